@@ -1,0 +1,104 @@
+//! The report's two rotors (Tables 3.2 and 4.2) and the feedback that comes with each.
+
+use crate::{Feedback, Gain, GainKind, Mass, Rotor, Signal};
+
+/// Names of the built-in rotors, in the order they are listed.
+pub const ROTORS: [&str; 2] = ["jeffcott", "three-mass"];
+
+/// The built-in rotor of that name, with its deadband at zero.
+#[must_use]
+pub fn rotor(name: &str) -> Option<Rotor> {
+    let made = match name {
+        "jeffcott" => Rotor::new(
+            name,
+            vec![Mass {
+                mass: 1.0,
+                damping: 0.5,
+                cross_damping: 0.1,
+                bearing_stiffness: 0.8,
+                seal_stiffness: 0.2,
+                unbalance: 1.0,
+                deadband: 0.0,
+            }],
+            vec![],
+        ),
+        "three-mass" => {
+            let end =
+                Mass { mass: 0.25, damping: 0.25, cross_damping: 0.05, bearing_stiffness: 0.5, ..Mass::default() };
+            let centre = Mass { mass: 0.5, unbalance: 1.0, ..Mass::default() };
+            Rotor::new(name, vec![end, centre, end], vec![0.5, 0.5])
+        }
+        _ => return None,
+    };
+    Some(made.expect("built-in parameters are valid"))
+}
+
+/// Names of the feedback that fits a rotor: `off` for any, the rest for the built-in rotor they were made for.
+#[must_use]
+pub fn feedback_names(rotor: &Rotor) -> &'static [&'static str] {
+    match (rotor.name(), rotor.len()) {
+        ("jeffcott", 1) => &["off", "cancel"],
+        ("three-mass", 3) => &["off", "composite", "individual"],
+        _ => &["off"],
+    }
+}
+
+/// The feedback that a live bench starts with: the first that stabilises, if the rotor has one.
+#[must_use]
+pub fn live_feedback_name(rotor: &Rotor) -> &'static str {
+    feedback_names(rotor).get(1).copied().unwrap_or("off")
+}
+
+/// The built-in feedback of that name for this rotor, with the control bearing at mass 1.
+///
+/// `off` has the structure of the rotor's first real feedback with every gain zero, so that it can be tuned up.
+#[must_use]
+pub fn feedback(rotor: &Rotor, name: &str) -> Option<Feedback> {
+    if !feedback_names(rotor).contains(&name) {
+        return None;
+    }
+    let signals = match name {
+        "off" => {
+            let structure = live_feedback_name(rotor);
+            return Some(if structure == "off" {
+                Feedback { bearing: 0, signals: vec![Signal::at_mass(0, rotor.len(), [0.0; 4])] }
+            } else {
+                feedback(rotor, structure)?.off()
+            });
+        }
+        // (3.43): kc = zeta (R0 - R) with R0 = 0 cancels the seal's cross-coupled stiffness.
+        "cancel" => {
+            let mut signal = Signal::at_mass(0, 1, [0.0; 4]);
+            *signal.gain_mut(GainKind::Kc) = Gain::Linear { at_zero: 0.0, slope: -rotor.masses()[0].damping };
+            vec![signal]
+        }
+        // The report's structure a = b = d = e = 1, c = f = 0; stable from 0 to R = 7.07.
+        "composite" => vec![Signal::composite(&[1.0, 1.0, 0.0], [-0.5755, 0.4942, -0.4871, 0.6435])],
+        // Stable over 0 <= R <= 7.2 whatever common stiffness the deadband leaves the bearings.
+        "individual" => vec![
+            Signal::at_mass(0, 3, [2.9471, 1.9771, -0.2200, -0.0089]),
+            Signal::at_mass(1, 3, [0.0768, 4.9158, 0.9801, 0.0653]),
+        ],
+        _ => return None,
+    };
+    Some(Feedback { bearing: 0, signals })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_name_gives_feedback_that_fits() {
+        for name in ROTORS {
+            let rotor = rotor(name).expect("listed");
+            for feedback_name in feedback_names(&rotor) {
+                let feedback = feedback(&rotor, feedback_name).expect("listed");
+                feedback.check(rotor.len()).expect("fits");
+                assert_eq!(feedback.is_off(), *feedback_name == "off");
+            }
+        }
+        assert!(rotor("jefcott").is_none());
+        assert!(feedback(&rotor("jeffcott").expect("listed"), "composite").is_none());
+    }
+}

@@ -1,0 +1,309 @@
+//! The control law: which sensors drive the control bearing, with which gains.
+//!
+//! `u = - sum_k [ (kd_k - j kc_k) p_k + (cd_k - j cc_k) p_k' ]`, the most general radially symmetric static output
+//! feedback. Each [`Signal`] is a weighted sum of displacements and of velocities with four gains. One signal with
+//! several weights is the report's *composite* output (4.25)-(4.27); one signal per sensor is *individual* feedback.
+
+use crate::{C64, MAX_MASSES};
+
+/// A gain over spin speed `R`.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gain {
+    /// The same at every speed.
+    Constant(f64),
+    /// `at_zero + slope R`: the report's cancelling law (3.40) is `kc = zeta R0 - zeta R`.
+    Linear {
+        /// Value at `R = 0`.
+        at_zero: f64,
+        /// Change per unit of speed.
+        slope: f64,
+    },
+    /// Piecewise linear through `(speed, value)` points, held constant beyond its ends: the report's Fig. 4.7.
+    Table(Vec<(f64, f64)>),
+}
+
+impl Gain {
+    /// The gain at spin speed `speed`.
+    #[must_use]
+    pub fn at(&self, speed: f64) -> f64 {
+        match self {
+            Self::Constant(value) => *value,
+            Self::Linear { at_zero, slope } => at_zero + slope * speed,
+            Self::Table(points) => interpolate(points, speed),
+        }
+    }
+
+    /// The same gain raised by `delta` at every speed, so that a schedule keeps its shape when it is nudged.
+    #[must_use]
+    pub fn shifted(&self, delta: f64) -> Self {
+        match self {
+            Self::Constant(value) => Self::Constant(value + delta),
+            Self::Linear { at_zero, slope } => Self::Linear { at_zero: at_zero + delta, slope: *slope },
+            Self::Table(points) => Self::Table(points.iter().map(|&(s, v)| (s, v + delta)).collect()),
+        }
+    }
+
+    /// All numbers in it are finite, and a table has points of strictly rising speed.
+    fn is_sound(&self) -> bool {
+        match self {
+            Self::Constant(value) => value.is_finite(),
+            Self::Linear { at_zero, slope } => at_zero.is_finite() && slope.is_finite(),
+            Self::Table(points) => {
+                !points.is_empty()
+                    && points.iter().all(|(s, v)| s.is_finite() && v.is_finite())
+                    && points.windows(2).all(|w| w[0].0 < w[1].0)
+            }
+        }
+    }
+}
+
+fn interpolate(points: &[(f64, f64)], speed: f64) -> f64 {
+    let after = points.partition_point(|&(s, _)| s <= speed);
+    match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+        (Some((s0, v0)), Some(&(s1, v1))) => v0 + (v1 - v0) * (speed - s0) / (s1 - s0),
+        (Some((_, v)), None) | (None, Some(&(_, v))) => v,
+        (None, None) => 0.0,
+    }
+}
+
+/// Which of the four gains of a signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum GainKind {
+    /// Direct stiffness `kd` (the report's g11).
+    Kd,
+    /// Direct damping `cd` (g13 in chapter III, g12 in chapter IV).
+    Cd,
+    /// Cross-coupled stiffness `kc` (g12 in chapter III, g13 in chapter IV).
+    Kc,
+    /// Cross-coupled damping `cc` (g14).
+    Cc,
+}
+
+impl GainKind {
+    /// All four, in the order `kd cd kc cc`.
+    pub const ALL: [Self; 4] = [Self::Kd, Self::Cd, Self::Kc, Self::Cc];
+
+    /// Its name in files, commands and panels.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Kd => "kd",
+            Self::Cd => "cd",
+            Self::Kc => "kc",
+            Self::Cc => "cc",
+        }
+    }
+}
+
+/// One measured signal: weighted sums of displacements and of velocities, and the four gains that act on them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Signal {
+    /// Weight of each mass's displacement: `a b c ...` of (4.26).
+    pub displacement: Vec<f64>,
+    /// Weight of each mass's velocity: `d e f ...` of (4.26).
+    pub velocity: Vec<f64>,
+    /// The gains, in the order of [`GainKind::ALL`].
+    pub gains: [Gain; 4],
+}
+
+impl Signal {
+    /// A signal over the same weights for displacement and velocity, with constant gains `[kd, cd, kc, cc]`.
+    #[must_use]
+    pub fn composite(weights: &[f64], gains: [f64; 4]) -> Self {
+        Self { displacement: weights.to_vec(), velocity: weights.to_vec(), gains: gains.map(Gain::Constant) }
+    }
+
+    /// The signal of the sensor at mass `mass` (counted from 0) of `masses`, with constant gains `[kd, cd, kc, cc]`.
+    #[must_use]
+    pub fn at_mass(mass: usize, masses: usize, gains: [f64; 4]) -> Self {
+        let mut weights = vec![0.0; masses];
+        if let Some(weight) = weights.get_mut(mass) {
+            *weight = 1.0;
+        }
+        Self::composite(&weights, gains)
+    }
+
+    /// One of its gains.
+    #[must_use]
+    pub fn gain(&self, kind: GainKind) -> &Gain {
+        &self.gains[kind as usize]
+    }
+
+    /// One of its gains, to change.
+    pub fn gain_mut(&mut self, kind: GainKind) -> &mut Gain {
+        &mut self.gains[kind as usize]
+    }
+}
+
+/// Where the control bearing is, and what drives it. Always fits the rotor it was checked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Feedback {
+    /// The mass that carries the control bearing, counted from 0.
+    pub bearing: usize,
+    /// The signals, at least one.
+    pub signals: Vec<Signal>,
+}
+
+/// Why feedback does not fit a rotor.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum FeedbackError {
+    /// The control bearing is on a mass that does not exist.
+    #[error("control bearing at mass {found}, but the rotor has masses 1 to {masses}")]
+    Bearing {
+        /// The mass asked for, counted from 1.
+        found: usize,
+        /// How many there are.
+        masses: usize,
+    },
+    /// No signal, or more than a message can carry.
+    #[error("feedback has 1 to {MAX_MASSES} signals, found {0}")]
+    Signals(usize),
+    /// A weight vector has the wrong length.
+    #[error("signal {signal}: {field} has {found} weights, but the rotor has {masses} masses")]
+    Weights {
+        /// Which signal, counted from 1.
+        signal: usize,
+        /// `displacement` or `velocity`.
+        field: &'static str,
+        /// How many weights there are.
+        found: usize,
+        /// How many masses there are.
+        masses: usize,
+    },
+    /// A weight is not finite.
+    #[error("signal {signal}: a weight of {field} is not finite")]
+    NotFinite {
+        /// Which signal, counted from 1.
+        signal: usize,
+        /// `displacement` or `velocity`.
+        field: &'static str,
+    },
+    /// A gain is not finite, or its table is empty or not in rising order of speed.
+    #[error("signal {signal}: {gain} must be finite, and a table non-empty with rising speeds")]
+    Gain {
+        /// Which signal, counted from 1.
+        signal: usize,
+        /// The gain's name.
+        gain: &'static str,
+    },
+}
+
+impl Feedback {
+    /// Checks that this feedback can drive a rotor of `masses` masses.
+    ///
+    /// # Errors
+    /// The first part that does not fit, by name.
+    pub fn check(&self, masses: usize) -> Result<(), FeedbackError> {
+        if self.bearing >= masses {
+            return Err(FeedbackError::Bearing { found: self.bearing + 1, masses });
+        }
+        if self.signals.is_empty() || self.signals.len() > MAX_MASSES {
+            return Err(FeedbackError::Signals(self.signals.len()));
+        }
+        for (i, signal) in self.signals.iter().enumerate() {
+            for (field, weights) in [("displacement", &signal.displacement), ("velocity", &signal.velocity)] {
+                if weights.len() != masses {
+                    return Err(FeedbackError::Weights { signal: i + 1, field, found: weights.len(), masses });
+                }
+                if !weights.iter().all(|w| w.is_finite()) {
+                    return Err(FeedbackError::NotFinite { signal: i + 1, field });
+                }
+            }
+            for kind in GainKind::ALL {
+                if !signal.gain(kind).is_sound() {
+                    return Err(FeedbackError::Gain { signal: i + 1, gain: kind.name() });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The same structure with every gain zero: control off, ready to be tuned up again.
+    #[must_use]
+    pub fn off(&self) -> Self {
+        let mut off = self.clone();
+        for signal in &mut off.signals {
+            signal.gains = [const { Gain::Constant(0.0) }; 4];
+        }
+        off
+    }
+
+    /// Whether every gain is zero at every speed.
+    #[must_use]
+    pub fn is_off(&self) -> bool {
+        self.signals.iter().all(|s| s.gains.iter().all(|g| *g == Gain::Constant(0.0)))
+    }
+
+    /// The law at one spin speed, as complex gains on each mass.
+    #[must_use]
+    pub fn at(&self, speed: f64) -> ControlRow {
+        let mut row = ControlRow { bearing: self.bearing, ..ControlRow::default() };
+        for signal in &self.signals {
+            let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|i| signal.gains[i].at(speed));
+            let on_displacement = C64::new(kd, -kc);
+            let on_velocity = C64::new(cd, -cc);
+            for (gain, weight) in row.displacement.iter_mut().zip(&signal.displacement) {
+                *gain += on_displacement * weight;
+            }
+            for (gain, weight) in row.velocity.iter_mut().zip(&signal.velocity) {
+                *gain += on_velocity * weight;
+            }
+        }
+        row
+    }
+}
+
+/// The control law at one speed: `u = - sum_k (displacement_k p_k + velocity_k p_k')` at mass `bearing`.
+#[derive(Clone, Copy, Debug, PartialEq, Default)]
+pub struct ControlRow {
+    /// The mass that carries the bearing, counted from 0.
+    pub bearing: usize,
+    /// Complex gain on each displacement, `sum (kd - j kc) weight`; zero beyond the last mass.
+    pub displacement: [C64; MAX_MASSES],
+    /// Complex gain on each velocity, `sum (cd - j cc) weight`; zero beyond the last mass.
+    pub velocity: [C64; MAX_MASSES],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_table_interpolates_and_holds_its_ends() {
+        let gain = Gain::Table(vec![(0.0, 1.0), (2.0, 3.0), (7.0, -2.0)]);
+        for (speed, value) in [(-1.0, 1.0), (0.0, 1.0), (1.0, 2.0), (2.0, 3.0), (4.5, 0.5), (7.0, -2.0), (9.0, -2.0)] {
+            assert_eq!(gain.at(speed), value, "at {speed}");
+        }
+        assert_eq!(gain.shifted(0.5).at(1.0), 2.5);
+    }
+
+    #[test]
+    fn composite_weights_act_on_every_sensor_they_name() {
+        let feedback = Feedback { bearing: 0, signals: vec![Signal::composite(&[1.0, 2.0], [3.0, 5.0, 7.0, 11.0])] };
+        let row = feedback.at(0.0);
+        assert_eq!(row.displacement[..2], [C64::new(3.0, -7.0), C64::new(6.0, -14.0)]);
+        assert_eq!(row.velocity[..2], [C64::new(5.0, -11.0), C64::new(10.0, -22.0)]);
+        assert!(!feedback.is_off() && feedback.off().is_off());
+    }
+
+    #[test]
+    fn what_does_not_fit_is_named() {
+        let told = |f: Feedback| f.check(2).unwrap_err().to_string();
+        let sound = Signal::at_mass(0, 2, [0.0; 4]);
+        assert_eq!(
+            told(Feedback { bearing: 2, signals: vec![sound.clone()] }),
+            "control bearing at mass 3, but the rotor has masses 1 to 2"
+        );
+        assert_eq!(told(Feedback { bearing: 0, signals: vec![] }), "feedback has 1 to 16 signals, found 0");
+        assert_eq!(
+            told(Feedback { bearing: 0, signals: vec![Signal::at_mass(0, 3, [0.0; 4])] }),
+            "signal 1: displacement has 3 weights, but the rotor has 2 masses"
+        );
+        let mut bad = sound;
+        *bad.gain_mut(GainKind::Cd) = Gain::Table(vec![(1.0, 0.0), (1.0, 2.0)]);
+        assert_eq!(
+            told(Feedback { bearing: 0, signals: vec![bad] }),
+            "signal 1: cd must be finite, and a table non-empty with rising speeds"
+        );
+    }
+}

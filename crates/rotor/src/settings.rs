@@ -1,0 +1,472 @@
+//! All that can be changed on a running machine, and the one table of its keys.
+//!
+//! [`PARAMETERS`] makes the keys of `whirl set`, the rows of the gain panel and the names in recordings. Settings
+//! travel whole and are checked whole: a half-applied change cannot exist.
+
+use std::fmt;
+use std::str::FromStr;
+
+use crate::{ClosedLoop, Feedback, FeedbackError, Gain, GainKind, Rotor};
+
+/// What a parameter belongs to, and so what the index in `key.index` counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// The whole machine: no index.
+    Machine,
+    /// One value a mass; without an index, all of them.
+    Mass,
+    /// One value a feedback signal; without an index, the first.
+    Signal,
+}
+
+/// One row of the table of settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its key, as typed.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+    /// Its unit; empty if it is a ratio.
+    pub unit: &'static str,
+    /// The least allowed value.
+    pub min: f64,
+    /// The greatest allowed value.
+    pub max: f64,
+    /// What one key press adds.
+    pub step: f64,
+    /// What it belongs to.
+    pub scope: Scope,
+    what: What,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum What {
+    Speed,
+    Deadband,
+    Gain(GainKind),
+    Trip,
+}
+
+const fn gain(kind: GainKind, name: &'static str, meaning: &'static str) -> Parameter {
+    Parameter { name, meaning, unit: "", min: -1e6, max: 1e6, step: 0.01, scope: Scope::Signal, what: What::Gain(kind) }
+}
+
+/// Every numeric setting, in the order in which panels show them.
+pub const PARAMETERS: [Parameter; 7] = [
+    Parameter {
+        name: "speed",
+        meaning: "spin speed R = w / w0",
+        unit: "w0",
+        min: 0.0,
+        max: 1000.0,
+        step: 0.05,
+        scope: Scope::Machine,
+        what: What::Speed,
+    },
+    Parameter {
+        name: "deadband",
+        meaning: "radial clearance of the support bearings, g / e_t",
+        unit: "e_t",
+        min: 0.0,
+        max: 1e6,
+        step: 0.1,
+        scope: Scope::Mass,
+        what: What::Deadband,
+    },
+    gain(GainKind::Kd, "kd", "direct stiffness (report: g11)"),
+    gain(GainKind::Cd, "cd", "direct damping (report: g13 in chapter III, g12 in chapter IV)"),
+    gain(GainKind::Kc, "kc", "cross-coupled stiffness (report: g12 in chapter III, g13 in chapter IV)"),
+    gain(GainKind::Cc, "cc", "cross-coupled damping (report: g14)"),
+    Parameter {
+        name: "trip",
+        meaning: "orbit radius at which the machine trips",
+        unit: "e_t",
+        min: 1e-3,
+        max: 1e9,
+        step: 10.0,
+        scope: Scope::Machine,
+        what: What::Trip,
+    },
+];
+
+/// One settable value: a row of [`PARAMETERS`], and the mass or signal it is meant for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// The row.
+    pub parameter: &'static Parameter,
+    /// Mass or signal, counted from 0. `None` is every mass, or the first signal.
+    pub index: Option<usize>,
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.index {
+            None => f.pad(self.parameter.name),
+            Some(i) => f.pad(&format!("{}.{}", self.parameter.name, i + 1)),
+        }
+    }
+}
+
+impl FromStr for Key {
+    type Err = SettingsError;
+
+    /// Reads `speed`, `deadband`, `deadband.2`, `kd.2` ...; the index counts from 1.
+    fn from_str(typed: &str) -> Result<Self, SettingsError> {
+        let unknown = || SettingsError::UnknownKey(typed.to_owned());
+        let (name, index) = match typed.split_once('.') {
+            None => (typed, None),
+            Some((name, index)) => {
+                let counted: usize = index.parse().map_err(|_| unknown())?;
+                (name, Some(counted.checked_sub(1).ok_or_else(unknown)?))
+            }
+        };
+        let parameter = PARAMETERS.iter().find(|p| p.name == name).ok_or_else(unknown)?;
+        if parameter.scope == Scope::Machine && index.is_some() {
+            return Err(unknown());
+        }
+        Ok(Self { parameter, index })
+    }
+}
+
+/// Why a change of settings is refused. Nothing has changed then.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SettingsError {
+    /// No such key.
+    #[error("no setting '{0}': there are {known}, with .N for mass or signal N", known = known_keys())]
+    UnknownKey(String),
+    /// The mass or signal asked for does not exist.
+    #[error("no {key}: there are {count} {of}")]
+    NoSuchIndex {
+        /// The key, with its index.
+        key: String,
+        /// How many there are.
+        count: usize,
+        /// Of what: `masses` or `signals`.
+        of: &'static str,
+    },
+    /// The value is not a number.
+    #[error("{key} = '{found}': expected a number")]
+    NotANumber {
+        /// The key.
+        key: String,
+        /// What was typed.
+        found: String,
+    },
+    /// The value is not finite, or outside its range.
+    #[error("{key} = {found}: expected a number from {min} to {max}")]
+    OutOfRange {
+        /// The key.
+        key: String,
+        /// The value.
+        found: f64,
+        /// The least allowed.
+        min: f64,
+        /// The greatest allowed.
+        max: f64,
+    },
+    /// The number of clearances is not the number of masses.
+    #[error("{found} deadbands for {masses} masses")]
+    Deadbands {
+        /// How many were given.
+        found: usize,
+        /// How many there must be.
+        masses: usize,
+    },
+    /// The feedback does not fit the rotor.
+    #[error(transparent)]
+    Feedback(#[from] FeedbackError),
+}
+
+fn known_keys() -> String {
+    PARAMETERS.iter().map(|p| p.name).chain(["feedback"]).collect::<Vec<_>>().join(", ")
+}
+
+/// The settings of a running machine, whole.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Clearance of every mass's support bearing, in `e_t`.
+    pub deadband: Vec<f64>,
+    /// Orbit radius at which the machine trips, in `e_t`.
+    pub trip: f64,
+    /// The control law.
+    pub feedback: Feedback,
+}
+
+impl Settings {
+    /// The default trip limit, in `e_t`.
+    pub const DEFAULT_TRIP: f64 = 1000.0;
+
+    /// Settings for `rotor` at `speed` under `feedback`: its own deadbands, the default trip limit.
+    #[must_use]
+    pub fn new(rotor: &Rotor, speed: f64, feedback: Feedback) -> Self {
+        Self { speed, deadband: rotor.deadbands(), trip: Self::DEFAULT_TRIP, feedback }
+    }
+
+    /// Checks everything against the rotor it is for.
+    ///
+    /// # Errors
+    /// The first value that does not fit, by key.
+    pub fn check(&self, rotor: &Rotor) -> Result<(), SettingsError> {
+        if self.deadband.len() != rotor.len() {
+            return Err(SettingsError::Deadbands { found: self.deadband.len(), masses: rotor.len() });
+        }
+        self.feedback.check(rotor.len())?;
+        for key in self.keys() {
+            let values: Vec<f64> = match key.parameter.what {
+                What::Gain(kind) => match self.signal(key)?.gain(kind) {
+                    Gain::Table(points) => points.iter().map(|&(_, value)| value).collect(),
+                    gain => vec![gain.at(self.speed)],
+                },
+                _ => vec![self.get(key)?],
+            };
+            for value in values {
+                in_range(key, value)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Every key these settings have: one a mass for deadbands, one a signal for gains.
+    #[must_use]
+    pub fn keys(&self) -> Vec<Key> {
+        let mut keys = Vec::new();
+        let mut add = |scope: Scope, index| {
+            keys.extend(PARAMETERS.iter().filter(|p| p.scope == scope).map(|parameter| Key { parameter, index }));
+        };
+        add(Scope::Machine, None);
+        (0..self.deadband.len()).for_each(|i| add(Scope::Mass, Some(i)));
+        (0..self.feedback.signals.len()).for_each(|i| add(Scope::Signal, Some(i)));
+        keys
+    }
+
+    /// The value of `key`, a scheduled gain at the present speed. For all masses at once, the largest.
+    ///
+    /// # Errors
+    /// A mass or signal that does not exist.
+    pub fn get(&self, key: Key) -> Result<f64, SettingsError> {
+        match key.parameter.what {
+            What::Speed => Ok(self.speed),
+            What::Trip => Ok(self.trip),
+            What::Deadband => match key.index {
+                None => Ok(self.deadband.iter().copied().fold(0.0, f64::max)),
+                Some(i) => self.deadband.get(i).copied().ok_or_else(|| self.no_such(key)),
+            },
+            What::Gain(kind) => Ok(self.signal(key)?.gain(kind).at(self.speed)),
+        }
+    }
+
+    /// Sets `key`: a scheduled gain becomes constant.
+    ///
+    /// # Errors
+    /// A value that is not finite or out of range, or a mass or signal that does not exist; nothing changes then.
+    pub fn set(&mut self, key: Key, value: f64) -> Result<(), SettingsError> {
+        in_range(key, value)?;
+        match key.parameter.what {
+            What::Speed => self.speed = value,
+            What::Trip => self.trip = value,
+            What::Deadband => match key.index {
+                None => self.deadband.fill(value),
+                Some(i) => {
+                    let refusal = self.no_such(key);
+                    *self.deadband.get_mut(i).ok_or(refusal)? = value;
+                }
+            },
+            What::Gain(kind) => *self.gain_mut(key, kind)? = Gain::Constant(value),
+        }
+        Ok(())
+    }
+
+    /// Raises `key` by `delta`, held within its range; a scheduled gain is raised at every speed.
+    ///
+    /// # Errors
+    /// A mass or signal that does not exist.
+    pub fn nudge(&mut self, key: Key, delta: f64) -> Result<(), SettingsError> {
+        let Parameter { min, max, what, .. } = *key.parameter;
+        let raised = |value: f64| tidy(value + delta, delta).clamp(min, max);
+        match (what, key.index) {
+            (What::Deadband, None) => self.deadband.iter_mut().for_each(|g| *g = raised(*g)),
+            (What::Gain(kind), _) => {
+                let gain = self.gain_mut(key, kind)?;
+                *gain = match &*gain {
+                    Gain::Constant(value) => Gain::Constant(raised(*value)),
+                    schedule => schedule.shifted(delta),
+                };
+            }
+            _ => self.set(key, raised(self.get(key)?))?,
+        }
+        Ok(())
+    }
+
+    /// Sets `key` to what was typed for it.
+    ///
+    /// # Errors
+    /// An unknown key, a value that is not a number, or what [`Settings::set`] refuses; nothing changes then.
+    pub fn assign(&mut self, key: &str, value: &str) -> Result<(), SettingsError> {
+        let parsed: Key = key.parse()?;
+        let number = value
+            .trim()
+            .parse()
+            .map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
+        self.set(parsed, number)
+    }
+
+    /// The equations of motion under these settings, which must have passed [`Settings::check`].
+    #[must_use]
+    pub fn closed_loop(&self, rotor: &Rotor) -> ClosedLoop {
+        ClosedLoop::new(rotor, &self.feedback, self.speed, &self.deadband)
+    }
+
+    /// The schedule behind a gain, if `key` is one.
+    #[must_use]
+    pub fn gain(&self, key: Key) -> Option<&Gain> {
+        match key.parameter.what {
+            What::Gain(kind) => self.signal(key).ok().map(|signal| signal.gain(kind)),
+            _ => None,
+        }
+    }
+
+    fn signal(&self, key: Key) -> Result<&crate::Signal, SettingsError> {
+        self.feedback.signals.get(key.index.unwrap_or(0)).ok_or_else(|| self.no_such(key))
+    }
+
+    fn gain_mut(&mut self, key: Key, kind: GainKind) -> Result<&mut Gain, SettingsError> {
+        let refusal = self.no_such(key);
+        let signal = self.feedback.signals.get_mut(key.index.unwrap_or(0)).ok_or(refusal)?;
+        Ok(signal.gain_mut(kind))
+    }
+
+    fn no_such(&self, key: Key) -> SettingsError {
+        let (count, of) = match key.parameter.scope {
+            Scope::Signal => (self.feedback.signals.len(), "signals"),
+            Scope::Mass | Scope::Machine => (self.deadband.len(), "masses"),
+        };
+        SettingsError::NoSuchIndex { key: key.to_string(), count, of }
+    }
+}
+
+fn in_range(key: Key, value: f64) -> Result<(), SettingsError> {
+    let Parameter { min, max, .. } = *key.parameter;
+    if (min..=max).contains(&value) {
+        Ok(())
+    } else {
+        Err(SettingsError::OutOfRange { key: key.to_string(), found: value, min, max })
+    }
+}
+
+/// Rounds away the dust of binary fractions, three digits below the step: ten nudges of 0.1 make 1, not 0.9999999999999999.
+fn tidy(value: f64, step: f64) -> f64 {
+    if step == 0.0 {
+        return value;
+    }
+    let digits = 1e3 / step.abs();
+    let rounded = (value * digits).round() / digits;
+    if rounded.is_finite() { rounded } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+
+    fn three_mass() -> (Rotor, Settings) {
+        let rotor = builtin::rotor("three-mass").expect("built in");
+        let feedback = builtin::feedback(&rotor, "individual").expect("built in");
+        let settings = Settings::new(&rotor, 2.5, feedback);
+        (rotor, settings)
+    }
+
+    #[test]
+    fn every_key_reads_back_what_was_set() {
+        let (rotor, mut settings) = three_mass();
+        let keys = settings.keys();
+        assert_eq!(keys.len(), 2 + 3 + 4 * 2);
+        for (i, &key) in keys.iter().enumerate() {
+            let value = 0.25 + i as f64;
+            assert_eq!(key.to_string().parse::<Key>().expect("its own name"), key);
+            settings.set(key, value).expect("in range");
+            assert_eq!(settings.get(key).expect("exists"), value, "{key}");
+        }
+        settings.check(&rotor).expect("all in range");
+    }
+
+    #[test]
+    fn a_key_without_index_means_all_masses_or_the_first_signal() {
+        let (_, mut settings) = three_mass();
+        settings.assign("deadband", "2").expect("fine");
+        settings.assign("deadband.2", "0.5").expect("fine");
+        assert_eq!(settings.deadband, [2.0, 0.5, 2.0]);
+        settings.assign("kd", "0.75").expect("fine");
+        assert_eq!(settings.feedback.signals[0].gains[0], Gain::Constant(0.75));
+    }
+
+    #[test]
+    fn refusals_change_nothing_and_say_why() {
+        let (_, mut settings) = three_mass();
+        let before = settings.clone();
+        for (key, value, why) in [
+            (
+                "sped",
+                "1",
+                "no setting 'sped': there are speed, deadband, kd, cd, kc, cc, trip, feedback, with .N for mass or signal N",
+            ),
+            (
+                "speed.1",
+                "1",
+                "no setting 'speed.1': there are speed, deadband, kd, cd, kc, cc, trip, feedback, with .N for mass or signal N",
+            ),
+            (
+                "kd.0",
+                "1",
+                "no setting 'kd.0': there are speed, deadband, kd, cd, kc, cc, trip, feedback, with .N for mass or signal N",
+            ),
+            ("kd.3", "1", "no kd.3: there are 2 signals"),
+            ("deadband.4", "1", "no deadband.4: there are 3 masses"),
+            ("speed", "fast", "speed = 'fast': expected a number"),
+            ("speed", "-1", "speed = -1: expected a number from 0 to 1000"),
+            ("kd", "nan", "kd = NaN: expected a number from -1000000 to 1000000"),
+            ("trip", "inf", "trip = inf: expected a number from 0.001 to 1000000000"),
+        ] {
+            assert_eq!(settings.assign(key, value).expect_err(key).to_string(), why);
+        }
+        assert_eq!(settings, before);
+    }
+
+    #[test]
+    fn whole_settings_are_checked_against_their_rotor() {
+        let (rotor, settings) = three_mass();
+        let refused = |change: &dyn Fn(&mut Settings)| {
+            let mut changed = settings.clone();
+            change(&mut changed);
+            changed.check(&rotor).expect_err("refused").to_string()
+        };
+        assert_eq!(refused(&|s| s.deadband = vec![1.0]), "1 deadbands for 3 masses");
+        assert_eq!(refused(&|s| s.speed = f64::NAN), "speed = NaN: expected a number from 0 to 1000");
+        assert_eq!(refused(&|s| s.deadband[1] = -1.0), "deadband.2 = -1: expected a number from 0 to 1000000");
+        assert_eq!(
+            refused(&|s| s.feedback.signals[1].gains[2] = Gain::Table(vec![(0.0, 0.0), (1.0, 2e6)])),
+            "kc.2 = 2000000: expected a number from -1000000 to 1000000"
+        );
+    }
+
+    #[test]
+    fn nudges_stay_on_round_numbers_and_in_range() {
+        let (_, mut settings) = three_mass();
+        let speed: Key = "speed".parse().expect("a key");
+        settings.set(speed, 0.0).expect("in range");
+        (0..10).for_each(|_| settings.nudge(speed, 0.1).expect("exists"));
+        assert_eq!(settings.speed, 1.0);
+        settings.nudge(speed, -7.0).expect("exists");
+        assert_eq!(settings.speed, 0.0);
+    }
+
+    #[test]
+    fn nudging_a_schedule_keeps_its_slope() {
+        let rotor = builtin::rotor("jeffcott").expect("built in");
+        let mut settings = Settings::new(&rotor, 2.0, builtin::feedback(&rotor, "cancel").expect("built in"));
+        let kc: Key = "kc".parse().expect("a key");
+        settings.nudge(kc, 0.25).expect("exists");
+        assert_eq!(settings.feedback.signals[0].gain(GainKind::Kc), &Gain::Linear { at_zero: 0.25, slope: -0.5 });
+    }
+}

@@ -1,0 +1,17 @@
+//! One file a command: its options, and the glue that carries it out.
+
+pub(crate) mod poles;
+
+use crate::cli::{Cli, Command};
+use crate::failure::Failure;
+
+/// Carries out a command line.
+///
+/// # Errors
+/// Whatever the command fails with.
+pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
+    match cli.command {
+        None => Err(Failure::Work("not there yet".into())),
+        Some(Command::Poles(args)) => poles::run(&args),
+    }
+}

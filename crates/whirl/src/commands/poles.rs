@@ -1,0 +1,96 @@
+//! `whirl poles`: eigenvalues and minimum damping at one speed.
+
+use rotor::{Mode, Spectrum, Whirl};
+use serde::Serialize;
+
+use crate::catalog;
+use crate::cli::MachineArgs;
+use crate::failure::Failure;
+use crate::output::{Cell, Format, Table, rounded};
+
+/// Options of `whirl poles`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct PolesArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Spin speed R = w / w0
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: f64,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    speed: f64,
+    stable: bool,
+    min_damping: f64,
+    modes: Vec<ModeDocument>,
+}
+
+/// One mode, as scripts read it.
+#[derive(Debug, Serialize)]
+struct ModeDocument {
+    re: f64,
+    im: f64,
+    damping: f64,
+    log_dec: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    log_dec_null: Option<&'static str>,
+    frequency: f64,
+    whirl: Whirl,
+    shape: Vec<Part>,
+}
+
+#[derive(Debug, Serialize)]
+struct Part {
+    re: f64,
+    im: f64,
+}
+
+impl From<&Mode> for ModeDocument {
+    fn from(mode: &Mode) -> Self {
+        let log_dec = Some(mode.log_decrement()).filter(|d| d.is_finite());
+        Self {
+            re: mode.pole.re,
+            im: mode.pole.im,
+            damping: mode.damping(),
+            log_dec,
+            log_dec_null: log_dec.is_none().then_some("the pole is real: it does not whirl"),
+            frequency: mode.frequency(),
+            whirl: mode.whirl(),
+            shape: mode.shape.iter().map(|c| Part { re: c.re, im: c.im }).collect(),
+        }
+    }
+}
+
+/// Prints the poles.
+///
+/// # Errors
+/// A machine that cannot be made, or eigenvalues that do not converge.
+pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
+    let (rotor, settings) = catalog::machine(&args.machine, args.speed, catalog::Default::Analysis)?;
+    let spectrum = Spectrum::of(&settings.closed_loop(&rotor))?;
+
+    let mut table = Table::new(&["re", "im", "damping", "log dec", "frequency", "whirl"]);
+    for mode in &spectrum.modes {
+        let numbers = [mode.pole.re, mode.pole.im, mode.damping(), mode.log_decrement(), mode.frequency()];
+        table.row(numbers.map(Cell::from).into_iter().chain([Cell::from(&mode.whirl())]));
+    }
+    let document = Document {
+        rotor: rotor.name(),
+        speed: settings.speed,
+        stable: spectrum.is_stable(),
+        min_damping: spectrum.min_damping(),
+        modes: spectrum.modes.iter().map(ModeDocument::from).collect(),
+    };
+    let word = if spectrum.is_stable() { "stable" } else { "UNSTABLE" };
+    args.format.print(
+        &document,
+        &format!("{} at R = {}, deadband neglected; per unit of tau = w0 t", rotor.name(), settings.speed),
+        &table,
+        &format!("{word}, minimum damping {}", rounded(spectrum.min_damping())),
+    )
+}

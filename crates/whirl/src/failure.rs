@@ -1,0 +1,70 @@
+//! Every way a command can fail, and the exit code it means.
+
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Why a command did not do what was asked.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum Failure {
+    /// The work itself failed: exit code 1.
+    #[error("{0}")]
+    Work(String),
+    /// The command line or a file is wrong: exit code 2.
+    #[error("{0}")]
+    Usage(String),
+    /// No such bench, or it is taken: exit code 3.
+    #[error("{0}")]
+    Bench(String),
+    /// A signal ended it: exit code 130.
+    #[error("interrupted")]
+    Interrupted,
+    /// The reader of our output went away, as `head` does: not an error.
+    #[error("output closed")]
+    OutputClosed,
+}
+
+impl Failure {
+    /// The exit code that scripts rely on.
+    #[must_use]
+    pub(crate) fn code(&self) -> u8 {
+        match self {
+            Self::OutputClosed => 0,
+            Self::Work(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Bench(_) => 3,
+            Self::Interrupted => 130,
+        }
+    }
+
+    /// Says it on stderr, once, and gives the exit code.
+    #[must_use]
+    pub(crate) fn report(&self) -> ExitCode {
+        if !matches!(self, Self::OutputClosed | Self::Interrupted) {
+            // If stderr is gone too, the exit code still tells.
+            let _ = writeln!(std::io::stderr(), "whirl: {self}");
+        }
+        ExitCode::from(self.code())
+    }
+}
+
+impl From<std::io::Error> for Failure {
+    fn from(error: std::io::Error) -> Self {
+        if error.kind() == std::io::ErrorKind::BrokenPipe {
+            Self::OutputClosed
+        } else {
+            Self::Work(format!("cannot write the output: {error}"))
+        }
+    }
+}
+
+impl From<rotor::SettingsError> for Failure {
+    fn from(error: rotor::SettingsError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+impl From<rotor::PoleError> for Failure {
+    fn from(error: rotor::PoleError) -> Self {
+        Self::Work(error.to_string())
+    }
+}

@@ -1,0 +1,32 @@
+//! The command line of Whirl: one file a command, each a few lines of glue over the other crates.
+//!
+//! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
+//! * [`catalog`] turns the names and files that a person types into rotors and feedback.
+//! * [`output`] prints one result as a table, as CSV or as JSON.
+//! * [`failure`] is every way to fail, with its exit code.
+
+mod catalog;
+mod cli;
+mod commands;
+mod failure;
+mod output;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// Runs the command line that this process was started with, and says how it ended.
+#[must_use]
+pub fn main() -> ExitCode {
+    let cli = cli::Cli::parse();
+    match commands::run(cli) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(failure) => failure.report(),
+    }
+}
+
+/// The command line as data, for man pages, completions and the tests that keep the documents true.
+#[must_use]
+pub fn command() -> clap::Command {
+    <cli::Cli as clap::CommandFactory>::command()
+}

@@ -1,0 +1,173 @@
+//! One result, three forms: a table for people, CSV for spreadsheets, one JSON document for scripts.
+
+use std::io::Write;
+
+use serde::Serialize;
+
+use crate::failure::Failure;
+
+/// A table of numbers and words.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Table {
+    header: Vec<&'static str>,
+    rows: Vec<Vec<Cell>>,
+}
+
+/// One entry of a [`Table`].
+#[derive(Clone, Debug)]
+pub(crate) enum Cell {
+    /// A number: six significant digits for people, all of them in CSV.
+    Number(f64),
+    /// Words.
+    Text(String),
+}
+
+impl From<f64> for Cell {
+    fn from(number: f64) -> Self {
+        Self::Number(number)
+    }
+}
+
+impl<T: std::fmt::Display> From<&T> for Cell {
+    fn from(text: &T) -> Self {
+        Self::Text(text.to_string())
+    }
+}
+
+impl Table {
+    /// An empty table under these headings.
+    #[must_use]
+    pub(crate) fn new(header: &[&'static str]) -> Self {
+        Self { header: header.to_vec(), rows: Vec::new() }
+    }
+
+    /// Adds a row of as many cells as there are headings.
+    pub(crate) fn row(&mut self, cells: impl IntoIterator<Item = Cell>) {
+        self.rows.push(cells.into_iter().collect());
+    }
+
+    fn to_text(&self) -> String {
+        let mut table = comfy_table::Table::new();
+        table.load_style(comfy_table::presets::NOTHING).set_header(self.header.iter());
+        for row in &self.rows {
+            table.add_row(row.iter().map(|cell| match cell {
+                Cell::Number(number) => {
+                    comfy_table::Cell::new(rounded(*number)).set_alignment(comfy_table::CellAlignment::Right)
+                }
+                Cell::Text(text) => comfy_table::Cell::new(text),
+            }));
+        }
+        // Trailing blanks wrap on narrow terminals and spoil diffs.
+        table.to_string().lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+    }
+
+    fn to_csv(&self) -> Result<String, Failure> {
+        let failed = |error: csv::Error| Failure::Work(format!("cannot write CSV: {error}"));
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        writer.write_record(&self.header).map_err(failed)?;
+        for row in &self.rows {
+            let fields = row.iter().map(|cell| match cell {
+                Cell::Number(number) => number.to_string(),
+                Cell::Text(text) => text.clone(),
+            });
+            writer.write_record(fields).map_err(failed)?;
+        }
+        let bytes = writer.into_inner().map_err(|error| Failure::Work(format!("cannot write CSV: {error}")))?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+}
+
+/// Six significant digits, plain where that reads well.
+#[must_use]
+pub(crate) fn rounded(number: f64) -> String {
+    if !number.is_finite() {
+        return number.to_string();
+    }
+    let size = number.abs();
+    if size != 0.0 && !(1e-4..1e7).contains(&size) {
+        return format!("{number:.5e}");
+    }
+    let whole_digits = if size >= 1.0 { size.log10().floor() as usize + 1 } else { 0 };
+    format!("{number:.*}", 6_usize.saturating_sub(whole_digits))
+}
+
+/// How a command's result is printed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::Args)]
+pub(crate) struct Format {
+    /// Print one JSON document
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+    /// Print rows for a spreadsheet
+    #[arg(long)]
+    pub csv: bool,
+}
+
+impl Format {
+    /// Prints `document` as JSON, or `table` as CSV, or `heading`, `table` and `footer` for people.
+    ///
+    /// # Errors
+    /// The output cannot be written.
+    pub(crate) fn print(
+        self,
+        document: &impl Serialize,
+        heading: &str,
+        table: &Table,
+        footer: &str,
+    ) -> Result<(), Failure> {
+        if self.json {
+            print_json(document)
+        } else if self.csv {
+            print_text(&table.to_csv()?)
+        } else {
+            let blocks = [heading.to_owned() + "\n", table.to_text(), footer.to_owned() + "\n"];
+            print_text(&blocks.into_iter().filter(|block| !block.trim().is_empty()).collect::<String>())
+        }
+    }
+}
+
+/// Prints one JSON document and ends the line. Numbers keep full precision; what is not finite is `null`.
+///
+/// # Errors
+/// The output cannot be written.
+pub(crate) fn print_json(document: &impl Serialize) -> Result<(), Failure> {
+    let text = serde_json::to_string(document).map_err(|error| Failure::Work(format!("cannot write JSON: {error}")))?;
+    print_text(&(text + "\n"))
+}
+
+/// Prints text on stdout, whole.
+///
+/// # Errors
+/// The output cannot be written.
+pub(crate) fn print_text(text: &str) -> Result<(), Failure> {
+    let mut stdout = std::io::stdout().lock();
+    stdout.write_all(text.as_bytes())?;
+    stdout.flush()?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_keep_six_significant_digits() {
+        for (number, text) in [
+            (0.0, "0.000000"),
+            (0.496_714_3, "0.496714"),
+            (-12.345_678, "-12.3457"),
+            (123_456.7, "123457"),
+            (2.5e-7, "2.50000e-7"),
+            (3e9, "3.00000e9"),
+        ] {
+            assert_eq!(rounded(number), text);
+        }
+    }
+
+    #[test]
+    fn csv_keeps_every_digit_and_quotes_words() {
+        let mut table = Table::new(&["a", "b"]);
+        table.row([Cell::from(0.1 + 0.2), Cell::from(&"x, y")]);
+        assert_eq!(table.to_csv().expect("written"), "a,b\n0.30000000000000004,\"x, y\"\n");
+        assert_eq!(table.to_text(), " a         b\n 0.300000  x, y\n");
+    }
+}

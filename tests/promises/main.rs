@@ -1,0 +1,3 @@
+//! Promises of the contract, one a file, kept by the real program.
+
+mod poles;
