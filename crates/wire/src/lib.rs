@@ -1,1 +1,36 @@
-//! placeholder
+//! What crosses a process border: the messages, their schema version, and the ports that carry them.
+//!
+//! A new reader of telemetry needs this crate and nothing else. Messages are `#[repr(C)]`, fixed in size and documented
+//! field by field in [`message`]; the ports are traits ([`Carrier`] and its family) with two implementations under one
+//! contract suite: [`SharedMemory`], which is iceoryx2, and [`Memory`], which is a map of queues for tests.
+//!
+//! A bench called `NAME` is four iceoryx2 services:
+//!
+//! | service | pattern | what |
+//! |---|---|---|
+//! | `whirl/NAME/state` | publish-subscribe of [`State`] | every step, in order, oldest dropped if a reader sleeps |
+//! | `whirl/NAME/bulletin` | publish-subscribe of [`Bulletin`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
+//! | `whirl/NAME/command` | request-response of [`Request`] and [`Answer`] | changes, answered with the step that took them |
+//! | `whirl/NAME/wake` | event | tells the simulation that a request waits |
+
+mod bench_name;
+mod census;
+mod error;
+mod memory;
+pub mod message;
+mod ports;
+mod root;
+mod settings_message;
+mod shared_memory;
+mod text;
+
+pub use bench_name::BenchName;
+pub use census::{BenchEntry, Party, clean};
+pub use error::WireError;
+pub use memory::Memory;
+pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
+pub use ports::{BulletinSender, Carrier, Change, Commander, Host, HostState, Inbox, Listener, StateSender};
+pub use root::Root;
+pub use settings_message::{MAX_KNOTS, SettingsMessage};
+pub use shared_memory::SharedMemory;
+pub use text::Text;

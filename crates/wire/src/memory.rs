@@ -1,0 +1,227 @@
+//! The carrier for tests: queues in this process, with the manners of shared memory.
+
+use std::collections::{HashMap, VecDeque};
+use std::sync::mpsc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::time::{Duration, Instant};
+
+use crate::message::Request;
+use crate::{
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Host, HostState, Inbox, Listener, State,
+    StateSender, WireError,
+};
+
+/// How many states a sleeping listener keeps: the oldest are dropped beyond that.
+const STATES_KEPT: usize = 1024;
+
+/// Carries messages within this process. Clones share their benches.
+#[derive(Clone, Debug, Default)]
+pub struct Memory {
+    benches: Arc<Mutex<HashMap<BenchName, Arc<Bench>>>>,
+}
+
+type Mailbox = Mutex<VecDeque<State>>;
+type Envelope = (Box<Request>, mpsc::Sender<Answer>);
+
+/// What outlives a host, so that listeners hear the next one.
+#[derive(Debug, Default)]
+struct Bench {
+    host: Mutex<Weak<()>>,
+    mailboxes: Mutex<Vec<Weak<Mailbox>>>,
+    bulletin: Mutex<(u64, Box<Bulletin>)>,
+    requests: Mutex<Option<mpsc::Sender<Envelope>>>,
+}
+
+/// A poisoned lock means a test has already failed elsewhere: the data is still whole.
+fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Memory {
+    fn existing(&self, name: &BenchName) -> Result<Arc<Bench>, WireError> {
+        let found = lock(&self.benches).get(name).cloned();
+        found.filter(|bench| lock(&bench.host).strong_count() > 0).ok_or_else(|| WireError::NoBench(name.clone()))
+    }
+}
+
+impl Carrier for Memory {
+    type Host = MemoryHost;
+    type Listener = MemoryListener;
+    type Commander = MemoryCommander;
+
+    fn host(&self, name: &BenchName) -> Result<MemoryHost, WireError> {
+        let bench = lock(&self.benches).entry(name.clone()).or_default().clone();
+        let mut holder = lock(&bench.host);
+        if holder.strong_count() > 0 {
+            return Err(WireError::Taken(name.clone()));
+        }
+        let claim = Arc::new(());
+        *holder = Arc::downgrade(&claim);
+        drop(holder);
+        lock(&bench.bulletin).0 = 0;
+        Ok(MemoryHost { bench, claim })
+    }
+
+    fn listen(&self, name: &BenchName) -> Result<MemoryListener, WireError> {
+        let bench = self.existing(name)?;
+        let mailbox = Arc::new(Mailbox::default());
+        lock(&bench.mailboxes).push(Arc::downgrade(&mailbox));
+        Ok(MemoryListener { bench, mailbox, seen: 0 })
+    }
+
+    fn command(&self, name: &BenchName) -> Result<MemoryCommander, WireError> {
+        Ok(MemoryCommander { bench: self.existing(name)?, name: name.clone() })
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryHost {
+    bench: Arc<Bench>,
+    claim: Arc<()>,
+}
+
+impl Host for MemoryHost {
+    type States = MemoryStates;
+    type Bulletins = MemoryBulletins;
+    type Inbox = MemoryInbox;
+
+    fn states(&self) -> Result<MemoryStates, WireError> {
+        Ok(MemoryStates { bench: self.bench.clone(), _claim: self.claim.clone() })
+    }
+
+    fn bulletins(&self) -> Result<MemoryBulletins, WireError> {
+        Ok(MemoryBulletins { bench: self.bench.clone(), _claim: self.claim.clone() })
+    }
+
+    fn inbox(&self) -> Result<MemoryInbox, WireError> {
+        let (sender, receiver) = mpsc::channel();
+        *lock(&self.bench.requests) = Some(sender);
+        Ok(MemoryInbox { receiver, _claim: self.claim.clone() })
+    }
+
+    fn listeners(&self) -> usize {
+        lock(&self.bench.mailboxes).iter().filter(|mailbox| mailbox.strong_count() > 0).count()
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryStates {
+    bench: Arc<Bench>,
+    _claim: Arc<()>,
+}
+
+impl StateSender for MemoryStates {
+    fn send(&mut self, fill: impl FnOnce(&mut State)) -> Result<(), WireError> {
+        let mut state = State::default();
+        fill(&mut state);
+        lock(&self.bench.mailboxes).retain(|mailbox| {
+            let Some(mailbox) = mailbox.upgrade() else { return false };
+            let mut mailbox = lock(&mailbox);
+            if mailbox.len() == STATES_KEPT {
+                mailbox.pop_front();
+            }
+            mailbox.push_back(state);
+            true
+        });
+        Ok(())
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryBulletins {
+    bench: Arc<Bench>,
+    _claim: Arc<()>,
+}
+
+impl BulletinSender for MemoryBulletins {
+    fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
+        let mut last = lock(&self.bench.bulletin);
+        last.0 += 1;
+        *last.1 = *bulletin;
+        Ok(())
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryInbox {
+    receiver: mpsc::Receiver<Envelope>,
+    _claim: Arc<()>,
+}
+
+impl Inbox for MemoryInbox {
+    fn serve(&mut self, patience: Duration, mut answer: impl FnMut(&Request) -> Answer) -> Result<usize, WireError> {
+        let mut served = 0;
+        let mut next = self.receiver.recv_timeout(patience).ok();
+        while let Some((request, reply)) = next {
+            // A commander that has given up does not hear the answer.
+            let _ = reply.send(answer(&request));
+            served += 1;
+            next = self.receiver.try_recv().ok();
+        }
+        Ok(served)
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryListener {
+    bench: Arc<Bench>,
+    mailbox: Arc<Mailbox>,
+    seen: u64,
+}
+
+impl Listener for MemoryListener {
+    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError> {
+        let arrived = std::mem::take(&mut *lock(&self.mailbox));
+        arrived.iter().for_each(visit);
+        Ok(arrived.len())
+    }
+
+    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
+        let last = lock(&self.bench.bulletin);
+        let fresh = last.0 != self.seen && last.0 > 0;
+        self.seen = last.0;
+        Ok(fresh.then(|| last.1.clone()))
+    }
+
+    fn host(&self) -> HostState {
+        if lock(&self.bench.host).strong_count() > 0 { HostState::Alive } else { HostState::Gone }
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryCommander {
+    bench: Arc<Bench>,
+    name: BenchName,
+}
+
+impl Commander for MemoryCommander {
+    fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError> {
+        let silent = || WireError::NoAnswer(self.name.clone());
+        let deadline = Instant::now() + patience;
+        let (reply, answer) = mpsc::channel();
+        let mut envelope = (Box::new(*request), reply);
+        // Like shared memory, a request waits for an inbox that opens in time.
+        loop {
+            let inbox = lock(&self.bench.requests).clone();
+            let sent = match inbox {
+                Some(inbox) => inbox.send(envelope),
+                None => Err(mpsc::SendError(envelope)),
+            };
+            match sent {
+                Ok(()) => break,
+                Err(mpsc::SendError(unsent)) => envelope = unsent,
+            }
+            if Instant::now() >= deadline {
+                return Err(silent());
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        answer.recv_timeout(deadline.saturating_duration_since(Instant::now())).map_err(|_| silent())
+    }
+}

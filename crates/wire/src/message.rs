@@ -1,0 +1,413 @@
+//! The messages, field by field. All are `#[repr(C)]` and of fixed size; [`SCHEMA`] counts their versions.
+//!
+//! Dimensionless units of the model throughout: displacement in `e_t`, velocity in `e_t` per unit of `tau`, control in
+//! `w0^2 e_t` (the force on the bearing's mass, divided by that mass). Lists are filled from the front and padded with
+//! zeros; a count says how far.
+
+use std::fmt;
+
+use iceoryx2::prelude::ZeroCopySend;
+use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError};
+
+use crate::{SettingsMessage, Text};
+
+/// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
+pub const SCHEMA: u32 = 1;
+
+/// One step of the simulation, sent at the full rate.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[type_name("whirl.State")]
+#[repr(C)]
+pub struct State {
+    /// Which run of which process: changes when the simulation process starts anew.
+    pub run_id: u64,
+    /// Number of the step since the process started: rises by 1 from message to message, also while tripped.
+    pub seq: u64,
+    /// Dimensionless time since the rotor was last at rest, `w0 t`. Stands still while tripped.
+    pub tau: f64,
+    /// Spin angle in radians, unwrapped: the unbalance points along it.
+    pub angle: f64,
+    /// Wall clock when the step was due to be sent, nanoseconds since 1970.
+    pub wall_ns: u64,
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Control `u` that the feedback asks for, `[y, z]`.
+    pub force_commanded: [f64; 2],
+    /// Control that the bearing delivers, `[y, z]`; the same as commanded while the loop is ideal.
+    pub force_delivered: [f64; 2],
+    /// Revision of the settings that this step was made with.
+    pub revision: u64,
+    /// See [`Flags`].
+    pub flags: Flags,
+    /// How many of `masses` are used.
+    pub count: u32,
+    /// Position and velocity per mass.
+    pub masses: [Point; MAX_MASSES],
+}
+
+impl State {
+    /// The masses that the rotor has.
+    #[must_use]
+    pub fn points(&self) -> &[Point] {
+        &self.masses[..(self.count as usize).min(MAX_MASSES)]
+    }
+}
+
+/// Where one mass is and how it moves.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[repr(C)]
+pub struct Point {
+    /// Displacement along y.
+    pub y: f64,
+    /// Displacement along z.
+    pub z: f64,
+    /// Velocity along y.
+    pub vy: f64,
+    /// Velocity along z.
+    pub vz: f64,
+}
+
+impl Point {
+    /// Distance from the centre.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        self.y.hypot(self.z)
+    }
+}
+
+/// What is special about a step: bits 0 to 15 are contact of mass 1 to 16 with its support bearing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ZeroCopySend)]
+#[repr(C)]
+pub struct Flags(pub u32);
+
+impl Flags {
+    /// The control bearing is at its limit.
+    pub const SATURATED: Self = Self(1 << 16);
+    /// The machine has tripped: the rotor is held where it was.
+    pub const TRIPPED: Self = Self(1 << 17);
+    /// The step was sent more than one step period after it was due.
+    pub const LATE: Self = Self(1 << 18);
+
+    /// Flags with the contact bits `mask`, bit `i` for mass `i`.
+    #[must_use]
+    pub fn contact(mask: u32) -> Self {
+        Self(mask & 0xffff)
+    }
+
+    /// Whether all bits of `other` are set.
+    #[must_use]
+    pub fn has(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// Whether mass `mass` (counted from 0) presses on its bearing.
+    #[must_use]
+    pub fn in_contact(self, mass: usize) -> bool {
+        mass < MAX_MASSES && self.0 >> mass & 1 == 1
+    }
+
+    /// Every flag that is set, by name: `contact.1`, `saturated`, `tripped`, `late`.
+    #[must_use]
+    pub fn names(self) -> Vec<String> {
+        let contact = (0..MAX_MASSES).filter(|i| self.in_contact(*i)).map(|i| format!("contact.{}", i + 1));
+        let rest = [(Self::SATURATED, "saturated"), (Self::TRIPPED, "tripped"), (Self::LATE, "late")];
+        contact.chain(rest.into_iter().filter(|(flag, _)| self.has(*flag)).map(|(_, name)| name.to_owned())).collect()
+    }
+}
+
+impl std::ops::BitOr for Flags {
+    type Output = Self;
+
+    fn bitor(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+}
+
+impl std::ops::BitOrAssign for Flags {
+    fn bitor_assign(&mut self, other: Self) {
+        self.0 |= other.0;
+    }
+}
+
+/// The whole slow picture of a bench in one message, so that its parts always fit together.
+#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
+#[type_name("whirl.Bulletin")]
+#[repr(C)]
+pub struct Bulletin {
+    /// Which run of which process: as in [`State::run_id`].
+    pub run_id: u64,
+    /// Number of this bulletin in its run: rises by 1.
+    pub number: u64,
+    /// Wall clock when it was made, nanoseconds since 1970.
+    pub wall_ns: u64,
+    /// Wall clock when the process started, nanoseconds since 1970.
+    pub started_ns: u64,
+    /// Process id of the simulation.
+    pub pid: u32,
+    /// How many masses `rotor` has.
+    pub masses: u32,
+    /// Version of the program that simulates.
+    pub version: Text<16>,
+    /// The rotor's name.
+    pub rotor_name: Text<64>,
+    /// The rotor's masses.
+    pub rotor: [MassMessage; MAX_MASSES],
+    /// Stiffness ratios of its shafts; one fewer than masses.
+    pub shafts: [f64; MAX_MASSES],
+    /// Steps a second that it paces itself to.
+    pub rate_hz: f64,
+    /// Advance of `tau` per step.
+    pub dtau: f64,
+    /// The settings in force.
+    pub settings: SettingsMessage,
+    /// Their revision: 1 at the start, up by 1 with each change.
+    pub revision: u64,
+    /// The first step made with them.
+    pub applied_at_step: u64,
+    /// Who made the last change.
+    pub changed_by: Text<32>,
+    /// Poles under the settings in force.
+    pub analysis: Analysis,
+    /// How well the process keeps its pace.
+    pub health: Health,
+    /// What tripped the machine.
+    pub trip: Trip,
+}
+
+impl Bulletin {
+    /// The rotor that is simulated.
+    ///
+    /// # Errors
+    /// Parameters that are not a rotor, which only a foreign writer can send.
+    pub fn rotor(&self) -> Result<Rotor, RotorError> {
+        let count = (self.masses as usize).min(MAX_MASSES);
+        let masses = self.rotor[..count].iter().map(Mass::from).collect();
+        Rotor::new(self.rotor_name.as_str(), masses, self.shafts[..count.saturating_sub(1)].to_vec())
+    }
+
+    /// Writes a rotor into it.
+    pub fn set_rotor(&mut self, rotor: &Rotor) {
+        self.rotor_name = Text::new(rotor.name());
+        self.masses = rotor.len() as u32;
+        for (place, mass) in self.rotor.iter_mut().zip(rotor.masses()) {
+            *place = MassMessage::from(mass);
+        }
+        for (place, shaft) in self.shafts.iter_mut().zip(rotor.shafts()) {
+            *place = *shaft;
+        }
+    }
+}
+
+/// The parameters of one mass: [`rotor::Mass`], field by field.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[repr(C)]
+pub struct MassMessage {
+    /// `Rm`.
+    pub mass: f64,
+    /// `zeta`.
+    pub damping: f64,
+    /// `zeta_q`.
+    pub cross_damping: f64,
+    /// `Rb`, the part of the support stiffness with deadband.
+    pub bearing_stiffness: f64,
+    /// `Rs`.
+    pub seal_stiffness: f64,
+    /// `Re`.
+    pub unbalance: f64,
+    /// Deadband of the rotor as it was described, in `e_t`; the one in force is in the settings.
+    pub deadband: f64,
+}
+
+impl From<&Mass> for MassMessage {
+    fn from(m: &Mass) -> Self {
+        Self {
+            mass: m.mass,
+            damping: m.damping,
+            cross_damping: m.cross_damping,
+            bearing_stiffness: m.bearing_stiffness,
+            seal_stiffness: m.seal_stiffness,
+            unbalance: m.unbalance,
+            deadband: m.deadband,
+        }
+    }
+}
+
+impl From<&MassMessage> for Mass {
+    fn from(m: &MassMessage) -> Self {
+        Self {
+            mass: m.mass,
+            damping: m.damping,
+            cross_damping: m.cross_damping,
+            bearing_stiffness: m.bearing_stiffness,
+            seal_stiffness: m.seal_stiffness,
+            unbalance: m.unbalance,
+            deadband: m.deadband,
+        }
+    }
+}
+
+/// The poles of the linear rotor, deadband neglected.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[repr(C)]
+pub struct Analysis {
+    /// The revision of the settings that it is for; 0 while there is none.
+    pub revision: u64,
+    /// How many of `poles` are used: `2n`, or 0 if the eigenvalues did not converge.
+    pub count: u32,
+    /// Always 0.
+    pub reserved: u32,
+    /// The smallest damping ratio.
+    pub min_damping: f64,
+    /// The poles `[re, im]`, least damped first.
+    pub poles: [[f64; 2]; 2 * MAX_MASSES],
+}
+
+impl Analysis {
+    /// The poles, least damped first.
+    pub fn poles(&self) -> impl ExactSizeIterator<Item = C64> {
+        self.poles[..(self.count as usize).min(2 * MAX_MASSES)].iter().map(|[re, im]| C64::new(*re, *im))
+    }
+}
+
+/// How well the simulation keeps its pace. Counts are since the process started; percentiles too.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[repr(C)]
+pub struct Health {
+    /// Steps sent.
+    pub steps: u64,
+    /// Steps sent more than one step period after they were due.
+    pub late: u64,
+    /// Deadlines given up because the process was too far behind to catch up.
+    pub missed: u64,
+    /// How long after its deadline a wake-up came, microseconds: median.
+    pub lateness_p50_us: f64,
+    /// The same, 99th percentile.
+    pub lateness_p99_us: f64,
+    /// The same, the worst.
+    pub lateness_max_us: f64,
+    /// What a step costs (step, fill and send), microseconds: median.
+    pub cost_p50_us: f64,
+    /// The same, 99th percentile.
+    pub cost_p99_us: f64,
+    /// How many readers of the state there are.
+    pub subscribers: u32,
+    /// Always 0.
+    pub reserved: u32,
+}
+
+/// What tripped the machine; all zero while it runs.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[repr(C)]
+pub struct Trip {
+    /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers.
+    pub cause: u32,
+    /// The mass with the largest orbit, counted from 1.
+    pub mass: u32,
+    /// The step at which it happened.
+    pub step: u64,
+    /// Its radius then, in `e_t`; the last finite one.
+    pub radius: f64,
+    /// The limit then in force, in `e_t`.
+    pub limit: f64,
+}
+
+impl Trip {
+    /// Whether the machine has tripped.
+    #[must_use]
+    pub fn is_tripped(&self) -> bool {
+        self.cause != 0
+    }
+}
+
+impl fmt::Display for Trip {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.cause {
+            0 => f.write_str("running"),
+            1 => write!(
+                f,
+                "orbit of mass {} reached {:.4} e_t, past the limit of {} e_t",
+                self.mass, self.radius, self.limit
+            ),
+            _ => write!(f, "motion of mass {} left the range of numbers after {:.4} e_t", self.mass, self.radius),
+        }
+    }
+}
+
+/// A change that a reader asks for.
+#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
+#[type_name("whirl.Request")]
+#[repr(C)]
+pub struct Request {
+    /// 1 settings, 2 impulse, 3 restart.
+    pub kind: u32,
+    /// Impulse: the mass, counted from 0.
+    pub mass: u32,
+    /// Settings: the revision they are based on; refused if it is no longer in force.
+    pub base_revision: u64,
+    /// Who asks.
+    pub who: Text<32>,
+    /// Impulse: change of velocity `[vy, vz]`.
+    pub impulse: [f64; 2],
+    /// Settings: the new ones, whole.
+    pub settings: SettingsMessage,
+}
+
+/// What became of a request.
+#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
+#[type_name("whirl.Answer")]
+#[repr(C)]
+pub struct Answer {
+    /// 1 accepted, 0 refused.
+    pub accepted: u32,
+    /// 1 if it was refused because the settings had changed meanwhile: look again and ask again.
+    pub outdated: u32,
+    /// The revision now in force.
+    pub revision: u64,
+    /// Accepted: the first step made with the change.
+    pub applied_at_step: u64,
+    /// Refused: why.
+    pub reason: Text<240>,
+}
+
+impl Answer {
+    /// The request took effect with step `step`.
+    #[must_use]
+    pub fn accepted(revision: u64, step: u64) -> Self {
+        Self { accepted: 1, revision, applied_at_step: step, ..Self::default() }
+    }
+
+    /// The request was refused.
+    #[must_use]
+    pub fn refused(revision: u64, reason: &str) -> Self {
+        Self { revision, reason: Text::new(reason), ..Self::default() }
+    }
+
+    /// Whether it was accepted.
+    #[must_use]
+    pub fn is_accepted(&self) -> bool {
+        self.accepted == 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn flags_have_names() {
+        let flags = Flags::contact(0b101) | Flags::LATE | Flags::TRIPPED;
+        assert_eq!(flags.names(), ["contact.1", "contact.3", "tripped", "late"]);
+        assert!(flags.in_contact(2) && !flags.in_contact(1) && !flags.in_contact(18));
+    }
+
+    #[test]
+    fn a_rotor_survives_the_journey() {
+        for name in rotor::builtin::ROTORS {
+            let rotor = rotor::builtin::rotor(name).unwrap();
+            let mut bulletin = Bulletin::default();
+            bulletin.set_rotor(&rotor);
+            assert_eq!(bulletin.rotor().unwrap(), rotor);
+        }
+        assert!(Bulletin::default().rotor().is_err());
+    }
+}

@@ -1,0 +1,191 @@
+//! The ports, as traits: what a simulation and its readers can do with each other, whoever carries the bytes.
+//!
+//! Ports are made on the thread that uses them and stay there; a [`Host`] can be shared between threads to make them.
+
+use std::time::Duration;
+
+use rotor::{C64, Settings};
+
+use crate::message::Request;
+use crate::{Answer, BenchName, Bulletin, SettingsMessage, State, Text, WireError};
+
+/// A way to carry messages between a simulation and its readers.
+pub trait Carrier: Clone + Send + Sync + 'static {
+    /// The simulation's side.
+    type Host: Host;
+    /// A reader's side, for telemetry.
+    type Listener: Listener;
+    /// A reader's side, for requests.
+    type Commander: Commander;
+
+    /// Takes the name `bench` for a simulation in this process.
+    ///
+    /// # Errors
+    /// The name is taken, or the ports cannot be made.
+    fn host(&self, bench: &BenchName) -> Result<Self::Host, WireError>;
+
+    /// Attaches to `bench` for its telemetry.
+    ///
+    /// # Errors
+    /// No such bench, another version, or no room.
+    fn listen(&self, bench: &BenchName) -> Result<Self::Listener, WireError>;
+
+    /// Attaches to `bench` to ask it for changes.
+    ///
+    /// # Errors
+    /// No such bench, another version, or no room.
+    fn command(&self, bench: &BenchName) -> Result<Self::Commander, WireError>;
+}
+
+/// A name held for a simulation. Dropping it, and the ports made from it, gives the name back.
+pub trait Host: Send + Sync {
+    /// See [`StateSender`].
+    type States: StateSender;
+    /// See [`BulletinSender`].
+    type Bulletins: BulletinSender;
+    /// See [`Inbox`].
+    type Inbox: Inbox;
+
+    /// The port for states; there is one.
+    ///
+    /// # Errors
+    /// Another simulation holds it, or it cannot be made.
+    fn states(&self) -> Result<Self::States, WireError>;
+
+    /// The port for bulletins; there is one.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    fn bulletins(&self) -> Result<Self::Bulletins, WireError>;
+
+    /// The port for requests; there is one.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    fn inbox(&self) -> Result<Self::Inbox, WireError>;
+
+    /// How many listeners there are.
+    fn listeners(&self) -> usize;
+}
+
+/// Sends states. Never waits for a reader: one that sleeps loses the oldest.
+pub trait StateSender {
+    /// Lets `fill` write the next state where readers will find it, and sends it.
+    ///
+    /// # Errors
+    /// There is no memory for it, or the carrier fails.
+    fn send(&mut self, fill: impl FnOnce(&mut State)) -> Result<(), WireError>;
+}
+
+/// Sends bulletins. The last one also reaches readers that come later.
+pub trait BulletinSender {
+    /// Sends `bulletin`.
+    ///
+    /// # Errors
+    /// There is no memory for it, or the carrier fails.
+    fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError>;
+}
+
+/// Receives requests and answers each.
+pub trait Inbox {
+    /// Waits up to `patience` for requests and answers every one that is there. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn serve(&mut self, patience: Duration, answer: impl FnMut(&Request) -> Answer) -> Result<usize, WireError>;
+}
+
+/// Whether the simulation behind a [`Listener`] is there.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum HostState {
+    /// Its process lives.
+    Alive,
+    /// It has ended or died; a new one may take the name and is then heard by the same listener.
+    Gone,
+}
+
+/// Receives telemetry. Stays usable when the simulation dies and hears the next one of the same name.
+pub trait Listener {
+    /// Visits every state that has arrived, oldest first, without copying. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError>;
+
+    /// The latest bulletin that has arrived since the last call.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError>;
+
+    /// Whether the simulation is there. Takes up to a millisecond: not for every turn of a loop.
+    fn host(&self) -> HostState;
+}
+
+/// Asks for changes.
+pub trait Commander {
+    /// Asks, and waits up to `patience` for the answer.
+    ///
+    /// # Errors
+    /// No answer in time, a request that does not fit, or a carrier that fails.
+    fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError>;
+}
+
+/// A change as people think of it; [`Change::request`] packs it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// New settings, whole, based on the revision that was looked at.
+    Settings {
+        /// The revision that was looked at.
+        base_revision: u64,
+        /// What shall be in force.
+        settings: Settings,
+    },
+    /// A change of velocity of one mass.
+    Impulse {
+        /// The mass, counted from 0.
+        mass: usize,
+        /// The change, in `e_t` per unit of `tau`.
+        velocity: C64,
+    },
+    /// Back to rest at `tau = 0`; a trip is reset.
+    Restart,
+}
+
+impl Change {
+    /// The message that asks for this, in the name of `who`.
+    ///
+    /// # Errors
+    /// Settings that do not fit in a message.
+    pub fn request(&self, who: &str) -> Result<Box<Request>, WireError> {
+        let mut request = Box::new(Request { who: Text::new(who), ..Request::default() });
+        match self {
+            Self::Settings { base_revision, settings } => {
+                request.kind = 1;
+                request.base_revision = *base_revision;
+                request.settings = SettingsMessage::pack(settings)?;
+            }
+            Self::Impulse { mass, velocity } => {
+                request.kind = 2;
+                request.mass = *mass as u32;
+                request.impulse = [velocity.re, velocity.im];
+            }
+            Self::Restart => request.kind = 3,
+        }
+        Ok(request)
+    }
+
+    /// What a message asks for; `None` for a kind that this version does not know.
+    #[must_use]
+    pub fn of(request: &Request) -> Option<Self> {
+        match request.kind {
+            1 => Some(Self::Settings { base_revision: request.base_revision, settings: request.settings.unpack() }),
+            2 => Some(Self::Impulse {
+                mass: request.mass as usize,
+                velocity: C64::new(request.impulse[0], request.impulse[1]),
+            }),
+            3 => Some(Self::Restart),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,187 @@
+//! The folder under which one user's benches live, and the lease that says somebody uses it.
+//!
+//! iceoryx2 keeps service descriptions and node monitors in files under a root folder and its data in POSIX shared
+//! memory, which is one name space for the whole machine. A root of the user's own, not readable by others, and a
+//! prefix made from its path keep two users, or two tests, apart.
+
+use std::fs;
+use std::os::fd::OwnedFd;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use rustix::fs::{FlockOperation, Mode, OFlags};
+
+use crate::WireError;
+
+/// iceoryx2 0.10 panics on paths beyond 255 bytes and adds about 90 to the root.
+const LONGEST_ROOT: usize = 120;
+
+/// A root folder that is ours to use. Clones share one lease; the last one out sweeps up.
+#[derive(Clone, Debug)]
+pub struct Root {
+    lease: Arc<Lease>,
+}
+
+/// A shared lock on the root, held for as long as this process may touch shared memory below it.
+#[derive(Debug)]
+struct Lease {
+    path: PathBuf,
+    prefix: String,
+    lock: OwnedFd,
+}
+
+impl Root {
+    /// The root that `WHIRL_ROOT` names, else `whirl` in `XDG_RUNTIME_DIR`, else `whirl-UID` in the temporary folder.
+    ///
+    /// # Errors
+    /// See [`Root::at`].
+    pub fn from_environment() -> Result<Self, WireError> {
+        let folder = |variable| std::env::var_os(variable).filter(|value| !value.is_empty()).map(PathBuf::from);
+        let path = folder("WHIRL_ROOT")
+            .or_else(|| folder("XDG_RUNTIME_DIR").filter(|dir| dir.is_dir()).map(|dir| dir.join("whirl")))
+            .unwrap_or_else(|| std::env::temp_dir().join(format!("whirl-{}", rustix::process::geteuid().as_raw())));
+        Self::at(&path)
+    }
+
+    /// The root at `path`, made if it is not there.
+    ///
+    /// # Errors
+    /// A path that is not absolute or too long, or a folder that cannot be made, is not ours, or is open to others.
+    pub fn at(path: &Path) -> Result<Self, WireError> {
+        let refuse = |problem: String| WireError::Root { path: path.to_owned(), problem };
+        if !path.is_absolute() {
+            return Err(refuse("expected an absolute path".into()));
+        }
+        let Some(text) = path.to_str().filter(|text| text.len() <= LONGEST_ROOT) else {
+            return Err(refuse(format!("expected at most {LONGEST_ROOT} bytes of UTF-8")));
+        };
+        fs::DirBuilder::new()
+            .recursive(true)
+            .mode(0o700)
+            .create(path)
+            .map_err(|error| refuse(format!("cannot be made: {error}")))?;
+        let found = fs::metadata(path).map_err(|error| refuse(format!("cannot be read: {error}")))?;
+        if found.uid() != rustix::process::geteuid().as_raw() {
+            return Err(refuse(format!("belongs to user {}, not to you", found.uid())));
+        }
+        if found.mode() & 0o022 != 0 {
+            return Err(refuse(format!("others can write to it (mode {:o})", found.mode() & 0o777)));
+        }
+        let lock = rustix::fs::open(
+            path.join("lease"),
+            OFlags::CREATE | OFlags::RDWR | OFlags::CLOEXEC,
+            Mode::RUSR | Mode::WUSR,
+        )
+        .map_err(|error| refuse(format!("cannot be written to: {error}")))?;
+        rustix::fs::flock(&lock, FlockOperation::LockShared)
+            .map_err(|error| refuse(format!("cannot be locked: {error}")))?;
+        // Two spellings of one folder must not become two name spaces.
+        let canonical = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(text));
+        let prefix = format!("whirl_{:016x}_", fnv1a(canonical.as_os_str().as_encoded_bytes()));
+        Ok(Self { lease: Arc::new(Lease { path: canonical, prefix, lock }) })
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.lease.path
+    }
+
+    /// What the names of our shared memory begin with.
+    #[must_use]
+    pub fn prefix(&self) -> &str {
+        &self.lease.prefix
+    }
+
+    /// Whether no other process holds this root. If so, everything below it has been swept.
+    pub(crate) fn sweep_if_alone(&self) -> bool {
+        self.lease.sweep_if_alone()
+    }
+}
+
+impl Lease {
+    /// Removes all that is left below the root, if no other process can be using it.
+    ///
+    /// An exclusive lock proves that: every process that touches the root holds a shared one, and the kernel drops the
+    /// locks of the dead.
+    fn sweep_if_alone(&self) -> bool {
+        if rustix::fs::flock(&self.lock, FlockOperation::NonBlockingLockExclusive).is_err() {
+            // The attempt gave up our shared lock too: take it again.
+            let _ = rustix::fs::flock(&self.lock, FlockOperation::LockShared);
+            return false;
+        }
+        for left in self.leftovers() {
+            let _ = if left.is_dir() { fs::remove_dir_all(&left) } else { fs::remove_file(&left) };
+        }
+        let _ = rustix::fs::flock(&self.lock, FlockOperation::LockShared);
+        true
+    }
+
+    /// What iceoryx2 keeps for this root: its folders, and its shared memory on systems that show it as files.
+    fn leftovers(&self) -> Vec<PathBuf> {
+        let entries = |folder: &Path| fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        let named = |path: &PathBuf| {
+            path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with(&self.prefix))
+        };
+        let in_memory = entries(Path::new("/dev/shm")).filter(named);
+        let in_root = entries(&self.path).filter(|path| path.file_name().is_none_or(|name| name != "lease"));
+        in_memory.chain(in_root).collect()
+    }
+}
+
+impl Drop for Lease {
+    fn drop(&mut self) {
+        self.sweep_if_alone();
+    }
+}
+
+/// FNV-1a, 64 bits: stable over versions and machines, unlike the standard hasher.
+fn fnv1a(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::os::unix::fs::PermissionsExt;
+
+    use super::*;
+
+    #[test]
+    fn refuses_folders_that_others_can_reach_or_that_cannot_be() {
+        let told = |path: &Path| Root::at(path).unwrap_err().to_string();
+        let dir = tempfile::tempdir().unwrap();
+        assert!(told(Path::new("here")).contains("expected an absolute path"));
+        assert!(told(&dir.path().join("x".repeat(130))).contains("at most 120 bytes"));
+        let file = dir.path().join("file");
+        fs::write(&file, "").unwrap();
+        assert!(told(&file.join("root")).contains("cannot be made"));
+        let open = dir.path().join("open");
+        fs::create_dir(&open).unwrap();
+        fs::set_permissions(&open, fs::Permissions::from_mode(0o777)).unwrap();
+        assert!(told(&open).contains("others can write to it (mode 777)"));
+    }
+
+    #[test]
+    fn one_folder_is_one_name_space_however_it_is_spelt() {
+        let dir = tempfile::tempdir().unwrap();
+        let plain = Root::at(&dir.path().join("root")).unwrap();
+        let roundabout = Root::at(&dir.path().join("root/../root/.")).unwrap();
+        assert_eq!(plain.prefix(), roundabout.prefix());
+        let other = Root::at(&dir.path().join("other")).unwrap();
+        assert_ne!(plain.prefix(), other.prefix());
+    }
+
+    #[test]
+    fn only_the_last_one_out_sweeps() {
+        let dir = tempfile::tempdir().unwrap();
+        let (first, second) = (Root::at(dir.path()).unwrap(), Root::at(dir.path()).unwrap());
+        let litter = dir.path().join("nodes");
+        fs::create_dir(&litter).unwrap();
+        assert!(!first.sweep_if_alone());
+        drop(first);
+        assert!(litter.exists());
+        drop(second);
+        assert!(!litter.exists());
+    }
+}

@@ -1,0 +1,437 @@
+//! The carrier between processes: iceoryx2 shared memory, zero-copy.
+//!
+//! Settings of the services that matter: safe overflow is on, so that no reader can slow the simulation down; there is
+//! one publisher, which makes the state service the lock on a bench's name; sizes do not depend on the bench, so that a
+//! new simulation finds the services of the old one, still held open by a reader, fit for use.
+
+use std::fmt::Debug;
+use std::time::{Duration, Instant};
+
+use iceoryx2::node::NodeView;
+use iceoryx2::port::client::Client;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::server::Server;
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::prelude::*;
+use iceoryx2::service::builder::Builder;
+use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
+
+use crate::message::Request;
+use crate::{
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Host, HostState, Inbox, Listener, Root, SCHEMA,
+    State, StateSender, WireError,
+};
+
+/// The flavour of iceoryx2: between processes, ports bound to their thread, no locks.
+pub(crate) type Ipc = ipc::Service;
+
+/// States a reader may fall behind by: 0.8 s at 20 000 steps a second.
+const STATES_BUFFERED: usize = 16_384;
+/// Bulletins a reader may fall behind by.
+const BULLETINS_BUFFERED: usize = 32;
+/// Readers of one bench, and as many clients.
+const MAX_READERS: usize = 16;
+
+/// The node name of a simulation; readers are called by their role.
+pub(crate) const HOST_ROLE: &str = "sim";
+
+/// Carries messages between processes under one [`Root`].
+#[derive(Clone, Debug)]
+pub struct SharedMemory {
+    config: Config,
+    role: String,
+    root: Root,
+}
+
+impl SharedMemory {
+    /// The carrier under `root`, for a process that others see as `role` (`dash`, `tail` ...).
+    ///
+    /// # Errors
+    /// A root that iceoryx2 cannot use as a path.
+    pub fn new(root: &Root, role: &str) -> Result<Self, WireError> {
+        let refuse = |problem: String| WireError::Root { path: root.path().to_owned(), problem };
+        let mut config = Config::default();
+        let path = iceoryx2::prelude::Path::new(root.path().as_os_str().as_encoded_bytes())
+            .map_err(|error| refuse(format!("not a path that iceoryx2 can use ({error:?})")))?;
+        config.global.set_root_path(&path);
+        config.global.prefix = FileName::new(root.prefix().as_bytes())
+            .map_err(|error| refuse(format!("not a prefix that iceoryx2 can use ({error:?})")))?;
+        Ok(Self { config, role: role.to_owned(), root: root.clone() })
+    }
+
+    pub(crate) fn config(&self) -> &Config {
+        &self.config
+    }
+
+    pub(crate) fn root(&self) -> &Root {
+        &self.root
+    }
+
+    pub(crate) fn node(&self, role: &str) -> Result<Node<Ipc>, WireError> {
+        let name = NodeName::new(role).map_err(internal)?;
+        NodeBuilder::new()
+            .name(&name)
+            .config(&self.config)
+            // The signals of this process are not iceoryx2's to handle.
+            .signal_handling_mode(SignalHandlingMode::Disabled)
+            .create()
+            .map_err(|error| WireError::Root {
+                path: self.root.path().to_owned(),
+                problem: format!("shared memory cannot be set up there ({error:?})"),
+            })
+    }
+
+    /// The builder of one of a bench's services.
+    fn service(node: &Node<Ipc>, bench: &BenchName, topic: &str) -> Result<Builder<Ipc>, WireError> {
+        let name = ServiceName::new(&format!("whirl/{bench}/{topic}")).map_err(internal)?;
+        Ok(node.service_builder(&name))
+    }
+
+    fn attach(&self, bench: &BenchName) -> Result<(Node<Ipc>, StateService), WireError> {
+        let node = self.node(&self.role)?;
+        let states: StateService = Self::service(&node, bench, "state")?
+            .publish_subscribe::<State>()
+            .open_with_attributes(&required_schema()?)
+            .map_err(|error| opened(bench, error))?;
+        if host_of(&states) == HostState::Gone {
+            return Err(WireError::NoBench(bench.clone()));
+        }
+        Ok((node, states))
+    }
+}
+
+type StateService = publish_subscribe::PortFactory<Ipc, State, ()>;
+type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
+type CommandService = request_response::PortFactory<Ipc, Request, (), Answer, ()>;
+type WakeService = event::PortFactory<Ipc>;
+
+fn internal(error: impl Debug) -> WireError {
+    WireError::Internal(format!("{error:?}"))
+}
+
+/// iceoryx2's reasons for not opening or creating a service, in words for people. They are told apart by name, because
+/// each pattern has its own error type with the same variants.
+fn opened(bench: &BenchName, error: impl Debug) -> WireError {
+    let detail = format!("{error:?}");
+    let says = |words: &[&str]| words.iter().any(|word| detail.contains(word));
+    if says(&["DoesNotExist", "IsMarkedForDestruction"]) {
+        WireError::NoBench(bench.clone())
+    } else if says(&["Incompatible", "VersionMismatch", "DoesNotSupport"]) {
+        WireError::Version { bench: bench.clone(), detail }
+    } else if says(&["ExceedsMax"]) {
+        WireError::Full { bench: bench.clone(), what: "process" }
+    } else if says(&["CorruptedState", "HangsInCreation"]) {
+        // Two iceoryx2 versions on one service look like this too.
+        WireError::LeftBehind { bench: bench.clone(), detail }
+    } else {
+        WireError::Internal(detail)
+    }
+}
+
+fn full(bench: &BenchName, what: &'static str) -> impl FnOnce(String) -> WireError {
+    let bench = bench.clone();
+    move |detail| {
+        if detail.contains("ExceedsMax") { WireError::Full { bench, what } } else { WireError::Internal(detail) }
+    }
+}
+
+fn schema_attribute()
+-> Result<(iceoryx2::service::attribute::AttributeKey, iceoryx2::service::attribute::AttributeValue), WireError> {
+    let key = "whirl.schema".try_into().map_err(internal)?;
+    let value = SCHEMA.to_string().as_str().try_into().map_err(internal)?;
+    Ok((key, value))
+}
+
+fn required_schema() -> Result<AttributeVerifier, WireError> {
+    let (key, value) = schema_attribute()?;
+    AttributeVerifier::new().require(&key, &value).map_err(internal)
+}
+
+/// Whether a simulation that lives has the service open.
+fn host_of(states: &StateService) -> HostState {
+    let mut found = HostState::Gone;
+    let listed = states.nodes(|node| match node {
+        NodeState::Alive(view) if is_host(view.details().as_ref()) => {
+            found = HostState::Alive;
+            CallbackProgression::Stop
+        }
+        _ => CallbackProgression::Continue,
+    });
+    // A list that cannot be read is no evidence of death.
+    if listed.is_err() { HostState::Alive } else { found }
+}
+
+pub(crate) fn is_host(details: Option<&iceoryx2::node::NodeDetails>) -> bool {
+    details.is_some_and(|details| details.name().as_str() == HOST_ROLE)
+}
+
+impl Carrier for SharedMemory {
+    type Host = SharedHost;
+    type Listener = SharedListener;
+    type Commander = SharedCommander;
+
+    fn host(&self, bench: &BenchName) -> Result<SharedHost, WireError> {
+        // Creating a node also clears away what dead ones left.
+        let node = self.node(HOST_ROLE)?;
+        let (key, value) = schema_attribute()?;
+        let define = || AttributeSpecifier::new().define(&key, &value).map_err(internal);
+        let states: StateService = {
+            let existing = Self::service(&node, bench, "state")?
+                .publish_subscribe::<State>()
+                .open_with_attributes(&required_schema()?);
+            match existing.map_err(|error| opened(bench, error)) {
+                Ok(service) => service,
+                Err(WireError::NoBench(_)) => Self::service(&node, bench, "state")?
+                    .publish_subscribe::<State>()
+                    .enable_safe_overflow(true)
+                    .history_size(0)
+                    .subscriber_max_buffer_size(STATES_BUFFERED)
+                    .subscriber_max_borrowed_samples(2)
+                    .max_publishers(1)
+                    .max_subscribers(MAX_READERS)
+                    .max_nodes(4 * MAX_READERS)
+                    .create_with_attributes(&define()?)
+                    .map_err(|error| opened(bench, error))?,
+                Err(refusal) => return Err(refusal),
+            }
+        };
+        let _ = states.blocking_cleanup_dead_nodes(Duration::from_secs(1));
+        if states.dynamic_config().number_of_publishers() > 0 {
+            return Err(WireError::Taken(bench.clone()));
+        }
+        let bulletins = Self::service(&node, bench, "bulletin")?
+            .publish_subscribe::<Bulletin>()
+            .enable_safe_overflow(true)
+            .history_size(1)
+            .subscriber_max_buffer_size(BULLETINS_BUFFERED)
+            .subscriber_max_borrowed_samples(2)
+            .max_publishers(1)
+            .max_subscribers(MAX_READERS)
+            .max_nodes(4 * MAX_READERS)
+            .open_or_create()
+            .map_err(|error| opened(bench, error))?;
+        let (commands, wake) = command_services(&node, bench)?;
+        Ok(SharedHost { states, bulletins, commands, wake, bench: bench.clone(), _root: self.root.clone() })
+    }
+
+    fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
+        let (node, service) = self.attach(bench)?;
+        let states =
+            service.subscriber_builder().create().map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
+        let bulletins: BulletinService = Self::service(&node, bench, "bulletin")?
+            .publish_subscribe::<Bulletin>()
+            .open()
+            .map_err(|error| opened(bench, error))?;
+        let bulletins =
+            bulletins.subscriber_builder().create().map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
+        Ok(SharedListener { states, bulletins, service, _root: self.root.clone() })
+    }
+
+    fn command(&self, bench: &BenchName) -> Result<SharedCommander, WireError> {
+        let (node, _) = self.attach(bench)?;
+        let (commands, wake) = command_services(&node, bench)?;
+        let client = commands.client_builder().create().map_err(|error| full(bench, "client")(format!("{error:?}")))?;
+        let bell = wake.notifier_builder().create().map_err(|error| full(bench, "client")(format!("{error:?}")))?;
+        Ok(SharedCommander { client, bell, bench: bench.clone(), _root: self.root.clone() })
+    }
+}
+
+fn command_services(node: &Node<Ipc>, bench: &BenchName) -> Result<(CommandService, WakeService), WireError> {
+    let commands = SharedMemory::service(node, bench, "command")?
+        .request_response::<Request, Answer>()
+        .max_servers(1)
+        .max_clients(MAX_READERS)
+        .max_nodes(4 * MAX_READERS)
+        .max_active_requests_per_client(2)
+        .max_response_buffer_size(2)
+        // The request of a client that died waiting is worth nothing to anybody.
+        .enable_fire_and_forget_requests(false)
+        .open_or_create()
+        .map_err(|error| opened(bench, error))?;
+    let wake = SharedMemory::service(node, bench, "wake")?
+        .event()
+        .max_listeners(1)
+        .max_notifiers(MAX_READERS)
+        .max_nodes(4 * MAX_READERS)
+        .open_or_create()
+        .map_err(|error| opened(bench, error))?;
+    Ok((commands, wake))
+}
+
+/// A bench's name, held in shared memory.
+#[derive(Debug)]
+pub struct SharedHost {
+    states: StateService,
+    bulletins: BulletinService,
+    commands: CommandService,
+    wake: WakeService,
+    bench: BenchName,
+    // Last, so that everything above is closed before the lease ends.
+    _root: Root,
+}
+
+impl Host for SharedHost {
+    type States = SharedStates;
+    type Bulletins = SharedBulletins;
+    type Inbox = SharedInbox;
+
+    fn states(&self) -> Result<SharedStates, WireError> {
+        let publisher = self.states.publisher_builder().max_loaned_samples(1).create().map_err(|error| {
+            if format!("{error:?}").contains("ExceedsMax") {
+                WireError::Taken(self.bench.clone())
+            } else {
+                internal(error)
+            }
+        })?;
+        Ok(SharedStates { publisher })
+    }
+
+    fn bulletins(&self) -> Result<SharedBulletins, WireError> {
+        let publisher = self.bulletins.publisher_builder().max_loaned_samples(1).create().map_err(internal)?;
+        Ok(SharedBulletins { publisher })
+    }
+
+    fn inbox(&self) -> Result<SharedInbox, WireError> {
+        let server = self.commands.server_builder().create().map_err(internal)?;
+        let bell = self.wake.listener_builder().create().map_err(internal)?;
+        Ok(SharedInbox { server, bell })
+    }
+
+    fn listeners(&self) -> usize {
+        self.states.dynamic_config().number_of_subscribers()
+    }
+}
+
+/// See [`StateSender`].
+#[derive(Debug)]
+pub struct SharedStates {
+    publisher: Publisher<Ipc, State, ()>,
+}
+
+impl StateSender for SharedStates {
+    fn send(&mut self, fill: impl FnOnce(&mut State)) -> Result<(), WireError> {
+        let mut sample = self.publisher.loan().map_err(internal)?;
+        fill(sample.payload_mut());
+        sample.send().map_err(internal)?;
+        Ok(())
+    }
+}
+
+/// See [`BulletinSender`].
+#[derive(Debug)]
+pub struct SharedBulletins {
+    publisher: Publisher<Ipc, Bulletin, ()>,
+}
+
+impl BulletinSender for SharedBulletins {
+    fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
+        let mut sample = self.publisher.loan().map_err(internal)?;
+        *sample.payload_mut() = *bulletin;
+        sample.send().map_err(internal)?;
+        Ok(())
+    }
+}
+
+/// See [`Inbox`].
+#[derive(Debug)]
+pub struct SharedInbox {
+    server: Server<Ipc, Request, (), Answer, ()>,
+    bell: iceoryx2::port::listener::Listener<Ipc>,
+}
+
+impl Inbox for SharedInbox {
+    fn serve(&mut self, patience: Duration, mut answer: impl FnMut(&Request) -> Answer) -> Result<usize, WireError> {
+        let mut served = 0;
+        let mut waited = false;
+        loop {
+            while let Some(request) = self.server.receive().map_err(internal)? {
+                let reply = answer(request.payload());
+                // A client that has given up, or died, does not hear the answer: that is its own affair.
+                if let Err(error) = request.send_copy(reply) {
+                    tracing::debug!(?error, "an answer was not delivered");
+                }
+                served += 1;
+            }
+            if served > 0 || waited {
+                return Ok(served);
+            }
+            self.bell.timed_wait(|_| (), patience).map_err(internal)?;
+            waited = true;
+        }
+    }
+}
+
+/// See [`Listener`].
+#[derive(Debug)]
+pub struct SharedListener {
+    states: Subscriber<Ipc, State, ()>,
+    bulletins: Subscriber<Ipc, Bulletin, ()>,
+    service: StateService,
+    _root: Root,
+}
+
+impl Listener for SharedListener {
+    fn drain(&mut self, mut visit: impl FnMut(&State)) -> Result<usize, WireError> {
+        let mut count = 0;
+        while let Some(sample) = self.states.receive().map_err(internal)? {
+            visit(sample.payload());
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
+        let mut latest = None;
+        while let Some(sample) = self.bulletins.receive().map_err(internal)? {
+            latest = Some(sample);
+        }
+        Ok(latest.map(|sample| Box::new(*sample.payload())))
+    }
+
+    fn host(&self) -> HostState {
+        host_of(&self.service)
+    }
+}
+
+/// See [`Commander`].
+#[derive(Debug)]
+pub struct SharedCommander {
+    client: Client<Ipc, Request, (), Answer, ()>,
+    bell: Notifier<Ipc>,
+    bench: BenchName,
+    _root: Root,
+}
+
+impl Commander for SharedCommander {
+    fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError> {
+        let deadline = Instant::now() + patience;
+        let pending = loop {
+            let mut loan = self.client.loan().map_err(internal)?;
+            *loan.payload_mut() = *request;
+            let pending = loan.send().map_err(internal)?;
+            if pending.number_of_server_connections() > 0 {
+                break pending;
+            }
+            // Nobody has it: a simulation that is just starting, or restarting, may open its inbox in time.
+            if Instant::now() >= deadline {
+                return Err(WireError::NoAnswer(self.bench.clone()));
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        };
+        if let Err(error) = self.bell.notify() {
+            // The simulation also looks by itself, only later.
+            tracing::debug!(?error, "the simulation could not be woken");
+        }
+        loop {
+            if let Some(response) = pending.receive().map_err(internal)? {
+                return Ok(*response.payload());
+            }
+            if Instant::now() >= deadline {
+                return Err(WireError::NoAnswer(self.bench.clone()));
+            }
+            // An answer takes some tens of microseconds and one step of the simulation.
+            std::thread::sleep(Duration::from_micros(100));
+        }
+    }
+}

@@ -1,0 +1,279 @@
+//! What every carrier promises, checked on shared memory and on the carrier for tests alike.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rotor::{C64, Settings, builtin};
+use wire::{
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, Host, HostState, Inbox, Listener, State,
+    StateSender, WireError,
+};
+
+const PATIENCE: Duration = Duration::from_secs(5);
+
+fn bench(name: &str) -> BenchName {
+    name.parse().unwrap()
+}
+
+fn number(seq: u64) -> impl FnOnce(&mut State) {
+    move |state| {
+        state.seq = seq;
+        state.tau = seq as f64 * 0.5;
+    }
+}
+
+/// All states that have arrived, by sequence number.
+fn drained(listener: &mut impl Listener) -> Vec<u64> {
+    let mut seen = Vec::new();
+    listener
+        .drain(|state| {
+            assert_eq!(state.tau, state.seq as f64 * 0.5);
+            seen.push(state.seq);
+        })
+        .unwrap();
+    seen
+}
+
+/// Waits for something that must come.
+fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < PATIENCE, "{what} did not come");
+        thread::sleep(Duration::from_millis(1));
+    }
+}
+
+fn nobody_home(carrier: &impl Carrier) {
+    let missing = bench("missing");
+    assert_eq!(carrier.listen(&missing).err(), Some(WireError::NoBench(missing.clone())));
+    assert_eq!(carrier.command(&missing).err(), Some(WireError::NoBench(missing)));
+}
+
+fn one_simulation_a_name(carrier: &impl Carrier) {
+    let name = bench("mine");
+    let first = carrier.host(&name).unwrap();
+    let states = first.states().unwrap();
+    assert_eq!(carrier.host(&name).err(), Some(WireError::Taken(name.clone())));
+    // Another name is another bench.
+    drop(carrier.host(&bench("other")).unwrap());
+    drop((states, first));
+    carrier.host(&name).unwrap();
+}
+
+fn every_state_in_order(carrier: &impl Carrier) {
+    let name = bench("order");
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    let mut early = carrier.listen(&name).unwrap();
+    assert_eq!(host.listeners(), 1);
+    (0..600).for_each(|seq| states.send(number(seq)).unwrap());
+    assert_eq!(drained(&mut early), (0..600).collect::<Vec<_>>());
+    let mut late = carrier.listen(&name).unwrap();
+    (600..700).for_each(|seq| states.send(number(seq)).unwrap());
+    assert_eq!(drained(&mut late), (600..700).collect::<Vec<_>>());
+    drop(late);
+    (700..800).for_each(|seq| states.send(number(seq)).unwrap());
+    assert_eq!(drained(&mut early), (600..800).collect::<Vec<_>>());
+}
+
+fn a_sleeping_reader_loses_the_oldest_and_holds_nobody_up(carrier: &impl Carrier) {
+    let name = bench("sleeper");
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    let mut sleeper = carrier.listen(&name).unwrap();
+    let sent = 20_000;
+    (0..sent).for_each(|seq| states.send(number(seq)).unwrap());
+    let seen = drained(&mut sleeper);
+    assert!(seen.len() >= 1000, "only {} kept", seen.len());
+    assert_eq!(seen, (sent - seen.len() as u64..sent).collect::<Vec<_>>());
+}
+
+fn the_last_bulletin_reaches_who_comes_later(carrier: &impl Carrier) {
+    let name = bench("news");
+    let host = carrier.host(&name).unwrap();
+    let mut bulletins = host.bulletins().unwrap();
+    let rotor = builtin::rotor("three-mass").unwrap();
+    let mut bulletin = Bulletin::default();
+    bulletin.set_rotor(&rotor);
+    for revision in 1..=3 {
+        bulletin.revision = revision;
+        bulletins.send(&bulletin).unwrap();
+    }
+    let mut listener = carrier.listen(&name).unwrap();
+    // Shared memory delivers history with the next send.
+    bulletin.revision = 4;
+    bulletins.send(&bulletin).unwrap();
+    let heard = wait_for("a bulletin", || listener.bulletin().unwrap());
+    assert_eq!((heard.revision, heard.rotor().unwrap()), (4, rotor));
+    assert!(listener.bulletin().unwrap().is_none());
+}
+
+fn requests_are_answered(carrier: &impl Carrier) {
+    let name = bench("answers");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let settings = Settings::new(
+        &builtin::rotor("three-mass").unwrap(),
+        2.5,
+        builtin::feedback(&builtin::rotor("three-mass").unwrap(), "composite").unwrap(),
+    );
+    let changes = [
+        Change::Settings { base_revision: 7, settings },
+        Change::Impulse { mass: 2, velocity: C64::new(0.5, -0.25) },
+        Change::Restart,
+    ];
+    let done = AtomicBool::new(false);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut inbox = host.inbox().unwrap();
+            let mut asked = Vec::new();
+            let start = Instant::now();
+            while !done.load(Ordering::Relaxed) && start.elapsed() < PATIENCE {
+                inbox
+                    .serve(Duration::from_millis(20), |request| {
+                        asked.push((request.who.as_str().to_owned(), Change::of(request).unwrap()));
+                        if asked.len() == 2 {
+                            Answer::refused(9, "no")
+                        } else {
+                            Answer::accepted(8, 1000 + asked.len() as u64)
+                        }
+                    })
+                    .unwrap();
+            }
+            assert_eq!(asked, changes.clone().map(|change| ("me".to_owned(), change)));
+        });
+        let mut commander = carrier.command(&name).unwrap();
+        let answers = changes.clone().map(|change| commander.ask(&change.request("me").unwrap(), PATIENCE).unwrap());
+        assert_eq!(answers[0], Answer::accepted(8, 1001));
+        assert_eq!((answers[1].is_accepted(), answers[1].reason.as_str()), (false, "no"));
+        assert_eq!(answers[2].applied_at_step, 1003);
+        done.store(true, Ordering::Relaxed);
+    });
+}
+
+fn a_silent_simulation_does_not_hang_its_readers(carrier: &impl Carrier) {
+    let name = bench("silent");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let _inbox = host.inbox().unwrap();
+    let mut commander = carrier.command(&name).unwrap();
+    let request = Change::Restart.request("me").unwrap();
+    for _ in 0..4 {
+        let start = Instant::now();
+        assert_eq!(commander.ask(&request, Duration::from_millis(20)), Err(WireError::NoAnswer(name.clone())));
+        assert!(start.elapsed() >= Duration::from_millis(20));
+    }
+}
+
+fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
+    let name = bench("again");
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    let mut listener = carrier.listen(&name).unwrap();
+    let mut commander = carrier.command(&name).unwrap();
+    states.send(number(5)).unwrap();
+    assert_eq!(listener.host(), HostState::Alive);
+    drop((states, host));
+    wait_for("the end", || (listener.host() == HostState::Gone).then_some(()));
+    assert!(commander.ask(&Change::Restart.request("me").unwrap(), Duration::from_millis(20)).is_err());
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    assert_eq!(listener.host(), HostState::Alive);
+    states.send(number(0)).unwrap();
+    assert_eq!(drained(&mut listener), [5, 0]);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut inbox = host.inbox().unwrap();
+            let start = Instant::now();
+            while inbox.serve(Duration::from_millis(20), |_| Answer::accepted(1, 2)).unwrap() == 0 {
+                assert!(start.elapsed() < PATIENCE, "the request did not come");
+            }
+        });
+        let answer = commander.ask(&Change::Restart.request("me").unwrap(), PATIENCE).unwrap();
+        assert_eq!(answer.applied_at_step, 2);
+    });
+}
+
+/// Runs every promise on one carrier, each as its own test.
+macro_rules! contract {
+    ($carrier:ident: $make:expr; $($promise:ident)+) => {
+        mod $carrier {
+            $(#[test]
+            fn $promise() {
+                let (_keep, carrier) = $make;
+                super::$promise(&carrier);
+            })+
+        }
+    };
+}
+
+macro_rules! on {
+    ($carrier:ident: $make:expr) => {
+        contract! { $carrier: $make;
+            nobody_home
+            one_simulation_a_name
+            every_state_in_order
+            a_sleeping_reader_loses_the_oldest_and_holds_nobody_up
+            the_last_bulletin_reaches_who_comes_later
+            requests_are_answered
+            a_silent_simulation_does_not_hang_its_readers
+            a_listener_hears_the_next_simulation_of_the_name
+        }
+    };
+}
+
+on!(memory: ((), wire::Memory::default()));
+on!(shared_memory: {
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    (dir, carrier)
+});
+
+/// Names in POSIX shared memory that belong to this root.
+fn in_shared_memory(root: &wire::Root) -> usize {
+    std::fs::read_dir("/dev/shm").map_or(0, |entries| {
+        entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(root.prefix())).count()
+    })
+}
+
+#[test]
+fn nothing_is_left_when_the_last_one_goes() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let witness = root.prefix().to_owned();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    let host = carrier.host(&bench("brief")).unwrap();
+    let mut states = host.states().unwrap();
+    states.send(number(1)).unwrap();
+    assert!(in_shared_memory(&root) > 0);
+    drop((states, host, carrier, root));
+    let left: Vec<_> = std::fs::read_dir("/dev/shm").unwrap().flatten().map(|e| e.file_name()).collect();
+    assert!(!left.iter().any(|name| name.to_string_lossy().starts_with(&witness)), "{left:?}");
+    let files: Vec<_> = std::fs::read_dir(dir.path()).unwrap().flatten().map(|e| e.file_name()).collect();
+    assert_eq!(files, ["lease"]);
+}
+
+#[test]
+fn benches_are_listed_with_who_is_attached() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    assert_eq!(carrier.benches().unwrap(), []);
+    let host = carrier.host(&bench("b")).unwrap();
+    let _states = host.states().unwrap();
+    let other = carrier.host(&bench("a")).unwrap();
+    let _listener = carrier.listen(&bench("b"));
+    let benches = carrier.benches().unwrap();
+    let summary: Vec<_> = benches
+        .iter()
+        .map(|b| (b.name.as_str(), b.is_running(), b.parties.iter().map(|p| p.role.as_str()).collect::<Vec<_>>()))
+        .collect();
+    assert_eq!(summary, [("a", true, vec!["sim"]), ("b", true, vec!["sim", "test"])]);
+    assert!(benches[0].parties.iter().all(|party| party.pid == std::process::id()));
+    drop(other);
+}
