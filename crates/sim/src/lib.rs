@@ -1,1 +1,201 @@
-//! placeholder
+//! The real-time process: it paces, steps, applies changes and publishes.
+//!
+//! Two threads. The **stepping thread**, which is the caller of [`run`], allocates nothing, locks nothing, formats
+//! nothing and serves no request: it waits for a deadline, steps, and fills the sample that readers will see. The
+//! **intake thread** ([`intake`]) checks requests, hands them over through a bounded queue, computes poles, keeps the
+//! statistics and publishes bulletins.
+//!
+//! Catch-up policy: deadlines are absolute. After a stall the steps that are due run at once, back to back, and count
+//! as late; a stall of more than [`pacer::CATCH_UP_LIMIT`] is not caught up: its deadlines are given up and counted as
+//! missed. Steps themselves are never skipped, so `tau` falls behind the wall clock by what was missed.
+
+mod clock;
+mod engine;
+mod health;
+mod intake;
+pub mod pacer;
+
+use std::fmt;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use rotor::{Rotor, Settings};
+use wire::message::{Health, Trip};
+use wire::{BenchName, Carrier, Host, StateSender, WireError};
+
+use crate::engine::{Engine, Exchange};
+use crate::intake::Intake;
+use crate::pacer::Pacer;
+
+/// How a simulation runs, apart from what it simulates.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// The name under which readers find it.
+    pub bench: BenchName,
+    /// Steps a second, 1 to 100 000.
+    pub rate_hz: f64,
+    /// Advance of `tau` per step, more than 0 and at most 1.
+    pub dtau: f64,
+}
+
+impl Options {
+    /// The default rate, steps a second.
+    pub const DEFAULT_RATE_HZ: f64 = 1000.0;
+    /// The default step in `tau`.
+    pub const DEFAULT_DTAU: f64 = 0.01;
+
+    fn check(&self) -> Result<(), SimError> {
+        if !(1.0..=100_000.0).contains(&self.rate_hz) {
+            return Err(SimError::Rate(self.rate_hz));
+        }
+        if !(self.dtau > 0.0 && self.dtau <= 1.0) {
+            return Err(SimError::Step(self.dtau));
+        }
+        Ok(())
+    }
+}
+
+/// Why a simulation did not start, or could not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum SimError {
+    /// The rate is out of range.
+    #[error("rate = {0}: expected 1 to 100000 steps a second")]
+    Rate(f64),
+    /// The step is out of range.
+    #[error("dtau = {0}: expected more than 0 and at most 1")]
+    Step(f64),
+    /// The settings do not fit the rotor.
+    #[error(transparent)]
+    Settings(#[from] rotor::SettingsError),
+    /// The bench's name is taken, or its ports fail.
+    #[error(transparent)]
+    Wire(#[from] WireError),
+}
+
+/// How a simulation went, told in one line when it ends.
+#[derive(Clone, Debug)]
+pub struct Summary {
+    /// The bench's name.
+    pub bench: BenchName,
+    /// The rotor's name.
+    pub rotor: String,
+    /// How long it ran.
+    pub elapsed: Duration,
+    /// Its pace.
+    pub health: Health,
+    /// Whether it had tripped at the end, and why.
+    pub trip: Trip,
+}
+
+impl fmt::Display for Summary {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { bench, rotor, elapsed, health, trip } = self;
+        let seconds = elapsed.as_secs_f64();
+        write!(
+            f,
+            "bench {bench}: {rotor}, {} steps in {seconds:.1} s ({:.1}/s), {} late, {} missed, \
+             lateness {:.0} us median, {:.0} us at the 99th percentile, {:.0} us at worst; {trip}",
+            health.steps,
+            health.steps as f64 / seconds,
+            health.late,
+            health.missed,
+            health.lateness_p50_us,
+            health.lateness_p99_us,
+            health.lateness_max_us,
+        )
+    }
+}
+
+/// Simulates `rotor` under `settings` until `stop` becomes true.
+///
+/// # Errors
+/// Options or settings out of range, a name that is taken, or ports that fail.
+pub fn run<C: Carrier>(
+    carrier: &C,
+    rotor: &Rotor,
+    settings: Settings,
+    options: &Options,
+    stop: &AtomicBool,
+) -> Result<Summary, SimError> {
+    options.check()?;
+    settings.check(rotor)?;
+    let host = carrier.host(&options.bench)?;
+    let states = host.states()?;
+
+    let started = Instant::now();
+    let started_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+    // Two processes started in the same nanosecond would still differ by their id.
+    let run_id = started_ns.rotate_left(20) ^ u64::from(std::process::id());
+    let exchange = Exchange::default();
+    let engine = Engine::new(rotor, &settings, options.dtau, run_id);
+    let intake = Intake::new(rotor, settings, options, run_id, started_ns, &exchange);
+
+    std::thread::scope(|scope| {
+        let clerk = std::thread::Builder::new().name("intake".into()).spawn_scoped(scope, || {
+            let _stop_at_end = StopAtEnd(stop);
+            intake.run(&host, stop)
+        });
+        let clerk = clerk.map_err(|error| WireError::Internal(format!("no thread for requests: {error}")))?;
+        let stepped = step_until(stop, states, engine, &exchange, options, started_ns, clerk.thread());
+        stop.store(true, Ordering::Relaxed);
+        clerk.thread().unpark();
+        let (health, trip) = clerk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        stepped?;
+        Ok(Summary {
+            bench: options.bench.clone(),
+            rotor: rotor.name().to_owned(),
+            elapsed: started.elapsed(),
+            health,
+            trip,
+        })
+    })
+}
+
+/// Ends the stepping thread when the intake ends, however it ends: half a simulation must not live on.
+struct StopAtEnd<'a>(&'a AtomicBool);
+
+impl Drop for StopAtEnd<'_> {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The stepping thread.
+fn step_until(
+    stop: &AtomicBool,
+    mut states: impl StateSender,
+    mut engine: Engine,
+    exchange: &Exchange,
+    options: &Options,
+    started_ns: u64,
+    clerk: &std::thread::Thread,
+) -> Result<(), WireError> {
+    clock::precise_sleep();
+    let clock = clock::Monotonic::start();
+    let mut pacer = Pacer::new(options.rate_hz);
+    while !stop.load(Ordering::Relaxed) {
+        let deadline = pacer.deadline_ns();
+        if !clock.sleep_until(deadline) {
+            // Woken early, by a signal or to look at `stop`.
+            continue;
+        }
+        let begun = clock.now_ns();
+        let wake = pacer.wake(begun);
+        exchange.counters.missed.fetch_add(wake.missed, Ordering::Relaxed);
+        for step in 0..wake.steps {
+            if engine.take_orders(exchange) {
+                clerk.unpark();
+            }
+            let tripped = engine.step();
+            let due_ns = started_ns + wake.due_ns(step);
+            states.send(|state| engine.fill(state, due_ns, wake.is_late))?;
+            if let Some(trip) = tripped {
+                exchange.report_trip(trip);
+                clerk.unpark();
+            }
+        }
+        exchange.counters.count(&wake);
+        exchange.measure(wake.lateness_ns, (clock.now_ns() - begun) / u64::from(wake.steps));
+    }
+    Ok(())
+}

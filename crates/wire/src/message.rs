@@ -256,7 +256,7 @@ pub struct Analysis {
     pub count: u32,
     /// Always 0.
     pub reserved: u32,
-    /// The smallest damping ratio.
+    /// The smallest damping ratio; 0 if there are no poles.
     pub min_damping: f64,
     /// The poles `[re, im]`, least damped first.
     pub poles: [[f64; 2]; 2 * MAX_MASSES],

@@ -1,5 +1,7 @@
 //! What every carrier promises, checked on shared memory and on the carrier for tests alike.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};

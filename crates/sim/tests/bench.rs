@@ -1,0 +1,183 @@
+//! A whole simulation on the carrier for tests: pace, changes, trips, restarts.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use rotor::{C64, Settings, Spectrum, builtin};
+use sim::{Options, Summary};
+use wire::message::Flags;
+use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Listener, Memory, State, WireError};
+
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// A running simulation of the three-mass rotor, and a reader of it.
+struct Bench {
+    listener: <Memory as Carrier>::Listener,
+    commander: <Memory as Carrier>::Commander,
+    bulletin: Option<Box<Bulletin>>,
+    states: Vec<State>,
+}
+
+impl Bench {
+    /// Reads on until `found` sees what it wants.
+    fn wait<T>(&mut self, what: &str, mut found: impl FnMut(&Bulletin, &[State]) -> Option<T>) -> T {
+        let start = Instant::now();
+        loop {
+            let states = &mut self.states;
+            self.listener.drain(|state| states.push(*state)).unwrap();
+            if let Some(bulletin) = self.listener.bulletin().unwrap() {
+                self.bulletin = Some(bulletin);
+            }
+            if let Some(found) = self.bulletin.as_ref().and_then(|bulletin| found(bulletin, &self.states)) {
+                return found;
+            }
+            assert!(start.elapsed() < PATIENCE, "{what} did not come");
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    fn ask(&mut self, change: &Change) -> Answer {
+        self.commander.ask(&change.request("test").unwrap(), PATIENCE).unwrap()
+    }
+}
+
+/// Runs `act` beside a simulation at `rate_hz`, and returns how the simulation ended.
+fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) -> Summary {
+    let rotor = builtin::rotor("three-mass").unwrap();
+    let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
+    let carrier = Memory::default();
+    let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01 };
+    let stop = AtomicBool::new(false);
+    thread::scope(|scope| {
+        let simulation = scope.spawn(|| sim::run(&carrier, &rotor, settings.clone(), &options, &stop));
+        let start = Instant::now();
+        let listener = loop {
+            match carrier.listen(&options.bench) {
+                Ok(listener) => break listener,
+                Err(error) => assert!(start.elapsed() < PATIENCE, "{error}"),
+            }
+        };
+        let commander = carrier.command(&options.bench).unwrap();
+        let mut bench = Bench { listener, commander, bulletin: None, states: Vec::new() };
+        // A failed assertion must end the simulation too, or the scope would wait for it for ever.
+        let acted = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| act(&mut bench, settings.clone())));
+        stop.store(true, Ordering::Relaxed);
+        let summary = simulation.join().unwrap().unwrap();
+        acted.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        summary
+    })
+}
+
+#[test]
+fn every_step_is_sent_once_and_in_order() {
+    let summary = beside("composite", 5000.0, |bench, _| {
+        bench.wait("2000 steps", |_, states| (states.len() >= 2000).then_some(()));
+        for pair in bench.states.windows(2) {
+            assert_eq!(pair[1].seq, pair[0].seq + 1);
+            assert_eq!(pair[1].run_id, pair[0].run_id);
+            assert!(pair[1].wall_ns > pair[0].wall_ns);
+            assert!((pair[1].tau - pair[0].tau - 0.01).abs() < 1e-9);
+        }
+    });
+    assert!(summary.health.steps >= 2000);
+    let told = summary.to_string();
+    assert!(told.starts_with("bench default: three-mass, ") && !told.contains('\n'), "{told}");
+}
+
+#[test]
+fn the_bulletin_tells_the_rotor_the_settings_and_the_poles() {
+    beside("composite", 1000.0, |bench, settings| {
+        let bulletin = bench.wait("poles", |b, _| (b.analysis.revision == 1).then(|| Box::new(*b)));
+        let rotor = bulletin.rotor().unwrap();
+        assert_eq!(rotor, builtin::rotor("three-mass").unwrap());
+        assert_eq!(bulletin.settings.unpack(), settings);
+        let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).unwrap();
+        assert_eq!(bulletin.analysis.min_damping, spectrum.min_damping());
+        let poles: Vec<C64> = bulletin.analysis.poles().collect();
+        assert_eq!(poles, spectrum.modes.iter().map(|m| m.pole).collect::<Vec<_>>());
+        assert_eq!((bulletin.rate_hz, bulletin.dtau, bulletin.pid), (1000.0, 0.01, std::process::id()));
+    });
+}
+
+#[test]
+fn a_change_of_settings_is_answered_with_the_step_that_took_it() {
+    beside("composite", 1000.0, |bench, mut settings| {
+        settings.speed = 3.0;
+        let answer = bench.ask(&Change::Settings { base_revision: 1, settings: settings.clone() });
+        assert_eq!((answer.is_accepted(), answer.revision), (true, 2));
+        let first = bench.wait("the new speed", |_, states| states.iter().position(|s| s.speed == 3.0));
+        let (before, after) = (bench.states[first - 1], bench.states[first]);
+        assert_eq!((after.seq, after.revision, before.revision), (answer.applied_at_step, 2, 1));
+        let bulletin = bench.wait("its poles", |b, _| (b.analysis.revision == 2).then(|| Box::new(*b)));
+        assert_eq!(bulletin.settings.unpack(), settings);
+        assert_eq!(bulletin.changed_by.as_str(), "test");
+        // Based on a revision that is no longer in force: refused, and told why.
+        let answer = bench.ask(&Change::Settings { base_revision: 1, settings });
+        assert_eq!((answer.is_accepted(), answer.outdated, answer.revision), (false, 1, 2));
+        assert!(answer.reason.as_str().contains("changed meanwhile by test"), "{:?}", answer.reason);
+    });
+}
+
+#[test]
+fn what_is_wrong_is_refused_whole() {
+    beside("composite", 1000.0, |bench, settings| {
+        let mut refused = |change: &Change, why: &str| {
+            let answer = bench.ask(change);
+            assert!(!answer.is_accepted() && answer.reason.as_str().contains(why), "{:?}", answer.reason);
+            assert_eq!((answer.revision, answer.outdated), (1, 0));
+        };
+        let bad = Settings { speed: f64::NAN, ..settings.clone() };
+        refused(&Change::Settings { base_revision: 1, settings: bad }, "speed = NaN: expected a number from 0 to 1000");
+        let short = Settings { deadband: vec![0.0; 2], ..settings };
+        refused(&Change::Settings { base_revision: 1, settings: short }, "2 deadbands for 3 masses");
+        refused(&Change::Impulse { mass: 3, velocity: C64::new(1.0, 0.0) }, "no mass 4: there are 3");
+        refused(&Change::Impulse { mass: 0, velocity: C64::new(f64::NAN, 0.0) }, "must be finite");
+    });
+}
+
+#[test]
+fn an_unstable_rotor_trips_holds_and_restarts() {
+    let summary = beside("off", 20_000.0, |bench, mut settings| {
+        settings.trip = 5.0;
+        assert!(bench.ask(&Change::Settings { base_revision: 1, settings }).is_accepted());
+        bench.ask(&Change::Impulse { mass: 1, velocity: C64::new(1.0, 0.0) });
+        let trip = bench.wait("the trip", |b, _| b.trip.is_tripped().then_some(b.trip));
+        assert_eq!((trip.cause, trip.limit), (1, 5.0));
+        let at = bench.states.iter().position(|s| s.flags.has(Flags::TRIPPED)).unwrap();
+        assert_eq!(bench.states[at].seq, trip.step);
+        let held = bench.states[at];
+        assert!(held.points().iter().any(|p| p.radius() > 5.0));
+        let later = bench.wait("held steps", |_, states| states.get(at + 100).copied());
+        assert_eq!((later.tau, later.masses), (held.tau, held.masses));
+        let answer = bench.ask(&Change::Restart);
+        assert!(answer.is_accepted());
+        bench.wait("running again", |b, _| (!b.trip.is_tripped()).then_some(()));
+        let again = bench
+            .wait("motion from rest", |_, states| states.iter().find(|s| s.seq == answer.applied_at_step).copied());
+        assert_eq!((again.tau, again.flags.has(Flags::TRIPPED)), (0.01, false));
+    });
+    assert!(!summary.trip.is_tripped() || summary.trip.cause == 1);
+}
+
+#[test]
+fn wrong_options_and_taken_names_are_refused() {
+    let rotor = builtin::rotor("jeffcott").unwrap();
+    let settings = Settings::new(&rotor, 1.0, builtin::feedback(&rotor, "cancel").unwrap());
+    let carrier = Memory::default();
+    let never = AtomicBool::new(true);
+    let told = |options: Options, settings: Settings| {
+        sim::run(&carrier, &rotor, settings, &options, &never).unwrap_err().to_string()
+    };
+    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01 };
+    let slow = Options { rate_hz: 0.0, ..options.clone() };
+    assert_eq!(told(slow, settings.clone()), "rate = 0: expected 1 to 100000 steps a second");
+    let coarse = Options { dtau: f64::NAN, ..options.clone() };
+    assert_eq!(told(coarse, settings.clone()), "dtau = NaN: expected more than 0 and at most 1");
+    let fast = Settings { speed: -1.0, ..settings.clone() };
+    assert_eq!(told(options.clone(), fast), "speed = -1: expected a number from 0 to 1000");
+    let _holder = carrier.host(&options.bench).unwrap();
+    assert_eq!(told(options.clone(), settings), WireError::Taken(options.bench).to_string());
+}
