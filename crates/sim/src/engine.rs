@@ -14,6 +14,7 @@ const MAX_PENDING_CHANGES: usize = 4;
 
 /// What the intake tells the stepping thread to do before its next step. Boxed by the intake, and freed by it.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "an order is boxed whole")]
 pub(crate) enum Order {
     /// New settings: the equations of motion made from them, and the rest.
     Settings { closed_loop: ClosedLoop, trip_limit: f64, revision: u64 },

@@ -137,17 +137,12 @@ pub fn run<C: Carrier>(
         });
         let clerk = clerk.map_err(|error| WireError::Internal(format!("no thread for requests: {error}")))?;
         let stepped = step_until(stop, states, engine, &exchange, options, started_ns, clerk.thread());
+        let elapsed = started.elapsed();
         stop.store(true, Ordering::Relaxed);
         clerk.thread().unpark();
         let (health, trip) = clerk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         stepped?;
-        Ok(Summary {
-            bench: options.bench.clone(),
-            rotor: rotor.name().to_owned(),
-            elapsed: started.elapsed(),
-            health,
-            trip,
-        })
+        Ok(Summary { bench: options.bench.clone(), rotor: rotor.name().to_owned(), elapsed, health, trip })
     })
 }
 

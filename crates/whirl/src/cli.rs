@@ -18,6 +18,16 @@ pub(crate) struct Cli {
 /// Every command, in the order in which `--help` lists them.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Run the simulation process alone
+    Sim(commands::sim::SimArgs),
+    /// Print live telemetry
+    Tail(commands::tail::TailArgs),
+    /// Change gains, speed, deadband ... of a running simulation
+    Set(commands::set::SetArgs),
+    /// List running benches: rates, lateness, losses, who is attached
+    Status(commands::status::StatusArgs),
+    /// Remove what crashed processes left behind; never touches a live bench
+    Clean(commands::clean::CleanArgs),
     /// Print eigenvalues and minimum damping at one speed
     Poles(commands::poles::PolesArgs),
 }

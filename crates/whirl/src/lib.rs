@@ -2,13 +2,16 @@
 //!
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
+//! * [`attach`] finds a running bench.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`failure`] is every way to fail, with its exit code.
 
+mod attach;
 mod catalog;
 mod cli;
 mod commands;
 mod failure;
+mod interrupt;
 mod output;
 
 use std::process::ExitCode;

@@ -1,0 +1,72 @@
+//! Finding a running bench: the options that name it, and the carrier to it.
+
+use std::time::{Duration, Instant};
+
+use wire::{BenchName, Bulletin, Carrier, Listener, Root, SharedMemory, WireError};
+
+use crate::failure::Failure;
+
+/// How long a bench may take to say how it is: it does so ten times a second.
+const FIRST_WORD: Duration = Duration::from_secs(3);
+
+/// Which running bench.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct BenchArgs {
+    /// Name of the bench
+    #[arg(long, value_name = "NAME", default_value = "default")]
+    pub(crate) bench: String,
+}
+
+impl BenchArgs {
+    /// The name, if it is one.
+    ///
+    /// # Errors
+    /// Not a name that a bench can have.
+    pub(crate) fn name(&self) -> Result<BenchName, Failure> {
+        Ok(self.bench.parse()?)
+    }
+}
+
+/// The carrier under this user's root, for a process seen as `role`.
+///
+/// # Errors
+/// The root cannot be used.
+pub(crate) fn carrier(role: &str) -> Result<SharedMemory, Failure> {
+    Ok(SharedMemory::new(&Root::from_environment()?, role)?)
+}
+
+/// The present bulletin of a bench.
+///
+/// # Errors
+/// The bench does not speak up.
+pub(crate) fn first_bulletin<C: Carrier>(
+    listener: &mut C::Listener,
+    bench: &BenchName,
+) -> Result<Box<Bulletin>, Failure> {
+    let start = Instant::now();
+    loop {
+        if let Some(bulletin) = listener.bulletin()? {
+            return Ok(bulletin);
+        }
+        if start.elapsed() > FIRST_WORD {
+            return Err(WireError::NoAnswer(bench.clone()).into());
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+impl From<WireError> for Failure {
+    fn from(error: WireError) -> Self {
+        let words = error.to_string();
+        match error {
+            WireError::BenchName(_) | WireError::Root { .. } => Self::Usage(words),
+            WireError::NoBench(_) | WireError::Taken(_) => Self::Bench(words),
+            WireError::Version { .. }
+            | WireError::Full { .. }
+            | WireError::LeftBehind { .. }
+            | WireError::NoAnswer(_)
+            | WireError::DoesNotFit(_)
+            | WireError::Internal(_) => Self::Work(words),
+        }
+    }
+}

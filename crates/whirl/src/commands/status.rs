@@ -1,0 +1,152 @@
+//! `whirl status`: which benches run, how well, and who is attached.
+
+use serde::Serialize;
+use wire::{Bulletin, Carrier, SharedMemory};
+
+use crate::attach;
+use crate::failure::Failure;
+use crate::output::{Cell, Format, Table};
+
+/// Options of `whirl status`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct StatusArgs {
+    #[command(flatten)]
+    format: Format,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document {
+    benches: Vec<Bench>,
+}
+
+/// One bench, as scripts read it.
+#[derive(Debug, Serialize)]
+struct Bench {
+    name: String,
+    rotor: String,
+    speed: f64,
+    rate_hz: f64,
+    dtau: f64,
+    steps: u64,
+    late: u64,
+    missed: u64,
+    lateness_us: Lateness,
+    step_cost_us: Cost,
+    min_damping: Option<f64>,
+    revision: u64,
+    subscribers: u32,
+    attached: Vec<Attached>,
+    recording: bool,
+    tripped: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trip: Option<String>,
+    run_id: String,
+    pid: u32,
+    version: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Lateness {
+    p50: f64,
+    p99: f64,
+    max: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Cost {
+    p50: f64,
+    p99: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Attached {
+    role: String,
+    pid: u32,
+}
+
+impl Bench {
+    fn new(name: String, bulletin: &Bulletin, attached: Vec<Attached>) -> Self {
+        let health = &bulletin.health;
+        Self {
+            name,
+            rotor: bulletin.rotor_name.as_str().to_owned(),
+            speed: bulletin.settings.speed,
+            rate_hz: bulletin.rate_hz,
+            dtau: bulletin.dtau,
+            steps: health.steps,
+            late: health.late,
+            missed: health.missed,
+            lateness_us: Lateness {
+                p50: health.lateness_p50_us,
+                p99: health.lateness_p99_us,
+                max: health.lateness_max_us,
+            },
+            step_cost_us: Cost { p50: health.cost_p50_us, p99: health.cost_p99_us },
+            min_damping: (bulletin.analysis.count > 0).then_some(bulletin.analysis.min_damping),
+            revision: bulletin.revision,
+            // Our own look at the bench is not one of its readers.
+            subscribers: health.subscribers,
+            recording: attached.iter().any(|party| party.role == "record"),
+            attached,
+            tripped: bulletin.trip.is_tripped(),
+            trip: bulletin.trip.is_tripped().then(|| bulletin.trip.to_string()),
+            run_id: format!("{:016x}", bulletin.run_id),
+            pid: bulletin.pid,
+            version: bulletin.version.as_str().to_owned(),
+        }
+    }
+}
+
+/// Prints the benches; none is an answer too.
+///
+/// # Errors
+/// The root cannot be read.
+pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
+    let carrier = attach::carrier("status")?;
+    let mut benches = Vec::new();
+    for entry in carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running) {
+        // One that ends while we look is no longer running.
+        let Ok(mut listener) = carrier.listen(&entry.name) else { continue };
+        let Ok(bulletin) = attach::first_bulletin::<SharedMemory>(&mut listener, &entry.name) else { continue };
+        let attached = entry.parties.into_iter().map(|party| Attached { role: party.role, pid: party.pid });
+        let mut bench = Bench::new(entry.name.to_string(), &bulletin, attached.collect());
+        bench.subscribers =
+            bench.attached.iter().filter(|party| party.role != "sim" && party.role != "set").count() as u32;
+        benches.push(bench);
+    }
+    let mut table = Table::new(&[
+        "bench",
+        "rotor",
+        "speed",
+        "rate/s",
+        "steps",
+        "late",
+        "missed",
+        "late p50 us",
+        "p99",
+        "max",
+        "readers",
+        "state",
+    ]);
+    for bench in &benches {
+        let readers: Vec<_> =
+            bench.attached.iter().filter(|p| p.role != "sim").map(|p| format!("{}:{}", p.role, p.pid)).collect();
+        table.row([
+            Cell::from(&bench.name),
+            Cell::from(&bench.rotor),
+            Cell::from(&bench.speed),
+            Cell::from(&bench.rate_hz),
+            Cell::from(&bench.steps),
+            Cell::from(&bench.late),
+            Cell::from(&bench.missed),
+            Cell::from(bench.lateness_us.p50),
+            Cell::from(bench.lateness_us.p99),
+            Cell::from(bench.lateness_us.max),
+            Cell::from(&readers.join(" ")),
+            Cell::from(&bench.trip.as_ref().map_or_else(|| "running".to_owned(), |why| format!("TRIPPED: {why}"))),
+        ]);
+    }
+    let footer = if benches.is_empty() { "no bench is running under this root: `whirl up` starts one" } else { "" };
+    args.format.print(&Document { benches }, "", &table, footer)
+}

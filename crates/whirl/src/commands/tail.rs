@@ -1,0 +1,148 @@
+//! `whirl tail`: prints live telemetry, one line a step.
+
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use serde::Serialize;
+use wire::message::Flags;
+use wire::{Carrier, HostState, Listener, State, WireError};
+
+use crate::attach::{self, BenchArgs};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::output::rounded;
+
+/// Silence after which we look whether the simulation still lives.
+const SILENCE: Duration = Duration::from_millis(300);
+
+/// Options of `whirl tail`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct TailArgs {
+    #[command(flatten)]
+    bench: BenchArgs,
+    /// Print every Nth step
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+    /// End after N lines
+    #[arg(long, value_name = "N")]
+    count: Option<u64>,
+    /// Print JSON lines
+    #[arg(long)]
+    json: bool,
+}
+
+/// One JSON line.
+#[derive(Debug, Serialize)]
+struct Line {
+    seq: u64,
+    tau: f64,
+    speed: f64,
+    masses: Vec<Place>,
+    force: Force,
+    revision: u64,
+    flags: Vec<String>,
+    run_id: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Place {
+    y: f64,
+    z: f64,
+    vy: f64,
+    vz: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct Force {
+    y: f64,
+    z: f64,
+}
+
+impl From<&State> for Line {
+    fn from(state: &State) -> Self {
+        let [y, z] = state.force_delivered;
+        Self {
+            seq: state.seq,
+            tau: state.tau,
+            speed: state.speed,
+            masses: state.points().iter().map(|p| Place { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
+            force: Force { y, z },
+            revision: state.revision,
+            flags: state.flags.names(),
+            run_id: format!("{:016x}", state.run_id),
+        }
+    }
+}
+
+/// The same for people: step, time, where the masses are, control, and what is special.
+fn for_people(state: &State) -> String {
+    let mut line = format!("{:>9}  tau {:>10.3}", state.seq, state.tau);
+    for (i, p) in state.points().iter().enumerate() {
+        let _ = write!(line, "  {}: {:>10} {:>10}", i + 1, rounded(p.y), rounded(p.z));
+    }
+    let [y, z] = state.force_delivered;
+    let _ = write!(line, "  u: {:>10} {:>10}", rounded(y), rounded(z));
+    for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE] {
+        if state.flags.has(flag) {
+            let _ = write!(line, "  {}", flag.names().concat());
+        }
+    }
+    line
+}
+
+/// Prints until the count is reached, a signal comes, or the simulation ends.
+///
+/// # Errors
+/// No such bench, or output that cannot be written.
+pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
+    let bench = args.bench.name()?;
+    let stop = interrupt::flag()?;
+    let mut listener = attach::carrier("tail")?.listen(&bench)?;
+    let mut left = args.count.unwrap_or(u64::MAX);
+    let mut lines = String::new();
+    let mut heard = Instant::now();
+    let mut last: Option<(u64, u64)> = None;
+    let mut lost = 0;
+    while left > 0 {
+        if stop.load(Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
+        lines.clear();
+        let drained = listener.drain(|state| {
+            if let Some((run_id, seq)) = last
+                && run_id == state.run_id
+            {
+                lost += state.seq.saturating_sub(seq + 1);
+            }
+            last = Some((state.run_id, state.seq));
+            if left > 0 && state.seq % args.every == 0 {
+                left -= 1;
+                if args.json {
+                    // A line of plain numbers and words always serialises.
+                    lines += &serde_json::to_string(&Line::from(state)).unwrap_or_default();
+                } else {
+                    lines += &for_people(state);
+                }
+                lines.push('\n');
+            }
+        })?;
+        let mut stdout = std::io::stdout().lock();
+        stdout.write_all(lines.as_bytes())?;
+        stdout.flush()?;
+        if drained > 0 {
+            heard = Instant::now();
+        } else if heard.elapsed() > SILENCE {
+            if listener.host() == HostState::Gone {
+                return Err(WireError::NoBench(bench).into());
+            }
+            heard = Instant::now();
+        }
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    if lost > 0 {
+        return Err(Failure::Work(format!("{lost} steps were lost: the output was read too slowly")));
+    }
+    Ok(())
+}
