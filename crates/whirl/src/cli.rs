@@ -12,14 +12,25 @@ use crate::commands;
 pub(crate) struct Cli {
     /// What to do; `up` if nothing is said
     #[command(subcommand)]
-    pub command: Option<Command>,
+    command: Option<Command>,
+}
+
+impl Cli {
+    /// What to do.
+    pub(crate) fn command(self) -> Command {
+        self.command.unwrap_or_else(|| Self::parse_from(["whirl", "up"]).command.expect("`up` is a command"))
+    }
 }
 
 /// Every command, in the order in which `--help` lists them.
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
+    /// Start a simulation and a dashboard on it; quitting the dashboard ends both
+    Up(commands::sim::LiveArgs),
     /// Run the simulation process alone
     Sim(commands::sim::SimArgs),
+    /// Show a dashboard on a running simulation
+    Dash(commands::dash::DashArgs),
     /// Print live telemetry
     Tail(commands::tail::TailArgs),
     /// Change gains, speed, deadband ... of a running simulation

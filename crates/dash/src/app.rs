@@ -1,0 +1,450 @@
+//! The loop: input first, then answers, then the clock; and what each of them does.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use crossbeam::channel::{self, Receiver, Sender, select_biased};
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+use rotor::{C64, Key};
+use wire::{BenchName, Carrier};
+
+use crate::clerk::{self, Edit, Outcome};
+use crate::feed::{Contact, Feed, Picture};
+use crate::input::{self, Input};
+use crate::keymap::{self, Action};
+use crate::link::{self, Shared, lock};
+use crate::panels::settings::{Cursor, rows};
+use crate::panels::status::Message;
+use crate::screen::{self, View};
+use crate::terminal::Screen;
+
+/// Time between two frames while everything moves: 30 a second.
+const FRAME: Duration = Duration::from_millis(33);
+/// Time between two looks while the picture is paused.
+const PAUSED_FRAME: Duration = Duration::from_millis(250);
+/// How often the age of silent data is drawn anew.
+const SILENT_FRAME: Duration = Duration::from_millis(200);
+/// How long a message stays at the foot.
+const MESSAGE: Duration = Duration::from_secs(6);
+/// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
+const IMPULSE: f64 = -2.5;
+/// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
+const EDITS_WAITING: usize = 64;
+
+/// Why the dashboard did not start, or could not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum DashError {
+    /// Standard input or output is not a terminal.
+    #[error(
+        "no terminal here: `whirl sim` runs the simulation alone, `whirl tail` prints its telemetry, \
+         `whirl set` changes its settings"
+    )]
+    NoTerminal,
+    /// The terminal failed.
+    #[error("the terminal failed: {0}")]
+    Terminal(#[from] io::Error),
+    /// A thread panicked; its message is on the terminal.
+    #[error("the dashboard failed: the message above says where")]
+    Panicked,
+}
+
+/// What ended a dashboard that did its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// A person quit.
+    Quit,
+    /// A signal came, or the terminal went away.
+    Interrupted,
+}
+
+/// Whoever started the simulation, if it was us.
+pub trait Keeper {
+    /// How the simulation ended, once it has.
+    fn ended(&mut self) -> Option<String>;
+    /// Starts it again.
+    ///
+    /// # Errors
+    /// It cannot be started, in words.
+    fn revive(&mut self) -> Result<(), String>;
+}
+
+/// Shows `bench` on the terminal until a person or a signal ends it.
+///
+/// # Errors
+/// No terminal, or one that fails.
+pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Keeper>) -> Result<Ended, DashError> {
+    if !Screen::is_possible() {
+        return Err(DashError::NoTerminal);
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let feed: Shared = Arc::new(Mutex::new(Feed::new(&format!("waiting for bench '{bench}'"))));
+    let (send_bulletin, bulletins) = channel::bounded(64);
+    let (edits, take_edits) = channel::bounded(EDITS_WAITING);
+    let (send_outcome, outcomes) = channel::unbounded();
+    let (send_input, inputs) = channel::unbounded();
+
+    // Signals first: from here on they end us in good order.
+    let signals = input::signals(send_input.clone())?;
+    let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), send_bulletin, stop.clone())?;
+    let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
+    let screen = Screen::take()?;
+    input::keyboard(send_input, stop.clone())?;
+    let mut app = App {
+        bench: bench.to_string(),
+        feed,
+        edits,
+        keeper,
+        cursor: Cursor::default(),
+        message: (Message::Hints, Instant::now()),
+        help: false,
+        frozen: None,
+        told_end: false,
+        quit: None,
+    };
+    let ended = app.run(screen, &inputs, &outcomes);
+    stop.store(true, Ordering::Relaxed);
+    signals.close();
+    drop(app);
+    // Both hold shared memory: they must have let go before we report that we are done.
+    let _ = reader.join();
+    let _ = clerk.join();
+    ended
+}
+
+/// What the dashboard knows beside the feed.
+struct App<'a> {
+    bench: String,
+    feed: Shared,
+    edits: Sender<Edit>,
+    keeper: Option<&'a mut dyn Keeper>,
+    cursor: Cursor,
+    message: (Message, Instant),
+    help: bool,
+    /// The picture at the time of the pause, while there is one.
+    frozen: Option<Picture>,
+    told_end: bool,
+    quit: Option<Ended>,
+}
+
+impl App<'_> {
+    fn run(
+        &mut self,
+        mut screen: Screen,
+        inputs: &Receiver<Input>,
+        outcomes: &Receiver<Outcome>,
+    ) -> Result<Ended, DashError> {
+        let mut drawn = Drawn::default();
+        loop {
+            if let Some(ended) = self.quit {
+                return Ok(ended);
+            }
+            let now = Instant::now();
+            if self.is_due(&drawn, now) {
+                let changes = lock(&self.feed).changes();
+                self.draw(&mut screen)?;
+                drawn = Drawn { at: Some(now), changes, stale: false };
+            }
+            let tick = channel::after(if self.frozen.is_some() { PAUSED_FRAME } else { FRAME });
+            select_biased! {
+                recv(inputs) -> input => {
+                    self.take(input.unwrap_or(Input::Closed));
+                    // A burst of keys is one frame.
+                    while let Ok(input) = inputs.try_recv() {
+                        self.take(input);
+                    }
+                    drawn.stale = true;
+                }
+                recv(outcomes) -> outcome => {
+                    if let Ok(outcome) = outcome {
+                        self.tell(match outcome {
+                            Outcome::Done(text) => Message::Good(text),
+                            Outcome::Refused(text) => Message::Bad(text),
+                        });
+                    }
+                    drawn.stale = true;
+                }
+                recv(tick) -> _ => drawn.stale |= self.tick(),
+            }
+            if Screen::is_broken() {
+                return Err(DashError::Panicked);
+            }
+        }
+    }
+
+    /// Whether a frame would show something new.
+    fn is_due(&self, drawn: &Drawn, now: Instant) -> bool {
+        let Some(at) = drawn.at else { return true };
+        if drawn.stale {
+            return true;
+        }
+        let age = now.saturating_duration_since(at);
+        let feed = lock(&self.feed);
+        if self.frozen.is_some() {
+            return false;
+        }
+        (feed.changes() != drawn.changes && age >= FRAME.mul_f64(0.9))
+            || (feed.heard().is_some() && age >= SILENT_FRAME)
+    }
+
+    fn draw(&mut self, screen: &mut Screen) -> io::Result<()> {
+        let live = lock(&self.feed).picture(Instant::now());
+        let picture = match &self.frozen {
+            None => live,
+            // The motion stands still; settings, poles and how things stand go on.
+            Some(frozen) => Picture {
+                track: frozen.track.clone(),
+                damping: frozen.damping.clone(),
+                peak_force: frozen.peak_force,
+                ..live
+            },
+        };
+        let view = View {
+            picture: &picture,
+            bench: &self.bench,
+            paused: self.frozen.is_some(),
+            cursor: &self.cursor,
+            message: &self.message.0,
+            help: self.help,
+        };
+        screen.draw(|frame| screen::draw(&view, frame.area(), frame.buffer_mut()))
+    }
+
+    /// What time alone brings. Returns whether it shows.
+    fn tick(&mut self) -> bool {
+        let mut shows = false;
+        if self.message.0 != Message::Hints && self.message.1.elapsed() > MESSAGE {
+            self.message.0 = Message::Hints;
+            shows = true;
+        }
+        if let Some(keeper) = &mut self.keeper
+            && let Some(how) = keeper.ended()
+            && !self.told_end
+        {
+            self.told_end = true;
+            lock(&self.feed).stand(Contact::Gone);
+            self.tell(Message::Bad(format!("the simulation has ended ({how}): R starts it again")));
+            shows = true;
+        }
+        // While paused, only a change in how things stand is worth a frame.
+        if let Some(frozen) = &mut self.frozen {
+            let contact = lock(&self.feed).contact().clone();
+            shows |= frozen.contact != contact;
+            frozen.contact = contact;
+        }
+        shows
+    }
+
+    fn tell(&mut self, message: Message) {
+        self.message = (message, Instant::now());
+    }
+
+    fn take(&mut self, input: Input) {
+        match input {
+            Input::Signal | Input::Closed => self.quit = Some(Ended::Interrupted),
+            Input::Resized => {}
+            Input::Key(key) => self.press(key),
+        }
+    }
+
+    fn press(&mut self, key: KeyEvent) {
+        if self.cursor.typed.is_some() && self.typing(key) {
+            return;
+        }
+        if let Some(first) = keymap::starts_number(key)
+            && !self.help
+        {
+            self.cursor.typed = Some(first.to_string());
+            return;
+        }
+        match keymap::action(key) {
+            Some(action) => self.act(action),
+            None => self.help &= !matches!(key.code, KeyCode::Enter),
+        }
+    }
+
+    /// A key while a value is being typed. Returns whether it was part of that.
+    fn typing(&mut self, key: KeyEvent) -> bool {
+        let Some(typed) = &mut self.cursor.typed else { return false };
+        let plain = !key.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT);
+        match key.code {
+            KeyCode::Char(c @ ('0'..='9' | '.' | '-' | '+' | 'e' | 'E')) if plain => {
+                if typed.len() < 16 {
+                    typed.push(c);
+                }
+            }
+            KeyCode::Backspace => {
+                typed.pop();
+            }
+            KeyCode::Esc => self.cursor.typed = None,
+            KeyCode::Enter => self.take_typed(),
+            // Quitting works everywhere; other keys neither type nor act by accident.
+            _ => return matches!(keymap::action(key), None | Some(Action::Nudge(_) | Action::Off)),
+        }
+        true
+    }
+
+    fn take_typed(&mut self) {
+        let Some(typed) = self.cursor.typed.take() else { return };
+        let Some(key) = self.selected() else { return };
+        match typed.parse::<f64>() {
+            Ok(value) => self.edit(Edit::Set(key, value)),
+            Err(_) => self.tell(Message::Bad(format!("{key} = '{typed}': expected a number"))),
+        }
+    }
+
+    /// The selected setting, if there is any yet.
+    fn selected(&mut self) -> Option<Key> {
+        let settings = lock(&self.feed).settings()?;
+        let rows = rows(&settings);
+        self.cursor.row = self.cursor.row.min(rows.len().saturating_sub(1));
+        rows.get(self.cursor.row).copied()
+    }
+
+    fn edit(&mut self, edit: Edit) {
+        if self.edits.try_send(edit).is_err() {
+            self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
+        }
+    }
+
+    fn act(&mut self, action: Action) {
+        match action {
+            Action::Quit => self.quit = Some(Ended::Quit),
+            Action::Escape => {
+                self.help = false;
+                self.cursor.typed = None;
+            }
+            Action::Help => self.help = !self.help,
+            Action::Select(rows_down) => {
+                self.cursor.typed = None;
+                let settings = lock(&self.feed).settings();
+                let count = settings.map_or(0, |settings| rows(&settings).len());
+                self.cursor.row = self.cursor.row.saturating_add_signed(rows_down).min(count.saturating_sub(1));
+            }
+            Action::Nudge(steps) => {
+                if let Some(key) = self.selected() {
+                    self.edit(Edit::Nudge(key, steps * key.parameter.step));
+                }
+            }
+            Action::Type => self.cursor.typed = Some(String::new()),
+            Action::Undo => self.edit(Edit::Undo),
+            Action::Redo => self.edit(Edit::Redo),
+            Action::Off => self.edit(Edit::Off),
+            Action::Impulse => {
+                let bearing = lock(&self.feed).settings().map(|s| s.feedback.bearing);
+                if let Some(mass) = bearing {
+                    self.edit(Edit::Impulse(mass, C64::new(IMPULSE, 0.0)));
+                }
+            }
+            Action::Pause => {
+                self.frozen = match self.frozen.take() {
+                    Some(_) => None,
+                    None => Some(lock(&self.feed).picture(Instant::now())),
+                };
+            }
+            Action::Restart => self.restart(),
+        }
+    }
+
+    /// Restarts the rotor; or the simulation, if that has ended and was ours.
+    fn restart(&mut self) {
+        if let Some(keeper) = &mut self.keeper
+            && keeper.ended().is_some()
+        {
+            let revived = keeper.revive();
+            self.told_end = false;
+            self.tell(match revived {
+                Ok(()) => Message::Good("the simulation was started again".into()),
+                Err(why) => Message::Bad(why),
+            });
+        } else {
+            self.edit(Edit::Restart);
+        }
+    }
+}
+
+/// What was last drawn.
+#[derive(Debug, Default)]
+struct Drawn {
+    at: Option<Instant>,
+    changes: u64,
+    /// Something other than the feed has changed since.
+    stale: bool,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::tests;
+
+    /// Presses keys on a dashboard with a feed of the three-mass rotor, and returns what it then wants.
+    fn pressed(keys: &[KeyCode]) -> (Vec<Edit>, Cursor, Message, bool) {
+        let mut feed = Feed::new("");
+        feed.read(tests::bulletin("three-mass", "composite"));
+        feed.hear(&tests::state(3, 0), Instant::now());
+        let (edits, taken) = channel::bounded(EDITS_WAITING);
+        let mut app = App {
+            bench: "default".into(),
+            feed: Arc::new(Mutex::new(feed)),
+            edits,
+            keeper: None,
+            cursor: Cursor::default(),
+            message: (Message::Hints, Instant::now()),
+            help: false,
+            frozen: None,
+            told_end: false,
+            quit: None,
+        };
+        for code in keys {
+            app.press(KeyEvent::new(*code, KeyModifiers::NONE));
+        }
+        (taken.try_iter().collect(), app.cursor, app.message.0, app.quit.is_some())
+    }
+
+    fn key(name: &str) -> Key {
+        name.parse().unwrap()
+    }
+
+    use KeyCode::{Char, Down, Enter, Esc, Left, Right, Up};
+
+    #[test]
+    fn arrows_select_and_nudge() {
+        let (edits, cursor, ..) = pressed(&[Down, Down, Right, Up, Left]);
+        assert_eq!(cursor.row, 1);
+        assert_eq!(
+            edits,
+            [Edit::Nudge(key("deadband"), 0.1), Edit::Nudge(key("trip"), -10.0)],
+            "rows are speed, trip, deadband, ..."
+        );
+        let (_, top, ..) = pressed(&[Up]);
+        let (_, bottom, ..) = pressed(&[Down; 40]);
+        assert_eq!((top.row, bottom.row), (0, 6));
+    }
+
+    #[test]
+    fn typing_a_number_sets_the_selected_row() {
+        let (edits, cursor, ..) = pressed(&[Char('3'), Char('.'), Char('5'), Enter]);
+        assert_eq!((edits, cursor.typed), (vec![Edit::Set(key("speed"), 3.5)], None));
+        // A value that begins with 0 follows enter; 0 alone turns control off.
+        let (edits, ..) = pressed(&[Enter, Char('0'), Char('.'), Char('5'), Enter, Char('0')]);
+        assert_eq!(edits, [Edit::Set(key("speed"), 0.5), Edit::Off]);
+        let (edits, cursor, ..) = pressed(&[Char('3'), Char('u'), Esc]);
+        assert_eq!((edits, cursor.typed), (vec![Edit::Undo], None));
+        let (edits, _, message, _) = pressed(&[Char('3'), Char('-'), Enter]);
+        assert_eq!((edits.len(), message), (0, Message::Bad("speed = '3-': expected a number".into())));
+    }
+
+    #[test]
+    fn quitting_works_from_everywhere() {
+        for before in [&[][..], &[Char('?')], &[Char('3')], &[Char(' ')], &[Enter]] {
+            assert!(pressed(&[before, &[Char('q')]].concat()).3, "{before:?}");
+        }
+    }
+
+    #[test]
+    fn an_impulse_strikes_the_mass_with_the_bearing() {
+        assert_eq!(pressed(&[Char('i')]).0, [Edit::Impulse(0, C64::new(-2.5, 0.0))]);
+        assert_eq!(pressed(&[Char('R')]).0, [Edit::Restart]);
+    }
+}

@@ -1,0 +1,186 @@
+//! The one table of keys: it makes the keys work, and it makes the help screen and the hints at the foot.
+
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+
+/// What a key does.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Action {
+    /// Select the setting so many rows further down.
+    Select(isize),
+    /// Raise the selected setting by so many of its steps.
+    Nudge(f64),
+    /// Start to type a value; enter takes it, esc drops it.
+    Type,
+    /// Take back the last change.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// All gains to zero.
+    Off,
+    /// Strike the rotor.
+    Impulse,
+    /// Stop and go on with the picture.
+    Pause,
+    /// Restart from rest, or bring back a simulation that has ended.
+    Restart,
+    /// Show and hide the help.
+    Help,
+    /// Close the top layer.
+    Escape,
+    /// End.
+    Quit,
+}
+
+/// One row of the table.
+#[derive(Debug)]
+pub(crate) struct Binding {
+    /// Keys, as people read them.
+    pub(crate) keys: &'static str,
+    /// What they do.
+    pub(crate) meaning: &'static str,
+    /// The same in a word or two, if it is hinted at the foot of the screen.
+    pub(crate) hint: Option<&'static str>,
+    chords: &'static [(KeyCode, KeyModifiers, Action)],
+}
+
+const NONE: KeyModifiers = KeyModifiers::NONE;
+const SHIFT: KeyModifiers = KeyModifiers::SHIFT;
+const CTRL: KeyModifiers = KeyModifiers::CONTROL;
+
+use KeyCode::{Char, Down, Enter, Esc, Left, Right, Up};
+
+/// Every key, in the order of the help screen. A shifted letter is its capital.
+pub(crate) const BINDINGS: [Binding; 13] = [
+    Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
+    Binding {
+        keys: "q, ctrl-c",
+        meaning: "quit",
+        hint: Some("quit"),
+        chords: &[(Char('q'), NONE, Action::Quit), (Char('c'), CTRL, Action::Quit), (Esc, NONE, Action::Escape)],
+    },
+    Binding {
+        keys: "up down, k j",
+        meaning: "select a setting",
+        hint: Some("select"),
+        chords: &[
+            (Up, NONE, Action::Select(-1)),
+            (Down, NONE, Action::Select(1)),
+            (Char('k'), NONE, Action::Select(-1)),
+            (Char('j'), NONE, Action::Select(1)),
+        ],
+    },
+    Binding {
+        keys: "left right, h l",
+        meaning: "lower or raise it by one step",
+        hint: Some("nudge"),
+        chords: &[
+            (Left, NONE, Action::Nudge(-1.0)),
+            (Right, NONE, Action::Nudge(1.0)),
+            (Char('h'), NONE, Action::Nudge(-1.0)),
+            (Char('l'), NONE, Action::Nudge(1.0)),
+        ],
+    },
+    Binding {
+        keys: "shift-left shift-right, H L",
+        meaning: "by ten steps",
+        hint: None,
+        chords: &[
+            (Left, SHIFT, Action::Nudge(-10.0)),
+            (Right, SHIFT, Action::Nudge(10.0)),
+            (Char('H'), NONE, Action::Nudge(-10.0)),
+            (Char('L'), NONE, Action::Nudge(10.0)),
+        ],
+    },
+    Binding {
+        keys: "ctrl-left ctrl-right",
+        meaning: "by a tenth of a step",
+        hint: None,
+        chords: &[(Left, CTRL, Action::Nudge(-0.1)), (Right, CTRL, Action::Nudge(0.1))],
+    },
+    Binding {
+        keys: "enter, or - . 1 to 9",
+        meaning: "type a value: enter takes it, esc drops it",
+        hint: Some("type"),
+        chords: &[(Enter, NONE, Action::Type)],
+    },
+    Binding {
+        keys: "u",
+        meaning: "undo the last change",
+        hint: Some("undo"),
+        chords: &[(Char('u'), NONE, Action::Undo)],
+    },
+    Binding { keys: "ctrl-r", meaning: "redo it", hint: None, chords: &[(Char('r'), CTRL, Action::Redo)] },
+    Binding {
+        keys: "0",
+        meaning: "control off: all gains to zero",
+        hint: Some("off"),
+        chords: &[(Char('0'), NONE, Action::Off)],
+    },
+    Binding {
+        keys: "i",
+        meaning: "an impulse on the mass with the control bearing",
+        hint: Some("impulse"),
+        chords: &[(Char('i'), NONE, Action::Impulse)],
+    },
+    Binding {
+        keys: "space",
+        meaning: "pause the picture; data go on",
+        hint: Some("pause"),
+        chords: &[(Char(' '), NONE, Action::Pause)],
+    },
+    Binding {
+        keys: "R",
+        meaning: "restart from rest; after a trip too",
+        hint: Some("restart"),
+        chords: &[(Char('R'), NONE, Action::Restart)],
+    },
+];
+
+/// What a key does while nothing is being typed.
+pub(crate) fn action(key: KeyEvent) -> Option<Action> {
+    let mut modifiers = key.modifiers & (SHIFT | CTRL | KeyModifiers::ALT);
+    if matches!(key.code, Char(_)) {
+        // A capital carries its shift in itself; terminals differ in whether they say so again.
+        modifiers -= SHIFT;
+    }
+    let chords = BINDINGS.iter().flat_map(|binding| binding.chords);
+    chords.copied().find(|(code, with, _)| (*code, *with) == (key.code, modifiers)).map(|(.., action)| action)
+}
+
+/// Whether a key starts a number. `0` does not: alone it turns control off.
+pub(crate) fn starts_number(key: KeyEvent) -> Option<char> {
+    match key.code {
+        Char(c @ ('1'..='9' | '-' | '.')) if !key.modifiers.intersects(CTRL | KeyModifiers::ALT) => Some(c),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_chord_is_bound_twice() {
+        let mut seen = Vec::new();
+        for (code, modifiers, _) in BINDINGS.iter().flat_map(|binding| binding.chords) {
+            assert!(!seen.contains(&(code, modifiers)), "{code:?} {modifiers:?}");
+            seen.push((code, modifiers));
+        }
+        let free = |c| action(KeyEvent::new(Char(c), NONE)).is_none();
+        assert!("123456789-.".chars().all(free), "numbers start to be typed");
+    }
+
+    #[test]
+    fn keys_do_what_the_table_says() {
+        let does = |code, modifiers| action(KeyEvent::new(code, modifiers));
+        assert_eq!(does(Char('q'), NONE), Some(Action::Quit));
+        assert_eq!(does(Char('c'), CTRL), Some(Action::Quit));
+        assert_eq!(does(Char('c'), NONE), None);
+        assert_eq!(does(Char('R'), SHIFT), Some(Action::Restart));
+        assert_eq!(does(Char('r'), CTRL), Some(Action::Redo));
+        assert_eq!(does(Right, SHIFT), Some(Action::Nudge(10.0)));
+        assert_eq!(does(Left, CTRL), Some(Action::Nudge(-0.1)));
+        assert_eq!(starts_number(KeyEvent::new(Char('0'), NONE)), None);
+        assert_eq!(starts_number(KeyEvent::new(Char('-'), NONE)), Some('-'));
+    }
+}

@@ -1,0 +1,67 @@
+//! The panels: one file each, one function each from a [`Picture`] and an area to cells of the screen. They keep no
+//! state; what a person has selected or typed comes in as an argument.
+
+pub(crate) mod damping;
+pub(crate) mod force;
+pub(crate) mod help;
+pub(crate) mod orbits;
+pub(crate) mod poles;
+pub(crate) mod settings;
+pub(crate) mod status;
+pub(crate) mod strips;
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::Line;
+use ratatui::widgets::{Block, Widget};
+
+use crate::theme;
+
+/// Draws a frame with a title and returns the area inside it.
+fn framed(title: Line<'_>, area: Rect, buffer: &mut Buffer) -> Rect {
+    let block = Block::bordered().border_style(theme::quiet()).title(title);
+    let inner = block.inner(area);
+    block.render(area, buffer);
+    inner
+}
+
+/// Writes `text` from `(x, y)` on, no further than `area`.
+fn write(buffer: &mut Buffer, area: Rect, x: u16, y: u16, text: &str, style: Style) {
+    if y >= area.top() && y < area.bottom() && x >= area.left() && x < area.right() {
+        buffer.set_stringn(x, y, text, usize::from(area.right() - x), style);
+    }
+}
+
+/// Writes `text` so that it ends at the right edge of `area`.
+fn write_right(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
+    let width = text.chars().count() as u16;
+    write(buffer, area, area.right().saturating_sub(width).max(area.left()), y, text, style);
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// What a panel draws, as lines of text. Every panel is also drawn at every small size, and must not panic.
+    pub(crate) fn drawn(width: u16, height: u16, draw: impl Fn(Rect, &mut Buffer)) -> String {
+        for (w, h) in (0..12).flat_map(|w| (0..8).map(move |h| (w, h))).chain([(80, 1), (1, 80), (200, 60)]) {
+            let area = Rect::new(0, 0, w, h);
+            draw(area, &mut Buffer::empty(area));
+        }
+        let area = Rect::new(0, 0, width, height);
+        let mut buffer = Buffer::empty(area);
+        draw(area, &mut buffer);
+        text(&buffer)
+    }
+
+    /// A buffer as lines of text.
+    pub(crate) fn text(buffer: &Buffer) -> String {
+        let area = buffer.area;
+        let line = |y| {
+            let cells: String = (area.left()..area.right()).map(|x| buffer[(x, y)].symbol()).collect();
+            cells.trim_end().to_owned() + "\n"
+        };
+        (area.top()..area.bottom()).map(line).collect()
+    }
+}

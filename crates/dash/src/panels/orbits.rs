@@ -1,0 +1,186 @@
+//! An orbit per mass, on one scale.
+//!
+//! ```text
+//! ┌ orbits  ±5.0 e_t ───────────────┐
+//! │   1 bearing       2         3   │
+//! │    ⣀⠤⠤⣀        ⣀⠤⠤⠤⣀     ⣀⠤⠤⣀  │   the last few turns, the latest two in colour; ◉ now
+//! │   ⡎ ⢀⡀ ⢱      ⡎  ●   ⢱   ⡎ ⢀⡀ ⢱ │   ● keyphasor: where the mass was, once a turn
+//! │    ⠑⠤⠤⠊        ⠑⠤⠤⠤⠊     ⠑⠤⠤⠊  │   blue circle: clearance of the support bearing
+//! │  0.62 e_t     2.71 e_t   1.9 e_t│   present distance from the centre
+//! └─────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::Line;
+
+use super::{framed, write};
+use crate::feed::{Picture, Track};
+use crate::plot::{Plot, nice_ceiling, short};
+use crate::theme;
+
+/// Turns of the rotor that an orbit shows.
+const TURNS: f64 = 8.0;
+/// Turns that are drawn in colour.
+const FRESH: f64 = 2.0;
+/// Steps that an orbit shows at low speed, where that many turns take too long.
+const MOST_STEPS: usize = 6000;
+
+pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
+    let track = &picture.track;
+    let shown = shown_steps(track);
+    let reach = (shown.clone())
+        .flat_map(|step| (0..picture.masses()).map(move |mass| radius(track.place(step, mass))))
+        .fold(0.0, f64::max);
+    // A clearance much larger than the orbit would squeeze it to a point: it goes out of view then.
+    let clearance = clearances(picture).into_iter().flatten().fold(0.0, f64::max);
+    let scale = nice_ceiling(1.02 * reach.max(if clearance < 4.0 * reach || reach == 0.0 { clearance } else { 0.0 }));
+    let inner = framed(Line::from(format!(" orbits  ±{} e_t  ◉ now ● once a turn ", short(scale, 2))), area, buffer);
+    let cells = grid(inner, picture.masses());
+    for (mass, cell) in cells.into_iter().enumerate() {
+        draw_one(picture, mass, shown.clone(), scale, cell, buffer);
+    }
+}
+
+fn draw_one(
+    picture: &Picture,
+    mass: usize,
+    shown: std::ops::Range<usize>,
+    scale: f64,
+    cell: Rect,
+    buffer: &mut Buffer,
+) {
+    let track = &picture.track;
+    let window = Plot::round(cell, scale);
+    let mut plot = Plot::new(cell, window);
+    plot.line([window.x[0], 0.0], [window.x[1], 0.0], theme::GRID);
+    plot.line([0.0, window.y[0]], [0.0, window.y[1]], theme::GRID);
+    if let Some(clearance) = clearances(picture).get(mass).copied().flatten() {
+        plot.circle(clearance, theme::CLEARANCE);
+    }
+    let color = theme::TRACES[mass % theme::TRACES.len()];
+    let latest = shown.clone().last().map_or(0.0, |last| turn(track.angle(last)));
+    let mut turns = Vec::new();
+    for step in shown.clone().skip(1) {
+        let (from, to) = (track.place(step - 1, mass), track.place(step, mass));
+        // What is older than a turn or two fades, so that the eye finds where the mass goes.
+        let fresh = turn(track.angle(step)) > latest - FRESH;
+        plot.line(from, to, if fresh { color } else { theme::GRID });
+        if turn(track.angle(step)) > turn(track.angle(step - 1)) {
+            turns.push(to);
+        }
+    }
+    plot.paint(buffer);
+    let mut mark = |[y, z]: [f64; 2], sign, color| {
+        if let Some((column, row)) = plot.cell(y, z) {
+            write(buffer, cell, column, row, sign, theme::loud(color));
+        }
+    };
+    if let Some((last, earlier)) = turns.split_last() {
+        earlier.iter().for_each(|place| mark(*place, "•", theme::KEY));
+        mark(*last, "●", theme::KEY);
+    }
+    if let Some(now) = shown.clone().last() {
+        mark(track.place(now, mass), "◉", color);
+    }
+    let carries = picture.settings.as_ref().is_some_and(|settings| settings.feedback.bearing == mass);
+    let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
+    write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color));
+    if let Some(last) = shown.last() {
+        let now = short(radius(track.place(last, mass)), 3);
+        let row = if cell.height > 3 { cell.bottom() - 1 } else { cell.top() };
+        let column = cell.left() + if cell.height > 3 { 0 } else { 4 };
+        write(buffer, cell, column, row, &now, theme::quiet());
+    }
+}
+
+/// The clearance of every mass that has a support bearing and a deadband in it.
+fn clearances(picture: &Picture) -> Vec<Option<f64>> {
+    let (Some(rotor), Some(settings)) = (&picture.rotor, &picture.settings) else { return Vec::new() };
+    rotor
+        .masses()
+        .iter()
+        .zip(&settings.deadband)
+        .map(|(mass, g)| (mass.bearing_stiffness > 0.0 && *g > 0.0).then_some(*g))
+        .collect()
+}
+
+/// Which turn of the rotor a spin angle belongs to.
+fn turn(angle: f64) -> f64 {
+    (angle / std::f64::consts::TAU).floor()
+}
+
+fn radius([y, z]: [f64; 2]) -> f64 {
+    y.hypot(z)
+}
+
+/// The steps of the last few turns.
+fn shown_steps(track: &Track) -> std::ops::Range<usize> {
+    let end = track.len();
+    let most = end.saturating_sub(MOST_STEPS);
+    let Some(last) = end.checked_sub(1) else { return 0..0 };
+    let from = track.angle(last) - TURNS * std::f64::consts::TAU;
+    // The angle rises with time, but falls to zero at a restart: what was before is another motion.
+    let mut start = last;
+    while start > most && track.angle(start - 1) <= track.angle(start) && track.angle(start - 1) >= from {
+        start -= 1;
+    }
+    start..end
+}
+
+/// Divides an area into `count` cells, in the number of columns that makes the largest round plot.
+fn grid(area: Rect, count: usize) -> Vec<Rect> {
+    let count = count as u16;
+    let side = |columns: u16| (area.width / columns).min(2 * (area.height / count.div_ceil(columns)));
+    let Some(columns) = (1..=count).max_by_key(|columns| (side(*columns), *columns)) else { return Vec::new() };
+    let (width, height) = (area.width / columns, area.height / count.div_ceil(columns));
+    (0..count)
+        .map(|at| Rect::new(area.x + at % columns * width, area.y + at / columns * height, width, height))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::tests;
+    use crate::panels::tests::drawn;
+
+    #[test]
+    fn every_mass_has_its_orbit_on_one_scale() {
+        let picture = tests::picture();
+        let frame = drawn(72, 14, |area, buffer| draw(&picture, area, buffer));
+        assert!(frame.contains("±4.0 e_t"), "{frame}");
+        assert!(frame.contains("1 ⊕"), "{frame}");
+        insta::assert_snapshot!("orbits", frame);
+    }
+
+    #[test]
+    fn eight_turns_are_shown_and_a_restart_cuts_them() {
+        let picture = tests::picture();
+        let shown = shown_steps(&picture.track);
+        // 8 turns at R = 2.5 and 0.01 a step.
+        assert_eq!(shown.len(), (8.0 * std::f64::consts::TAU / 0.025).floor() as usize + 1);
+        let now = std::time::Instant::now();
+        let mut feed = crate::feed::Feed::new("");
+        (0..500).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        (500..600).for_each(|seq| {
+            let fresh = tests::state(3, seq - 500);
+            feed.hear(&wire::State { seq, ..fresh }, now);
+        });
+        assert_eq!(shown_steps(&feed.picture(now).track), 500..600);
+    }
+
+    #[test]
+    fn grids_fill_the_area_without_overlap() {
+        for (width, height) in [(72, 14), (20, 40), (5, 5), (0, 0)] {
+            for count in 1..=16 {
+                let cells = grid(Rect::new(3, 2, width, height), count);
+                assert_eq!(cells.len(), count);
+                for (i, a) in cells.iter().enumerate() {
+                    assert!(a.right() <= 3 + width && a.bottom() <= 2 + height);
+                    assert!(cells[i + 1..].iter().all(|b| a.is_empty() || !a.intersects(*b)));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Speed, deadbands, gains and trip limit: values, steps, what is selected, what is being typed.
+//!
+//! ```text
+//! ┌ settings  rev 3 by dash:812 ────┐
+//! │  speed           2.5    ±0.05 w0│
+//! │  trip           1000      ±10 e_t
+//! │▶ kd          -0.5755    ±0.01   │   ▶ selected: left and right lower and raise it
+//! │  kc      -1.25 linear   ±0.01   │   a scheduled gain at the present speed
+//! └─────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Modifier, Style};
+use ratatui::text::Line;
+use rotor::{Gain, Key, Scope, Settings};
+
+use super::{framed, write, write_right};
+use crate::feed::Picture;
+use crate::theme;
+
+/// What a person is doing with the settings.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Cursor {
+    /// The selected row.
+    pub(crate) row: usize,
+    /// What has been typed, while a value is being typed.
+    pub(crate) typed: Option<String>,
+}
+
+/// The rows of the panel: every key there is, but one deadband for all masses where they are all alike, and no index on
+/// the gains of a single signal.
+pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
+    let alike = settings.deadband.windows(2).all(|pair| pair[0] == pair[1]);
+    let one_signal = settings.feedback.signals.len() == 1;
+    let is_one = |key: &Key| match key.parameter.scope {
+        Scope::Machine => false,
+        Scope::Mass => alike,
+        Scope::Signal => one_signal,
+    };
+    let rows = settings.keys().into_iter().filter(|key| !is_one(key) || key.index == Some(0));
+    rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
+}
+
+pub(crate) fn draw(picture: &Picture, cursor: &Cursor, area: Rect, buffer: &mut Buffer) {
+    let title = match &picture.bulletin {
+        Some(bulletin) => format!(" settings  rev {} by {} ", bulletin.revision, bulletin.changed_by.as_str()),
+        None => " settings ".to_owned(),
+    };
+    let inner = framed(Line::from(title), area, buffer);
+    let Some(settings) = &picture.settings else { return };
+    let rows = rows(settings);
+    let height = usize::from(inner.height);
+    // The selected row stays in view.
+    let first = (cursor.row + 1).saturating_sub(height).min(rows.len().saturating_sub(height));
+    for (at, key) in rows.iter().enumerate().skip(first).take(height) {
+        let row = Rect { y: inner.y + (at - first) as u16, height: 1, ..inner };
+        draw_row(settings, *key, (at == cursor.row).then_some(cursor), row, buffer);
+    }
+    if rows.len() > first + height && inner.height > 0 {
+        write_right(buffer, inner, inner.bottom() - 1, "▼", theme::loud(theme::WARN));
+    }
+}
+
+fn draw_row(settings: &Settings, key: Key, cursor: Option<&Cursor>, row: Rect, buffer: &mut Buffer) {
+    let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
+    write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
+    write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style);
+    let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
+    let (value, style) = match typed {
+        Some(typed) => (format!("{typed}_"), theme::badge(theme::WARN)),
+        None => (value_of(settings, key), style),
+    };
+    // As much of the step as there is room for; the value always is.
+    let parameter = key.parameter;
+    let step = match row.width {
+        0..26 => String::new(),
+        26..34 => format!("±{}", parameter.step),
+        _ => format!("±{:<4} {:<3}", parameter.step, parameter.unit),
+    };
+    let room = if step.is_empty() { 0 } else { step.chars().count().max(5) as u16 };
+    write(buffer, row, row.right().saturating_sub(room), row.top(), &step, theme::quiet());
+    let gap = if room > 0 { room + 2 } else { 0 };
+    write_right(buffer, Rect { width: row.width.saturating_sub(gap), ..row }, row.top(), &value, style);
+}
+
+/// A value as short as it can be told, with a word if it is a schedule.
+fn value_of(settings: &Settings, key: Key) -> String {
+    let value = settings.get(key).unwrap_or(f64::NAN);
+    let rounded = (value * 1e6).round() / 1e6;
+    match settings.gain(key) {
+        Some(Gain::Linear { .. }) => format!("{rounded} linear"),
+        Some(Gain::Table(_)) => format!("{rounded} table"),
+        Some(Gain::Constant(_)) | None => rounded.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::tests;
+    use crate::panels::tests::drawn;
+
+    #[test]
+    fn values_steps_and_selection_are_shown() {
+        let picture = tests::picture();
+        let cursor = Cursor { row: 3, typed: None };
+        let frame = drawn(36, 10, |area, buffer| draw(&picture, &cursor, area, buffer));
+        insta::assert_snapshot!("settings", frame);
+        let typing = Cursor { row: 3, typed: Some("-0.4".into()) };
+        let frame = drawn(36, 10, |area, buffer| draw(&picture, &typing, area, buffer));
+        assert!(frame.contains("▶ kd") && frame.contains("-0.4_"), "{frame}");
+    }
+
+    #[test]
+    fn the_selected_row_stays_in_view() {
+        let mut picture = tests::picture();
+        picture.settings = Some(tests::bulletin("three-mass", "individual").settings.unpack());
+        let cursor = Cursor { row: 10, typed: None };
+        let frame = drawn(36, 5, |area, buffer| draw(&picture, &cursor, area, buffer));
+        assert!(frame.contains("▶ cc.2"), "{frame}");
+        let first = drawn(36, 5, |area, buffer| draw(&picture, &Cursor::default(), area, buffer));
+        assert!(first.contains("▶ speed") && first.contains('▼'), "{first}");
+    }
+
+    #[test]
+    fn deadbands_that_differ_have_a_row_each() {
+        let mut settings = tests::bulletin("three-mass", "composite").settings.unpack();
+        assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 1);
+        settings.deadband[1] = 0.0;
+        assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 3);
+    }
+
+    #[test]
+    fn a_scheduled_gain_says_so() {
+        let settings = tests::bulletin("jeffcott", "cancel").settings.unpack();
+        let kc = rows(&settings).into_iter().find(|key| key.parameter.name == "kc").unwrap();
+        assert_eq!(value_of(&settings, kc), "-1.25 linear");
+    }
+}

@@ -1,0 +1,156 @@
+//! The line at the top: what is looked at, how it keeps its pace, and how things stand. The line at the foot: the last
+//! message, or what the keys do.
+//!
+//! ```text
+//!  RUNNING  default  three-mass  R 2.5  tau 412  1000/s  late 51/124 us  lost 0  age 3 ms
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
+use ratatui::text::{Line, Span};
+use ratatui::widgets::Widget;
+
+use crate::feed::{Contact, Picture};
+use crate::keymap::BINDINGS;
+use crate::theme;
+
+/// How things stand, in one word and its colour.
+pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color) {
+    match picture.contact {
+        Contact::Waiting(_) => ("WAITING", theme::WARN),
+        Contact::Gone => ("SIMULATION GONE", theme::BAD),
+        Contact::Stalled => ("STALLED", theme::BAD),
+        Contact::Live if picture.tripped => ("TRIPPED", theme::BAD),
+        Contact::Live if paused => ("PAUSED", theme::WARN),
+        Contact::Live => ("RUNNING", theme::GOOD),
+    }
+}
+
+pub(crate) fn draw_top(picture: &Picture, bench: &str, paused: bool, area: Rect, buffer: &mut Buffer) {
+    let (word, color) = run_state(picture, paused);
+    let mut line = vec![Span::styled(format!(" {word} "), theme::badge(color))];
+    let mut add = |text: String, style: Style| line.push(Span::styled(format!("  {text}"), style));
+    let plain = Style::new();
+    // A machine that stands still is first told why.
+    if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
+        add(format!("{trip}: R restarts"), theme::loud(theme::BAD));
+    }
+    if let Contact::Waiting(why) = &picture.contact {
+        add(why.clone(), theme::loud(theme::WARN));
+    }
+    add(bench.to_owned(), plain.bold());
+    if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
+        add(bulletin.rotor_name.as_str().to_owned(), plain);
+        add(format!("R {}", settings.speed), plain);
+        add(format!("{:.0}/s", picture.rate), plain);
+        let health = &bulletin.health;
+        let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
+        add(format!("late {p50:.0}/{p99:.0} us"), plain);
+        if health.missed > 0 {
+            add(format!("missed {}", health.missed), theme::loud(theme::WARN));
+        }
+        add(format!("lost {}", picture.lost), if picture.lost > 0 { theme::loud(theme::WARN) } else { plain });
+    }
+    if let Some(age) = picture.age {
+        let stale = matches!(picture.contact, Contact::Gone | Contact::Stalled);
+        let style = if stale { theme::loud(theme::BAD) } else { plain };
+        let text = if stale {
+            format!("last step {:.1} s ago", age.as_secs_f64())
+        } else {
+            format!("age {} ms", age.as_millis())
+        };
+        add(text, style);
+    }
+    Line::from(line).render(area, buffer);
+}
+
+/// What is told at the foot.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Message {
+    /// What the keys do.
+    Hints,
+    /// Something has been done.
+    Good(String),
+    /// Something has not.
+    Bad(String),
+}
+
+pub(crate) fn draw_foot(message: &Message, area: Rect, buffer: &mut Buffer) {
+    let line = match message {
+        Message::Good(text) => Line::styled(format!(" {text}"), theme::loud(theme::GOOD)),
+        Message::Bad(text) => Line::styled(format!(" {text}"), theme::loud(theme::BAD)),
+        Message::Hints => {
+            let mut spans = Vec::new();
+            for binding in &BINDINGS {
+                let Some(hint) = binding.hint else { continue };
+                // The first of several ways to press it.
+                let key = binding.keys.split(',').next().unwrap_or_default();
+                spans.push(Span::styled(format!(" {key} "), Style::new().bold()));
+                spans.push(Span::styled(format!("{hint} "), theme::quiet()));
+            }
+            Line::from(spans)
+        }
+    };
+    line.render(area, buffer);
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use wire::message::Trip;
+
+    use super::*;
+    use crate::feed::tests;
+    use crate::panels::tests::drawn;
+
+    fn top(picture: &Picture, paused: bool) -> String {
+        drawn(120, 1, |area, buffer| draw_top(picture, "default", paused, area, buffer))
+    }
+
+    #[test]
+    fn a_running_bench_tells_its_pace() {
+        let mut picture = tests::picture();
+        (picture.rate, picture.age) = (1000.2, Some(Duration::from_millis(3)));
+        assert_eq!(
+            top(&picture, false),
+            " RUNNING   default  three-mass  R 2.5  1000/s  late 50/120 us  lost 0  age 3 ms\n"
+        );
+        assert!(top(&picture, true).starts_with(" PAUSED "));
+    }
+
+    #[test]
+    fn death_stall_and_trip_are_told_first_and_in_words() {
+        let mut picture = tests::picture();
+        picture.age = Some(Duration::from_millis(1500));
+        picture.contact = Contact::Gone;
+        assert!(top(&picture, false).starts_with(" SIMULATION GONE "));
+        assert!(top(&picture, false).contains("last step 1.5 s ago"));
+        picture.contact = Contact::Stalled;
+        assert!(top(&picture, true).starts_with(" STALLED "));
+        picture.contact = Contact::Waiting("waiting for bench 'x'".into());
+        assert!(top(&picture, false).starts_with(" WAITING   waiting for bench 'x'"));
+        picture.contact = Contact::Live;
+        picture.tripped = true;
+        let mut bulletin = tests::bulletin("three-mass", "off");
+        bulletin.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
+        picture.bulletin = Some(std::sync::Arc::from(bulletin));
+        let line = top(&picture, false);
+        assert!(
+            line.starts_with(
+                " TRIPPED   orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t: R restarts"
+            ),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn the_foot_hints_at_the_keys_or_tells_the_last_message() {
+        let hints = drawn(120, 1, |area, buffer| draw_foot(&Message::Hints, area, buffer));
+        assert!(hints.contains("? help") && hints.contains("q quit") && hints.contains("0 off"), "{hints}");
+        let bad = Message::Bad("speed = -1: expected a number from 0 to 1000".into());
+        let told = drawn(60, 1, |area, buffer| draw_foot(&bad, area, buffer));
+        assert_eq!(told, " speed = -1: expected a number from 0 to 1000\n");
+    }
+}

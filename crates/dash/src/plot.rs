@@ -1,0 +1,236 @@
+//! A plot of dots: each cell of the screen is 2 x 4 of them, drawn as one braille character.
+//!
+//! Ours rather than ratatui's canvas, which keeps a list of shapes and redraws it point by point: an orbit of ten
+//! thousand points must cost well under a millisecond.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
+
+/// Bit of each dot of a cell, by row and column: the order of the Unicode braille block.
+const BITS: [[u8; 2]; 4] = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
+
+/// The part of the plane that a plot shows: `x` to the right, `y` upwards.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Window {
+    pub(crate) x: [f64; 2],
+    pub(crate) y: [f64; 2],
+}
+
+/// Dots over an area of the screen. A cell has the colour of the last dot set in it.
+#[derive(Debug)]
+pub(crate) struct Plot {
+    area: Rect,
+    window: Window,
+    cells: Vec<(u8, Color)>,
+}
+
+impl Plot {
+    /// An empty plot of `window` over `area`.
+    pub(crate) fn new(area: Rect, window: Window) -> Self {
+        Self { area, window, cells: vec![(0, Color::Reset); usize::from(area.width) * usize::from(area.height)] }
+    }
+
+    /// The largest window around the origin, `radius` to the nearest edge, in which a circle is round: dots are square.
+    pub(crate) fn round(area: Rect, radius: f64) -> Window {
+        let (width, height) = (f64::from(area.width) * 2.0, f64::from(area.height) * 4.0);
+        let per_dot = 2.0 * radius / width.min(height).max(1.0);
+        let (x, y) = (0.5 * width * per_dot, 0.5 * height * per_dot);
+        Window { x: [-x, x], y: [-y, y] }
+    }
+
+    fn size(&self) -> (f64, f64) {
+        (f64::from(self.area.width) * 2.0, f64::from(self.area.height) * 4.0)
+    }
+
+    /// Position in dots from the upper left corner; may lie outside.
+    fn dots(&self, x: f64, y: f64) -> (f64, f64) {
+        let (width, height) = self.size();
+        let Window { x: [left, right], y: [bottom, top] } = self.window;
+        ((x - left) / (right - left) * width, (top - y) / (top - bottom) * height)
+    }
+
+    /// The cell in which a point lies, if it is in view.
+    pub(crate) fn cell(&self, x: f64, y: f64) -> Option<(u16, u16)> {
+        let (column, row) = self.dots(x, y);
+        let (width, height) = self.size();
+        // Not finite is never in view either.
+        if !((0.0..width).contains(&column) && (0.0..height).contains(&row)) {
+            return None;
+        }
+        Some((self.area.x + (column / 2.0) as u16, self.area.y + (row / 4.0) as u16))
+    }
+
+    fn set(&mut self, column: f64, row: f64, color: Color) {
+        let (width, height) = self.size();
+        if (0.0..width).contains(&column) && (0.0..height).contains(&row) {
+            let (column, row) = (column as usize, row as usize);
+            let cell = &mut self.cells[row / 4 * usize::from(self.area.width) + column / 2];
+            *cell = (cell.0 | BITS[row % 4][column % 2], color);
+        }
+    }
+
+    /// One dot.
+    pub(crate) fn dot(&mut self, x: f64, y: f64, color: Color) {
+        let (column, row) = self.dots(x, y);
+        self.set(column, row, color);
+    }
+
+    /// A straight line; only the part in view costs anything.
+    pub(crate) fn line(&mut self, from: [f64; 2], to: [f64; 2], color: Color) {
+        let (x0, y0) = self.dots(from[0], from[1]);
+        let (x1, y1) = self.dots(to[0], to[1]);
+        let Some([t0, t1]) = self.visible([x0, y0], [x1, y1]) else { return };
+        let along = |t: f64| [x0 + (x1 - x0) * t, y0 + (y1 - y0) * t];
+        let ([xa, ya], [xb, yb]) = (along(t0), along(t1));
+        let steps = (xb - xa).abs().max((yb - ya).abs()).ceil().max(1.0);
+        for step in 0..=steps as u32 {
+            let t = f64::from(step) / steps;
+            self.set(xa + (xb - xa) * t, ya + (yb - ya) * t, color);
+        }
+    }
+
+    /// The range of the line parameter for which a line, in dots, is in view (Liang and Barsky). `None` if none is, or
+    /// if an end is not finite.
+    fn visible(&self, [x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Option<[f64; 2]> {
+        let (width, height) = self.size();
+        let (mut t0, mut t1) = (0.0_f64, 1.0_f64);
+        for (start, change, limit) in [(x0, x1 - x0, width), (y0, y1 - y0, height)] {
+            if !(start.is_finite() && change.is_finite()) {
+                return None;
+            }
+            if change == 0.0 {
+                if !(0.0..limit).contains(&start) {
+                    return None;
+                }
+                continue;
+            }
+            let (a, b) = (-start / change, (limit - start) / change);
+            t0 = t0.max(a.min(b));
+            t1 = t1.min(a.max(b));
+        }
+        (t0 <= t1).then_some([t0, t1])
+    }
+
+    /// A circle around the origin.
+    pub(crate) fn circle(&mut self, radius: f64, color: Color) {
+        let (column, _) = self.dots(radius, 0.0);
+        let (centre, _) = self.dots(0.0, 0.0);
+        // One dot apart on the rim; a circle far out of view needs no dots.
+        let around = ((column - centre).abs() * std::f64::consts::TAU).ceil();
+        if !(1.0..4000.0).contains(&around) {
+            return;
+        }
+        for k in 0..around as u32 {
+            let angle = f64::from(k) / around * std::f64::consts::TAU;
+            self.dot(radius * angle.cos(), radius * angle.sin(), color);
+        }
+    }
+
+    /// Paints the dots; cells without one are left as they are.
+    pub(crate) fn paint(&self, buffer: &mut Buffer) {
+        let columns = usize::from(self.area.width);
+        for (at, (bits, color)) in self.cells.iter().enumerate().filter(|(_, (bits, _))| *bits != 0) {
+            let position = (self.area.x + (at % columns) as u16, self.area.y + (at / columns) as u16);
+            if let Some(cell) = buffer.cell_mut(position) {
+                let braille = char::from_u32(0x2800 + u32::from(*bits)).unwrap_or(' ');
+                cell.set_char(braille).set_style(Style::new().fg(*color));
+            }
+        }
+    }
+}
+
+/// The least round number that is not below `value`: scales that move rarely and read well.
+pub(crate) fn nice_ceiling(value: f64) -> f64 {
+    if !(value.is_finite() && value > 1e-12) {
+        return 1.0;
+    }
+    let decade = 10_f64.powf(value.log10().floor());
+    [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]
+        .into_iter()
+        .map(|digit| digit * decade)
+        .find(|nice| *nice >= value * (1.0 - 1e-12))
+        .unwrap_or(10.0 * decade)
+}
+
+/// A number in about `digits` characters, for labels.
+pub(crate) fn short(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "-".into();
+    }
+    let size = value.abs();
+    if size >= 1e5 || (size != 0.0 && size < 1e-3) {
+        return format!("{value:.1e}");
+    }
+    let whole = if size >= 1.0 { size.log10().floor() as usize + 1 } else { 1 };
+    format!("{value:.*}", digits.saturating_sub(whole))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const AREA: Rect = Rect { x: 1, y: 1, width: 4, height: 2 };
+
+    fn painted(plot: &Plot) -> Vec<String> {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, 6, 4));
+        plot.paint(&mut buffer);
+        (0..4).map(|y| (0..6).map(|x| buffer[(x, y)].symbol()).collect()).collect()
+    }
+
+    #[test]
+    fn dots_land_where_they_belong() {
+        let mut plot = Plot::new(AREA, Window { x: [0.0, 8.0], y: [0.0, 8.0] });
+        plot.dot(0.5, 7.5, Color::Red);
+        plot.dot(7.5, 0.5, Color::Red);
+        for outside in [(-0.1, 4.0), (8.0, 4.0), (4.0, 9.0), (f64::NAN, 1.0), (f64::INFINITY, 1.0)] {
+            plot.dot(outside.0, outside.1, Color::Red);
+            assert_eq!(plot.cell(outside.0, outside.1), None);
+        }
+        assert_eq!(painted(&plot), ["      ", " ⠁    ", "    ⢀ ", "      "]);
+        assert_eq!(plot.cell(7.5, 0.5), Some((4, 2)));
+    }
+
+    #[test]
+    fn lines_are_cut_at_the_edge() {
+        let mut plot = Plot::new(AREA, Window { x: [0.0, 8.0], y: [0.0, 8.0] });
+        plot.line([-1e9, 3.5], [1e9, 3.5], Color::Red);
+        plot.line([20.0, 0.0], [20.0, 9.0], Color::Red);
+        plot.line([f64::NAN, 0.0], [4.0, 4.0], Color::Red);
+        assert_eq!(painted(&plot), ["      ", "      ", " ⠉⠉⠉⠉ ", "      "]);
+    }
+
+    #[test]
+    fn circles_are_round_and_empty_areas_harmless() {
+        let area = Rect::new(0, 0, 10, 4);
+        let window = Plot::round(area, 1.0);
+        assert_eq!((window.x, window.y), ([-1.25, 1.25], [-1.0, 1.0]));
+        for area in [Rect::new(0, 0, 0, 0), Rect::new(0, 0, 0, 5), Rect::new(0, 0, 5, 0)] {
+            let mut plot = Plot::new(area, Plot::round(area, 1.0));
+            plot.circle(0.5, Color::Red);
+            plot.line([0.0, 0.0], [1.0, 1.0], Color::Red);
+            plot.paint(&mut Buffer::empty(Rect::new(0, 0, 1, 1)));
+        }
+    }
+
+    #[test]
+    fn scales_are_round_numbers() {
+        for (value, nice) in [
+            (0.0, 1.0),
+            (f64::NAN, 1.0),
+            (1.0, 1.0),
+            (1.01, 1.5),
+            (2.1, 3.0),
+            (8.1, 10.0),
+            (0.031, 0.04),
+            (999.0, 1000.0),
+        ] {
+            assert!((nice_ceiling(value) - nice).abs() < 1e-9 * nice, "{value}");
+        }
+        for (value, text) in
+            [(0.0, "0.000"), (12.345, "12.35"), (-0.5, "-0.500"), (1234.5, "1234"), (2e6, "2.0e6"), (f64::NAN, "-")]
+        {
+            assert_eq!(short(value, 4), text);
+        }
+    }
+}

@@ -1,0 +1,154 @@
+//! The screen: which panel where.
+//!
+//! ```text
+//!  RUNNING  default  three-mass  R 2.5 ...
+//! ┌ poles ─────────┐┌ orbits ───────────┐┌ settings ──────┐
+//! │                ││                   ││                │
+//! ├ min damping ───┤├ y z u ────────────┤├ control force ─┤
+//! └────────────────┘└───────────────────┘└────────────────┘
+//!  up down select  left right nudge  0 off ...
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::text::Line;
+use ratatui::widgets::Widget;
+
+use crate::feed::Picture;
+use crate::panels::settings::Cursor;
+use crate::panels::status::Message;
+use crate::panels::{damping, force, help, orbits, poles, settings, status, strips};
+use crate::theme;
+
+/// The smallest screen that the panels fit on.
+pub(crate) const SMALLEST: (u16, u16) = (60, 16);
+
+/// All that a frame shows.
+#[derive(Debug)]
+pub(crate) struct View<'a> {
+    pub(crate) picture: &'a Picture,
+    pub(crate) bench: &'a str,
+    pub(crate) paused: bool,
+    pub(crate) cursor: &'a Cursor,
+    pub(crate) message: &'a Message,
+    pub(crate) help: bool,
+}
+
+/// Draws everything.
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
+        let needed =
+            format!("whirl needs {} x {}, this is {} x {}: q quits", SMALLEST.0, SMALLEST.1, area.width, area.height);
+        let [middle] = Layout::vertical([Constraint::Length(1)]).flex(ratatui::layout::Flex::Center).areas(area);
+        Line::styled(needed, theme::loud(theme::WARN)).centered().render(middle, buffer);
+        return;
+    }
+    let picture = view.picture;
+    let [top, body, foot] =
+        Layout::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).areas(area);
+    let side = |percent: u16, least: u16, most: u16| (area.width * percent / 100).clamp(least, most);
+    let [left, middle, right] = Layout::horizontal([
+        Constraint::Length(side(31, 22, 64)),
+        Constraint::Min(0),
+        // From 80 columns on, wide enough for the steps of the settings.
+        Constraint::Length(side(24, if area.width < 80 { 20 } else { 28 }, 40)),
+    ])
+    .areas(body);
+    let [upper_left, lower_left] =
+        Layout::vertical([Constraint::Min(0), Constraint::Length((body.height * 2 / 5).clamp(6, 14))]).areas(left);
+    let [upper_middle, lower_middle] = Layout::vertical([Constraint::Fill(3), Constraint::Fill(2)]).areas(middle);
+    let [upper_right, lower_right] = Layout::vertical([Constraint::Min(0), Constraint::Length(4)]).areas(right);
+
+    status::draw_top(picture, view.bench, view.paused, top, buffer);
+    poles::draw(picture, upper_left, buffer);
+    damping::draw(picture, lower_left, buffer);
+    orbits::draw(picture, upper_middle, buffer);
+    strips::draw(picture, lower_middle, buffer);
+    settings::draw(picture, view.cursor, upper_right, buffer);
+    force::draw(picture, lower_right, buffer);
+    status::draw_foot(view.message, foot, buffer);
+    if view.help {
+        help::draw(area, buffer);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::{Contact, Feed, tests};
+    use crate::panels::tests::text;
+
+    fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {
+        let area = Rect::new(0, 0, width, height);
+        let mut buffer = Buffer::empty(area);
+        let cursor = Cursor::default();
+        let view = View { picture, bench: "default", paused: false, cursor: &cursor, message: &Message::Hints, help };
+        draw(&view, area, &mut buffer);
+        text(&buffer)
+    }
+
+    #[test]
+    fn every_panel_is_on_the_usual_screens() {
+        let picture = tests::picture();
+        for (width, height) in [SMALLEST, (80, 24), (200, 60)] {
+            let frame = frame(&picture, width, height, false);
+            for panel in ["poles", "minimum damping", "orbits", "tau", "settings", "control force", "RUNNING", "select"]
+            {
+                assert!(frame.contains(panel), "{panel} at {width} x {height}:\n{frame}");
+            }
+        }
+        insta::assert_snapshot!("screen_80x24", frame(&picture, 80, 24, false));
+        insta::assert_snapshot!("screen_200x60", frame(&picture, 200, 60, false));
+        insta::assert_snapshot!("screen_60x16", frame(&picture, 60, 16, false));
+    }
+
+    #[test]
+    fn a_small_screen_says_what_it_needs_on_one_line() {
+        let picture = tests::picture();
+        for (width, height) in [(59, 16), (60, 15), (50, 3)] {
+            let frame = frame(&picture, width, height, true);
+            let said: Vec<&str> = frame.lines().filter(|line| !line.is_empty()).collect();
+            assert_eq!(said.len(), 1);
+            assert!(said[0].contains(&format!("whirl needs 60 x 16, this is {width} x {height}: q quits")), "{frame}");
+        }
+    }
+
+    #[test]
+    fn no_size_and_no_state_of_the_feed_breaks_a_frame() {
+        let waiting = Feed::new("waiting for bench 'x'").picture(std::time::Instant::now());
+        let mut gone = tests::picture();
+        gone.contact = Contact::Gone;
+        for picture in [&waiting, &gone, &tests::picture()] {
+            for (width, height) in
+                [(0, 0), (0, 5), (5, 0), (1, 1), (3, 2), (60, 16), (61, 17), (80, 24), (500, 10), (60, 200)]
+            {
+                frame(picture, width, height, false);
+                frame(picture, width, height, true);
+            }
+        }
+        assert!(frame(&waiting, 80, 24, false).contains("waiting for bench 'x'"));
+        assert!(frame(&gone, 80, 24, false).contains("SIMULATION GONE"));
+    }
+
+    #[test]
+    fn rotors_of_every_size_have_a_screen() {
+        let now = std::time::Instant::now();
+        for masses in 1..=16 {
+            let mut feed = Feed::new("");
+            let rotor = rotor::Rotor::new(
+                "chain",
+                vec![rotor::Mass { mass: 1.0, bearing_stiffness: 0.5, ..rotor::Mass::default() }; masses],
+                vec![1.0; masses - 1],
+            )
+            .unwrap();
+            let mut bulletin = tests::bulletin("jeffcott", "cancel");
+            bulletin.set_rotor(&rotor);
+            let settings = rotor::Settings::new(&rotor, 1.0, rotor::builtin::feedback(&rotor, "off").unwrap());
+            bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
+            feed.read(bulletin);
+            (0..300).for_each(|seq| feed.hear(&tests::state(masses, seq), now));
+            let drawn = frame(&feed.picture(now), 160, 50, false);
+            assert!(drawn.contains(&format!("{masses}")) && drawn.contains("orbits"), "{drawn}");
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The terminal: taken over, drawn on, and given back however we end.
+
+use std::io::{self, IsTerminal, Stdout, Write};
+use std::sync::Once;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use crossterm::cursor::Show;
+use crossterm::execute;
+use crossterm::terminal::{
+    BeginSynchronizedUpdate, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen, disable_raw_mode,
+    enable_raw_mode,
+};
+use ratatui::Terminal;
+use ratatui::backend::CrosstermBackend;
+
+/// Whether the screen is ours at the moment.
+static TAKEN: AtomicBool = AtomicBool::new(false);
+/// Whether any thread has panicked while the screen was ours.
+static PANICKED: AtomicBool = AtomicBool::new(false);
+
+/// The screen, ours until this is dropped.
+pub(crate) struct Screen {
+    terminal: Terminal<CrosstermBackend<Stdout>>,
+}
+
+impl Screen {
+    /// Whether there is a terminal to take over.
+    pub(crate) fn is_possible() -> bool {
+        io::stdin().is_terminal() && io::stdout().is_terminal()
+    }
+
+    /// Takes the terminal over.
+    pub(crate) fn take() -> io::Result<Self> {
+        restore_on_panic();
+        TAKEN.store(true, Ordering::SeqCst);
+        enable_raw_mode()?;
+        let taken = (|| {
+            execute!(io::stdout(), EnterAlternateScreen)?;
+            let mut terminal = Terminal::new(CrosstermBackend::new(io::stdout()))?;
+            terminal.clear()?;
+            terminal.hide_cursor()?;
+            Ok(Self { terminal })
+        })();
+        if taken.is_err() {
+            give_back();
+        }
+        taken
+    }
+
+    /// Draws one frame as a whole: terminals that can, show nothing until it is complete.
+    pub(crate) fn draw(&mut self, frame: impl FnOnce(&mut ratatui::Frame<'_>)) -> io::Result<()> {
+        execute!(io::stdout(), BeginSynchronizedUpdate)?;
+        let drawn = self.terminal.draw(frame).map(|_| ());
+        execute!(io::stdout(), EndSynchronizedUpdate)?;
+        drawn
+    }
+
+    /// Whether some thread has panicked: its message is on the terminal, and drawing on would hide it.
+    pub(crate) fn is_broken() -> bool {
+        PANICKED.load(Ordering::SeqCst)
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        give_back();
+    }
+}
+
+/// Gives the terminal back, once. Nothing can be done here if that fails.
+fn give_back() {
+    if TAKEN.swap(false, Ordering::SeqCst) {
+        let _ = execute!(io::stdout(), EndSynchronizedUpdate, LeaveAlternateScreen, Show);
+        let _ = disable_raw_mode();
+        let _ = io::stdout().flush();
+    }
+}
+
+/// A panic in any thread first gives the terminal back, so that its message can be read.
+fn restore_on_panic() {
+    static SET: Once = Once::new();
+    SET.call_once(|| {
+        let report = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if TAKEN.load(Ordering::SeqCst) {
+                PANICKED.store(true, Ordering::SeqCst);
+                give_back();
+            }
+            report(panic);
+        }));
+    });
+}

@@ -1,0 +1,45 @@
+//! `whirl dash`: a dashboard on a running simulation.
+
+use wire::{Carrier, WireError};
+
+use crate::attach::{self, BenchArgs};
+use crate::failure::Failure;
+
+/// Options of `whirl dash`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct DashArgs {
+    #[command(flatten)]
+    bench: BenchArgs,
+}
+
+impl From<dash::DashError> for Failure {
+    fn from(error: dash::DashError) -> Self {
+        match error {
+            dash::DashError::NoTerminal => Self::Usage(error.to_string()),
+            dash::DashError::Terminal(_) | dash::DashError::Panicked => Self::Work(error.to_string()),
+        }
+    }
+}
+
+/// A signal that ended the dashboard is told by the exit code.
+pub(crate) fn ended(how: dash::Ended) -> Result<(), Failure> {
+    match how {
+        dash::Ended::Quit => Ok(()),
+        dash::Ended::Interrupted => Err(Failure::Interrupted),
+    }
+}
+
+/// Shows the bench until told to quit; the simulation goes on.
+///
+/// # Errors
+/// No such bench, or no terminal.
+pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
+    let bench = args.bench.name()?;
+    let carrier = attach::carrier("dash")?;
+    // A bench that is not there is said at once; one that goes away later is waited for.
+    match carrier.listen(&bench) {
+        Err(error @ WireError::NoBench(_)) => return Err(error.into()),
+        looked => drop(looked?),
+    }
+    ended(dash::run(carrier, &bench, None)?)
+}

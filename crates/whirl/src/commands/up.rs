@@ -1,0 +1,155 @@
+//! `whirl up`: a simulation process and a dashboard on it; quitting the dashboard ends both.
+
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use dash::Keeper;
+
+use crate::attach;
+use crate::commands::dash::ended;
+use crate::commands::sim::LiveArgs;
+use crate::failure::Failure;
+
+/// How long a simulation may take to end before it is killed.
+const FAREWELL: Duration = Duration::from_secs(2);
+
+/// Starts the simulation, shows it, and ends it.
+///
+/// # Errors
+/// A machine that cannot be made, a bench that is taken, or no terminal.
+pub(crate) fn run(args: &LiveArgs) -> Result<(), Failure> {
+    // What is wrong with the command line is said here, not by the child.
+    args.machine()?;
+    let bench = args.options()?.bench;
+    let carrier = attach::carrier("dash")?;
+    let mut simulation = Simulation::start(args)?;
+    let shown = dash::run(carrier, &bench, Some(&mut simulation));
+    simulation.end()?;
+    ended(shown?)
+}
+
+/// The simulation process that we started. It ends with us, however we end: its standard input is a pipe from us.
+struct Simulation {
+    arguments: Vec<String>,
+    child: Child,
+    /// What it says goes to a file, because the screen is not its to write on.
+    said: File,
+    ended: Option<ExitStatus>,
+}
+
+impl Simulation {
+    fn start(args: &LiveArgs) -> Result<Self, Failure> {
+        let arguments = args.to_arguments();
+        let (child, said) = spawn(&arguments)?;
+        let mut simulation = Self { arguments, child, said, ended: None };
+        // One that is refused ends at once: its reason is ours, before the screen is taken over.
+        let start = Instant::now();
+        while start.elapsed() < Duration::from_millis(60) {
+            if simulation.has_ended() {
+                return Err(simulation.failure());
+            }
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        Ok(simulation)
+    }
+
+    fn has_ended(&mut self) -> bool {
+        if self.ended.is_none() {
+            self.ended = self.child.try_wait().ok().flatten();
+        }
+        self.ended.is_some()
+    }
+
+    /// Why it ended, with its own exit code.
+    fn failure(&mut self) -> Failure {
+        let words = self.words();
+        match self.ended.and_then(|status| status.code()) {
+            Some(2) => Failure::Usage(words),
+            Some(3) => Failure::Bench(words),
+            _ => Failure::Work(words),
+        }
+    }
+
+    /// What it said last, or how it ended.
+    fn words(&mut self) -> String {
+        let mut said = String::new();
+        let _ = self.said.rewind().and_then(|()| self.said.read_to_string(&mut said));
+        let last = said.lines().last().map(|line| line.trim_start_matches("whirl: ").to_owned());
+        last.unwrap_or_else(|| self.ended.map_or_else(|| "it still runs".to_owned(), |status| status.to_string()))
+    }
+
+    /// Asks it to end, and kills it if it does not.
+    fn end(&mut self) -> Result<(), Failure> {
+        if self.has_ended() {
+            return Ok(());
+        }
+        // Closing its input is the request.
+        drop(self.child.stdin.take());
+        let start = Instant::now();
+        while !self.has_ended() && start.elapsed() < FAREWELL {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        if !self.has_ended() {
+            self.child
+                .kill()
+                .and_then(|()| self.child.wait())
+                .map_err(|error| Failure::Work(format!("the simulation does not end: {error}")))?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        // After a panic: nobody is left to tell.
+        let _ = self.end();
+    }
+}
+
+impl Keeper for Simulation {
+    fn ended(&mut self) -> Option<String> {
+        self.has_ended().then(|| self.words())
+    }
+
+    fn revive(&mut self) -> Result<(), String> {
+        (self.child, self.said) = spawn(&self.arguments).map_err(|failure| failure.to_string())?;
+        self.ended = None;
+        Ok(())
+    }
+}
+
+fn spawn(arguments: &[String]) -> Result<(Child, File), Failure> {
+    let failed = |error: std::io::Error| Failure::Work(format!("the simulation cannot be started: {error}"));
+    let program = std::env::current_exe().map_err(failed)?;
+    let said = tempfile::tempfile().map_err(failed)?;
+    let child = Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(said.try_clone().map_err(failed)?)
+        .spawn()
+        .map_err(failed)?;
+    Ok((child, said))
+}
+
+impl LiveArgs {
+    /// The command line of the simulation process.
+    fn to_arguments(&self) -> Vec<String> {
+        let mut arguments = vec!["sim".to_owned(), self.machine.rotor.clone(), "--until-stdin-closes".to_owned()];
+        let mut option = |name: &str, value: String| arguments.push(format!("--{name}={value}"));
+        option("bench", self.bench.bench.clone());
+        option("speed", self.speed.to_string());
+        option("rate", self.rate.to_string());
+        option("dtau", self.dtau.to_string());
+        option("trip", self.trip.to_string());
+        if let Some(feedback) = &self.machine.feedback {
+            option("feedback", feedback.clone());
+        }
+        if let Some(deadband) = self.machine.deadband {
+            option("deadband", deadband.to_string());
+        }
+        arguments
+    }
+}
