@@ -77,7 +77,7 @@ fn val_an_si_rotor_equivalent_to_table_4_2_moves_like_it() {
 fn val_scales_convert_to_si_and_back() {
     let scales = Scales { w0: 300.0, k_t: 3.6e6, m_t: 40.0, e_t: 20e-6 };
     // 300 rad/s are 300 / (2 pi) turns a second.
-    assert!((scales.rpm(1.0) - 2864.788_975_654_116).abs() < 1e-9);
+    assert!((scales.rpm(1.0) - 2_864.788_975_654_116).abs() < 1e-9);
     assert!((scales.metres(1.5) - 30e-6).abs() < 1e-18);
     assert!((scales.seconds(600.0) - 2.0).abs() < 1e-15);
     // u = 1 on 10 kg is an acceleration of w0^2 e_t = 1.8 m/s^2.

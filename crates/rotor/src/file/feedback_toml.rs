@@ -185,7 +185,7 @@ pub fn write_feedback(feedback: &Feedback) -> String {
 }
 
 /// The one mass that a signal measures, if its weights pick exactly one.
-fn sensor(signal: &Signal) -> Option<usize> {
+pub(super) fn sensor(signal: &Signal) -> Option<usize> {
     let mass = signal.displacement.iter().position(|&weight| weight == 1.0)?;
     let picked = Signal::at_mass(mass, signal.displacement.len(), [0.0; 4]);
     // By bits: a weight of -0 is kept as it is.

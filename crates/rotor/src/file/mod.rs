@@ -11,12 +11,14 @@
 //!   `displacement` and `velocity`; and the gains `kd cd kc cc` (0 where absent), each a number,
 //!   `{ at_zero, slope }` or `{ speed = [..], value = [..] }`. Feedback is always dimensionless, over speed `R`.
 
+mod document;
 mod feedback_toml;
 mod problem;
 mod reader;
 mod rotor_toml;
 mod write;
 
+pub use document::FeedbackDocument;
 pub use feedback_toml::{read_feedback, write_feedback};
 pub use problem::{Problem, Problems};
 pub use rotor_toml::{read_rotor, write_rotor};

@@ -1,6 +1,7 @@
 //! One file a command: its options, and the glue that carries it out.
 
 pub(crate) mod poles;
+pub(crate) mod rotor;
 
 use crate::cli::{Cli, Command};
 use crate::failure::Failure;
@@ -13,5 +14,6 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
     match cli.command {
         None => Err(Failure::Work("not there yet".into())),
         Some(Command::Poles(args)) => poles::run(&args),
+        Some(Command::Rotor(args)) => rotor::run(&args),
     }
 }
