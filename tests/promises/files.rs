@@ -100,6 +100,8 @@ fn every_wrong_rotor_file_says_where_and_what_was_expected() {
             "1:20: reference_length = 0: expected a finite number greater than 0",
         ),
         // Not TOML.
+        ("[[mass]]\nmass = 1.2.3", "2:11: invalid float: '.3': expected TOML"),
+        ("[[mass]\nmass = 1", "1:8: unclosed array table: expected `]`"),
         ("[[mass]]\nmass = 1\nmass = 2", "3:1: duplicate key: 'mass': expected TOML"),
     ] {
         fs::write(folder.path().join("bad.toml"), text).expect("written");

@@ -59,6 +59,8 @@ pub struct Physical {
     masses: Vec<PhysicalMass>,
     shafts: Vec<f64>,
     reference_length: Option<f64>,
+    /// Follows from the rest.
+    #[serde(skip)]
     scales: Scales,
 }
 

@@ -190,3 +190,48 @@ pub(crate) fn assign(rotor: &Rotor, settings: &mut Settings, assignment: &str) -
         value.trim().parse().map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
     Units::of(rotor).set(settings, parsed, number)
 }
+
+#[cfg(test)]
+mod tests {
+    use rotor::PhysicalMass;
+
+    use super::*;
+
+    /// 40 kg with w0 = 300 rad/s and e_t = 20 um.
+    fn rig() -> (Rotor, Settings) {
+        let mass = PhysicalMass { mass: 40.0, bearing_stiffness: 3.6e6, unbalance: 20e-6, ..PhysicalMass::default() };
+        let rotor = Rotor::from_si("rig", vec![mass], vec![], None).expect("valid");
+        let settings = Settings::new(&rotor, 0.0, feedback(&rotor, "off").expect("any rotor has it"));
+        (rotor, settings)
+    }
+
+    #[test]
+    fn assignments_to_an_si_rotor_are_in_rpm_and_metres() {
+        let (rotor, mut settings) = rig();
+        let mut set = |assignment: &str| assign(&rotor, &mut settings, assignment).map_err(|error| error.to_string());
+        set("speed=6000").expect("in range");
+        set("deadband=50e-6").expect("in range");
+        set("trip=1e-3").expect("in range");
+        set("kd=0.5").expect("in range");
+        assert_eq!(
+            set("trip=1e-9").expect_err("too small"),
+            "trip = 0.000000001 m: expected a number from 2.00000e-8 to 20000.0 m"
+        );
+        assert_eq!(set("speed=fast").expect_err("no number"), "speed = 'fast': expected a number");
+        // 6000 rpm are 200 pi rad/s.
+        assert!((settings.speed - 200.0 * std::f64::consts::PI / 300.0).abs() < 1e-12);
+        assert!((settings.deadband[0] - 2.5).abs() < 1e-12);
+        assert!((settings.trip - 50.0).abs() < 1e-12);
+        assert_eq!(settings.get("kd".parse().expect("a key")).expect("exists"), 0.5);
+    }
+
+    #[test]
+    fn a_path_or_a_toml_name_is_a_file() {
+        for typed in ["a.toml", "./a", "/dev/stdin", "folder/"] {
+            assert!(is_file(typed), "{typed}");
+        }
+        for typed in ["jeffcott", "three-mass", "toml", "."] {
+            assert!(!is_file(typed), "{typed}");
+        }
+    }
+}

@@ -166,6 +166,9 @@ fn points(reader: &mut Reader<'_>, key: &str, table: &Table<'_>, whole: &Value<'
 #[must_use]
 pub fn write_feedback(feedback: &Feedback) -> String {
     let mut lines = Lines::default();
+    lines.comment(
+        "Dimensionless for any rotor: displacements in e_t, time tau = w0 t, schedules over speed R = w / w0.",
+    );
     lines.key("bearing", feedback.bearing + 1, "the mass that carries the control bearing");
     for signal in &feedback.signals {
         lines.header("signal");

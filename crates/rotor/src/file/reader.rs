@@ -42,7 +42,10 @@ impl<'t> Reader<'t> {
         errors.sort_by_key(|error| error.span().map_or(0, |span| span.start));
         for error in errors.into_iter().take(Problems::MOST) {
             let span = error.span().unwrap_or(0..0);
-            let (what, expected) = error.message().split_once(", expected ").unwrap_or((error.message(), "TOML"));
+            let (what, expected) = match error.message().split_once(", expected ") {
+                None | Some((_, "nothing")) => (error.message().trim_end_matches(", expected nothing"), "TOML"),
+                Some(parts) => parts,
+            };
             let there = reader.written(span.clone());
             let found = if there.is_empty() { what.to_owned() } else { format!("{what}: '{there}'") };
             reader.problem(span, found, expected);
