@@ -35,10 +35,13 @@ fn least_damped_mode_comes_first() {
 #[test]
 fn bad_input_exits_2_and_says_what_was_expected() {
     for (arguments, complaint) in [
-        (&["poles", "jefcott", "--speed", "0"][..], "whirl: no rotor 'jefcott': built in are jeffcott, three-mass\n"),
+        (
+            &["poles", "jefcott", "--speed", "0"][..],
+            "whirl: no rotor 'jefcott': built in are jeffcott, three-mass; a path or a name that ends in .toml is a file\n",
+        ),
         (
             &["poles", "jeffcott", "--speed", "0", "--feedback", "composite"],
-            "whirl: no feedback 'composite' for jeffcott: built in are off, cancel\n",
+            "whirl: no feedback 'composite' for jeffcott: built in are off, cancel; a path or a name that ends in .toml is a file\n",
         ),
         (&["poles", "--speed", "-1"], "whirl: speed = -1: expected a number from 0 to 1000\n"),
         (&["poles", "--speed", "nan"], "whirl: speed = NaN: expected a number from 0 to 1000\n"),

@@ -33,6 +33,16 @@ pub fn rotor(name: &str) -> Option<Rotor> {
     Some(made.expect("built-in parameters are valid"))
 }
 
+/// What a built-in rotor is, in a few words; empty if there is no such rotor.
+#[must_use]
+pub fn about(name: &str) -> &'static str {
+    match name {
+        "jeffcott" => "one mass between its bearings (the report's Table 3.2)",
+        "three-mass" => "a flexible shaft with three masses, bearings at its ends (Table 4.2)",
+        _ => "",
+    }
+}
+
 /// Names of the feedback that fits a rotor: `off` for any, the rest for the built-in rotor they were made for.
 #[must_use]
 pub fn feedback_names(rotor: &Rotor) -> &'static [&'static str] {
@@ -92,6 +102,7 @@ mod tests {
     fn every_name_gives_feedback_that_fits() {
         for name in ROTORS {
             let rotor = rotor(name).expect("listed");
+            assert!(!about(name).is_empty());
             for feedback_name in feedback_names(&rotor) {
                 let feedback = feedback(&rotor, feedback_name).expect("listed");
                 feedback.check(rotor.len()).expect("fits");

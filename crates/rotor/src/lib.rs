@@ -8,6 +8,7 @@
 //! for checking and for those who expect them.
 //!
 //! * [`Rotor`], [`Mass`]: the parameters. [`builtin`]: the report's two rotors and their feedback.
+//! * [`Scales`]: what an SI rotor keeps of its units. [`file`]: rotors and feedback as TOML text.
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
@@ -16,17 +17,20 @@
 pub mod builtin;
 mod closed_loop;
 mod feedback;
+pub mod file;
 mod modes;
 mod params;
 pub mod report_form;
 mod settings;
+mod si;
 mod stepper;
 
 pub use closed_loop::ClosedLoop;
 pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
 pub use modes::{Mode, PoleError, Spectrum, Whirl, damping_ratio, eigenvalues};
-pub use params::{Mass, Rotor, RotorError};
+pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
+pub use si::{Physical, PhysicalMass, Scales};
 pub use stepper::{Motion, Stepper, stepper};
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.
@@ -37,3 +41,6 @@ pub const J: C64 = C64::new(0.0, 1.0);
 
 /// The most masses a rotor can have. Fixed, because state crosses process borders in fixed-size messages.
 pub const MAX_MASSES: usize = 16;
+
+/// The longest name a rotor can have, in bytes of UTF-8, for the same reason.
+pub const MAX_NAME: usize = 64;

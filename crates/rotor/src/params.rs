@@ -1,6 +1,6 @@
 //! What a rotor is made of, and which values are allowed. Not its motion: see [`crate::ClosedLoop`].
 
-use crate::MAX_MASSES;
+use crate::{MAX_MASSES, MAX_NAME, Physical};
 
 /// One lumped mass with what acts on it, in the dimensionless ratios of Tables 3.1 and 4.1.
 #[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
@@ -21,17 +21,117 @@ pub struct Mass {
     pub deadband: f64,
 }
 
+/// What a number may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Range {
+    /// Finite and greater than 0.
+    Positive,
+    /// Finite and at least 0.
+    NotNegative,
+    /// Any finite number.
+    Finite,
+}
+
+impl Range {
+    /// Whether `number` is in it.
+    #[must_use]
+    pub fn admits(self, number: f64) -> bool {
+        number.is_finite()
+            && match self {
+                Self::Positive => number > 0.0,
+                Self::NotNegative => number >= 0.0,
+                Self::Finite => true,
+            }
+    }
+
+    /// It, in words that follow "expected".
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Positive => "a finite number greater than 0",
+            Self::NotNegative => "a finite number, not negative",
+            Self::Finite => "a finite number",
+        }
+    }
+}
+
+/// One parameter of a mass: a row of [`FIELDS`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Field {
+    /// Its name in files.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+    /// The symbol of the dimensionless ratio, as in Table 4.1.
+    pub ratio: &'static str,
+    /// The symbol of the physical quantity.
+    pub symbol: &'static str,
+    /// The SI unit of the physical quantity.
+    pub unit: &'static str,
+    /// What it may be, in either system.
+    pub range: Range,
+}
+
+const fn field(
+    name: &'static str,
+    meaning: &'static str,
+    [ratio, symbol, unit]: [&'static str; 3],
+    range: Range,
+) -> Field {
+    Field { name, meaning, ratio, symbol, unit, range }
+}
+
+/// The parameters of a mass, in the order of [`Mass::values`]: one table for files, checks and printing.
+pub const FIELDS: [Field; 7] = [
+    field("mass", "lumped mass", ["Rm", "m", "kg"], Range::Positive),
+    field("damping", "seal damping", ["zeta", "C", "N s/m"], Range::NotNegative),
+    field("cross_damping", "seal cross-coupled damping", ["zeta_q", "Cq", "N s/m"], Range::NotNegative),
+    field("bearing_stiffness", "support bearing, the part with deadband", ["Rb", "K", "N/m"], Range::NotNegative),
+    field("seal_stiffness", "seal, linear", ["Rs", "Ks", "N/m"], Range::NotNegative),
+    field("unbalance", "unbalance radius", ["Re", "e", "m"], Range::Finite),
+    field("deadband", "clearance of the support bearing", ["g / e_t", "g", "m"], Range::NotNegative),
+];
+
+impl Mass {
+    /// Its parameters, in the order of [`FIELDS`].
+    #[must_use]
+    pub fn values(&self) -> [f64; 7] {
+        [
+            self.mass,
+            self.damping,
+            self.cross_damping,
+            self.bearing_stiffness,
+            self.seal_stiffness,
+            self.unbalance,
+            self.deadband,
+        ]
+    }
+
+    /// A mass of parameters in the order of [`FIELDS`].
+    #[must_use]
+    pub fn from_values(values: [f64; 7]) -> Self {
+        let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = values;
+        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
+    }
+}
+
 /// A chain of 1 to 16 masses joined by massless flexible shafts. Always valid: it is checked where it is made.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Rotor {
-    name: String,
-    masses: Vec<Mass>,
-    shafts: Vec<f64>,
+    pub(crate) name: String,
+    pub(crate) masses: Vec<Mass>,
+    pub(crate) shafts: Vec<f64>,
+    /// The numbers it was made of, if they were physical.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(crate) physical: Option<Physical>,
 }
 
 /// Why a set of parameters is not a rotor.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RotorError {
+    /// The name is empty, too long for a message, or would disturb a terminal.
+    #[error("name {0:?}: expected 1 to {MAX_NAME} bytes of printable text")]
+    Name(String),
     /// The number of masses is outside 1 to 16.
     #[error("a rotor has 1 to {MAX_MASSES} masses, found {0}")]
     Masses(usize),
@@ -57,6 +157,16 @@ pub enum RotorError {
         /// The range in words.
         expected: &'static str,
     },
+    /// A physical scale that everything would be divided by is not a finite number greater than 0.
+    #[error("{what} = {found}: expected {expected}")]
+    Scale {
+        /// Which scale, and what it is made of.
+        what: &'static str,
+        /// Its value.
+        found: f64,
+        /// What it takes.
+        expected: &'static str,
+    },
 }
 
 impl Rotor {
@@ -64,47 +174,12 @@ impl Rotor {
     /// masses `i` and `i + 1`.
     ///
     /// # Errors
-    /// The first parameter that is out of its range, or the wrong number of masses or shafts.
+    /// The first parameter that is out of its range, the wrong number of masses or shafts, or a name that is empty,
+    /// over 64 bytes or not printable.
     pub fn new(name: impl Into<String>, masses: Vec<Mass>, shafts: Vec<f64>) -> Result<Self, RotorError> {
-        if masses.is_empty() || masses.len() > MAX_MASSES {
-            return Err(RotorError::Masses(masses.len()));
-        }
-        if shafts.len() + 1 != masses.len() {
-            return Err(RotorError::Shafts { masses: masses.len(), found: shafts.len() });
-        }
-        for (i, m) in masses.iter().enumerate() {
-            let value =
-                |field, found, expected| RotorError::Value { what: "mass", index: i + 1, field, found, expected };
-            if !(m.mass.is_finite() && m.mass > 0.0) {
-                return Err(value("mass", m.mass, "a finite number greater than 0"));
-            }
-            for (field, found) in [
-                ("damping", m.damping),
-                ("cross_damping", m.cross_damping),
-                ("bearing_stiffness", m.bearing_stiffness),
-                ("seal_stiffness", m.seal_stiffness),
-                ("deadband", m.deadband),
-            ] {
-                if !(found.is_finite() && found >= 0.0) {
-                    return Err(value(field, found, "a finite number, not negative"));
-                }
-            }
-            if !m.unbalance.is_finite() {
-                return Err(value("unbalance", m.unbalance, "a finite number"));
-            }
-        }
-        for (i, &found) in shafts.iter().enumerate() {
-            if !(found.is_finite() && found >= 0.0) {
-                return Err(RotorError::Value {
-                    what: "shaft",
-                    index: i + 1,
-                    field: "stiffness",
-                    found,
-                    expected: "a finite number, not negative",
-                });
-            }
-        }
-        Ok(Self { name: name.into(), masses, shafts })
+        let name = name.into();
+        check(&name, masses.iter().map(Mass::values), &shafts)?;
+        Ok(Self { name, masses, shafts, physical: None })
     }
 
     /// The rotor's name.
@@ -139,6 +214,43 @@ impl Rotor {
     }
 }
 
+/// Whether `name` can stand in a heading and in a message.
+#[must_use]
+pub(crate) fn is_name(name: &str) -> bool {
+    (1..=MAX_NAME).contains(&name.len()) && !name.chars().any(char::is_control)
+}
+
+/// Checks the parameters of a rotor in either system of units.
+pub(crate) fn check(
+    name: &str,
+    masses: impl ExactSizeIterator<Item = [f64; 7]>,
+    shafts: &[f64],
+) -> Result<(), RotorError> {
+    if !is_name(name) {
+        return Err(RotorError::Name(name.to_owned()));
+    }
+    let count = masses.len();
+    if !(1..=MAX_MASSES).contains(&count) {
+        return Err(RotorError::Masses(count));
+    }
+    if shafts.len() + 1 != count {
+        return Err(RotorError::Shafts { masses: count, found: shafts.len() });
+    }
+    let value = |what, at: usize, field, found, range: Range| match range.admits(found) {
+        true => Ok(()),
+        false => Err(RotorError::Value { what, index: at + 1, field, found, expected: range.words() }),
+    };
+    for (i, values) in masses.enumerate() {
+        for (field, found) in FIELDS.iter().zip(values) {
+            value("mass", i, field.name, found, field.range)?;
+        }
+    }
+    for (i, &found) in shafts.iter().enumerate() {
+        value("shaft", i, "stiffness", found, Range::NotNegative)?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -150,6 +262,10 @@ mod tests {
     #[test]
     fn refuses_what_is_out_of_range_and_names_it() {
         let told = |masses: Vec<Mass>, shafts: Vec<f64>| Rotor::new("x", masses, shafts).unwrap_err().to_string();
+        assert_eq!(
+            Rotor::new("a\u{1b}[2J", vec![unit()], vec![]).unwrap_err().to_string(),
+            r#"name "a\u{1b}[2J": expected 1 to 64 bytes of printable text"#
+        );
         assert_eq!(told(vec![], vec![]), "a rotor has 1 to 16 masses, found 0");
         assert_eq!(told(vec![unit(); 17], vec![1.0; 16]), "a rotor has 1 to 16 masses, found 17");
         assert_eq!(told(vec![unit(); 3], vec![1.0]), "3 masses are joined by 2 shafts, found 1");

@@ -1,29 +1,120 @@
-//! From what a person types to a machine: rotors and feedback by name, and the settings they start with.
+//! From what a person types to a machine: rotors and feedback by name or from a file, and the settings they start with.
 
-use rotor::{Feedback, Rotor, Settings, SettingsError, builtin};
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+
+use rotor::file::{self, Problems};
+use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
 
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::units::Units;
 
-/// The rotor of that name.
-///
-/// # Errors
-/// No such rotor: the message lists what there is.
-pub(crate) fn rotor(name: &str) -> Result<Rotor, Failure> {
-    builtin::rotor(name)
-        .ok_or_else(|| Failure::Usage(format!("no rotor '{name}': built in are {}", builtin::ROTORS.join(", "))))
+/// Why there is nothing to be had from a file.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub(crate) enum FileError {
+    /// Its bytes cannot be read.
+    #[error("{file}: {found}: expected a TOML file that can be read")]
+    Unreadable {
+        /// The file as typed.
+        file: String,
+        /// What is there instead.
+        found: String,
+    },
+    /// What it says is wrong.
+    #[error("{}", problems.in_file(file))]
+    Wrong {
+        /// The file as typed.
+        file: String,
+        /// What is wrong with it.
+        problems: Problems,
+    },
 }
 
-/// The feedback of that name for `rotor`.
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+/// Whether what was typed means a file: it ends in `.toml` or has a path separator.
+fn is_file(typed: &str) -> bool {
+    typed.contains(std::path::is_separator) || typed.ends_with(".toml")
+}
+
+/// The text of a file, which may be a pipe, up to the largest size that is read.
 ///
 /// # Errors
-/// No such feedback for this rotor: the message lists what there is.
-pub(crate) fn feedback(rotor: &Rotor, name: &str) -> Result<Feedback, Failure> {
-    builtin::feedback(rotor, name).ok_or_else(|| {
-        let known = builtin::feedback_names(rotor).join(", ");
-        Failure::Usage(format!("no feedback '{name}' for {}: built in are {known}", rotor.name()))
+/// It is not there, not a file, not readable, too large or not UTF-8.
+pub(crate) fn text(path: &str) -> Result<String, FileError> {
+    let unreadable = |found: String| FileError::Unreadable { file: path.to_owned(), found };
+    let failed = |error: std::io::Error| {
+        unreadable(match error.kind() {
+            std::io::ErrorKind::NotFound => "no such file".into(),
+            std::io::ErrorKind::PermissionDenied => "no permission to read it".into(),
+            std::io::ErrorKind::IsADirectory => "a directory".into(),
+            _ => error.to_string(),
+        })
+    };
+    let opened = File::open(path).map_err(failed)?;
+    if opened.metadata().is_ok_and(|data| data.is_dir()) {
+        return Err(unreadable("a directory".into()));
+    }
+    let mut bytes = Vec::new();
+    // One byte more than allowed, so that too much is seen without reading all of it.
+    opened.take(file::MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
+    let text = file::text(&bytes).map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })?;
+    Ok(text.to_owned())
+}
+
+/// The rotor in a file's text; the file's stem is its name if it gives none.
+///
+/// # Errors
+/// All that is wrong with it.
+pub(crate) fn rotor_of(path: &str, text: &str) -> Result<Rotor, FileError> {
+    let stem = Path::new(path).file_stem().unwrap_or_default().to_string_lossy();
+    file::read_rotor(text, &stem).map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })
+}
+
+/// The feedback in a file's text, for a rotor of `masses` masses if it is known.
+///
+/// # Errors
+/// All that is wrong with it.
+pub(crate) fn feedback_of(path: &str, text: &str, masses: Option<usize>) -> Result<Feedback, FileError> {
+    file::read_feedback(text, masses).map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })
+}
+
+/// The rotor of that name, or in that file.
+///
+/// # Errors
+/// No such rotor: the message lists what there is. Or all that is wrong with the file.
+pub(crate) fn rotor(typed: &str) -> Result<Rotor, Failure> {
+    if is_file(typed) {
+        return Ok(rotor_of(typed, &text(typed)?)?);
+    }
+    builtin::rotor(typed).ok_or_else(|| {
+        let known = builtin::ROTORS.join(", ");
+        Failure::Usage(format!("no rotor '{typed}': built in are {known}; {A_FILE_TOO}"))
     })
 }
+
+/// The feedback of that name for `rotor`, or in that file.
+///
+/// # Errors
+/// No such feedback for this rotor: the message lists what there is. Or all that is wrong with the file, or does not
+/// fit the rotor.
+pub(crate) fn feedback(rotor: &Rotor, typed: &str) -> Result<Feedback, Failure> {
+    if is_file(typed) {
+        return Ok(feedback_of(typed, &text(typed)?, Some(rotor.len()))?);
+    }
+    builtin::feedback(rotor, typed).ok_or_else(|| {
+        let known = builtin::feedback_names(rotor).join(", ");
+        Failure::Usage(format!("no feedback '{typed}' for {}: built in are {known}; {A_FILE_TOO}", rotor.name()))
+    })
+}
+
+const A_FILE_TOO: &str = "a path or a name that ends in .toml is a file";
 
 /// What feedback a command takes when none is named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,35 +125,106 @@ pub(crate) enum Default {
     Live,
 }
 
-/// The rotor and settings that the common options describe.
-///
-/// # Errors
-/// An unknown name, or a value that does not fit the rotor.
-pub(crate) fn machine(args: &MachineArgs, speed: f64, default: Default) -> Result<(Rotor, Settings), Failure> {
-    let rotor = rotor(&args.rotor)?;
-    let name = args.feedback.as_deref().unwrap_or(match default {
-        Default::Analysis => "off",
-        Default::Live => builtin::live_feedback_name(&rotor),
-    });
-    let mut settings = Settings::new(&rotor, speed, feedback(&rotor, name)?);
-    if let Some(deadband) = args.deadband {
-        settings.set("deadband".parse()?, deadband)?;
-    }
-    settings.check(&rotor)?;
-    Ok((rotor, settings))
+/// A rotor and the settings it runs under.
+#[derive(Clone, Debug)]
+pub(crate) struct Machine {
+    /// The rotor.
+    pub rotor: Rotor,
+    /// Settings that fit it.
+    pub settings: Settings,
 }
 
-/// Applies one `KEY=VALUE` to `settings`; `feedback` takes a name, every other key a number.
+impl Machine {
+    /// The machine that the common options describe, at a speed as typed; at standstill if there is none.
+    ///
+    /// # Errors
+    /// An unknown name, a file with something wrong, or a value that does not fit the rotor.
+    pub(crate) fn open(args: &MachineArgs, typed_speed: Option<f64>, default: Default) -> Result<Self, Failure> {
+        let rotor = rotor(&args.rotor)?;
+        let name = args.feedback.as_deref().unwrap_or(match default {
+            Default::Analysis => "off",
+            Default::Live => builtin::live_feedback_name(&rotor),
+        });
+        let mut settings = Settings::new(&rotor, 0.0, feedback(&rotor, name)?);
+        let units = Units::of(&rotor);
+        for (key, typed) in [("speed", typed_speed), ("deadband", args.deadband)] {
+            if let Some(typed) = typed {
+                units.set(&mut settings, key.parse()?, typed)?;
+            }
+        }
+        settings.check(&rotor)?;
+        Ok(Self { rotor, settings })
+    }
+
+    /// What its numbers are typed and shown in.
+    #[must_use]
+    pub(crate) fn units(&self) -> Units {
+        Units::of(&self.rotor)
+    }
+}
+
+/// Applies one `KEY=VALUE` to `settings`; `feedback` takes a name or a file, every other key a number, which is in rpm
+/// or m where `units` are SI.
 ///
 /// # Errors
 /// No `=`, or whatever the key or the value has wrong.
-pub(crate) fn assign(rotor: &Rotor, settings: &mut Settings, assignment: &str) -> Result<(), Failure> {
+pub(crate) fn assign(rotor: &Rotor, units: Units, settings: &mut Settings, assignment: &str) -> Result<(), Failure> {
     let Some((key, value)) = assignment.split_once('=') else {
         return Err(Failure::Usage(format!("'{assignment}': expected KEY=VALUE, such as speed=3")));
     };
-    match key {
-        "feedback" => settings.feedback = feedback(rotor, value)?,
-        _ => settings.assign(key, value).map_err(|error: SettingsError| Failure::Usage(error.to_string()))?,
+    if key == "feedback" {
+        settings.feedback = feedback(rotor, value)?;
+        return Ok(());
     }
-    Ok(())
+    let parsed: Key = key.parse()?;
+    let number =
+        value.trim().parse().map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
+    units.set(settings, parsed, number)
+}
+
+#[cfg(test)]
+mod tests {
+    use rotor::PhysicalMass;
+
+    use super::*;
+
+    /// 40 kg with w0 = 300 rad/s and e_t = 20 um.
+    fn rig() -> (Rotor, Settings) {
+        let mass = PhysicalMass { mass: 40.0, bearing_stiffness: 3.6e6, unbalance: 20e-6, ..PhysicalMass::default() };
+        let rotor = Rotor::from_si("rig", vec![mass], vec![], None).expect("valid");
+        let settings = Settings::new(&rotor, 0.0, feedback(&rotor, "off").expect("any rotor has it"));
+        (rotor, settings)
+    }
+
+    #[test]
+    fn assignments_to_an_si_rotor_are_in_rpm_and_metres() {
+        let (rotor, mut settings) = rig();
+        let mut set = |assignment: &str| {
+            assign(&rotor, Units::of(&rotor), &mut settings, assignment).map_err(|error| error.to_string())
+        };
+        set("speed=6000").expect("in range");
+        set("deadband=50e-6").expect("in range");
+        set("trip=1e-3").expect("in range");
+        set("kd=0.5").expect("in range");
+        assert_eq!(
+            set("trip=1e-9").expect_err("too small"),
+            "trip = 0.000000001 m: expected a number from 2.00000e-8 to 20000.0 m"
+        );
+        assert_eq!(set("speed=fast").expect_err("no number"), "speed = 'fast': expected a number");
+        // 6000 rpm are 200 pi rad/s.
+        assert!((settings.speed - 200.0 * std::f64::consts::PI / 300.0).abs() < 1e-12);
+        assert!((settings.deadband[0] - 2.5).abs() < 1e-12);
+        assert!((settings.trip - 50.0).abs() < 1e-12);
+        assert_eq!(settings.get("kd".parse().expect("a key")).expect("exists"), 0.5);
+    }
+
+    #[test]
+    fn a_path_or_a_toml_name_is_a_file() {
+        for typed in ["a.toml", "./a", "/dev/stdin", "folder/"] {
+            assert!(is_file(typed), "{typed}");
+        }
+        for typed in ["jeffcott", "three-mass", "toml", "."] {
+            assert!(!is_file(typed), "{typed}");
+        }
+    }
 }

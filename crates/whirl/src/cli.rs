@@ -41,18 +41,20 @@ pub(crate) enum Command {
     Clean(commands::clean::CleanArgs),
     /// Print eigenvalues and minimum damping at one speed
     Poles(commands::poles::PolesArgs),
+    /// List the built-in rotors, show one as a file, or check files
+    Rotor(commands::rotor::RotorArgs),
 }
 
 /// Which machine: the options that every command on a rotor shares.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MachineArgs {
-    /// The rotor: jeffcott or three-mass
+    /// The rotor: jeffcott, three-mass, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     pub rotor: String,
-    /// The feedback: off; cancel (jeffcott); composite, individual (three-mass)
-    #[arg(long, value_name = "NAME")]
+    /// The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file
+    #[arg(long, value_name = "NAME|FILE")]
     pub feedback: Option<String>,
-    /// Clearance of every support bearing, in e_t
+    /// Clearance of every support bearing, in e_t (SI rotors: in m)
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
 }

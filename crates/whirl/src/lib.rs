@@ -2,6 +2,7 @@
 //!
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
+//! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
 //! * [`attach`] finds a running bench.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`failure`] is every way to fail, with its exit code.
@@ -13,6 +14,7 @@ mod commands;
 mod failure;
 mod interrupt;
 mod output;
+mod units;
 
 use std::process::ExitCode;
 

@@ -7,7 +7,7 @@
 use std::fmt;
 
 use iceoryx2::prelude::ZeroCopySend;
-use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError};
+use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError, Scales};
 
 use crate::{SettingsMessage, Text};
 
@@ -154,6 +154,8 @@ pub struct Bulletin {
     pub rotor: [MassMessage; MAX_MASSES],
     /// Stiffness ratios of its shafts; one fewer than masses.
     pub shafts: [f64; MAX_MASSES],
+    /// Scales of an SI rotor: `w0` in rad/s, `K_t` in N/m, `M_t` in kg, `e_t` in m; all zero for a dimensionless one.
+    pub scales: [f64; 4],
     /// Steps a second that it paces itself to.
     pub rate_hz: f64,
     /// Advance of `tau` per step.
@@ -185,10 +187,18 @@ impl Bulletin {
         Rotor::new(self.rotor_name.as_str(), masses, self.shafts[..count.saturating_sub(1)].to_vec())
     }
 
+    /// The scales of an SI rotor; everything else in the messages is dimensionless.
+    #[must_use]
+    pub fn scales(&self) -> Option<Scales> {
+        let [w0, k_t, m_t, e_t] = self.scales;
+        (w0 > 0.0).then_some(Scales { w0, k_t, m_t, e_t })
+    }
+
     /// Writes a rotor into it.
     pub fn set_rotor(&mut self, rotor: &Rotor) {
         self.rotor_name = Text::new(rotor.name());
         self.masses = rotor.len() as u32;
+        self.scales = rotor.scales().map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
         for (place, mass) in self.rotor.iter_mut().zip(rotor.masses()) {
             *place = MassMessage::from(mass);
         }

@@ -42,7 +42,9 @@ pub(crate) fn draw_top(picture: &Picture, bench: &str, paused: bool, area: Rect,
     add(bench.to_owned(), plain.bold());
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
         add(bulletin.rotor_name.as_str().to_owned(), plain);
-        add(format!("R {}", settings.speed), plain);
+        let rpm =
+            bulletin.scales().map_or_else(String::new, |scales| format!(" ({:.0} rpm)", scales.rpm(settings.speed)));
+        add(format!("R {}{rpm}", settings.speed), plain);
         add(format!("{:.0}/s", picture.rate), plain);
         let health = &bulletin.health;
         let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);

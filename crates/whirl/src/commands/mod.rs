@@ -3,6 +3,7 @@
 pub(crate) mod clean;
 pub(crate) mod dash;
 pub(crate) mod poles;
+pub(crate) mod rotor;
 pub(crate) mod set;
 pub(crate) mod sim;
 pub(crate) mod status;
@@ -26,5 +27,6 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Status(args) => status::run(&args),
         Command::Clean(args) => clean::run(&args),
         Command::Poles(args) => poles::run(&args),
+        Command::Rotor(args) => rotor::run(&args),
     }
 }

@@ -7,13 +7,14 @@ use crate::catalog;
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::output::{Cell, Format, Table, rounded};
+use crate::units::UnitsDocument;
 
 /// Options of `whirl poles`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct PolesArgs {
     #[command(flatten)]
     machine: MachineArgs,
-    /// Spin speed R = w / w0
+    /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
     #[command(flatten)]
@@ -28,6 +29,8 @@ struct Document<'a> {
     stable: bool,
     min_damping: f64,
     modes: Vec<ModeDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
 }
 
 /// One mode, as scripts read it.
@@ -71,25 +74,33 @@ impl From<&Mode> for ModeDocument {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
-    let (rotor, settings) = catalog::machine(&args.machine, args.speed, catalog::Default::Analysis)?;
-    let spectrum = Spectrum::of(&settings.closed_loop(&rotor))?;
+    let machine = catalog::Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    let (rotor, units) = (&machine.rotor, machine.units());
+    let spectrum = Spectrum::of(&machine.settings.closed_loop(rotor))?;
 
-    let mut table = Table::new(&["re", "im", "damping", "log dec", "frequency", "whirl"]);
+    let mut table = Table::new(units.pick(
+        &["re", "im", "damping", "log dec", "frequency", "whirl"],
+        &["re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl"],
+    ));
     for mode in &spectrum.modes {
-        let numbers = [mode.pole.re, mode.pole.im, mode.damping(), mode.log_decrement(), mode.frequency()];
+        let pole = [mode.pole.re, mode.pole.im].map(|part| units.rate(part));
+        let numbers = [pole[0], pole[1], mode.damping(), mode.log_decrement(), units.frequency(mode.frequency())];
         table.row(numbers.map(Cell::from).into_iter().chain([Cell::from(&mode.whirl())]));
     }
+    let speed = machine.settings.speed;
     let document = Document {
         rotor: rotor.name(),
-        speed: settings.speed,
+        speed,
         stable: spectrum.is_stable(),
         min_damping: spectrum.min_damping(),
         modes: spectrum.modes.iter().map(ModeDocument::from).collect(),
+        units: units.document(),
     };
     let word = if spectrum.is_stable() { "stable" } else { "UNSTABLE" };
+    let per = units.pick("; per unit of tau = w0 t", "");
     args.format.print(
         &document,
-        &format!("{} at R = {}, deadband neglected; per unit of tau = w0 t", rotor.name(), settings.speed),
+        &format!("{} at {}, deadband neglected{per}", rotor.name(), units.speed_text(speed)),
         &table,
         &format!("{word}, minimum damping {}", rounded(spectrum.min_damping())),
     )

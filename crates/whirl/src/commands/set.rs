@@ -7,6 +7,7 @@ use wire::{Answer, Carrier, Change, Commander, SharedMemory};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
+use crate::units::Units;
 use crate::{catalog, output};
 
 /// How long the bench may take to answer.
@@ -18,7 +19,7 @@ const TRIES: usize = 5;
 #[derive(Debug, clap::Args)]
 pub(crate) struct SetArgs {
     /// What to change: speed, deadband, deadband.2 (mass 2), kd cd kc cc (first signal), kd.2 (second signal), trip,
-    /// feedback=NAME
+    /// feedback=NAME or FILE; for an SI rotor speeds are in rpm, lengths in m
     #[arg(required = true, value_name = "KEY=VALUE")]
     assignments: Vec<String>,
     #[command(flatten)]
@@ -70,9 +71,10 @@ fn change(args: &SetArgs) -> Result<Answer, Failure> {
     for _ in 0..TRIES {
         let bulletin = attach::first_bulletin::<SharedMemory>(&mut listener, &bench)?;
         let rotor = bulletin.rotor().map_err(|error| Failure::Work(error.to_string()))?;
+        let units = Units::with(bulletin.scales());
         let mut settings = bulletin.settings.unpack();
         for assignment in &args.assignments {
-            catalog::assign(&rotor, &mut settings, assignment)?;
+            catalog::assign(&rotor, units, &mut settings, assignment)?;
         }
         settings.check(&rotor)?;
         let request = Change::Settings { base_revision: bulletin.revision, settings }.request(&who)?;

@@ -8,9 +8,10 @@ use rotor::Settings;
 use sim::Options;
 
 use crate::attach::{self, BenchArgs};
+use crate::catalog::{self, Machine};
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
-use crate::{catalog, interrupt, output};
+use crate::{interrupt, output};
 
 /// What a live bench simulates, and how fast: shared by `whirl sim` and `whirl up`.
 #[derive(Clone, Debug, clap::Args)]
@@ -19,18 +20,18 @@ pub(crate) struct LiveArgs {
     pub(crate) machine: MachineArgs,
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
-    /// Spin speed R = w / w0 at the start
-    #[arg(long, value_name = "R", default_value_t = 2.5, allow_negative_numbers = true)]
-    pub(crate) speed: f64,
+    /// Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    pub(crate) speed: Option<f64>,
     /// Steps a second
     #[arg(long, value_name = "HZ", default_value_t = Options::DEFAULT_RATE_HZ, allow_negative_numbers = true)]
     pub(crate) rate: f64,
     /// Advance of tau = w0 t per step
     #[arg(long, value_name = "H", default_value_t = Options::DEFAULT_DTAU, allow_negative_numbers = true)]
     pub(crate) dtau: f64,
-    /// Orbit radius at which the machine trips, in e_t
-    #[arg(long, value_name = "RADIUS", default_value_t = Settings::DEFAULT_TRIP, allow_negative_numbers = true)]
-    pub(crate) trip: f64,
+    /// Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]
+    #[arg(long, value_name = "RADIUS", allow_negative_numbers = true)]
+    pub(crate) trip: Option<f64>,
 }
 
 /// Options of `whirl sim`.
@@ -44,7 +45,9 @@ pub(crate) struct SimArgs {
 }
 
 impl LiveArgs {
-    /// Clearance of a live bench's bearings if none is given, in `e_t`: enough for the deadband to show.
+    /// Speed of a live bench if none is given: above the threshold that the three-mass rotor has without control.
+    const SPEED: f64 = 2.5;
+    /// Clearance of a built-in rotor's bearings if none is given, in `e_t`: enough for the deadband to show.
     const DEADBAND: f64 = 1.0;
 
     /// The rotor and the settings to start with.
@@ -52,10 +55,19 @@ impl LiveArgs {
     /// # Errors
     /// An unknown name, or a value out of range.
     pub(crate) fn machine(&self) -> Result<(rotor::Rotor, Settings), Failure> {
-        let mut args = self.machine.clone();
-        args.deadband = args.deadband.or(Some(Self::DEADBAND));
-        let (rotor, mut settings) = catalog::machine(&args, self.speed, catalog::Default::Live)?;
-        settings.set("trip".parse()?, self.trip)?;
+        let machine = Machine::open(&self.machine, self.speed, catalog::Default::Live)?;
+        let units = machine.units();
+        let Machine { rotor, mut settings } = machine;
+        if self.speed.is_none() {
+            settings.speed = Self::SPEED;
+        }
+        // A rotor from a file has clearances of its own.
+        if self.machine.deadband.is_none() && rotor::builtin::ROTORS.contains(&self.machine.rotor.as_str()) {
+            settings.deadband.fill(Self::DEADBAND);
+        }
+        if let Some(trip) = self.trip {
+            units.set(&mut settings, "trip".parse()?, trip)?;
+        }
         Ok((rotor, settings))
     }
 

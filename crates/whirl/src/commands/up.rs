@@ -140,15 +140,15 @@ impl LiveArgs {
         let mut arguments = vec!["sim".to_owned(), self.machine.rotor.clone(), "--until-stdin-closes".to_owned()];
         let mut option = |name: &str, value: String| arguments.push(format!("--{name}={value}"));
         option("bench", self.bench.bench.clone());
-        option("speed", self.speed.to_string());
         option("rate", self.rate.to_string());
         option("dtau", self.dtau.to_string());
-        option("trip", self.trip.to_string());
+        for (name, value) in [("speed", self.speed), ("trip", self.trip), ("deadband", self.machine.deadband)] {
+            if let Some(value) = value {
+                option(name, value.to_string());
+            }
+        }
         if let Some(feedback) = &self.machine.feedback {
             option("feedback", feedback.clone());
-        }
-        if let Some(deadband) = self.machine.deadband {
-            option("deadband", deadband.to_string());
         }
         arguments
     }

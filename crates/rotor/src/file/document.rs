@@ -1,0 +1,61 @@
+//! Feedback as a document for scripts, with the keys of its file.
+
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+
+use super::feedback_toml::sensor;
+use crate::{Feedback, Gain, GainKind, Signal};
+
+/// Feedback that serialises to the content of its file: `{bearing, signal: [{mass | displacement, velocity, kd, cd, kc,
+/// cc}]}`, masses counted from 1.
+#[derive(Clone, Copy, Debug)]
+pub struct FeedbackDocument<'a>(pub &'a Feedback);
+
+impl Serialize for FeedbackDocument<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(2))?;
+        map.serialize_entry("bearing", &(self.0.bearing + 1))?;
+        map.serialize_entry("signal", &self.0.signals.iter().map(SignalDocument).collect::<Vec<_>>())?;
+        map.end()
+    }
+}
+
+struct SignalDocument<'a>(&'a Signal);
+
+impl Serialize for SignalDocument<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        if let Some(mass) = sensor(self.0) {
+            map.serialize_entry("mass", &(mass + 1))?;
+        } else {
+            map.serialize_entry("displacement", &self.0.displacement)?;
+            map.serialize_entry("velocity", &self.0.velocity)?;
+        }
+        for kind in GainKind::ALL {
+            map.serialize_entry(kind.name(), &GainDocument::of(self.0.gain(kind)))?;
+        }
+        map.end()
+    }
+}
+
+/// A gain as its file says it.
+#[derive(Serialize)]
+#[serde(untagged)]
+enum GainDocument {
+    Constant(f64),
+    Linear { at_zero: f64, slope: f64 },
+    Table { speed: Vec<f64>, value: Vec<f64> },
+}
+
+impl GainDocument {
+    fn of(gain: &Gain) -> Self {
+        match gain {
+            Gain::Constant(value) => Self::Constant(*value),
+            Gain::Linear { at_zero, slope } => Self::Linear { at_zero: *at_zero, slope: *slope },
+            Gain::Table(points) => {
+                let (speed, value) = points.iter().copied().unzip();
+                Self::Table { speed, value }
+            }
+        }
+    }
+}

@@ -1,0 +1,209 @@
+//! Feedback files.
+
+use std::ops::Range as Span;
+
+use toml::de::DeValue;
+
+use super::problem::Problems;
+use super::reader::{Reader, Table, Value};
+use super::write::{Lines, number, numbers};
+use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Range, Signal};
+
+/// Reads feedback for a rotor of `masses` masses. Without a rotor at hand, the number of masses is what the weights
+/// say, or the least that has the bearing and every sensor.
+///
+/// # Errors
+/// All that is wrong with the file, or does not fit the rotor, with lines and columns.
+pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Problems> {
+    let (mut reader, file) = Reader::parse(text)?;
+    reader.only(&file, &["bearing", "signal", "loop"]);
+    if let Some((key, _)) = file.get_key_value("loop") {
+        let found = "[loop]: delay, sample, lag and limit are not simulated yet";
+        reader.problem(key.span(), found, "an ideal loop, which is a file without [loop]");
+    }
+    let count = masses.unwrap_or_else(|| implied_masses(&file));
+
+    let of = if masses.is_some() { "a mass of the rotor" } else { "a mass" };
+    let bearing = reader.counted(&file, "bearing", count, of).unwrap_or_else(|| {
+        reader.problem(0..0, "no bearing", format!("bearing = {of} that carries the control bearing, 1 to {count}"));
+        0
+    });
+    let tables = reader.tables(&file, "signal", Some(MAX_MASSES));
+    let signals = (tables.into_iter().enumerate())
+        .map(|(i, (table, at))| signal(&mut reader, table, &format!("[[signal]] {}", i + 1), &at, count, of))
+        .collect();
+    reader.finish(Feedback { bearing, signals })
+}
+
+/// How many masses a file without a rotor is meant for.
+fn implied_masses(file: &Table<'_>) -> usize {
+    let counted = |value: &Value<'_>| match value.get_ref() {
+        DeValue::Integer(i) => i.as_str().parse().unwrap_or(0),
+        _ => 0,
+    };
+    let signals = file.get("signal").and_then(|value| value.get_ref().as_array());
+    let tables = || signals.into_iter().flatten().filter_map(|item| item.get_ref().as_table());
+    let listed = tables()
+        .flat_map(|table| ["displacement", "velocity"].map(|key| table.get(key)))
+        .find_map(|value| value?.get_ref().as_array().map(|list| list.len()));
+    let named = file.get("bearing").into_iter().chain(tables().filter_map(|table| table.get("mass"))).map(counted);
+    listed.unwrap_or_else(|| named.max().unwrap_or(0)).clamp(1, MAX_MASSES)
+}
+
+fn signal(
+    reader: &mut Reader<'_>,
+    table: &Table<'_>,
+    within: &str,
+    at: &Span<usize>,
+    masses: usize,
+    of: &str,
+) -> Signal {
+    reader.only(table, &["mass", "displacement", "velocity", "kd", "cd", "kc", "cc"]);
+    let mut weights = |key: &str| {
+        let list = reader.numbers(table, key, "weights, one a mass")?;
+        if let (Some(value), true) = (table.get(key), list.len() != masses)
+            && value.get_ref().is_array()
+        {
+            let expected = format!("{masses}, one for each mass");
+            reader.problem(value.span(), format!("{key} with {} weights", list.len()), expected);
+        }
+        Some(list.into_iter().map(|(weight, _)| weight).collect::<Vec<_>>())
+    };
+    let listed = (weights("displacement"), weights("velocity"));
+    let mass = reader.counted(table, "mass", masses, of);
+    let mut signal = match (mass, listed) {
+        (Some(mass), (None, None)) => Signal::at_mass(mass, masses, [0.0; 4]),
+        (None, (Some(displacement), Some(velocity))) => {
+            Signal { displacement, velocity, ..Signal::at_mass(0, masses, [0.0; 4]) }
+        }
+        (mass, (displacement, velocity)) => {
+            let found = match (mass, displacement, velocity) {
+                (Some(_), ..) => "with both mass and weights",
+                (None, Some(_), None) => "without velocity weights",
+                (None, None, Some(_)) => "without displacement weights",
+                _ => "without mass or weights",
+            };
+            let expected = "either mass = N, or displacement = [..] and velocity = [..]";
+            reader.problem(at.clone(), format!("{within} {found}"), expected);
+            Signal::at_mass(0, masses, [0.0; 4])
+        }
+    };
+    for kind in GainKind::ALL {
+        if let Some(value) = table.get(kind.name()) {
+            *signal.gain_mut(kind) = gain(reader, kind.name(), value);
+        }
+    }
+    signal
+}
+
+fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> Gain {
+    let DeValue::Table(table) = value.get_ref() else {
+        return Gain::Constant(bounded(reader, key, value));
+    };
+    let has = |key: &str| table.contains_key(key);
+    if has("at_zero") || has("slope") {
+        reader.only(table, &["at_zero", "slope"]);
+        let within = (key, value.span());
+        let at_zero = reader.required(table, within.clone(), "at_zero", Range::Finite);
+        let slope = reader.required(table, within, "slope", Range::Finite);
+        return Gain::Linear { at_zero, slope };
+    }
+    if has("speed") && has("value") {
+        reader.only(table, &["speed", "value"]);
+        return Gain::Table(points(reader, key, table, value));
+    }
+    reader.wrong(key, value, "a number, { at_zero = A, slope = B } or { speed = [..], value = [..] }");
+    Gain::Constant(0.0)
+}
+
+/// A constant gain, in the range that settings allow.
+fn bounded(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> f64 {
+    let number = match value.get_ref() {
+        DeValue::Integer(_) | DeValue::Float(_) => super::reader::as_number(value),
+        _ => {
+            reader.wrong(key, value, "a number, { at_zero = A, slope = B } or { speed = [..], value = [..] }");
+            return 0.0;
+        }
+    };
+    let (min, max) = limits(key);
+    match number {
+        Some(number) if (min..=max).contains(&number) => number,
+        _ => {
+            reader.wrong(key, value, format!("a number from {min} to {max}"));
+            0.0
+        }
+    }
+}
+
+fn limits(key: &str) -> (f64, f64) {
+    PARAMETERS.iter().find(|p| p.name == key).map_or((f64::MIN, f64::MAX), |p| (p.min, p.max))
+}
+
+fn points(reader: &mut Reader<'_>, key: &str, table: &Table<'_>, whole: &Value<'_>) -> Vec<(f64, f64)> {
+    let speeds = reader.numbers(table, "speed", "speeds").unwrap_or_default();
+    let values = reader.numbers(table, "value", "gains").unwrap_or_default();
+    if speeds.len() != values.len() || speeds.is_empty() {
+        let found = format!("{key} with {} speeds and {} values", speeds.len(), values.len());
+        reader.problem(whole.span(), found, "as many values as speeds, at least one");
+    }
+    for pair in speeds.windows(2) {
+        let [(before, _), (after, at)] = pair else { continue };
+        // Not a number was told already.
+        if after <= before {
+            reader.problem(at.clone(), format!("speed {after} after {before}"), "rising speeds");
+        }
+    }
+    let (min, max) = limits(key);
+    for (value, at) in &values {
+        if value.is_finite() && !(min..=max).contains(value) {
+            reader.problem(at.clone(), format!("{key} value {value}"), format!("a number from {min} to {max}"));
+        }
+    }
+    speeds.into_iter().zip(values).map(|((speed, _), (value, _))| (speed, value)).collect()
+}
+
+/// Writes feedback as TOML with comments. What [`read_feedback`] makes of it is the same feedback, bit for bit.
+#[must_use]
+pub fn write_feedback(feedback: &Feedback) -> String {
+    let mut lines = Lines::default();
+    lines.comment(
+        "Dimensionless for any rotor: displacements in e_t, time tau = w0 t, schedules over speed R = w / w0.",
+    );
+    lines.key("bearing", feedback.bearing + 1, "the mass that carries the control bearing");
+    for signal in &feedback.signals {
+        lines.header("signal");
+        match sensor(signal) {
+            Some(mass) => lines.key("mass", mass + 1, "the mass that carries the sensor"),
+            None => {
+                lines.key("displacement", numbers(signal.displacement.iter().copied()), "weights a, b, c...");
+                lines.key("velocity", numbers(signal.velocity.iter().copied()), "weights d, e, f...");
+            }
+        }
+        for kind in GainKind::ALL {
+            let meaning = PARAMETERS.iter().find(|p| p.name == kind.name()).map_or("", |p| p.meaning);
+            lines.key(kind.name(), gain_text(signal.gain(kind)), meaning);
+        }
+    }
+    lines.into_text()
+}
+
+/// The one mass that a signal measures, if its weights pick exactly one.
+pub(super) fn sensor(signal: &Signal) -> Option<usize> {
+    let mass = signal.displacement.iter().position(|&weight| weight == 1.0)?;
+    let picked = Signal::at_mass(mass, signal.displacement.len(), [0.0; 4]);
+    // By bits: a weight of -0 is kept as it is.
+    let bits = |weights: &[f64]| weights.iter().map(|w| w.to_bits()).collect::<Vec<_>>();
+    let same = |a: &[f64], b: &[f64]| bits(a) == bits(b);
+    (same(&signal.displacement, &picked.displacement) && same(&signal.velocity, &picked.velocity)).then_some(mass)
+}
+
+fn gain_text(gain: &Gain) -> String {
+    match gain {
+        Gain::Constant(value) => number(*value),
+        Gain::Linear { at_zero, slope } => format!("{{ at_zero = {}, slope = {} }}", number(*at_zero), number(*slope)),
+        Gain::Table(points) => {
+            let (speeds, values): (Vec<f64>, Vec<f64>) = points.iter().copied().unzip();
+            format!("{{ speed = {}, value = {} }}", numbers(speeds), numbers(values))
+        }
+    }
+}

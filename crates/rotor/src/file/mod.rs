@@ -1,0 +1,66 @@
+//! Rotors and feedback as TOML text: reading with every problem at its line and column, and writing.
+//!
+//! Text in, text out; opening files is the caller's. What is written reads back as the same rotor or feedback, bit for
+//! bit. Unknown keys are errors, because a misspelt key would otherwise be a parameter silently at its default.
+//!
+//! * A rotor has `name` (absent: whatever the caller says), `units` (`"dimensionless"`, the default, or `"si"`), one
+//!   `[[mass]]` a mass with the keys of [`crate::FIELDS`] (`mass` must be there, the others are 0 where absent), one
+//!   `[[shaft]]` with `stiffness` between each two, and in SI optionally `reference_length` in m, see
+//!   [`Rotor::from_si`](crate::Rotor::from_si).
+//! * Feedback has `bearing`, counted from 1, and one `[[signal]]` a signal: `mass`, counted from 1, or weights
+//!   `displacement` and `velocity`; and the gains `kd cd kc cc` (0 where absent), each a number,
+//!   `{ at_zero, slope }` or `{ speed = [..], value = [..] }`. Feedback is always dimensionless, over speed `R`.
+
+mod document;
+mod feedback_toml;
+mod problem;
+mod reader;
+mod rotor_toml;
+mod write;
+
+pub use document::FeedbackDocument;
+pub use feedback_toml::{read_feedback, write_feedback};
+pub use problem::{Problem, Problems};
+pub use rotor_toml::{read_rotor, write_rotor};
+
+/// The largest file that is read, in bytes: sixteen masses with a comment each take less than a hundredth of it.
+pub const MAX_BYTES: usize = 1 << 20;
+
+/// What a file holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Kind {
+    /// A rotor.
+    Rotor,
+    /// Feedback.
+    Feedback,
+}
+
+/// What `text` seems meant to be: feedback if it has a signal, a bearing or a loop, otherwise a rotor.
+#[must_use]
+pub fn kind_of(text: &str) -> Kind {
+    let (table, _) = toml::de::DeTable::parse_recoverable(text);
+    let has = |key: &str| table.get_ref().contains_key(key);
+    if has("signal") || has("bearing") || has("loop") { Kind::Feedback } else { Kind::Rotor }
+}
+
+/// The text of a file's bytes.
+///
+/// # Errors
+/// More than [`MAX_BYTES`], or bytes that are not UTF-8, at the first of them.
+pub fn text(bytes: &[u8]) -> Result<&str, Problems> {
+    if bytes.len() > MAX_BYTES {
+        return Err(Problems::from(Problem {
+            line: 1,
+            column: 1,
+            found: "more than 1 MiB".into(),
+            expected: "a rotor or feedback file of at most 1 MiB".into(),
+        }));
+    }
+    std::str::from_utf8(bytes).map_err(|error| {
+        let (valid, rest) = bytes.split_at(error.valid_up_to());
+        let (line, column) = problem::position(&String::from_utf8_lossy(valid), valid.len());
+        let found = format!("byte 0x{:02x} is not UTF-8", rest.first().copied().unwrap_or_default());
+        Problems::from(Problem { line, column, found, expected: "TOML text in UTF-8".into() })
+    })
+}

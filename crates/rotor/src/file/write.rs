@@ -1,0 +1,50 @@
+//! TOML text with a column of comments.
+
+/// Lines of TOML being written.
+#[derive(Debug, Default)]
+pub(super) struct Lines(Vec<(String, String)>);
+
+impl Lines {
+    /// `key = value  # comment`; no comment if it is empty.
+    pub(super) fn key(&mut self, key: &str, value: impl std::fmt::Display, comment: &str) {
+        self.0.push((format!("{key} = {value}"), comment.to_owned()));
+    }
+
+    /// A blank line and `[[header]]`.
+    pub(super) fn header(&mut self, header: &str) {
+        self.0.push((String::new(), String::new()));
+        self.0.push((format!("[[{header}]]"), String::new()));
+    }
+
+    /// A comment on a line of its own; a blank line if it is empty.
+    pub(super) fn comment(&mut self, comment: &str) {
+        let line = if comment.is_empty() { String::new() } else { format!("# {comment}") };
+        self.0.push((line, String::new()));
+    }
+
+    /// All of it, the comments in one column unless a line is very long.
+    pub(super) fn into_text(self) -> String {
+        let commented = self.0.iter().filter(|(_, comment)| !comment.is_empty());
+        let column = commented.map(|(line, _)| line.chars().count()).max().unwrap_or(0).min(44);
+        let line = |(line, comment): (String, String)| match comment.as_str() {
+            "" => line + "\n",
+            _ => format!("{line:column$}  # {comment}\n"),
+        };
+        self.0.into_iter().map(line).collect()
+    }
+}
+
+/// A number with all its digits, as a TOML float.
+pub(super) fn number(number: f64) -> String {
+    format!("{number:?}")
+}
+
+/// A list of numbers.
+pub(super) fn numbers(numbers: impl IntoIterator<Item = f64>) -> String {
+    format!("[{}]", numbers.into_iter().map(number).collect::<Vec<_>>().join(", "))
+}
+
+/// A quoted string; a rotor's name holds nothing else to escape.
+pub(super) fn string(text: &str) -> String {
+    format!("\"{}\"", text.replace('\\', "\\\\").replace('"', "\\\""))
+}

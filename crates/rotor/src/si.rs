@@ -1,0 +1,245 @@
+//! Rotors given in SI units, and the scales between them and the dimensionless form that everything computes in.
+//!
+//! ```text
+//! M_t = sum m_i    K_t = sum (K_i + Ks_i)    w0 = sqrt(K_t / M_t)    e_t = sum e_i, or a reference length
+//! Rm = m / M_t     zeta = C / (2 m w0)       zeta_q = Cq / (2 m w0)
+//! Rb = K / K_t     Rs = Ks / K_t             Rf = Kf / K_t           Re = e / e_t     g / e_t
+//! ```
+//!
+//! A rotor keeps the physical numbers that it was made of, so that writing it out again loses nothing to rounding.
+
+use crate::params::check;
+use crate::{Mass, Rotor, RotorError};
+
+/// One lumped mass with what acts on it, in SI units. The ranges are those of [`Mass`].
+#[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
+pub struct PhysicalMass {
+    /// `m` in kg.
+    pub mass: f64,
+    /// Seal damping `C` in N s/m. It brings the cross-coupled stiffness `C w / 2` with it (3.1).
+    pub damping: f64,
+    /// Seal cross-coupled damping `Cq` in N s/m.
+    pub cross_damping: f64,
+    /// Stiffness of the support bearing, the part with deadband, `K` in N/m.
+    pub bearing_stiffness: f64,
+    /// Linear stiffness of the seal, `Ks` in N/m.
+    pub seal_stiffness: f64,
+    /// Unbalance radius `e` in m, any sign.
+    pub unbalance: f64,
+    /// Radial clearance of the support bearing, `g` in m.
+    pub deadband: f64,
+}
+
+impl PhysicalMass {
+    /// Its parameters, in the order of [`crate::FIELDS`].
+    #[must_use]
+    pub fn values(&self) -> [f64; 7] {
+        [
+            self.mass,
+            self.damping,
+            self.cross_damping,
+            self.bearing_stiffness,
+            self.seal_stiffness,
+            self.unbalance,
+            self.deadband,
+        ]
+    }
+
+    /// A mass of parameters in the order of [`crate::FIELDS`].
+    #[must_use]
+    pub fn from_values(values: [f64; 7]) -> Self {
+        let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = values;
+        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
+    }
+}
+
+/// The physical numbers that a rotor was made of.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Physical {
+    masses: Vec<PhysicalMass>,
+    shafts: Vec<f64>,
+    reference_length: Option<f64>,
+    /// Follows from the rest.
+    #[serde(skip)]
+    scales: Scales,
+}
+
+impl Physical {
+    /// The masses, from one end to the other.
+    #[must_use]
+    pub fn masses(&self) -> &[PhysicalMass] {
+        &self.masses
+    }
+
+    /// Stiffness of the shafts, `Kf` in N/m; shaft `i` joins masses `i` and `i + 1`.
+    #[must_use]
+    pub fn shafts(&self) -> &[f64] {
+        &self.shafts
+    }
+
+    /// The length in m that stands for `e_t`, where one was given.
+    #[must_use]
+    pub fn reference_length(&self) -> Option<f64> {
+        self.reference_length
+    }
+
+    /// What one dimensionless unit is.
+    #[must_use]
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+}
+
+/// What one dimensionless unit is in SI units. All finite and greater than 0.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Scales {
+    /// Speed `R = 1` and inverse time: `w0 = sqrt(K_t / M_t)` in rad/s.
+    pub w0: f64,
+    /// `K_t = sum (K + Ks)` in N/m.
+    pub k_t: f64,
+    /// `M_t = sum m` in kg.
+    pub m_t: f64,
+    /// Displacement: `e_t = sum e`, or the reference length, in m.
+    pub e_t: f64,
+}
+
+/// Radians per second in one revolution per minute.
+const RPM: f64 = std::f64::consts::TAU / 60.0;
+
+impl Scales {
+    /// Spin speed in rpm of the dimensionless speed `R = w / w0`.
+    #[must_use]
+    pub fn rpm(&self, speed: f64) -> f64 {
+        speed * self.w0 / RPM
+    }
+
+    /// Dimensionless spin speed `R` of a speed in rpm.
+    #[must_use]
+    pub fn speed(&self, rpm: f64) -> f64 {
+        rpm * RPM / self.w0
+    }
+
+    /// Length in m of a length in `e_t`.
+    #[must_use]
+    pub fn metres(&self, length: f64) -> f64 {
+        length * self.e_t
+    }
+
+    /// Length in `e_t` of a length in m.
+    #[must_use]
+    pub fn length(&self, metres: f64) -> f64 {
+        metres / self.e_t
+    }
+
+    /// Time in s of a dimensionless time `tau = w0 t`.
+    #[must_use]
+    pub fn seconds(&self, tau: f64) -> f64 {
+        tau / self.w0
+    }
+
+    /// Dimensionless time `tau` of a time in s.
+    #[must_use]
+    pub fn tau(&self, seconds: f64) -> f64 {
+        seconds * self.w0
+    }
+
+    /// Force in N of a control acceleration `u` on a mass of ratio `mass_ratio` (`Rm`, dimensionless):
+    /// `u Rm M_t w0^2 e_t`.
+    #[must_use]
+    pub fn newtons(&self, acceleration: f64, mass_ratio: f64) -> f64 {
+        // M_t w0^2 is K_t, without the rounding of the square root.
+        acceleration * mass_ratio * self.k_t * self.e_t
+    }
+
+    /// Control acceleration `u` in `w0^2 e_t` of a force in N on a mass of ratio `mass_ratio`.
+    #[must_use]
+    pub fn acceleration(&self, newtons: f64, mass_ratio: f64) -> f64 {
+        newtons / (mass_ratio * self.k_t * self.e_t)
+    }
+
+    /// The scales of a set of physical parameters.
+    fn of(masses: &[PhysicalMass], reference_length: Option<f64>) -> Result<Self, RotorError> {
+        let positive = |what, found: f64, expected| match found.is_finite() && found > 0.0 {
+            true => Ok(found),
+            false => Err(RotorError::Scale { what, found, expected }),
+        };
+        let sum = |of: fn(&PhysicalMass) -> f64| masses.iter().map(of).sum::<f64>();
+        let m_t = positive("the sum of mass", sum(|m| m.mass), "a finite number of kg greater than 0")?;
+        let k_t = positive(
+            "the sum of bearing_stiffness and seal_stiffness",
+            sum(|m| m.bearing_stiffness + m.seal_stiffness),
+            "a finite number of N/m greater than 0, because w0 = sqrt(K_t / M_t)",
+        )?;
+        let w0 = positive("w0 = sqrt(K_t / M_t)", (k_t / m_t).sqrt(), "a finite number of rad/s greater than 0")?;
+        let e_t = match reference_length {
+            Some(length) => positive("reference_length", length, "a finite number of m greater than 0")?,
+            None => {
+                // Opposite unbalances leave only rounding of their sum: no length to measure by.
+                let (sum, size) = (sum(|m| m.unbalance), sum(|m| m.unbalance.abs()));
+                positive(
+                    "the sum of unbalance",
+                    if sum.abs() <= size * 1e-12 { 0.0 } else { sum },
+                    "a finite number of m greater than 0, or a reference_length in m to measure displacements by",
+                )?
+            }
+        };
+        Ok(Self { w0, k_t, m_t, e_t })
+    }
+
+    fn mass(&self, m: &PhysicalMass) -> Mass {
+        let twice_critical = 2.0 * m.mass * self.w0;
+        Mass {
+            mass: m.mass / self.m_t,
+            damping: m.damping / twice_critical,
+            cross_damping: m.cross_damping / twice_critical,
+            bearing_stiffness: m.bearing_stiffness / self.k_t,
+            seal_stiffness: m.seal_stiffness / self.k_t,
+            unbalance: m.unbalance / self.e_t,
+            deadband: m.deadband / self.e_t,
+        }
+    }
+}
+
+impl Rotor {
+    /// A rotor of physical parameters: `masses` in SI units, `shafts[i]` the stiffness in N/m between masses `i` and
+    /// `i + 1`.
+    ///
+    /// Displacements are measured in `e_t`, the sum of the unbalance radii. Where there is no unbalance, or opposite
+    /// ones cancel, `reference_length` in m has to stand for it; where both are given, it holds.
+    ///
+    /// # Errors
+    /// What [`Rotor::new`] refuses, in the given units; a sum of stiffness or of unbalance that is not positive; or
+    /// parameters so far apart that their ratios are not finite.
+    pub fn from_si(
+        name: impl Into<String>,
+        masses: Vec<PhysicalMass>,
+        shafts: Vec<f64>,
+        reference_length: Option<f64>,
+    ) -> Result<Self, RotorError> {
+        let name = name.into();
+        check(&name, masses.iter().map(PhysicalMass::values), &shafts)?;
+        let scales = Scales::of(&masses, reference_length)?;
+        let ratios = shafts.iter().map(|stiffness| stiffness / scales.k_t).collect();
+        let mut rotor = Self::new(name, masses.iter().map(|m| scales.mass(m)).collect(), ratios)?;
+        rotor.physical = Some(Physical { masses, shafts, reference_length, scales });
+        Ok(rotor)
+    }
+
+    /// The physical numbers it was made of; `None` for a dimensionless rotor.
+    #[must_use]
+    pub fn physical(&self) -> Option<&Physical> {
+        self.physical.as_ref()
+    }
+
+    /// What one dimensionless unit is; `None` for a dimensionless rotor.
+    #[must_use]
+    pub fn scales(&self) -> Option<&Scales> {
+        self.physical().map(Physical::scales)
+    }
+
+    /// The same rotor without its scales.
+    #[must_use]
+    pub fn dimensionless(&self) -> Self {
+        Self { physical: None, ..self.clone() }
+    }
+}

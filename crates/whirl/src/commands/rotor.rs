@@ -1,0 +1,236 @@
+//! `whirl rotor`: the built-in rotors, any rotor as a file, and what is wrong with files.
+
+use rotor::file::{FeedbackDocument, Kind, Problem, kind_of, write_feedback, write_rotor};
+use rotor::{Feedback, Mass, Physical, Rotor, builtin};
+use serde::Serialize;
+
+use crate::catalog::{self, FileError};
+use crate::failure::Failure;
+use crate::output::{Cell, Format, Table, print_json, print_text, rounded};
+use crate::units::{Units, UnitsDocument};
+
+/// Options of `whirl rotor`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct RotorArgs {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum Action {
+    /// List the built-in rotors
+    List(#[command(flatten)] Format),
+    /// Print a rotor, or feedback for it, as the TOML of its file
+    Show(ShowArgs),
+    /// Say what is wrong with rotor and feedback files
+    Check(CheckArgs),
+}
+
+#[derive(Debug, clap::Args)]
+struct ShowArgs {
+    /// The rotor: jeffcott, three-mass, or a TOML file
+    #[arg(value_name = "ROTOR")]
+    rotor: String,
+    /// Print this feedback for the rotor instead
+    #[arg(long, value_name = "NAME|FILE", conflicts_with = "dimensionless")]
+    feedback: Option<String>,
+    /// Print an SI rotor in dimensionless form
+    #[arg(long)]
+    dimensionless: bool,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, clap::Args)]
+struct CheckArgs {
+    /// Rotor or feedback files
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<String>,
+    /// Take every file for feedback, whatever is in it
+    #[arg(long)]
+    feedback: bool,
+    /// Check feedback files against this rotor
+    #[arg(long = "for", value_name = "ROTOR")]
+    rotor: Option<String>,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+/// Carries out `whirl rotor list`, `show` or `check`.
+///
+/// # Errors
+/// A rotor or a file that is wrong, or output that cannot be written.
+pub(crate) fn run(args: &RotorArgs) -> Result<(), Failure> {
+    match &args.action {
+        Action::List(format) => list(*format),
+        Action::Show(args) => show(args),
+        Action::Check(args) => check(args),
+    }
+}
+
+#[derive(Serialize)]
+struct Listed {
+    name: &'static str,
+    masses: usize,
+    feedback: &'static [&'static str],
+    about: &'static str,
+}
+
+fn list(format: Format) -> Result<(), Failure> {
+    #[derive(Serialize)]
+    struct Document {
+        rotors: Vec<Listed>,
+    }
+    let listed = |name: &'static str| {
+        let rotor = builtin::rotor(name)?;
+        let feedback = builtin::feedback_names(&rotor);
+        Some(Listed { name, masses: rotor.len(), feedback, about: builtin::about(name) })
+    };
+    let rotors: Vec<_> = builtin::ROTORS.into_iter().filter_map(listed).collect();
+    let mut table = Table::new(&["name", "masses", "feedback", "what it is"]);
+    for Listed { name, masses, feedback, about } in &rotors {
+        table.row([Cell::from(name), Cell::from(masses), Cell::from(&feedback.join(", ")), Cell::from(about)]);
+    }
+    format.print(
+        &Document { rotors },
+        "",
+        &table,
+        "Any other rotor: a TOML file. `whirl rotor show NAME` prints one to start from.",
+    )
+}
+
+/// A rotor for scripts: its dimensionless values, and for an SI rotor the numbers it was made of.
+#[derive(Serialize)]
+struct RotorDocument<'a> {
+    name: &'a str,
+    masses: &'a [Mass],
+    shafts: &'a [f64],
+    feedback: &'static [&'static str],
+    #[serde(flatten)]
+    units: UnitsDocument,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    physical: Option<&'a Physical>,
+}
+
+fn show(args: &ShowArgs) -> Result<(), Failure> {
+    let mut rotor = catalog::rotor(&args.rotor)?;
+    if args.dimensionless {
+        rotor = rotor.dimensionless();
+    }
+    if let Some(name) = &args.feedback {
+        let feedback = catalog::feedback(&rotor, name)?;
+        return match args.json {
+            true => print_json(&FeedbackDocument(&feedback)),
+            false => print_text(&write_feedback(&feedback)),
+        };
+    }
+    if !args.json {
+        return print_text(&write_rotor(&rotor));
+    }
+    print_json(&RotorDocument {
+        name: rotor.name(),
+        masses: rotor.masses(),
+        shafts: rotor.shafts(),
+        feedback: builtin::feedback_names(&rotor),
+        units: Units::of(&rotor).document(),
+        physical: rotor.physical(),
+    })
+}
+
+/// What was found in one file.
+#[derive(Serialize)]
+struct Checked<'a> {
+    file: &'a str,
+    ok: bool,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    kind: Option<Kind>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    masses: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    signals: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    unreadable: Option<String>,
+    problems: Vec<Problem>,
+}
+
+enum Content {
+    Rotor(Rotor),
+    Feedback(Feedback),
+}
+
+fn check(args: &CheckArgs) -> Result<(), Failure> {
+    let masses = args.rotor.as_deref().map(catalog::rotor).transpose()?.map(|rotor| rotor.len());
+    let read = |file: &str| -> (Option<Kind>, Result<Content, FileError>) {
+        let text = match catalog::text(file) {
+            Ok(text) => text,
+            Err(error) => return (None, Err(error)),
+        };
+        let kind = if args.feedback { Kind::Feedback } else { kind_of(&text) };
+        let content = match kind {
+            Kind::Rotor => catalog::rotor_of(file, &text).map(Content::Rotor),
+            Kind::Feedback => catalog::feedback_of(file, &text, masses).map(Content::Feedback),
+        };
+        (Some(kind), content)
+    };
+    let (mut fine, mut wrong, mut documents) = (String::new(), Vec::new(), Vec::new());
+    for file in &args.files {
+        let (kind, content) = read(file);
+        let mut document = Checked {
+            file,
+            ok: content.is_ok(),
+            kind,
+            masses: None,
+            signals: None,
+            unreadable: None,
+            problems: Vec::new(),
+        };
+        match content {
+            Ok(content) => {
+                fine += &format!("{file}: ok, {}\n", describe(&content));
+                match content {
+                    Content::Rotor(rotor) => document.masses = Some(rotor.len()),
+                    Content::Feedback(feedback) => document.signals = Some(feedback.signals.len()),
+                }
+            }
+            Err(error) => {
+                wrong.push(error.to_string());
+                match error {
+                    FileError::Unreadable { found, .. } => document.unreadable = Some(found),
+                    FileError::Wrong { problems, .. } => document.problems = problems.list().to_vec(),
+                }
+            }
+        }
+        documents.push(document);
+    }
+    if args.json {
+        #[derive(Serialize)]
+        struct Document<'a> {
+            files: Vec<Checked<'a>>,
+        }
+        print_json(&Document { files: documents })?;
+    } else {
+        print_text(&fine)?;
+    }
+    if wrong.is_empty() { Ok(()) } else { Err(Failure::Usage(wrong.join("\n"))) }
+}
+
+/// What a sound file holds, in a few words.
+fn describe(content: &Content) -> String {
+    let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+    match content {
+        Content::Rotor(rotor) => {
+            let masses = counted(rotor.len(), "mass", "masses");
+            let units = rotor.scales().map_or_else(
+                || "dimensionless".to_owned(),
+                |scales| format!("SI, w0 = {} rad/s = {} rpm", rounded(scales.w0), rounded(scales.rpm(1.0))),
+            );
+            format!("{masses}, {units}")
+        }
+        Content::Feedback(feedback) => {
+            let signals = counted(feedback.signals.len(), "signal", "signals");
+            format!("feedback, {signals}, bearing at mass {}", feedback.bearing + 1)
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! What numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
+//!
+//! The one place where a command converts. Everything inside, and all JSON, is dimensionless.
+
+use rotor::{Key, Rotor, Scales, Settings, SettingsError};
+use serde::Serialize;
+
+use crate::failure::Failure;
+use crate::output::rounded;
+
+/// The units of one machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Units(Option<Scales>);
+
+/// One direction of a conversion.
+type Convert = fn(Units, f64) -> f64;
+
+/// What the JSON of an SI rotor says beside its dimensionless numbers; nothing for others. To be flattened.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(crate) struct UnitsDocument {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    units: Option<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scales: Option<Scales>,
+}
+
+impl Units {
+    /// The units of this rotor.
+    #[must_use]
+    pub(crate) fn of(rotor: &Rotor) -> Self {
+        Self(rotor.scales().copied())
+    }
+
+    /// The units of a rotor with these scales, if it has any.
+    #[must_use]
+    pub(crate) fn with(scales: Option<Scales>) -> Self {
+        Self(scales)
+    }
+
+    /// One thing for dimensionless machines, another for those in SI units.
+    #[must_use]
+    pub(crate) fn pick<T>(self, dimensionless: T, si: T) -> T {
+        if self.0.is_some() { si } else { dimensionless }
+    }
+
+    /// The unit of spin speed.
+    #[must_use]
+    pub(crate) fn speed_unit(self) -> &'static str {
+        self.pick("w0", "rpm")
+    }
+
+    /// The unit of displacements, clearances and the trip limit.
+    #[must_use]
+    pub(crate) fn length_unit(self) -> &'static str {
+        self.pick("e_t", "m")
+    }
+
+    /// Spin speed `R` of a speed as typed.
+    #[must_use]
+    pub(crate) fn speed_from_typed(self, typed: f64) -> f64 {
+        self.0.map_or(typed, |scales| scales.speed(typed))
+    }
+
+    /// Spin speed as shown of a speed `R`.
+    #[must_use]
+    pub(crate) fn speed(self, speed: f64) -> f64 {
+        self.0.map_or(speed, |scales| scales.rpm(speed))
+    }
+
+    /// Length in `e_t` of a length as typed.
+    #[must_use]
+    pub(crate) fn length_from_typed(self, typed: f64) -> f64 {
+        self.0.map_or(typed, |scales| scales.length(typed))
+    }
+
+    /// Length as shown of a length in `e_t`.
+    #[must_use]
+    pub(crate) fn length(self, length: f64) -> f64 {
+        self.0.map_or(length, |scales| scales.metres(length))
+    }
+
+    /// Part of a pole as shown: per unit of `tau`, or per second.
+    #[must_use]
+    pub(crate) fn rate(self, rate: f64) -> f64 {
+        self.0.map_or(rate, |scales| rate * scales.w0)
+    }
+
+    /// A frequency as shown: in radians per unit of `tau`, or in Hz.
+    #[must_use]
+    pub(crate) fn frequency(self, frequency: f64) -> f64 {
+        self.0.map_or(frequency, |scales| frequency * scales.w0 / std::f64::consts::TAU)
+    }
+
+    /// `R = 2.5`, or `7161.97 rpm (R = 2.5)`.
+    #[must_use]
+    pub(crate) fn speed_text(self, speed: f64) -> String {
+        match self.0 {
+            None => format!("R = {speed}"),
+            Some(scales) => format!("{} rpm (R = {})", rounded(scales.rpm(speed)), rounded(speed)),
+        }
+    }
+
+    /// What JSON says of the units.
+    #[must_use]
+    pub(crate) fn document(self) -> UnitsDocument {
+        UnitsDocument { units: self.0.map(|_| "si"), scales: self.0 }
+    }
+
+    /// Sets `key` to a number as typed: rpm and m for an SI rotor, gains as they are.
+    ///
+    /// # Errors
+    /// Out of range, told in the units it was typed in; or a mass or signal that does not exist.
+    pub(crate) fn set(self, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
+        let (inward, outward, unit): (Convert, Convert, _) = match key.parameter.unit {
+            "w0" => (Self::speed_from_typed, Self::speed, self.speed_unit()),
+            "e_t" => (Self::length_from_typed, Self::length, self.length_unit()),
+            _ => (|_, number| number, |_, number| number, ""),
+        };
+        settings.set(key, inward(self, typed)).map_err(|error| match error {
+            SettingsError::OutOfRange { key, min, max, .. } if self.0.is_some() && !unit.is_empty() => {
+                let [min, max] = [min, max].map(|end| rounded(outward(self, end)));
+                Failure::Usage(format!("{key} = {typed} {unit}: expected a number from {min} to {max} {unit}"))
+            }
+            error => error.into(),
+        })
+    }
+}
