@@ -1,4 +1,6 @@
 //! Promises of the contract, one a file, kept by the real program.
 
+mod console;
 mod files;
+mod live;
 mod poles;

@@ -1,13 +1,12 @@
-//! What every end-to-end test needs: the program, and what it printed.
+//! What every end-to-end test needs: the program, a root of its own, and what it printed.
 
-use std::path::PathBuf;
-use std::process::{Command, Output};
+mod screen;
 
-/// The program under test, ready for arguments.
-#[must_use]
-pub fn whirl() -> Command {
-    Command::new(program())
-}
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::Instant;
+
+pub use screen::{PATIENCE, Screen};
 
 /// Where the program under test is: cargo builds it beside this package's tests.
 ///
@@ -16,8 +15,16 @@ pub fn whirl() -> Command {
 #[must_use]
 pub fn program() -> PathBuf {
     let test = std::env::current_exe().expect("a running test has a path");
-    let target = test.parent().and_then(std::path::Path::parent).expect("tests run from target/*/deps");
+    let target = test.parent().and_then(Path::parent).expect("tests run from target/*/deps");
     target.join(format!("whirl-under-test{}", std::env::consts::EXE_SUFFIX))
+}
+
+/// The program under test, ready for arguments.
+#[must_use]
+pub fn whirl() -> Command {
+    let mut command = Command::new(program());
+    command.stdin(Stdio::null());
+    command
 }
 
 /// Runs `whirl` with these arguments to its end.
@@ -26,7 +33,10 @@ pub fn program() -> PathBuf {
 /// If it cannot be started.
 #[must_use]
 pub fn run(arguments: &[&str]) -> Ran {
-    let Output { status, stdout, stderr } = whirl().args(arguments).output().expect("whirl starts");
+    ran(whirl().args(arguments).output().expect("whirl starts"))
+}
+
+fn ran(Output { status, stdout, stderr }: Output) -> Ran {
     let text = |bytes| String::from_utf8(bytes).expect("whirl prints UTF-8");
     Ran { code: status.code(), stdout: text(stdout), stderr: text(stderr) }
 }
@@ -51,5 +61,123 @@ impl Ran {
     pub fn json(&self) -> serde_json::Value {
         assert_eq!(self.code, Some(0), "{self:?}");
         serde_json::from_str(&self.stdout).unwrap_or_else(|error| panic!("{error}: {self:?}"))
+    }
+}
+
+/// A root of shared memory of this test's own, so that tests neither meet each other nor the bench of whoever runs them.
+pub struct Root {
+    folder: tempfile::TempDir,
+}
+
+impl Root {
+    /// A new, empty root.
+    ///
+    /// # Panics
+    /// If there is no room for it.
+    #[must_use]
+    #[allow(clippy::new_without_default, reason = "it makes a folder")]
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    /// The folder.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// `whirl` under this root, ready for arguments.
+    #[must_use]
+    pub fn whirl(&self) -> Command {
+        let mut command = whirl();
+        command.env("WHIRL_ROOT", self.path());
+        command
+    }
+
+    /// Runs `whirl` under this root to its end.
+    ///
+    /// # Panics
+    /// If it cannot be started.
+    #[must_use]
+    pub fn run(&self, arguments: &[&str]) -> Ran {
+        ran(self.whirl().args(arguments).output().expect("whirl starts"))
+    }
+
+    /// Starts a simulation under this root and waits until it answers.
+    ///
+    /// # Panics
+    /// If it does not start.
+    #[must_use]
+    pub fn simulate(&self, arguments: &[&str]) -> Simulation {
+        let bench = arguments.iter().position(|a| *a == "--bench").map_or("default", |at| arguments[at + 1]);
+        let mut command = self.whirl();
+        let child = command.arg("sim").args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+        let simulation = Simulation { child: Some(child.spawn().expect("whirl starts")) };
+        let start = Instant::now();
+        while self.run(&["tail", "--bench", bench, "--count", "1"]).code != Some(0) {
+            assert!(start.elapsed() < PATIENCE, "the simulation does not answer");
+        }
+        simulation
+    }
+
+    /// What is left of this root in shared memory and in its folder.
+    ///
+    /// # Panics
+    /// If the folder cannot be read.
+    #[must_use]
+    pub fn leftovers(&self) -> Vec<String> {
+        let names = |folder: &Path| -> Vec<String> {
+            let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+        };
+        // Looked at before the root is opened to ask for its prefix, because whoever leaves it last sweeps it.
+        let (in_memory, in_folder) = (names(Path::new("/dev/shm")), names(self.path()));
+        let prefix = wire::Root::at(self.path()).expect("a root").prefix().to_owned();
+        let ours = in_memory.into_iter().filter(|name| name.starts_with(&prefix));
+        ours.chain(in_folder.into_iter().filter(|name| name != "lease")).collect()
+    }
+}
+
+/// A running `whirl sim`, ended with the test.
+pub struct Simulation {
+    child: Option<Child>,
+}
+
+impl Simulation {
+    /// Its process id.
+    ///
+    /// # Panics
+    /// If it has been ended.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.child.as_ref().expect("running").id()
+    }
+
+    /// Sends it a signal.
+    ///
+    /// # Panics
+    /// If it is no longer there.
+    pub fn signal(&self, signal: rustix::process::Signal) {
+        let pid = rustix::process::Pid::from_raw(self.pid() as i32).expect("a process id");
+        rustix::process::kill_process(pid, signal).expect("the simulation is there");
+    }
+
+    /// Asks it to end, and returns how it did.
+    ///
+    /// # Panics
+    /// If it cannot be waited for.
+    #[must_use]
+    pub fn end(mut self) -> Ran {
+        self.signal(rustix::process::Signal::TERM);
+        ran(self.child.take().expect("running").wait_with_output().expect("it ends"))
+    }
+}
+
+impl Drop for Simulation {
+    fn drop(&mut self) {
+        if let Some(child) = &mut self.child {
+            let _ = child.kill();
+            let _ = child.wait();
+        }
     }
 }

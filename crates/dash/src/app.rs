@@ -322,11 +322,10 @@ impl App<'_> {
                 let count = settings.map_or(0, |settings| rows(&settings).len());
                 self.cursor.row = self.cursor.row.saturating_add_signed(rows_down).min(count.saturating_sub(1));
             }
-            Action::Nudge(steps) => {
-                if let Some(key) = self.selected() {
-                    self.edit(Edit::Nudge(key, steps * key.parameter.step));
-                }
-            }
+            Action::Nudge(steps) => match self.selected() {
+                Some(key) => self.edit(Edit::Nudge(key, steps * key.parameter.step)),
+                None => self.tell(Message::Bad("no settings are known yet".into())),
+            },
             Action::Type => self.cursor.typed = Some(String::new()),
             Action::Undo => self.edit(Edit::Undo),
             Action::Redo => self.edit(Edit::Redo),

@@ -10,7 +10,7 @@
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::layout::{Constraint, Flex, Layout, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
@@ -37,10 +37,13 @@ pub(crate) struct View<'a> {
 /// Draws everything.
 pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
-        let needed =
-            format!("whirl needs {} x {}, this is {} x {}: q quits", SMALLEST.0, SMALLEST.1, area.width, area.height);
-        let [middle] = Layout::vertical([Constraint::Length(1)]).flex(ratatui::layout::Flex::Center).areas(area);
-        Line::styled(needed, theme::loud(theme::WARN)).centered().render(middle, buffer);
+        let (width, height) = SMALLEST;
+        let needed = format!("needs {width} x {height} (is {} x {}), q quits", area.width, area.height);
+        let [middle] = Layout::vertical([Constraint::Length(1)]).flex(Flex::Center).areas(area);
+        // The size comes first and is the last thing to be cut off.
+        let line = Line::styled(needed, theme::loud(theme::WARN));
+        let line = if line.width() <= usize::from(area.width) { line.centered() } else { line };
+        line.render(middle, buffer);
         return;
     }
     let picture = view.picture;
@@ -109,7 +112,7 @@ mod tests {
             let frame = frame(&picture, width, height, true);
             let said: Vec<&str> = frame.lines().filter(|line| !line.is_empty()).collect();
             assert_eq!(said.len(), 1);
-            assert!(said[0].contains(&format!("whirl needs 60 x 16, this is {width} x {height}: q quits")), "{frame}");
+            assert!(said[0].contains(&format!("needs 60 x 16 (is {width} x {height}), q quits")), "{frame}");
         }
     }
 

@@ -4,11 +4,11 @@ use std::io::{self, IsTerminal, Stdout, Write};
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crossterm::cursor::Show;
+use crossterm::cursor::{Hide, Show};
 use crossterm::execute;
 use crossterm::terminal::{
-    BeginSynchronizedUpdate, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen, disable_raw_mode,
-    enable_raw_mode,
+    BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
+    disable_raw_mode, enable_raw_mode,
 };
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
@@ -35,11 +35,9 @@ impl Screen {
         TAKEN.store(true, Ordering::SeqCst);
         enable_raw_mode()?;
         let taken = (|| {
-            execute!(io::stdout(), EnterAlternateScreen)?;
-            let mut terminal = Terminal::new(CrosstermBackend::new(io::stdout()))?;
-            terminal.clear()?;
-            terminal.hide_cursor()?;
-            Ok(Self { terminal })
+            // Not `Terminal::clear`: that asks the terminal where the cursor is, and waits for an answer that some never give.
+            execute!(io::stdout(), EnterAlternateScreen, Clear(ClearType::All), Hide)?;
+            Ok(Self { terminal: Terminal::new(CrosstermBackend::new(io::stdout()))? })
         })();
         if taken.is_err() {
             give_back();

@@ -14,7 +14,10 @@ use rustix::fs::{FlockOperation, Mode, OFlags};
 
 use crate::WireError;
 
-/// iceoryx2 0.10 panics on paths beyond 255 bytes and adds about 90 to the root.
+/// The folder in the root that iceoryx2 fills and we sweep.
+const OURS: &str = "iceoryx2";
+
+/// iceoryx2 0.10 panics on paths beyond 255 bytes and adds about 100 to the root.
 const LONGEST_ROOT: usize = 120;
 
 /// A root folder that is ours to use. Clones share one lease; the last one out sweeps up.
@@ -88,6 +91,11 @@ impl Root {
         &self.lease.path
     }
 
+    /// The folder in it that is iceoryx2's.
+    pub(crate) fn iceoryx2(&self) -> PathBuf {
+        self.lease.path.join(OURS)
+    }
+
     /// What the names of our shared memory begin with.
     #[must_use]
     pub fn prefix(&self) -> &str {
@@ -125,8 +133,8 @@ impl Lease {
             path.file_name().and_then(|name| name.to_str()).is_some_and(|name| name.starts_with(&self.prefix))
         };
         let in_memory = entries(Path::new("/dev/shm")).filter(named);
-        let in_root = entries(&self.path).filter(|path| path.file_name().is_none_or(|name| name != "lease"));
-        in_memory.chain(in_root).collect()
+        // Nothing else in the root is ours: somebody may have named a folder that holds other things.
+        in_memory.chain(Some(self.path.join(OURS)).filter(|ours| ours.exists())).collect()
     }
 }
 
@@ -176,12 +184,13 @@ mod tests {
     fn only_the_last_one_out_sweeps() {
         let dir = tempfile::tempdir().unwrap();
         let (first, second) = (Root::at(dir.path()).unwrap(), Root::at(dir.path()).unwrap());
-        let litter = dir.path().join("nodes");
-        fs::create_dir(&litter).unwrap();
+        let (litter, other) = (first.iceoryx2().join("nodes"), dir.path().join("mine.toml"));
+        fs::create_dir_all(&litter).unwrap();
+        fs::write(&other, "").unwrap();
         assert!(!first.sweep_if_alone());
         drop(first);
         assert!(litter.exists());
         drop(second);
-        assert!(!litter.exists());
+        assert!(!litter.exists() && other.exists(), "only what is ours goes");
     }
 }

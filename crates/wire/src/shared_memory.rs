@@ -52,7 +52,7 @@ impl SharedMemory {
     pub fn new(root: &Root, role: &str) -> Result<Self, WireError> {
         let refuse = |problem: String| WireError::Root { path: root.path().to_owned(), problem };
         let mut config = Config::default();
-        let path = iceoryx2::prelude::Path::new(root.path().as_os_str().as_encoded_bytes())
+        let path = iceoryx2::prelude::Path::new(root.iceoryx2().as_os_str().as_encoded_bytes())
             .map_err(|error| refuse(format!("not a path that iceoryx2 can use ({error:?})")))?;
         config.global.set_root_path(&path);
         config.global.prefix = FileName::new(root.prefix().as_bytes())

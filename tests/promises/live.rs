@@ -1,0 +1,149 @@
+//! A simulation without a dashboard: `sim`, `set`, `tail`, `status`, `clean`.
+
+use promises::Root;
+use rustix::process::Signal;
+use serde_json::Value;
+
+fn lines(text: &str) -> Vec<Value> {
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
+#[test]
+fn settings_change_between_two_steps_and_everybody_sees_it() {
+    let root = Root::new();
+    let simulation = root.simulate(&["three-mass", "--bench", "a"]);
+    let answer = root.run(&["set", "--bench", "a", "speed=3", "kd=0.1", "--json"]).json();
+    assert_eq!((&answer["accepted"], &answer["revision"]), (&true.into(), &2.into()));
+    let applied = answer["applied_at_step"].as_u64().unwrap();
+
+    let tail = root.run(&["tail", "--bench", "a", "--count", "3", "--json"]);
+    let states = lines(&tail.stdout);
+    assert_eq!(states.len(), 3);
+    for (state, next) in states.iter().zip(&states[1..]) {
+        assert_eq!(next["seq"].as_u64().unwrap(), state["seq"].as_u64().unwrap() + 1);
+    }
+    let state = &states[0];
+    assert!(state["seq"].as_u64().unwrap() >= applied);
+    assert_eq!((&state["speed"], &state["revision"]), (&3.0.into(), &2.into()));
+    assert_eq!(state["masses"].as_array().unwrap().len(), 3);
+    assert!(["y", "z", "vy", "vz"].iter().all(|field| state["masses"][2][field].is_f64()));
+    assert!(state["force"]["y"].is_f64() && state["flags"].is_array() && state["tau"].is_f64());
+
+    let status = root.run(&["status", "--json"]).json();
+    let bench = &status["benches"][0];
+    assert_eq!((&bench["name"], &bench["rotor"], &bench["speed"]), (&"a".into(), &"three-mass".into(), &3.0.into()));
+    assert_eq!(
+        (&bench["rate_hz"], &bench["recording"], &bench["tripped"]),
+        (&1000.0.into(), &false.into(), &false.into())
+    );
+    for field in ["steps", "missed", "subscribers"] {
+        assert!(bench[field].is_u64(), "{field} of {bench}");
+    }
+    for field in ["p50", "p99", "max"] {
+        assert!(bench["lateness_us"][field].is_f64(), "{field} of {bench}");
+    }
+    assert_eq!(bench["run_id"], state["run_id"]);
+
+    let ran = simulation.end();
+    assert_eq!((ran.code, ran.stderr.as_str(), ran.stdout.lines().count()), (Some(0), "", 1), "{ran:?}");
+    assert!(ran.stdout.starts_with("bench a: three-mass, "), "{}", ran.stdout);
+    assert_eq!(root.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn what_is_wrong_changes_nothing_and_says_why() {
+    let root = Root::new();
+    let _simulation = root.simulate(&["jeffcott"]);
+    for (assignments, reason) in [
+        (&["sped=1"][..], "no setting 'sped': there are speed, deadband, kd, cd, kc, cc, trip, feedback"),
+        (&["speed"], "'speed': expected KEY=VALUE"),
+        (&["speed=fast"], "speed = 'fast': expected a number"),
+        (&["speed=nan"], "speed = NaN: expected a number from 0 to 1000"),
+        (&["speed=inf"], "speed = inf: expected a number from 0 to 1000"),
+        (&["speed=3", "deadband=-1"], "deadband = -1: expected a number from 0 to 1000000"),
+        (&["kd.2=1"], "no kd.2: there are 1 signals"),
+        (&["deadband.2=1"], "no deadband.2: there are 1 masses"),
+        (&["feedback=composite"], "no feedback 'composite' for jeffcott: built in are off, cancel"),
+    ] {
+        let ran = root.run(&[&["set", "--json"], assignments].concat());
+        let document: Value = serde_json::from_str(&ran.stdout).unwrap();
+        assert_eq!((ran.code, &document["accepted"]), (Some(1), &false.into()), "{assignments:?}");
+        assert!(document["reason"].as_str().unwrap().starts_with(reason), "{document}");
+        assert!(ran.stderr.contains(reason), "{}", ran.stderr);
+    }
+    let state = &lines(&root.run(&["tail", "--count", "1", "--json"]).stdout)[0];
+    assert_eq!((&state["speed"], &state["revision"]), (&2.5.into(), &1.into()));
+    assert_eq!(root.run(&["set", "feedback=off", "deadband.1=0.5", "kc=-0.25"]).code, Some(0));
+}
+
+#[test]
+fn two_benches_run_side_by_side_and_a_taken_name_is_refused() {
+    let root = Root::new();
+    let first = root.simulate(&["three-mass", "--bench", "a", "--rate", "500"]);
+    let second = root.simulate(&["jeffcott", "--bench", "b"]);
+    let taken = root.run(&["sim", "--bench", "a"]);
+    assert_eq!((taken.code, taken.stdout.as_str()), (Some(3), ""));
+    assert!(taken.stderr.contains("bench 'a' is taken by a running simulation"), "{}", taken.stderr);
+    let status = root.run(&["status", "--json"]).json();
+    let told: Vec<_> =
+        status["benches"].as_array().unwrap().iter().map(|b| (&b["name"], &b["rotor"], &b["rate_hz"])).collect();
+    assert_eq!(
+        told,
+        [(&"a".into(), &"three-mass".into(), &500.0.into()), (&"b".into(), &"jeffcott".into(), &1000.0.into())]
+    );
+    assert_eq!(root.run(&["set", "--bench", "b", "speed=1"]).code, Some(0));
+    let untouched = &lines(&root.run(&["tail", "--bench", "a", "--count", "1", "--json"]).stdout)[0];
+    assert_eq!(untouched["revision"], 1);
+    assert_eq!((first.end().code, second.end().code), (Some(0), Some(0)));
+}
+
+#[test]
+fn no_bench_and_wrong_names_have_their_exit_codes() {
+    let root = Root::new();
+    for command in [&["set", "--bench", "x", "speed=1"][..], &["tail", "--bench", "x"], &["dash", "--bench", "x"]] {
+        let ran = root.run(command);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(3), ""), "{command:?}");
+        assert!(ran.stderr.contains("no bench 'x' is running"), "{}", ran.stderr);
+    }
+    for (command, complaint) in [
+        (&["sim", "--bench", "no/slash"][..], "bench 'no/slash': expected 1 to 32"),
+        (&["sim", "nosuch"], "no rotor 'nosuch': built in are jeffcott, three-mass"),
+        (
+            &["sim", "--feedback", "nosuch"],
+            "no feedback 'nosuch' for three-mass: built in are off, composite, individual",
+        ),
+        (&["sim", "--rate", "0"], "rate = 0: expected 1 to 100000 steps a second"),
+        (&["sim", "--dtau", "-1"], "dtau = -1: expected more than 0 and at most 1"),
+        (&["sim", "--trip", "nan"], "trip = NaN: expected a number from 0.001 to 1000000000"),
+        (&["up"], "no terminal here: `whirl sim` runs the simulation alone, `whirl tail` prints its telemetry"),
+        (&[], "no terminal here: `whirl sim` runs the simulation alone, `whirl tail` prints its telemetry"),
+    ] {
+        let ran = root.run(command);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{command:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(complaint), "{}", ran.stderr);
+    }
+    assert_eq!(root.run(&["status", "--json"]).json()["benches"], Value::Array(vec![]));
+    let unusable = root.whirl().env("WHIRL_ROOT", "relative/folder").arg("status").output().unwrap();
+    assert_eq!(unusable.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&unusable.stderr).contains("relative/folder: expected an absolute path"));
+}
+
+#[test]
+fn a_killed_simulation_is_cleaned_up_and_its_name_is_free() {
+    let root = Root::new();
+    let killed = root.simulate(&["--bench", "a"]);
+    let alive = root.simulate(&["--bench", "b"]);
+    killed.signal(Signal::KILL);
+    drop(killed);
+    assert!(!root.leftovers().is_empty());
+    let cleaned = root.run(&["clean", "--json"]).json();
+    assert_eq!((&cleaned["dead_processes"], &cleaned["live_benches"]), (&1.into(), &serde_json::json!(["b"])));
+    assert_eq!(root.run(&["tail", "--bench", "b", "--count", "2"]).code, Some(0), "a live bench is not touched");
+    let again = root.simulate(&["--bench", "a"]);
+    again.signal(Signal::KILL);
+    drop(again);
+    // A new simulation clears away the dead one of its name by itself.
+    let third = root.simulate(&["--bench", "a"]);
+    assert_eq!((third.end().code, alive.end().code), (Some(0), Some(0)));
+    assert_eq!(root.leftovers(), Vec::<String>::new());
+}

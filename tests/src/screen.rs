@@ -1,0 +1,166 @@
+//! A real terminal: `whirl` in a pseudo-terminal, keys in, screen out.
+
+use std::io::{Read, Write};
+use std::num::NonZeroU16;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use portable_pty::{Child, CommandBuilder, ExitStatus, MasterPty, PtySize, native_pty_system};
+
+/// How long anything on the screen may take to appear: generous, because test machines are slow.
+pub const PATIENCE: Duration = Duration::from_secs(30);
+
+fn cells(count: u16) -> NonZeroU16 {
+    NonZeroU16::new(count).expect("a screen has cells")
+}
+
+/// A program on a screen of its own.
+pub struct Screen {
+    child: Box<dyn Child + Send + Sync>,
+    master: Box<dyn MasterPty + Send>,
+    keys: Box<dyn Write + Send>,
+    parser: Arc<Mutex<vt100::Parser>>,
+}
+
+impl Screen {
+    /// Starts `whirl` with these arguments on a screen of `columns` by `rows`, under the root of shared memory `root`.
+    ///
+    /// # Panics
+    /// If there is no pseudo-terminal, or the program cannot be started.
+    #[must_use]
+    pub fn start(root: &std::path::Path, arguments: &[&str], (columns, rows): (u16, u16)) -> Self {
+        let size = PtySize { rows, cols: columns, pixel_width: 0, pixel_height: 0 };
+        let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");
+        let mut command = CommandBuilder::new(crate::program());
+        command.args(arguments);
+        command.env("WHIRL_ROOT", root);
+        command.env("TERM", "xterm-256color");
+        let child = pair.slave.spawn_command(command).expect("whirl starts");
+        let mut output = pair.master.try_clone_reader().expect("a readable terminal");
+        let keys = pair.master.take_writer().expect("a writable terminal");
+        let parser = Arc::new(Mutex::new(vt100::Parser::new(cells(rows), cells(columns), 0)));
+        let written = parser.clone();
+        std::thread::spawn(move || {
+            let mut bytes = [0; 65_536];
+            while let Ok(count @ 1..) = output.read(&mut bytes) {
+                written.lock().unwrap_or_else(PoisonError::into_inner).process(&bytes[..count]);
+            }
+        });
+        Self { child, master: pair.master, keys, parser }
+    }
+
+    fn look<T>(&self, at: impl FnOnce(&vt100::Screen) -> T) -> T {
+        at(self.parser.lock().unwrap_or_else(PoisonError::into_inner).screen())
+    }
+
+    /// What is on the screen.
+    #[must_use]
+    pub fn text(&self) -> String {
+        self.look(|screen| screen.contents())
+    }
+
+    /// Whether the program still draws on a screen of its own, or hides the cursor.
+    #[must_use]
+    pub fn is_taken(&self) -> bool {
+        self.look(|screen| screen.alternate_screen() || screen.hide_cursor())
+    }
+
+    /// The colour of the first cell of `word`.
+    #[must_use]
+    pub fn color_of(&self, word: &str) -> Option<(vt100::Color, bool)> {
+        self.look(|screen| {
+            let (rows, columns) = screen.size();
+            let (rows, columns) = (rows.get(), columns.get());
+            (0..rows).find_map(|row| {
+                let cells: Vec<_> = (0..columns).filter_map(|column| screen.cell(row, column)).collect();
+                let line: Vec<&str> = cells.iter().map(|cell| cell.contents()).collect();
+                let at = (0..line.len()).find(|from| line[*from..].concat().starts_with(word))?;
+                Some((cells[at].fgcolor(), cells[at].inverse()))
+            })
+        })
+    }
+
+    /// Types `keys` as they are.
+    ///
+    /// # Panics
+    /// If the terminal is gone.
+    pub fn press(&mut self, keys: &str) {
+        self.keys.write_all(keys.as_bytes()).and_then(|()| self.keys.flush()).expect("the terminal takes keys");
+    }
+
+    /// Gives the screen another size.
+    ///
+    /// # Panics
+    /// If the terminal is gone.
+    pub fn resize(&self, columns: u16, rows: u16) {
+        let size = PtySize { rows, cols: columns, pixel_width: 0, pixel_height: 0 };
+        self.parser.lock().unwrap_or_else(PoisonError::into_inner).screen_mut().set_size(cells(rows), cells(columns));
+        self.master.resize(size).expect("the terminal can be resized");
+    }
+
+    /// Waits until the screen shows what `found` looks for.
+    ///
+    /// # Panics
+    /// If it does not in time; the message shows the screen.
+    pub fn wait<T>(&self, what: &str, found: impl FnMut(&str) -> Option<T>) -> T {
+        self.wait_for(what, PATIENCE, found)
+    }
+
+    /// The same, with a patience of its own.
+    ///
+    /// # Panics
+    /// If it does not in time; the message shows the screen.
+    pub fn wait_for<T>(&self, what: &str, patience: Duration, mut found: impl FnMut(&str) -> Option<T>) -> T {
+        let start = Instant::now();
+        loop {
+            let text = self.text();
+            if let Some(found) = found(&text) {
+                return found;
+            }
+            assert!(start.elapsed() < patience, "{what} did not come:\n{text}");
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Waits until `words` are on the screen.
+    ///
+    /// # Panics
+    /// See [`Screen::wait`].
+    pub fn wait_words(&self, words: &str) {
+        self.wait(words, |text| text.contains(words).then_some(()));
+    }
+
+    /// The process id of the program.
+    ///
+    /// # Panics
+    /// If it has already been waited for.
+    #[must_use]
+    pub fn pid(&self) -> u32 {
+        self.child.process_id().expect("a running program")
+    }
+
+    /// Waits for the program to end.
+    ///
+    /// # Panics
+    /// If it does not in time.
+    pub fn ended(&mut self) -> ExitStatus {
+        let start = Instant::now();
+        loop {
+            if let Some(status) = self.child.try_wait().expect("a child can be waited for") {
+                // What it wrote last may still be on its way to the parser.
+                std::thread::sleep(Duration::from_millis(100));
+                return status;
+            }
+            assert!(start.elapsed() < PATIENCE, "it does not end:\n{}", self.text());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+impl Drop for Screen {
+    fn drop(&mut self) {
+        // A failed test leaves nothing running.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
