@@ -3,6 +3,7 @@
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
+//! * [`range`] reads `A..B`.
 //! * [`failure`] is every way to fail, with its exit code.
 
 mod catalog;
@@ -10,6 +11,7 @@ mod cli;
 mod commands;
 mod failure;
 mod output;
+mod range;
 
 use std::process::ExitCode;
 
