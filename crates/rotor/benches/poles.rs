@@ -1,6 +1,7 @@
 //! What poles cost, beside nalgebra's and faer's general routines on the same matrices (three-mass, composite feedback,
 //! 64 speeds in turn): `cargo bench -p rotor --bench poles`. `tests/reference/poles.py --time` prints SciPy's `zgeev`.
 
+use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
 use nalgebra::{DMatrix, Schur};
 use rotor::{C64, ClosedLoop, Rotor, Spectrum, builtin, eigenvalues, poles};
@@ -25,23 +26,19 @@ fn machine(masses: usize) -> Vec<ClosedLoop> {
     (0..64).map(|i| ClosedLoop::new(&rotor, &feedback, f64::from(i) * 0.1, &[])).collect()
 }
 
-/// Runs `work` on the machines in turn.
-fn in_turn<T>(bencher: Bencher<'_, '_>, items: &[T], work: impl Fn(&T)) {
-    let mut at = 0;
-    bencher.bench_local(|| {
-        work(black_box(&items[at]));
-        at = (at + 1) % items.len();
-    });
+/// Runs `work` on all 64 machines, as a sweep does: divide by 64.
+fn sweep<T>(bencher: Bencher<'_, '_>, items: &[T], work: impl Fn(&T)) {
+    bencher.counter(ItemsCount::new(items.len())).bench_local(|| items.iter().for_each(|item| work(black_box(item))));
 }
 
 #[divan::bench(args = [1, 3, 16])]
 fn spectrum(bencher: Bencher<'_, '_>, masses: usize) {
-    in_turn(bencher, &machine(masses), |m| drop(black_box(Spectrum::of(m))));
+    sweep(bencher, &machine(masses), |m| drop(black_box(Spectrum::of(m))));
 }
 
 #[divan::bench(args = [1, 3, 16])]
 fn poles_only(bencher: Bencher<'_, '_>, masses: usize) {
-    in_turn(bencher, &machine(masses), |m| drop(black_box(poles(m))));
+    sweep(bencher, &machine(masses), |m| drop(black_box(poles(m))));
 }
 
 fn matrices(masses: usize) -> Vec<DMatrix<C64>> {
@@ -50,17 +47,17 @@ fn matrices(masses: usize) -> Vec<DMatrix<C64>> {
 
 #[divan::bench(args = [1, 3, 16])]
 fn matrix_ours(bencher: Bencher<'_, '_>, masses: usize) {
-    in_turn(bencher, &matrices(masses), |a| drop(black_box(eigenvalues(a.clone()))));
+    sweep(bencher, &matrices(masses), |a| drop(black_box(eigenvalues(a.clone()))));
 }
 
 #[divan::bench(args = [1, 3, 16])]
 fn matrix_nalgebra(bencher: Bencher<'_, '_>, masses: usize) {
-    in_turn(bencher, &matrices(masses), |a| drop(black_box(Schur::try_new(a.clone(), f64::EPSILON, 2000))));
+    sweep(bencher, &matrices(masses), |a| drop(black_box(Schur::try_new(a.clone(), f64::EPSILON, 2000))));
 }
 
 #[divan::bench(args = [1, 3, 16])]
 fn matrix_faer(bencher: Bencher<'_, '_>, masses: usize) {
     let matrices: Vec<faer::Mat<C64>> =
         matrices(masses).iter().map(|a| faer::Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])).collect();
-    in_turn(bencher, &matrices, |a| drop(black_box(a.eigenvalues())));
+    sweep(bencher, &matrices, |a| drop(black_box(a.eigenvalues())));
 }
