@@ -1,5 +1,5 @@
-//! What poles cost, beside nalgebra's and faer's general routines on the same matrices (three-mass, composite feedback,
-//! 64 speeds in turn): `cargo bench -p rotor --bench poles`. `tests/reference/poles.py --time` prints SciPy's `zgeev`.
+//! What poles cost, beside nalgebra's and faer's general routines on the same matrices: a sweep over 64 speeds, so divide by
+//! 64. Run `cargo bench -p rotor --features faer`; `tests/reference/poles.py --time` prints LAPACK's `zgeev` through SciPy.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -55,9 +55,26 @@ fn matrix_nalgebra(bencher: Bencher<'_, '_>, masses: usize) {
     sweep(bencher, &matrices(masses), |a| drop(black_box(Schur::try_new(a.clone(), f64::EPSILON, 2000))));
 }
 
+#[cfg(feature = "faer")]
 #[divan::bench(args = [1, 3, 16])]
 fn matrix_faer(bencher: Bencher<'_, '_>, masses: usize) {
     let matrices: Vec<faer::Mat<C64>> =
         matrices(masses).iter().map(|a| faer::Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])).collect();
     sweep(bencher, &matrices, |a| drop(black_box(a.eigenvalues())));
+}
+
+/// The report's Fig. 4.2 in 500 points, every pole followed.
+#[divan::bench(args = ["off", "composite"])]
+fn trace_of_500(bencher: Bencher<'_, '_>, feedback: &str) {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let feedback = builtin::feedback(&rotor, feedback).expect("built in");
+    let speeds: Vec<f64> = (0..500).map(|i| f64::from(i) * 6.0 / 499.0).collect();
+    bencher.bench_local(|| rotor::trace(&rotor, black_box(&feedback), &speeds));
+}
+
+#[divan::bench(args = ["off", "composite"])]
+fn thresholds(bencher: Bencher<'_, '_>, feedback: &str) {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let feedback = builtin::feedback(&rotor, feedback).expect("built in");
+    bencher.bench_local(|| rotor::thresholds(&rotor, black_box(&feedback), 0.0, 8.0));
 }

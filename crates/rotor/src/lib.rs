@@ -12,8 +12,10 @@
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it.
+//! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 
+mod assign;
 pub mod builtin;
 mod closed_loop;
 mod crossing;
@@ -21,6 +23,7 @@ mod eigen;
 mod family;
 mod feedback;
 mod follow;
+mod influence;
 mod modes;
 mod params;
 mod quadratic;
@@ -30,9 +33,11 @@ mod stepper;
 mod thresholds;
 mod trace;
 
+pub use assign::{AssignError, Assignment, assign_poles, cancelling};
 pub use closed_loop::ClosedLoop;
 pub use eigen::{PoleError, eigenvalues};
 pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
+pub use influence::{Influence, PBH_LIMIT, influence};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
 pub use params::{Mass, Rotor, RotorError};
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};

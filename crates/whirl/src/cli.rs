@@ -20,6 +20,14 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Print eigenvalues and minimum damping at one speed
     Poles(commands::poles::PolesArgs),
+    /// Follow every pole over speed; Campbell diagram
+    Trace(commands::trace::TraceArgs),
+    /// Find every speed at which a mode changes stability
+    Thresholds(commands::thresholds::ThresholdsArgs),
+    /// Print mode shapes and orbits at one speed
+    Modes(commands::modes::ModesArgs),
+    /// Make feedback that assigns poles, or see what bearings and sensors reach
+    Assign(commands::assign::AssignArgs),
 }
 
 /// Which machine: the options that every command on a rotor shares.
