@@ -1,3 +1,4 @@
 //! Promises of the contract, one a file, kept by the real program.
 
+mod linear;
 mod poles;

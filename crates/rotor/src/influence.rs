@@ -5,7 +5,7 @@
 //! and the row `c_i` of a sensor there (Hamdan & Nayfeh 1989); and the least singular value of `[A - lambda I, b_i]`, which
 //! is zero exactly if that bearing leaves some mode of this pole alone (Popov, Belevitch, Hautus).
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::modes::scale_to_largest;
 use crate::quadratic::Quadratic;
@@ -62,7 +62,21 @@ fn hautus(matrix: &DMatrix<C64>, pole: C64, bearing: usize) -> f64 {
     let mut wide = matrix.clone().insert_column(size, C64::ZERO);
     (0..size).for_each(|i| wide[(i, i)] -= pole);
     wide[(size / 2 + bearing, size)] = C64::ONE;
-    // Bounded like every iteration here; a decomposition that does not converge counts as controllable.
-    let singular = wide.try_svd(false, false, f64::EPSILON, 1000 * size).map(|svd| svd.singular_values.min());
-    singular.map_or(f64::NAN, |least| least / matrix.norm())
+    // Inverse iteration on the triangle of its QR decomposition: nalgebra's singular values are not to be had of every
+    // singular matrix, and these are singular whenever it matters.
+    let triangle = wide.adjoint().qr().r();
+    let mut vector = DVector::from_fn(size, |i, _| C64::cis(i as f64 * 1.618_033_988_75));
+    vector.normalize_mut();
+    let mut least = f64::INFINITY;
+    for _ in 0..8 {
+        let Some(half) = triangle.ad_solve_upper_triangular(&vector) else { return 0.0 };
+        let Some(next) = triangle.solve_upper_triangular(&half) else { return 0.0 };
+        let grown = next.norm();
+        if !grown.is_finite() {
+            return 0.0;
+        }
+        least = grown.sqrt().recip();
+        vector = next / C64::from(grown);
+    }
+    least / matrix.norm()
 }
