@@ -141,8 +141,38 @@ impl Quadratic {
         for i in 0..n {
             rows[i * n + i] += pole * pole;
         }
-        Factors::of(rows, n).null_vectors(right, left);
+        if !(n == 3 && null_of_three(rows, right, left)) {
+            Factors::of(rows, n).null_vectors(right, left);
+        }
     }
+}
+
+/// The null vectors of a singular 3 x 3 matrix, which is what the report's rotor has six of at every speed: its adjugate is
+/// a column times a row, the right and the left one. Gives up if that is lost in rounding, as where two modes coincide.
+fn null_of_three(q: &[C64], right: &mut [C64], left: &mut [C64]) -> bool {
+    let minor = |i: usize, j: usize| {
+        let (a, b, c, d) = ((i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3);
+        q[3 * a + c] * q[3 * b + d] - q[3 * a + d] * q[3 * b + c]
+    };
+    // Entry (i, j) of the cofactors is entry (j, i) of the adjugate: rows here are right null vectors.
+    let cofactors: [[C64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| minor(i, j)));
+    let row = |i: usize| cofactors[i].map(|z| z.norm_sqr()).iter().sum::<f64>();
+    let column = |j: usize| cofactors.iter().map(|line| line[j].norm_sqr()).sum::<f64>();
+    let best = |size: &dyn Fn(usize) -> f64| (1..3).fold(0, |best, i| if size(i) > size(best) { i } else { best });
+    let i = best(&row);
+    let norm_of_q: f64 = q.iter().map(C64::norm_sqr).sum();
+    // A ratio of norms of 1e-8: half the digits are left there, and inverse iteration does better.
+    if !(row(i) > 1e-16 * norm_of_q * norm_of_q && row(i).is_finite()) {
+        return false;
+    }
+    right.copy_from_slice(&cofactors[i]);
+    normalise(right);
+    if !left.is_empty() {
+        let j = best(&column);
+        (0..3).for_each(|k| left[k] = cofactors[k][j]);
+        normalise(left);
+    }
+    true
 }
 
 /// `L U` of a row-permuted matrix that is singular but for rounding, in place.

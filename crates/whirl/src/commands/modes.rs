@@ -110,7 +110,10 @@ fn shape_table(spectrum: &Spectrum) -> Table {
     let mut table = Table::new(&["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"]);
     for (k, mode) in spectrum.modes.iter().enumerate() {
         for (i, p) in mode.shape.iter().enumerate() {
-            let phase = if p.norm() < 1e-9 { 0.0 } else { p.arg().to_degrees() };
+            // What is rounding reads as the zero that it stands for.
+            let tidy = |x: f64| if x.abs() < 1e-12 { 0.0 } else { x };
+            let (radius, phase) = (tidy(p.norm()), tidy(p.arg().to_degrees()));
+            let phase = if radius == 0.0 { 0.0 } else { phase };
             let of_mode = [mode.pole.re, mode.pole.im].map(Cell::from);
             let [re, im] = if i == 0 { of_mode } else { [Cell::from(&""), Cell::from(&"")] };
             let (name, whirl, period) = if i == 0 {
@@ -119,7 +122,7 @@ fn shape_table(spectrum: &Spectrum) -> Table {
             } else {
                 (Cell::from(&""), Cell::from(&""), Cell::from(&""))
             };
-            table.row([name, re, im, whirl, period, Cell::from(&(i + 1)), p.norm().into(), phase.into()]);
+            table.row([name, re, im, whirl, period, Cell::from(&(i + 1)), radius.into(), phase.into()]);
         }
     }
     table
