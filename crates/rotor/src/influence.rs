@@ -26,7 +26,7 @@ pub struct Influence {
     /// Per mass, from 0 to 1: how much of this mode a displacement sensor there sees, `|c_i x| / (|c_i| |x|)`. A velocity
     /// sensor sees `|lambda|` times that.
     pub observability: Vec<f64>,
-    /// Per mass: least singular value of `[A - lambda I, b_i]` over the norm of `A`. Below [`PBH_LIMIT`] this pole stays
+    /// Per mass: least singular value of `[A - lambda I, b_i]` over the norm of `A`, to about a hundredth. Below [`PBH_LIMIT`] this pole stays
     /// where it is whatever a bearing at that mass does.
     pub pbh: Vec<f64>,
 }
@@ -68,7 +68,7 @@ fn hautus(matrix: &DMatrix<C64>, pole: C64, bearing: usize) -> f64 {
     let mut vector = DVector::from_fn(size, |i, _| C64::cis(i as f64 * 1.618_033_988_75));
     vector.normalize_mut();
     let mut least = f64::INFINITY;
-    for _ in 0..8 {
+    for _ in 0..16 {
         let Some(half) = triangle.ad_solve_upper_triangular(&vector) else { return 0.0 };
         let Some(next) = triangle.solve_upper_triangular(&half) else { return 0.0 };
         let grown = next.norm();
