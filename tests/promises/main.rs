@@ -2,5 +2,6 @@
 
 mod console;
 mod files;
+mod linear;
 mod live;
 mod poles;

@@ -13,25 +13,41 @@
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it.
+//! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
+//! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 
+mod assign;
 pub mod builtin;
 mod closed_loop;
+mod crossing;
+mod eigen;
+mod family;
 mod feedback;
 pub mod file;
+mod follow;
+mod influence;
 mod modes;
 mod params;
+mod quadratic;
 pub mod report_form;
 mod settings;
 mod si;
 mod stepper;
+mod thresholds;
+mod trace;
 
+pub use assign::{AssignError, Assignment, assign_poles, cancelling};
 pub use closed_loop::ClosedLoop;
+pub use eigen::{PoleError, eigenvalues};
 pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
-pub use modes::{Mode, PoleError, Spectrum, Whirl, damping_ratio, eigenvalues};
+pub use influence::{Influence, PBH_LIMIT, influence};
+pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
 pub use stepper::{Motion, Stepper, stepper};
+pub use thresholds::{Stability, Threshold, thresholds};
+pub use trace::{Branch, CriticalSpeed, Trace, TraceError, critical_speeds, trace};
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.
 pub type C64 = num_complex::Complex<f64>;

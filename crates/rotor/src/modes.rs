@@ -1,42 +1,31 @@
 //! Poles of the linear rotor (deadband neglected), and what they say about stability.
 
-use nalgebra::{DMatrix, DVector, Schur};
+use crate::quadratic::Quadratic;
+use crate::{C64, ClosedLoop, MAX_MASSES, PoleError};
 
-use crate::{C64, ClosedLoop};
-
-/// Bound on the iterations of the eigenvalue routine: well-posed 32 x 32 matrices need under 200.
-const MAX_ITERATIONS: usize = 2_000;
-
-/// Why there are no eigenvalues.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PoleError {
-    /// The matrix holds a value that is not finite: checked first, because an unbounded iteration would never return.
-    #[error("the system matrix is not finite at row {row}, column {column}")]
-    NotFinite {
-        /// Row, counted from 1.
-        row: usize,
-        /// Column, counted from 1.
-        column: usize,
-    },
-    /// The iteration did not converge within its bound.
-    #[error("the eigenvalues did not converge in {MAX_ITERATIONS} iterations")]
-    NoConvergence,
-}
-
-/// Eigenvalues of a square complex matrix, in no particular order.
+/// The poles of `closed_loop` alone, without their shapes: every support bearing at its full stiffness, least damped
+/// first, of equally damped ones the highest `Im` first. Half the cost of [`Spectrum::of`].
 ///
 /// # Errors
-/// A matrix that is not finite, or an iteration that does not converge.
-pub fn eigenvalues(matrix: DMatrix<C64>) -> Result<Vec<C64>, PoleError> {
-    for (at, value) in matrix.iter().enumerate() {
-        if !(value.re.is_finite() && value.im.is_finite()) {
-            let (column, row) = (at / matrix.nrows(), at % matrix.nrows());
-            return Err(PoleError::NotFinite { row: row + 1, column: column + 1 });
+/// Coefficients that are not finite, or an eigenvalue iteration that does not converge.
+pub fn poles(closed_loop: &ClosedLoop) -> Result<Vec<C64>, PoleError> {
+    sorted(&Quadratic::of(closed_loop))
+}
+
+fn sorted(quadratic: &Quadratic) -> Result<Vec<C64>, PoleError> {
+    let mut poles = quadratic.poles()?;
+    // Few enough for insertion, which computes each key once.
+    let mut keys = [0.0; 2 * MAX_MASSES];
+    for i in 0..poles.len() {
+        let (pole, key) = (poles[i], damping_ratio(poles[i]));
+        let mut at = i;
+        while at > 0 && (key < keys[at - 1] || (key == keys[at - 1] && pole.im > poles[at - 1].im)) {
+            (poles[at], keys[at]) = (poles[at - 1], keys[at - 1]);
+            at -= 1;
         }
+        (poles[at], keys[at]) = (pole, key);
     }
-    let schur = Schur::try_new(matrix, f64::EPSILON, MAX_ITERATIONS).ok_or(PoleError::NoConvergence)?;
-    let (_, triangle) = schur.unpack();
-    Ok(triangle.diagonal().iter().copied().collect())
+    Ok(poles)
 }
 
 /// Relative damping of a pole, `-Re / |lambda|` (3.42), (4.28): 1 is overdamped, 0 the threshold, negative unstable.
@@ -115,10 +104,8 @@ impl Spectrum {
     /// # Errors
     /// Coefficients that are not finite, or an eigenvalue iteration that does not converge.
     pub fn of(closed_loop: &ClosedLoop) -> Result<Self, PoleError> {
-        let matrix = closed_loop.state_matrix();
-        let mut modes: Vec<Mode> =
-            eigenvalues(matrix.clone())?.into_iter().map(|pole| Mode { pole, shape: shape(&matrix, pole) }).collect();
-        modes.sort_by(|a, b| a.damping().total_cmp(&b.damping()).then_with(|| b.pole.im.total_cmp(&a.pole.im)));
+        let quadratic = Quadratic::of(closed_loop);
+        let modes = sorted(&quadratic)?.into_iter().map(|pole| Mode { pole, shape: shape(&quadratic, pole) }).collect();
         Ok(Self { modes })
     }
 
@@ -135,28 +122,22 @@ impl Spectrum {
     }
 }
 
-/// The displacement part of the eigenvector of `matrix` for `pole`, by inverse iteration from a shifted pole.
-fn shape(matrix: &DMatrix<C64>, pole: C64) -> Vec<C64> {
-    let size = matrix.nrows();
-    let scale = matrix.iter().map(|z| z.norm()).fold(1.0, f64::max);
-    // Off the pole by a little more than rounding, so that the solve stays regular and still picks out this mode.
-    let mut shifted = matrix.clone();
-    for i in 0..size {
-        shifted[(i, i)] -= pole + C64::new(1.0, 1.0) * (scale * 1e-13);
+/// The shape of the mode of `pole`, scaled so that its largest component is 1.
+fn shape(quadratic: &Quadratic, pole: C64) -> Vec<C64> {
+    let mut shape = vec![C64::ZERO; quadratic.masses()];
+    quadratic.vectors(pole, &mut shape, &mut []);
+    scale_to_largest(&mut shape);
+    shape
+}
+
+/// Divides by the component of largest modulus; of nearly equal ones, by the first.
+pub(crate) fn scale_to_largest(shape: &mut [C64]) {
+    let (_, largest) = shape.iter().fold((0.0, C64::ZERO), |(size, largest), z| {
+        let square = z.norm_sqr();
+        if square > size * (1.0 + 1e-9) { (square, *z) } else { (size, largest) }
+    });
+    if largest != C64::ZERO {
+        let factor = largest.inv();
+        shape.iter_mut().for_each(|z| *z *= factor);
     }
-    let lu = shifted.lu();
-    // No entry of a start of irrational phases is orthogonal to a mode by symmetry.
-    let mut vector = DVector::from_fn(size, |i, _| C64::cis(i as f64 * 1.618_033_988_75));
-    for _ in 0..3 {
-        let Some(next) = lu.solve(&vector) else { break };
-        let norm = next.norm();
-        if !(norm.is_finite() && norm > 0.0) {
-            break;
-        }
-        vector = next / C64::from(norm);
-    }
-    let displacement = vector.rows(0, size / 2);
-    let largest =
-        displacement.iter().copied().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-9) { b } else { a });
-    displacement.iter().map(|p| if largest == C64::ZERO { C64::ZERO } else { p / largest }).collect()
 }

@@ -43,6 +43,14 @@ pub(crate) enum Command {
     Poles(commands::poles::PolesArgs),
     /// List the built-in rotors, show one as a file, or check files
     Rotor(commands::rotor::RotorArgs),
+    /// Follow every pole over speed; Campbell diagram
+    Trace(commands::trace::TraceArgs),
+    /// Find every speed at which a mode changes stability
+    Thresholds(commands::thresholds::ThresholdsArgs),
+    /// Print mode shapes and orbits at one speed
+    Modes(commands::modes::ModesArgs),
+    /// Make feedback that assigns poles, or see what bearings and sensors reach
+    Assign(commands::assign::AssignArgs),
 }
 
 /// Which machine: the options that every command on a rotor shares.

@@ -5,6 +5,7 @@
 //! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
 //! * [`attach`] finds a running bench.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
+//! * [`range`] reads `A..B`.
 //! * [`failure`] is every way to fail, with its exit code.
 
 mod attach;
@@ -14,6 +15,7 @@ mod commands;
 mod failure;
 mod interrupt;
 mod output;
+mod range;
 mod units;
 
 use std::process::ExitCode;

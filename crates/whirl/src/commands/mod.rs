@@ -1,13 +1,18 @@
 //! One file a command: its options, and the glue that carries it out.
 
+pub(crate) mod assign;
 pub(crate) mod clean;
 pub(crate) mod dash;
+mod linear;
+pub(crate) mod modes;
 pub(crate) mod poles;
 pub(crate) mod rotor;
 pub(crate) mod set;
 pub(crate) mod sim;
 pub(crate) mod status;
 pub(crate) mod tail;
+pub(crate) mod thresholds;
+pub(crate) mod trace;
 pub(crate) mod up;
 
 use crate::cli::{Cli, Command};
@@ -28,5 +33,9 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Clean(args) => clean::run(&args),
         Command::Poles(args) => poles::run(&args),
         Command::Rotor(args) => rotor::run(&args),
+        Command::Trace(args) => trace::run(&args),
+        Command::Thresholds(args) => thresholds::run(&args),
+        Command::Modes(args) => modes::run(&args),
+        Command::Assign(args) => assign::run(&args),
     }
 }

@@ -1,8 +1,9 @@
 //! `whirl poles`: eigenvalues and minimum damping at one speed.
 
-use rotor::{Mode, Spectrum, Whirl};
+use rotor::{Mode, Spectrum};
 use serde::Serialize;
 
+use super::linear::{Part, PoleDocument};
 use crate::catalog;
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
@@ -36,36 +37,14 @@ struct Document<'a> {
 /// One mode, as scripts read it.
 #[derive(Debug, Serialize)]
 struct ModeDocument {
-    re: f64,
-    im: f64,
-    damping: f64,
-    log_dec: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    log_dec_null: Option<&'static str>,
-    frequency: f64,
-    whirl: Whirl,
+    #[serde(flatten)]
+    pole: PoleDocument,
     shape: Vec<Part>,
-}
-
-#[derive(Debug, Serialize)]
-struct Part {
-    re: f64,
-    im: f64,
 }
 
 impl From<&Mode> for ModeDocument {
     fn from(mode: &Mode) -> Self {
-        let log_dec = Some(mode.log_decrement()).filter(|d| d.is_finite());
-        Self {
-            re: mode.pole.re,
-            im: mode.pole.im,
-            damping: mode.damping(),
-            log_dec,
-            log_dec_null: log_dec.is_none().then_some("the pole is real: it does not whirl"),
-            frequency: mode.frequency(),
-            whirl: mode.whirl(),
-            shape: mode.shape.iter().map(|c| Part { re: c.re, im: c.im }).collect(),
-        }
+        Self { pole: mode.into(), shape: mode.shape.iter().map(|&c| c.into()).collect() }
     }
 }
 

@@ -1,0 +1,142 @@
+//! `whirl modes`: mode shapes, as numbers and as the orbits that Figs. 4.3 to 4.5 draw.
+
+use rotor::{C64, Mode, Spectrum};
+use serde::Serialize;
+
+use super::linear::{Part, PoleDocument};
+use crate::catalog::{self, Machine};
+use crate::cli::MachineArgs;
+use crate::failure::Failure;
+use crate::output::{Cell, Format, Table};
+
+/// Options of `whirl modes`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ModesArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Spin speed R = w / w0
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: f64,
+    /// Points of an orbit, the last of which ends the whirl period
+    #[arg(long, value_name = "N", default_value_t = 65, value_parser = clap::value_parser!(u16).range(2..))]
+    points: u16,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    speed: f64,
+    modes: Vec<ModeDocument>,
+}
+
+/// One mode. `orbits[i]` is the path of mass i + 1 over one whirl period, `p_i = shape_i exp(lambda tau)`: an exact solution of
+/// the linear rotor, which spirals in or out by `exp(-log_dec)` a turn and closes on a threshold.
+#[derive(Debug, Serialize)]
+struct ModeDocument {
+    #[serde(flatten)]
+    pole: PoleDocument,
+    /// `null` for a pole on the real axis, as are the orbits.
+    period: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    period_null: Option<&'static str>,
+    shape: Vec<Part>,
+    orbits: Option<Vec<Vec<OrbitPoint>>>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize)]
+struct OrbitPoint {
+    tau: f64,
+    y: f64,
+    z: f64,
+}
+
+/// The period of a mode's whirl.
+fn period(mode: &Mode) -> Option<f64> {
+    Some(std::f64::consts::TAU / mode.frequency()).filter(|period| period.is_finite())
+}
+
+/// The path of each mass over one period; none if it leaves the range of numbers.
+fn orbits(mode: &Mode, points: u16) -> Option<Vec<Vec<OrbitPoint>>> {
+    let period = period(mode)?;
+    let point = |shape: C64, i: u16| {
+        let tau = period * f64::from(i) / f64::from(points - 1);
+        let p = shape * (mode.pole * tau).exp();
+        OrbitPoint { tau, y: p.re, z: p.im }
+    };
+    let orbits: Vec<Vec<_>> = mode.shape.iter().map(|&shape| (0..points).map(|i| point(shape, i)).collect()).collect();
+    orbits.iter().flatten().all(|p| p.y.is_finite() && p.z.is_finite()).then_some(orbits)
+}
+
+/// Prints the mode shapes.
+///
+/// # Errors
+/// A machine that cannot be made, or eigenvalues that do not converge.
+pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
+    let Machine { rotor, settings } = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    let spectrum = Spectrum::of(&settings.closed_loop(&rotor))?;
+    let document = Document {
+        rotor: rotor.name(),
+        speed: settings.speed,
+        modes: spectrum
+            .modes
+            .iter()
+            .map(|mode| {
+                let orbits = orbits(mode, args.points);
+                ModeDocument {
+                    pole: mode.into(),
+                    period: orbits.as_ref().and(period(mode)),
+                    period_null: orbits
+                        .is_none()
+                        .then_some("the pole is real or all but real: there is no orbit to draw"),
+                    shape: mode.shape.iter().map(|&p| p.into()).collect(),
+                    orbits,
+                }
+            })
+            .collect(),
+    };
+    let heading =
+        format!("{} at R = {}, deadband neglected; largest mass 1, phase in degrees", rotor.name(), args.speed);
+    let footer =
+        "orbit: p = shape exp(lambda tau); negative phase lags in the sense of the spin; points with --json or --csv";
+    let table = if args.format.csv { orbit_table(&spectrum, args.points) } else { shape_table(&spectrum) };
+    args.format.print(&document, &heading, &table, footer)
+}
+
+/// For people: one row a mode and mass.
+fn shape_table(spectrum: &Spectrum) -> Table {
+    let mut table = Table::new(&["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"]);
+    for (k, mode) in spectrum.modes.iter().enumerate() {
+        for (i, p) in mode.shape.iter().enumerate() {
+            // What is rounding reads as the zero that it stands for.
+            let tidy = |x: f64| if x.abs() < 1e-12 { 0.0 } else { x };
+            let (radius, phase) = (tidy(p.norm()), tidy(p.arg().to_degrees()));
+            let phase = if radius == 0.0 { 0.0 } else { phase };
+            let of_mode = [mode.pole.re, mode.pole.im].map(Cell::from);
+            let [re, im] = if i == 0 { of_mode } else { [Cell::from(&""), Cell::from(&"")] };
+            let (name, whirl, period) = if i == 0 {
+                let period = period(mode).map_or_else(|| Cell::from(&"none"), Cell::from);
+                (Cell::from(&(k + 1)), Cell::from(&mode.whirl()), period)
+            } else {
+                (Cell::from(&""), Cell::from(&""), Cell::from(&""))
+            };
+            table.row([name, re, im, whirl, period, Cell::from(&(i + 1)), radius.into(), phase.into()]);
+        }
+    }
+    table
+}
+
+/// For spreadsheets: one row an orbit point.
+fn orbit_table(spectrum: &Spectrum, points: u16) -> Table {
+    let mut table = Table::new(&["mode", "mass", "tau", "y", "z"]);
+    for (k, mode) in spectrum.modes.iter().enumerate() {
+        for (i, orbit) in orbits(mode, points).into_iter().flatten().enumerate() {
+            for p in orbit {
+                table.row([Cell::from(&(k + 1)), Cell::from(&(i + 1)), p.tau.into(), p.y.into(), p.z.into()]);
+            }
+        }
+    }
+    table
+}

@@ -1,0 +1,147 @@
+//! `whirl trace`, `thresholds`, `modes`, `assign`: the documented fields, and refusals that say what is wrong.
+
+use promises::{Ran, run};
+use serde_json::Value;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"))
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().unwrap_or_else(|| panic!("{value} is not a list"))
+}
+
+#[test]
+fn thresholds_are_those_of_the_report() {
+    for (rotor, expected) in [
+        ("three-mass", &[(1.775_522, 0.887_761), (4.101_250, 2.050_625), (4.650_456, 2.325_228)][..]),
+        ("jeffcott", &[(2.209_975, 1.104_988)]),
+    ] {
+        let document = run(&["thresholds", rotor, "--over", "0..6", "--json"]).json();
+        let found = list(&document["thresholds"]);
+        assert_eq!(found.len(), expected.len(), "{document}");
+        for (threshold, (speed, frequency)) in found.iter().zip(expected) {
+            assert!((number(&threshold["speed"]) - speed).abs() < 5e-7, "{threshold}");
+            assert!((number(&threshold["frequency"]) - frequency).abs() < 5e-7, "{threshold}");
+            assert_eq!((&threshold["whirl"], &threshold["becomes"]), (&"forward".into(), &"unstable".into()));
+        }
+    }
+}
+
+#[test]
+fn a_trace_has_the_promised_fields_and_the_campbell_diagram() {
+    let document = run(&["trace", "three-mass", "--over", "0..5", "--points", "11", "--json"]).json();
+    assert_eq!(list(&document["speeds"]).len(), 11);
+    assert_eq!(list(&document["min_damping"]).len(), 11);
+    assert_eq!(list(&document["modes"]).len(), 6);
+    assert_eq!(number(&document["speeds"][10]), 5.0);
+    for (at, least) in list(&document["min_damping"]).iter().enumerate() {
+        let of_modes = list(&document["modes"]).iter().map(|branch| number(&branch[at]["damping"]));
+        assert_eq!(of_modes.fold(f64::INFINITY, f64::min), number(least));
+    }
+    for point in list(&document["modes"]).iter().flat_map(list) {
+        for field in ["re", "im", "damping", "log_dec", "frequency"] {
+            number(&point[field]);
+        }
+    }
+    let campbell = &document["campbell"];
+    let orders: Vec<f64> = list(&campbell["lines"]).iter().map(|line| number(&line["order"])).collect();
+    assert_eq!(orders, [0.5, 1.0]);
+    // The seals drive each mode unstable where it whirls at half speed: the 0.5X line is met on the thresholds.
+    let half_speed: Vec<f64> = list(&campbell["critical_speeds"])
+        .iter()
+        .filter(|c| number(&c["order"]) == 0.5 && c["whirl"] == "forward")
+        .map(|c| number(&c["speed"]))
+        .collect();
+    assert_eq!(half_speed.len(), 3);
+    assert!((half_speed[0] - 1.775_522).abs() < 5e-7);
+}
+
+#[test]
+fn tables_of_a_trace_have_a_row_for_each_point_and_branch() {
+    let csv = run(&["trace", "jeffcott", "--over", "0..1", "--points", "4", "--csv"]);
+    let rows: Vec<&str> = csv.stdout.lines().collect();
+    assert_eq!(rows[0], "speed,mode,re,im,damping,log dec,frequency,whirl");
+    assert_eq!(rows.len(), 1 + 4 * 2);
+    let campbell = run(&["trace", "jeffcott", "--over", "0..3", "--campbell", "--csv"]);
+    assert_eq!(campbell.stdout.lines().next(), Some("line,speed,mode,frequency,damping,whirl"));
+    assert_eq!(campbell.stdout.lines().count(), 1 + 4);
+}
+
+#[test]
+fn modes_are_orbits_over_one_whirl_period() {
+    let document = run(&["modes", "three-mass", "--speed", "4.1012498", "--json", "--points", "33"]).json();
+    let pitch = list(&document["modes"]).iter().find(|m| number(&m["damping"]).abs() < 1e-6).expect("on its threshold");
+    let orbits = list(&pitch["orbits"]);
+    assert_eq!(orbits.len(), 3);
+    for (orbit, radius) in orbits.iter().zip([1.0, 0.0, 1.0]) {
+        let points = list(orbit);
+        assert_eq!(points.len(), 33);
+        for point in points {
+            assert!((number(&point["y"]).hypot(number(&point["z"])) - radius).abs() < 1e-5);
+        }
+        assert!((number(&points[32]["tau"]) - number(&pitch["period"])).abs() < 1e-12);
+        assert!((number(&points[0]["y"]) - number(&points[32]["y"])).abs() < 1e-5, "closed on its threshold");
+    }
+}
+
+#[test]
+fn assigned_poles_are_reported_with_their_error() {
+    let wanted = "-1,2;-1,-2;-0.5,1;-0.5,-1;-1,3;-1,-3";
+    let document = run(&["assign", "three-mass", "--speed", "4", "--poles", wanted, "--json"]).json();
+    assert!(number(&document["largest_error"]) < 1e-10);
+    assert_eq!(list(&document["achieved"]).len(), 6);
+    assert_eq!(document["feedback"]["bearing"], 1);
+    assert_eq!(list(&document["feedback"]["signal"]).len(), 3);
+}
+
+#[test]
+fn a_mode_out_of_reach_is_named() {
+    let wanted = "-1,2;-1,-2;-0.5,1;-0.5,-1;-1,3;-1,-3";
+    let Ran { code, stdout, stderr } = run(&["assign", "--speed", "4", "--bearing", "2", "--poles", wanted]);
+    assert_eq!((code, stdout.as_str()), (Some(1), ""));
+    assert!(
+        stderr.contains("mass 2 does not move the forward mode") && stderr.contains("(1.000, 0.000, -1.000)"),
+        "{stderr}"
+    );
+    let table = run(&["assign", "--table", "--speed", "4", "--json"]).json();
+    let stuck = |mass: usize| list(&table["modes"]).iter().filter(|m| m["controllable"][mass] == false).count();
+    assert_eq!([stuck(0), stuck(1), stuck(2)], [0, 2, 0]);
+}
+
+#[test]
+fn the_cancelling_law_is_printed_as_a_feedback_file() {
+    let printed = run(&["assign", "jeffcott", "--cancel", "--reference", "0.78"]);
+    assert_eq!(printed.code, Some(0), "{printed:?}");
+    assert!(printed.stdout.contains("kc = { at_zero = 0.39, slope = -0.5 }\n"), "{printed:?}");
+    let home = tempfile::tempdir().expect("a temporary directory");
+    let file = home.path().join("law.toml");
+    let written =
+        run(&["assign", "jeffcott", "--cancel", "--reference", "0.78", "--out", file.to_str().expect("UTF-8")]);
+    assert_eq!((written.code, written.stdout.as_str()), (Some(0), ""), "{written:?}");
+    assert_eq!(std::fs::read_to_string(&file).expect("written"), printed.stdout);
+    assert_eq!(std::fs::read_dir(home.path()).expect("there").count(), 1, "nothing else is left");
+}
+
+#[test]
+fn bad_input_exits_2_and_prints_nothing() {
+    for (arguments, complaint) in [
+        (&["thresholds", "--over", "6..0"][..], "expected A..B with finite numbers A < B, such as 0..6"),
+        (&["thresholds", "--over", "3"], "expected A..B"),
+        (&["trace", "--over", "-1..2"], "speed = -1: expected a number from 0 to 1000"),
+        (&["trace", "--over", "0..2000"], "speed = 2000: expected a number from 0 to 1000"),
+        (&["trace", "--over", "0..2", "--points", "1"], "--points"),
+        (&["modes", "--speed", "nan"], "speed = NaN"),
+        (&["assign", "--cancel"], "for one mass"),
+        (&["assign", "jeffcott", "--cancel", "--reference", "inf"], "reference = inf: expected a finite number"),
+        (&["assign", "--poles", "-1,2"], "--speed"),
+        (&["assign", "--speed", "1", "--poles", "-1,2"], "6 poles to assign, found 1"),
+        (&["assign", "--speed", "1", "--poles", "x"], "expected re,im"),
+        (&["assign", "--speed", "1"], "--poles"),
+        (&["assign", "jeffcott", "--speed", "1", "--bearing", "2", "--poles", "-1,1;-1,-1"], "masses 1 to 1"),
+    ] {
+        let Ran { code, stdout, stderr } = run(arguments);
+        assert_eq!((code, stdout.as_str()), (Some(2), ""), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(complaint), "{arguments:?}: {stderr}");
+    }
+}
