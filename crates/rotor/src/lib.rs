@@ -12,8 +12,10 @@
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it.
+//! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
 
 pub mod builtin;
+pub mod circular;
 mod closed_loop;
 mod feedback;
 mod modes;
