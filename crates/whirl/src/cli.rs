@@ -20,6 +20,14 @@ pub(crate) struct Cli {
 pub(crate) enum Command {
     /// Print eigenvalues and minimum damping at one speed
     Poles(commands::poles::PolesArgs),
+    /// Simulate offline, as fast as it goes
+    Run(commands::run::RunArgs),
+    /// Print the largest steady control force over speed
+    Force(commands::force::ForceArgs),
+    /// Print the exact synchronous response, all branches
+    Response(commands::response::ResponseArgs),
+    /// Print the exact self-excited limit cycles, all branches
+    Cycles(commands::cycles::CyclesArgs),
 }
 
 /// Which machine: the options that every command on a rotor shares.

@@ -3,13 +3,16 @@
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
-//! * [`failure`] is every way to fail, with its exit code.
+//! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
+//! * [`range`] reads ranges of speed.
 
 mod catalog;
 mod cli;
 mod commands;
 mod failure;
+mod interrupt;
 mod output;
+mod range;
 
 use std::process::ExitCode;
 
