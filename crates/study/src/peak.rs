@@ -48,8 +48,10 @@ fn summit([a, b, c, d, e]: [f64; 5]) -> f64 {
     let c2 = (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 24.0;
     let c3 = (-a + 2.0 * b - 2.0 * d + e) / 12.0;
     let c4 = (a - 4.0 * b + 6.0 * c - 4.0 * d + e) / 24.0;
-    // Where the samples agree to rounding there is no peak to be found between them.
-    if c2 >= -1e-13 * c.abs() {
+    // Where the samples agree to rounding there is no peak to be found between them; and at a jump, which a quartic
+    // does not follow, the largest sample is all that is known.
+    let smooth = c3.abs() <= 0.3 * -c2 && c4.abs() <= 0.15 * -c2;
+    if c2 >= -1e-13 * c.abs() || !smooth {
         return c;
     }
     let mut x = -0.5 * c1 / c2;
@@ -62,8 +64,7 @@ fn summit([a, b, c, d, e]: [f64; 5]) -> f64 {
         x -= slope / curvature;
     }
     let height = c + x * (c1 + x * (c2 + x * (c3 + x * c4)));
-    // Samples that no smooth peak explains keep their largest.
-    if x.abs() <= 1.0 && height >= c && height <= c + (c - b).max(c - d) { height } else { c }
+    if x.abs() <= 1.0 && height >= c { height } else { c }
 }
 
 #[cfg(test)]

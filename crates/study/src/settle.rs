@@ -3,16 +3,22 @@
 //! The run is cut into windows of whole turns (at least 8 units of `tau`, at most 200), and of each window are kept the largest |u|, and
 //! the largest and mean radius of every mass. It has settled
 //!
-//! * *steadily* when what is still to come of the change from window to window, extrapolated as a geometric series, is below `1e-9` of
-//!   the values, twice in a row: the slower the decay, the smaller must the change be;
+//! * *steadily* when what is still to come of the change from window to window, extrapolated as a geometric series, is
+//!   below `1e-9` of the values: the slower the decay, the smaller must the change be. The ratio of the series is that of the
+//!   largest change in the last four windows to the largest in the four before, so that the nodes of a beating
+//!   transient are not taken for its end;
 //! * *beating* when it does not come to rest (several frequencies at once, such as a limit cycle under unbalance) but the
 //!   last half of the run and the quarter before it agree to `1e-3` in every maximum and mean, each at least 24 windows long.
 
 use rotor::MAX_MASSES;
 
 const STEADY: f64 = 1e-9;
+/// Changes this small are rounding.
+const ROUNDING: f64 = 1e-13;
 const BEATING: f64 = 1e-3;
 const FEWEST_IN_BLOCK: usize = 24;
+/// Windows over which the largest change is taken.
+const SPAN: usize = 4;
 
 /// What is kept of a stretch of the motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,14 +94,13 @@ pub enum Settled {
 pub(crate) struct Detector {
     masses: usize,
     windows: Vec<Stretch>,
-    last_change: f64,
-    calm: u8,
+    changes: Vec<f64>,
     verdict: Option<(Settled, usize)>,
 }
 
 impl Detector {
     pub(crate) fn new(masses: usize) -> Self {
-        Self { masses, windows: Vec::new(), last_change: f64::INFINITY, calm: 0, verdict: None }
+        Self { masses, windows: Vec::new(), changes: Vec::new(), verdict: None }
     }
 
     /// Takes the next window; whether the motion has settled by now.
@@ -105,18 +110,8 @@ impl Detector {
         if self.verdict.is_some() || count < 2 {
             return self.verdict.is_some();
         }
-        let change = window.difference(&self.windows[count - 2], self.masses);
-        let ratio = change / self.last_change;
-        let to_come = if change <= 1e-13 {
-            0.0
-        } else if ratio < 1.0 {
-            change * ratio.max(0.1) / (1.0 - ratio)
-        } else {
-            f64::INFINITY
-        };
-        self.calm = if to_come <= STEADY { self.calm + 1 } else { 0 };
-        self.last_change = change;
-        if self.calm >= 2 {
+        self.changes.push(window.difference(&self.windows[count - 2], self.masses));
+        if self.change_to_come() <= STEADY {
             self.verdict = Some((Settled::Steady, count - 1));
         } else if count >= 4 * FEWEST_IN_BLOCK && count.is_multiple_of(8) {
             let join =
@@ -127,6 +122,21 @@ impl Detector {
             }
         }
         self.verdict.is_some()
+    }
+
+    /// What is still to come of the changes if they go on to shrink as they do; infinite if they do not shrink.
+    fn change_to_come(&self) -> f64 {
+        let count = self.changes.len();
+        let largest = |from: usize, to: usize| self.changes[from..to].iter().copied().fold(0.0, f64::max);
+        if count >= SPAN && largest(count - SPAN, count) <= ROUNDING {
+            return 0.0;
+        }
+        if count < 2 * SPAN {
+            return f64::INFINITY;
+        }
+        let (before, now) = (largest(count - 2 * SPAN, count - SPAN), largest(count - SPAN, count));
+        let ratio = (now / before).powf(1.0 / SPAN as f64);
+        if ratio < 1.0 { now / (1.0 - ratio) } else { f64::INFINITY }
     }
 
     /// How it settled, and everything from there on; or, if it did not, the last half.

@@ -42,7 +42,8 @@ struct Document<'a> {
     rotor: &'a str,
     speeds: &'a [f64],
     deadbands: &'a [f64],
-    /// `null` where the motion diverged or did not settle: `settled` and `diverged_at` say so.
+    /// `null` where the motion diverged, see `diverged_at`; where it had not settled, the largest of the last half of
+    /// the run, see `settled`.
     max_force: Vec<Vec<Option<f64>>>,
     settled: Vec<Vec<Settled>>,
     diverged_at: Vec<Vec<Option<f64>>>,
@@ -108,7 +109,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
 }
 
 fn steady_force(point: &Point) -> Option<f64> {
-    let has_one = point.diverged_at.is_none() && point.settled != Settled::No && point.max_force.is_finite();
+    let has_one = point.diverged_at.is_none() && point.max_force.is_finite();
     has_one.then_some(point.max_force)
 }
 
