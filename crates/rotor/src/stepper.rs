@@ -234,19 +234,17 @@ impl<const N: usize, const L: usize> Chain<N, L> {
         let (c, k) = (&self.damping, &self.tight);
         // s(r) p of (3.3) as p less what the clearance takes away: b (1 - s) is b g / r in contact and b inside. Roots
         // and quotients are dear, so they are formed only where there is a clearance that is overcome.
-        let mut relief = [0.0; L];
-        for i in 0..N {
+        let relief: [f64; L] = std::array::from_fn(|i| {
             if self.slack[i] > 0.0 {
                 let radius_squared = p.y[i] * p.y[i] + p.z[i] * p.z[i];
-                relief[i] = if radius_squared > self.edge_squared[i] {
-                    self.slack[i] / radius_squared.sqrt()
-                } else {
-                    self.bearing[i]
-                };
+                let in_contact = radius_squared > self.edge_squared[i];
+                if in_contact { self.slack[i] / radius_squared.sqrt() } else { self.bearing[i] }
+            } else {
+                0.0
             }
-        }
-        for i in 0..L {
-            let stiffness = k.y[i] + relief[i];
+        });
+        for (i, relief) in relief.iter().enumerate() {
+            let stiffness = k.y[i] + relief;
             a.y[i] =
                 c.y[i] * v.y[i] - c.z[i] * v.z[i] + (stiffness * p.y[i] - k.z[i] * p.z[i]) + key.re * self.unbalance[i];
             a.z[i] =
