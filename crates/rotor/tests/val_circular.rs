@@ -218,6 +218,46 @@ fn val_gains_that_hold_any_common_stiffness_leave_no_symmetric_cycle() {
     assert!(found.orbits.iter().all(Vec::is_empty) && found.curves.is_empty(), "{:?}", found.orbits);
 }
 
+/// The largest change of any radius, `until` after the orbit was disturbed by a part of 1e-6.
+fn disturbed(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], orbit: &Orbit, until: f64) -> f64 {
+    let mut motion = stepper(&ClosedLoop::new(rotor, feedback, orbit.speed, deadband));
+    let askew = |k: usize| C64::new(1.0 + 1e-6, 1e-6 * (k as f64 - 0.7));
+    let place: Vec<C64> = orbit.amplitude.iter().enumerate().map(|(k, c)| c * askew(k)).collect();
+    let velocity: Vec<C64> = orbit.amplitude.iter().map(|c| c * J * orbit.frequency).collect();
+    motion.place(&place, &velocity);
+    let steps = (until / 0.005).round();
+    (0..steps as u64).for_each(|_| motion.step(until / steps));
+    let now = motion.motion();
+    orbit.radii().iter().zip(now.displacement).map(|(r, p)| (r - p.norm()).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn val_disturbances_die_and_grow_at_the_rate_of_the_linearised_motion() {
+    let balanced = |rotor: &Rotor| {
+        let masses = rotor.masses().iter().map(|m| Mass { unbalance: 0.0, ..*m }).collect();
+        Rotor::new("balanced", masses, rotor.shafts().to_vec()).expect("valid")
+    };
+    // One mass: the slowest disturbance is one of the radius alone, so its rate can be measured.
+    let (rotor, feedback) = machine("jeffcott", "off");
+    let rotor = balanced(&rotor);
+    let found = cycles(&rotor, &feedback, &[1.0], &[1.3, 2.0]).expect("solved");
+    for orbit in found.orbits.iter().flatten() {
+        let [early, late] = [10.0, 30.0].map(|tau| disturbed(&rotor, &feedback, &[1.0], orbit, tau));
+        let rate = (late / early).ln() / 20.0;
+        assert!((rate - orbit.growth).abs() < 0.02 * orbit.growth.abs(), "{rate} for {}", orbit.growth);
+    }
+    assert_eq!(found.orbits.iter().flatten().count(), 2);
+    // Three masses: of the three cycles at R = 6 one is stable.
+    let (rotor, feedback) = machine("three-mass", "composite");
+    let rotor = balanced(&rotor);
+    let found = cycles(&rotor, &feedback, &[1.0; 3], &[6.0]).expect("solved");
+    for orbit in &found.orbits[0] {
+        let [early, late] = [20.0, 120.0].map(|tau| disturbed(&rotor, &feedback, &[1.0; 3], orbit, tau));
+        assert_eq!(late < early, orbit.is_stable(), "{early:e} became {late:e} on {orbit:?}");
+    }
+    assert_eq!(found.orbits[0].iter().map(Orbit::is_stable).collect::<Vec<_>>(), [false, false, true]);
+}
+
 #[test]
 fn silly_machines_give_no_orbit_and_no_nan() {
     let free = Mass { mass: 1.0, bearing_stiffness: 1.0, unbalance: 1.0, ..Mass::default() };

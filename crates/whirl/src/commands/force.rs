@@ -89,7 +89,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
                 Point { settled: Settled::Beating, .. } => "beating",
                 Point { settled: Settled::No, .. } => "NOT settled",
             };
-            let force = Cell::from(steady_force(&points[i]).unwrap_or(f64::NAN));
+            let force = steady_force(&points[i]).map_or_else(|| Cell::from(&""), Cell::from);
             table.row([Cell::from(*speed), Cell::from(*deadband), force, Cell::from(&word)]);
         }
     }
