@@ -1,5 +1,6 @@
 //! Exact circular whirl against closed forms, the report's numbers, and the integrator.
 
+use nalgebra::{DMatrix, DVector};
 use rotor::circular::{Circular, End, Orbit, cycles, synchronous};
 use rotor::{C64, ClosedLoop, Feedback, J, Mass, Rotor, Signal, builtin, stepper};
 
@@ -256,6 +257,67 @@ fn val_disturbances_die_and_grow_at_the_rate_of_the_linearised_motion() {
         assert_eq!(late < early, orbit.is_stable(), "{early:e} became {late:e} on {orbit:?}");
     }
     assert_eq!(found.orbits[0].iter().map(Orbit::is_stable).collect::<Vec<_>>(), [false, false, true]);
+}
+
+/// Residual of the forced equations at any amplitudes, in real parts and imaginary parts.
+fn forced_residual(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], speed: f64, x: &DVector<f64>) -> DVector<f64> {
+    let n = rotor.len();
+    let c: Vec<C64> = (0..n).map(|k| C64::new(x[k], x[n + k])).collect();
+    let factors: Vec<f64> = c.iter().zip(deadband).map(|(c, g)| (1.0 - g / c.norm().max(1e-300)).max(0.0)).collect();
+    let a = ClosedLoop::new(rotor, feedback, speed, &[]).state_matrix_with(&factors);
+    let lambda = J * speed;
+    let f: Vec<C64> = (0..n)
+        .map(|i| {
+            let sum: C64 = (0..n).map(|k| (a[(n + i, k)] + a[(n + i, n + k)] * lambda) * c[k]).sum();
+            sum + rotor.masses()[i].unbalance * speed * speed - lambda * lambda * c[i]
+        })
+        .collect();
+    DVector::from_iterator(2 * n, f.iter().map(|f| f.re).chain(f.iter().map(|f| f.im)))
+}
+
+#[test]
+fn val_random_starts_find_no_orbit_that_is_not_listed() {
+    // A plain Newton iteration with differences for derivatives, from many starts, knows nothing of regimes or branches.
+    let mut seed = 1_u64;
+    let mut random = || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (seed >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut found_at = [0, 0];
+    for (name, deadband) in [("off", [1.0, 0.0, 1.0]), ("composite", [1.0, 0.0, 0.4])] {
+        let (rotor, feedback) = machine("three-mass", name);
+        let speeds = [0.35, 0.6, 0.8, 1.5, 2.25];
+        let listed = synchronous(&rotor, &feedback, &deadband, &speeds).expect("solved");
+        for (&speed, orbits) in speeds.iter().zip(&listed.orbits) {
+            for _ in 0..120 {
+                let size = 10_f64.powf(2.0 * random() - 1.0);
+                let mut x = DVector::from_fn(6, |_, _| size * (2.0 * random() - 1.0));
+                let mut f = forced_residual(&rotor, &feedback, &deadband, speed, &x);
+                for _ in 0..60 {
+                    let slope = DMatrix::from_fn(6, 6, |_, _| 0.0);
+                    let slope = (0..6).fold(slope, |mut slope, k| {
+                        let h = 1e-7 * x.norm();
+                        let mut moved = x.clone();
+                        moved[k] += h;
+                        slope.set_column(k, &((forced_residual(&rotor, &feedback, &deadband, speed, &moved) - &f) / h));
+                        slope
+                    });
+                    let Some(step) = slope.lu().solve(&f) else { break };
+                    x -= step;
+                    f = forced_residual(&rotor, &feedback, &deadband, speed, &x);
+                }
+                if f.iter().all(|f| f.abs() < 1e-10) {
+                    let nearest = orbits
+                        .iter()
+                        .map(|o| (0..3).map(|k| (o.amplitude[k] - C64::new(x[k], x[3 + k])).norm()).fold(0.0, f64::max))
+                        .fold(f64::INFINITY, f64::min);
+                    assert!(nearest < 1e-6, "{name}, R = {speed}: {x} is not among {orbits:?}");
+                    found_at[usize::from(orbits.len() > 1)] += 1;
+                }
+            }
+        }
+    }
+    assert!(found_at.iter().all(|&count| count > 50), "{found_at:?}");
 }
 
 #[test]
