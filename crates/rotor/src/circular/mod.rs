@@ -23,12 +23,14 @@ mod newton;
 mod orbit;
 mod response;
 mod stability;
+mod tracer;
 mod whirl_equation;
 
 use crate::{Feedback, PoleError, Rotor};
 
-pub use continuation::{Curve, End};
+pub use continuation::Curve;
 pub use orbit::Orbit;
+pub use tracer::End;
 
 /// All circular orbits over a range of speeds.
 #[derive(Clone, Debug, PartialEq)]
