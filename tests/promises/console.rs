@@ -1,5 +1,7 @@
 //! The dashboard in a real terminal, with real processes: what a newcomer does first.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
 use std::time::{Duration, Instant};
 
 use promises::{Root, Screen, run};

@@ -1,5 +1,7 @@
 //! A simulation without a dashboard: `sim`, `set`, `tail`, `status`, `clean`.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
 use promises::Root;
 use rustix::process::Signal;
 use serde_json::Value;

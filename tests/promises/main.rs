@@ -1,7 +1,9 @@
 //! Promises of the contract, one a file, kept by the real program.
 
+mod circular;
 mod console;
 mod files;
 mod linear;
 mod live;
 mod poles;
+mod run;

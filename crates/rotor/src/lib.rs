@@ -15,9 +15,11 @@
 //! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
+//! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
 
 mod assign;
 pub mod builtin;
+pub mod circular;
 mod closed_loop;
 mod crossing;
 mod eigen;

@@ -51,6 +51,14 @@ pub(crate) enum Command {
     Modes(commands::modes::ModesArgs),
     /// Make feedback that assigns poles, or see what bearings and sensors reach
     Assign(commands::assign::AssignArgs),
+    /// Simulate offline, as fast as it goes
+    Run(commands::run::RunArgs),
+    /// Print the largest steady control force over speed
+    Force(commands::force::ForceArgs),
+    /// Print the exact synchronous response, all branches
+    Response(commands::response::ResponseArgs),
+    /// Print the exact self-excited limit cycles, all branches
+    Cycles(commands::cycles::CyclesArgs),
 }
 
 /// Which machine: the options that every command on a rotor shares.

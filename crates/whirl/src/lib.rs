@@ -7,6 +7,8 @@
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`range`] reads `A..B`.
 //! * [`failure`] is every way to fail, with its exit code.
+//! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
+//! * [`range`] reads ranges of speed.
 
 mod attach;
 mod catalog;

@@ -2,11 +2,15 @@
 
 pub(crate) mod assign;
 pub(crate) mod clean;
+pub(crate) mod cycles;
 pub(crate) mod dash;
+pub(crate) mod force;
 mod linear;
 pub(crate) mod modes;
 pub(crate) mod poles;
+pub(crate) mod response;
 pub(crate) mod rotor;
+pub(crate) mod run;
 pub(crate) mod set;
 pub(crate) mod sim;
 pub(crate) mod status;
@@ -37,5 +41,9 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Thresholds(args) => thresholds::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Assign(args) => assign::run(&args),
+        Command::Run(args) => run::run(&args),
+        Command::Force(args) => force::run(&args),
+        Command::Response(args) => response::run(&args),
+        Command::Cycles(args) => cycles::run(&args),
     }
 }

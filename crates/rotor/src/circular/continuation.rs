@@ -1,0 +1,128 @@
+//! All orbits over a range of speeds: those found speed by speed, and the branches that join them.
+
+use nalgebra::DVector;
+
+use super::newton::Closing;
+use super::orbit::Orbit;
+use super::tracer::{End, Node, Tracer};
+use super::whirl_equation::{Contact, Problem};
+use super::{Circular, cycle, response, stability};
+use crate::{C64, PoleError};
+
+/// Orbits closer than this, relative to their size, are one.
+const SAME: f64 = 1e-6;
+
+/// One branch over speed and amplitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// Orbits along it, in order.
+    pub orbits: Vec<Orbit>,
+    /// Indices into `orbits` of the folds, where the speed turns back, smooth or at the edge of a clearance.
+    pub folds: Vec<usize>,
+    /// What is at its beginning and at its end.
+    pub ends: [End; 2],
+}
+
+/// Every orbit at every speed, and the branches through them.
+pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, PoleError> {
+    let mut orbits: Vec<Vec<Orbit>> = Vec::with_capacity(speeds.len());
+    let mut starts: Vec<Vec<Node>> = Vec::with_capacity(speeds.len());
+    for &speed in speeds {
+        let found = if problem.forced { response::at_speed(problem, speed) } else { cycle::at_speed(problem, speed)? };
+        let (mut here, mut nodes): (Vec<Orbit>, Vec<Node>) = (Vec::new(), Vec::new());
+        for (x, contact) in found {
+            let orbit = describe(problem, &x, contact)?;
+            if !here.iter().any(|o| o.is_same(&orbit, SAME)) {
+                here.push(orbit);
+                nodes.push(Node { x, contact, fold: false });
+            }
+        }
+        orbits.push(here);
+        starts.push(nodes);
+    }
+
+    let range = speeds.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &s| (a.min(s), b.max(s)));
+    let mut curves = Vec::new();
+    let mut covered: Vec<Vec<bool>> = orbits.iter().map(|here| vec![false; here.len()]).collect();
+    for i in 0..speeds.len() {
+        for k in 0..starts[i].len() {
+            let start = &starts[i][k];
+            // The resting centre is on a branch only as its end.
+            if covered[i][k] || range.0 >= range.1 || orbits[i][k].largest_radius() == 0.0 {
+                continue;
+            }
+            let (nodes, ends) = branch(problem, start, range);
+            for pair in nodes.windows(2) {
+                for (at, &speed) in speeds.iter().enumerate() {
+                    let Some(orbit) = between(problem, &pair[0], &pair[1], speed)? else { continue };
+                    if let Some(known) = orbits[at].iter().position(|o| o.is_same(&orbit, SAME)) {
+                        covered[at][known] = true;
+                    } else {
+                        orbits[at].push(orbit);
+                        covered[at].push(true);
+                    }
+                }
+            }
+            covered[i][k] = true;
+            let folds = nodes.iter().enumerate().filter(|(_, n)| n.fold).map(|(i, _)| i).collect();
+            let orbits = nodes.iter().map(|n| describe(problem, &n.x, n.contact)).collect::<Result<_, _>>()?;
+            curves.push(Curve { orbits, folds, ends });
+        }
+    }
+    for here in &mut orbits {
+        here.sort_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
+    }
+    Ok(Circular { speeds: speeds.to_vec(), orbits, curves })
+}
+
+/// The orbit that a solution stands for, with its stability.
+fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result<Orbit, PoleError> {
+    let (c, frequency, speed) = problem.unpack(x);
+    let equation = problem.at(speed);
+    let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
+    let force = equation.force(c.as_slice(), frequency);
+    let mut amplitude = c.as_slice().to_vec();
+    if !problem.forced {
+        // Of equal amplitudes the first decides, so that rounding does not.
+        let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });
+        amplitude.iter_mut().for_each(|c| *c *= largest.conj() / largest.norm());
+    }
+    Ok(Orbit { speed, frequency, amplitude, contact, force, growth })
+}
+
+/// The orbit at `speed` on the piece of branch between two neighbouring nodes, if it passes that speed.
+fn between(problem: &Problem<'_>, a: &Node, b: &Node, speed: f64) -> Result<Option<Orbit>, PoleError> {
+    let last = problem.unknowns() - 1;
+    let (from, to) = (a.x[last], b.x[last]);
+    if !(from.min(to)..=from.max(to)).contains(&speed) {
+        return Ok(None);
+    }
+    let part = if from == to { 0.0 } else { (speed - from) / (to - from) };
+    let guess = &a.x + (&b.x - &a.x) * part;
+    let solved = problem.solve(guess.clone(), b.contact, Closing::Speed(speed));
+    let reach = (&b.x - &a.x).norm() + 1e-6 * guess.norm();
+    match solved.filter(|x| (x - &guess).norm() <= reach) {
+        Some(x) if problem.is_consistent(problem.unpack(&x).0.as_slice(), b.contact, 1e-9) => {
+            describe(problem, &x, b.contact).map(Some)
+        }
+        _ => Ok(None),
+    }
+}
+
+/// The whole branch through `start`, followed both ways.
+fn branch(problem: &Problem<'_>, start: &Node, range: (f64, f64)) -> (Vec<Node>, [End; 2]) {
+    let trace = |sign| Tracer::new(problem, range).follow(start, sign);
+    let (forward, end) = trace(1.0);
+    if end == End::Closed {
+        return (forward, [End::Closed; 2]);
+    }
+    let (backward, begin) = trace(-1.0);
+    // Contact is kept with the later node of each piece: it moves by one when the order turns.
+    let mut nodes: Vec<Node> = Vec::with_capacity(backward.len() + forward.len());
+    for (i, node) in backward.iter().enumerate().rev() {
+        let contact = backward.get(i + 1).map_or(node.contact, |next| next.contact);
+        nodes.push(Node { contact, ..node.clone() });
+    }
+    nodes.extend(forward.into_iter().skip(1));
+    (nodes, [begin, end])
+}

@@ -1,0 +1,74 @@
+//! Circular whirl, exactly: `p_k = c_k exp(j w tau)` with every `|c_k|` constant.
+//!
+//! On such an orbit each support bearing with deadband acts through one constant factor `s(|c_k|)` (3.2)-(3.4), so the
+//! equations of motion become algebraic without any approximation:
+//!
+//! ```text
+//! Z(w, R) c + diag(b_k s(|c_k|)) c = Re R^2        b_k = Rb_k / Rm_k
+//! ```
+//!
+//! with `Z` the dynamic stiffness of everything linear. Two questions are answered with it: the *synchronous response*
+//! under unbalance, `w = R` ([`synchronous`]), and *self-excited limit cycles* without unbalance, where `w` is unknown
+//! and the right-hand side zero ([`cycles`]). Several orbits can exist at one speed: all are sought at every speed
+//! asked for, and each is followed through folds and through the edges of the clearances by pseudo-arclength
+//! continuation. Motion that is not circular is not found here: integrate it with a [`crate::Stepper`].
+//!
+//! How complete the search is: at one speed the orbits that press on at most two bearings with deadband at a time are
+//! enumerated (one: closed form or a scan of one frequency; two: a scan of one unknown, refined); those on three or
+//! more come from Newton's method with many starts and from continuation, which is thorough but no proof.
+
+mod continuation;
+mod cycle;
+mod newton;
+mod orbit;
+mod response;
+mod stability;
+mod tracer;
+mod whirl_equation;
+
+use crate::{Feedback, PoleError, Rotor};
+
+pub use continuation::Curve;
+pub use orbit::Orbit;
+pub use tracer::End;
+
+/// All circular orbits over a range of speeds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Circular {
+    /// The speeds asked for, as given.
+    pub speeds: Vec<f64>,
+    /// For each speed every orbit found there: smallest first, by the largest radius of any mass.
+    pub orbits: Vec<Vec<Orbit>>,
+    /// The same orbits as curves over speed and amplitude, each followed from one end to the other.
+    pub curves: Vec<Curve>,
+}
+
+/// The synchronous response `p = c exp(j R tau)` under the rotor's unbalance at every one of `speeds`, all branches.
+///
+/// `feedback` must have passed [`Feedback::check`]; `deadband` holds one clearance a mass, in `e_t`, missing ones count
+/// as zero. `speeds` are spin speeds `R`, finite and at least 0. Where nothing drives the rotor (no unbalance, or
+/// `R = 0`) the one orbit listed is the centre. A resonance without damping has no circular solution: the list is empty there.
+///
+/// # Errors
+/// The eigenvalues that tell stability do not converge, or the coefficients are not finite.
+pub fn synchronous(
+    rotor: &Rotor,
+    feedback: &Feedback,
+    deadband: &[f64],
+    speeds: &[f64],
+) -> Result<Circular, PoleError> {
+    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, true);
+    continuation::all(&problem, speeds)
+}
+
+/// Self-excited circular limit cycles `p = c exp(j w tau)` of the balanced rotor at every one of `speeds`, all branches.
+///
+/// The unbalance is left out; the phase, which is free, is chosen so that the largest amplitude is real and positive.
+/// Without any deadband the rotor is linear and has none. Equilibria off centre (`w = 0`) are not cycles and not listed.
+///
+/// # Errors
+/// As for [`synchronous`].
+pub fn cycles(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], speeds: &[f64]) -> Result<Circular, PoleError> {
+    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, false);
+    continuation::all(&problem, speeds)
+}

@@ -1,0 +1,50 @@
+//! One circular orbit, as it is given to the caller.
+
+use crate::C64;
+
+/// An exact circular solution `p_k = c_k exp(j w tau)` at one spin speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orbit {
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Whirl frequency `w` in radians per unit of `tau`, signed: positive forward. It is `R` in a synchronous response.
+    pub frequency: f64,
+    /// Complex amplitudes `c_k`, in `e_t`.
+    pub amplitude: Vec<C64>,
+    /// Bit `k` is set while mass `k` presses on a support bearing with clearance.
+    pub contact: u32,
+    /// The control acceleration `|u|`, constant on the orbit, in `w0^2 e_t`.
+    pub force: f64,
+    /// Largest real part among the eigenvalues of the motion linearised about the orbit in the frame that turns with
+    /// it; for a limit cycle without the zero that belongs to its free phase.
+    pub growth: f64,
+}
+
+impl Orbit {
+    /// Orbit radius of every mass, in `e_t`.
+    #[must_use]
+    pub fn radii(&self) -> Vec<f64> {
+        self.amplitude.iter().map(|c| c.norm()).collect()
+    }
+
+    /// Whether every small disturbance dies away. An orbit on the very margin (`growth` exactly 0, or a resting rotor
+    /// that floats free inside its clearances) counts as not stable.
+    #[must_use]
+    pub fn is_stable(&self) -> bool {
+        self.growth < 0.0
+    }
+
+    /// The largest radius of any mass, in `e_t`.
+    #[must_use]
+    pub fn largest_radius(&self) -> f64 {
+        self.amplitude.iter().map(|c| c.norm()).fold(0.0, f64::max)
+    }
+
+    /// The same orbit within a relative tolerance, whatever its branch.
+    pub(super) fn is_same(&self, other: &Self, tolerance: f64) -> bool {
+        let scale = self.largest_radius().max(other.largest_radius());
+        let apart = self.amplitude.iter().zip(&other.amplitude).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        apart <= tolerance * scale + 1e-14
+            && (self.frequency - other.frequency).abs() <= tolerance * (1.0 + self.frequency.abs())
+    }
+}

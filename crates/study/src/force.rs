@@ -1,0 +1,92 @@
+//! The largest steady control force over spin speed and clearance (Figs. 3.7 and 4.16), by simulation, on all cores.
+
+use std::sync::atomic::AtomicBool;
+
+use rayon::prelude::*;
+use rotor::{ClosedLoop, Feedback, PoleError, Rotor};
+
+use crate::run::{Plan, RunError, Settle, Settled, run};
+use crate::step_size::Fastest;
+
+/// A point that has not settled by then, in `tau`, is given up and says so.
+pub const LONGEST: f64 = 2_000.0;
+
+/// One point of the sweep.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Point {
+    /// Largest `|u|` once transients have died, in `w0^2 e_t`; what was reached if they have not, or if it diverged.
+    pub max_force: f64,
+    /// How the motion came to rest.
+    pub settled: Settled,
+    /// When it left all bounds, if it did: there is no steady force then.
+    pub diverged_at: Option<f64>,
+}
+
+/// Why there is no sweep.
+#[derive(Debug, thiserror::Error)]
+pub enum ForceError {
+    /// The modes that set the step could not be found.
+    #[error(transparent)]
+    Poles(#[from] PoleError),
+    /// A run failed.
+    #[error(transparent)]
+    Run(#[from] RunError),
+}
+
+/// The sweep: `[deadband][speed]`, each clearance common to all support bearings and each run from rest.
+///
+/// The steady motion is the one reached from rest: where several are stable, others exist. `done` is called after
+/// every point, from any thread.
+///
+/// # Errors
+/// Eigenvalues that do not converge, or `stop`.
+pub fn sweep(
+    rotor: &Rotor,
+    feedback: &Feedback,
+    speeds: &[f64],
+    deadbands: &[f64],
+    stop: &AtomicBool,
+    done: &(dyn Fn() + Sync),
+) -> Result<Vec<Vec<Point>>, ForceError> {
+    let places: Vec<(f64, f64)> =
+        deadbands.iter().flat_map(|&deadband| speeds.iter().map(move |&speed| (deadband, speed))).collect();
+    // One point a task: their lengths differ by a hundred.
+    let points = places
+        .par_iter()
+        .with_max_len(1)
+        .map(|&(deadband, speed)| {
+            let point = steady(rotor, feedback, speed, deadband, stop);
+            done();
+            point
+        })
+        .collect::<Result<Vec<Point>, ForceError>>()?;
+    Ok(if speeds.is_empty() {
+        vec![Vec::new(); deadbands.len()]
+    } else {
+        points.chunks(speeds.len()).map(<[Point]>::to_vec).collect()
+    })
+}
+
+/// The steady force at one speed and clearance.
+///
+/// # Errors
+/// As for [`sweep`].
+pub fn steady(
+    rotor: &Rotor,
+    feedback: &Feedback,
+    speed: f64,
+    deadband: f64,
+    stop: &AtomicBool,
+) -> Result<Point, ForceError> {
+    let closed_loop = ClosedLoop::new(rotor, feedback, speed, &vec![deadband; rotor.len()]);
+    let plan = Plan {
+        dtau: Fastest::of(&closed_loop)?.default_step(),
+        closed_loop,
+        largest_clearance: deadband,
+        impulses: Vec::new(),
+        duration: LONGEST,
+        settle: Settle::DetectAndStop,
+    };
+    let outcome = run(&plan, &mut [], stop)?;
+    Ok(Point { max_force: outcome.max_force, settled: outcome.settled, diverged_at: outcome.diverged_at })
+}

@@ -1,0 +1,17 @@
+//! Offline work on rotors: what takes a while, uses all cores, or leaves a file behind.
+//!
+//! * [`run`]: one simulation as fast as it goes, with maxima, means and automatic settling.
+//! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
+//! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
+//! * [`trajectory`]: a run as a CSV or Parquet file that is there whole or not at all.
+//! * [`step_size`]: which fixed step a rotor needs.
+//!
+//! The motion itself is [`rotor`]'s; nothing here knows a command line.
+
+pub mod force;
+mod peak;
+pub mod run;
+mod settle;
+pub mod spectrum;
+pub mod step_size;
+pub mod trajectory;

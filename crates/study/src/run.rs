@@ -1,0 +1,263 @@
+//! One simulation from rest, offline, as fast as it goes.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rotor::{C64, ClosedLoop, Motion, Stepper, stepper};
+
+use crate::peak::Peaks;
+use crate::settle::{Detector, Stretch};
+
+pub use crate::settle::Settled;
+
+/// An orbit this wide is taken for divergence, in `e_t`, beside a thousand times the largest clearance.
+const DIVERGED: f64 = 1e6;
+/// More steps than this are refused: a quarter of an hour of computing.
+pub const MOST_STEPS: f64 = 1e10;
+
+/// A sudden change of velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Impulse {
+    /// Which mass, counted from 0.
+    pub mass: usize,
+    /// The change, in `e_t` per unit of `tau`.
+    pub change: C64,
+    /// When, in `tau` from the start.
+    pub at: f64,
+}
+
+/// From where on maxima and means are taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Settle {
+    /// From this `tau` on.
+    From(f64),
+    /// From where transients have died, see [`Settled`]; the run goes on to its end all the same.
+    Detect,
+    /// The same, and the run ends there.
+    DetectAndStop,
+}
+
+/// What to simulate.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plan {
+    /// The machine at its operating point.
+    pub closed_loop: ClosedLoop,
+    /// The clearances it has, in `e_t`: they set what counts as divergence.
+    pub largest_clearance: f64,
+    /// Impulses, in any order; those after the end are never felt.
+    pub impulses: Vec<Impulse>,
+    /// The longest step. Steps are even between impulses, so a little shorter where they would not fit.
+    pub dtau: f64,
+    /// Length of the run in `tau`.
+    pub duration: f64,
+    /// From where on maxima are taken.
+    pub settle: Settle,
+}
+
+/// Where the rotor is when a run ends.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Final {
+    /// Dimensionless time.
+    pub tau: f64,
+    /// Displacement of every mass, in `e_t`.
+    pub displacement: Vec<C64>,
+    /// Velocity of every mass, in `e_t` per unit of `tau`.
+    pub velocity: Vec<C64>,
+}
+
+/// What came out. Every number in it is finite, but for the final state of a run that overflowed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Outcome {
+    /// Steps taken.
+    pub steps: u64,
+    /// When the orbit left all bounds; the run ends there.
+    pub diverged_at: Option<f64>,
+    /// Whether transients had died.
+    pub settled: Settled,
+    /// From where on maxima and means are taken. If nothing settled, from the middle of the run.
+    pub maxima_from: f64,
+    /// Largest `|u|`, in `w0^2 e_t`.
+    pub max_force: f64,
+    /// The larger of the largest `|u_y|` and `|u_z|`.
+    pub max_force_component: f64,
+    /// Largest radius of every mass, in `e_t`.
+    pub max_displacement: Vec<f64>,
+    /// Mean radius of every mass, in `e_t`.
+    pub mean_radius: Vec<f64>,
+    /// The last state.
+    pub last: Final,
+}
+
+/// Looks at every sample of a run: at the start, after every step, and before and after every impulse.
+pub trait Observer {
+    /// One sample. `control` is `u`, `contact` has bit `k` set while mass `k` presses on its support bearing.
+    ///
+    /// # Errors
+    /// Whatever keeps it from going on; the run ends there.
+    fn sample(&mut self, motion: &Motion<'_>, control: C64, contact: u32) -> std::io::Result<()>;
+}
+
+/// Why a run has no outcome.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// Asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+    /// It would take too long.
+    #[error("{0:.1e} steps are too many: at most {MOST_STEPS:.0e}")]
+    TooLong(f64),
+    /// An observer failed.
+    #[error(transparent)]
+    Observer(#[from] std::io::Error),
+}
+
+/// Simulates `plan` from rest, showing every sample to `observers`. `stop` is looked at now and then.
+///
+/// # Errors
+/// A plan of too many steps, an observer that fails, or `stop`.
+pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, RunError> {
+    let steps = plan.duration / plan.dtau;
+    if steps.is_nan() || steps > MOST_STEPS {
+        return Err(RunError::TooLong(steps));
+    }
+    let mut rotor = stepper(&plan.closed_loop);
+    let mut watch = Watch::new(plan);
+    let mut impulses: Vec<Impulse> = plan.impulses.iter().copied().filter(|i| i.at <= plan.duration).collect();
+    impulses.sort_by(|a, b| a.at.total_cmp(&b.at));
+    let mut impulses = impulses.into_iter().peekable();
+
+    while let Some(impulse) = impulses.next_if(|i| i.at <= 0.0) {
+        rotor.kick(impulse.mass, impulse.change);
+    }
+    let mut going = watch.see(rotor.as_ref(), observers)?;
+    let mut now = 0.0;
+    while going && now < plan.duration {
+        let until = impulses.peek().map_or(plan.duration, |i| i.at);
+        let count = ((until - now) / plan.dtau - 1e-9).ceil().max(1.0);
+        let dtau = (until - now) / count;
+        watch.peaks.break_off();
+        for i in 0..count as u64 {
+            if i % 4096 == 0 && stop.load(Ordering::Relaxed) {
+                return Err(RunError::Interrupted);
+            }
+            rotor.step(dtau);
+            watch.steps += 1;
+            going = watch.see(rotor.as_ref(), observers)?;
+            if !going {
+                break;
+            }
+        }
+        now = until;
+        let mut kicked = false;
+        while let Some(impulse) = impulses.next_if(|i| going && i.at <= now) {
+            rotor.kick(impulse.mass, impulse.change);
+            kicked = true;
+        }
+        if kicked {
+            watch.peaks.break_off();
+            going = watch.see(rotor.as_ref(), observers)?;
+        }
+    }
+    Ok(watch.outcome(rotor.as_ref()))
+}
+
+/// Keeps the books of a run.
+struct Watch {
+    masses: usize,
+    settle: Settle,
+    window: f64,
+    limit_squared: f64,
+    stretch: Stretch,
+    peaks: Peaks,
+    detector: Detector,
+    steps: u64,
+    diverged_at: Option<f64>,
+}
+
+impl Watch {
+    fn new(plan: &Plan) -> Self {
+        let masses = plan.closed_loop.masses();
+        let turn = std::f64::consts::TAU / plan.closed_loop.speed().abs();
+        // Rest needs no turns; a crawling spin is cut off.
+        let window = if turn.is_finite() { (turn * (8.0 / turn).ceil()).min(200.0) } else { 8.0 };
+        Self {
+            masses,
+            settle: plan.settle,
+            window: window.max(8.0),
+            limit_squared: (DIVERGED + 1e3 * plan.largest_clearance).powi(2),
+            stretch: Stretch::new(0.0),
+            peaks: Peaks::new(3 + masses),
+            detector: Detector::new(masses),
+            steps: 0,
+            diverged_at: None,
+        }
+    }
+
+    /// Takes one sample; whether the run goes on.
+    fn see(&mut self, rotor: &dyn Stepper, observers: &mut [&mut dyn Observer]) -> std::io::Result<bool> {
+        let motion = rotor.motion();
+        let u = rotor.control();
+        let mut samples = [0.0; 3 + rotor::MAX_MASSES];
+        samples[..3].copy_from_slice(&[u.norm_sqr(), u.re * u.re, u.im * u.im]);
+        let mut widest = 0.0_f64;
+        for (sample, p) in samples[3..].iter_mut().zip(motion.displacement) {
+            *sample = p.norm_sqr();
+            widest = if sample.is_nan() { f64::INFINITY } else { widest.max(*sample) };
+        }
+        let bounded = widest <= self.limit_squared && samples[0].is_finite();
+        if !bounded {
+            self.diverged_at = Some(motion.tau);
+        }
+        if bounded && !matches!(self.settle, Settle::From(from) if motion.tau < from - 1e-9) {
+            let all = 3 + self.masses;
+            self.peaks.push(&samples[..all], &mut self.stretch.maxima[..all]);
+            for (sum, squared) in self.stretch.radius_sum.iter_mut().zip(&samples[3..all]) {
+                *sum += squared.sqrt();
+            }
+            self.stretch.samples += 1;
+        }
+        if !observers.is_empty() && motion.is_finite() {
+            let contact = rotor.contact();
+            for observer in observers.iter_mut() {
+                observer.sample(&motion, u, contact)?;
+            }
+        }
+        if !matches!(self.settle, Settle::From(_)) && motion.tau >= self.stretch.from + self.window {
+            let window = std::mem::replace(&mut self.stretch, Stretch::new(motion.tau));
+            let settled = self.detector.push(window);
+            if settled && self.settle == Settle::DetectAndStop {
+                return Ok(false);
+            }
+        }
+        Ok(bounded)
+    }
+
+    fn outcome(mut self, rotor: &dyn Stepper) -> Outcome {
+        let motion = rotor.motion();
+        let (settled, kept) = match self.settle {
+            Settle::From(from) => {
+                self.stretch.from = from;
+                (Settled::Given, self.stretch)
+            }
+            Settle::Detect | Settle::DetectAndStop => {
+                let (settled, windows) = self.detector.result();
+                (settled, windows.map_or(self.stretch, |windows| windows.joined(&self.stretch)))
+            }
+        };
+        let settled = if self.diverged_at.is_some() && settled != Settled::Given { Settled::No } else { settled };
+        Outcome {
+            steps: self.steps,
+            diverged_at: self.diverged_at,
+            settled,
+            maxima_from: kept.from,
+            max_force: kept.maxima[0].sqrt(),
+            max_force_component: kept.maxima[1].max(kept.maxima[2]).sqrt(),
+            max_displacement: kept.maxima[3..3 + self.masses].iter().map(|m| m.sqrt()).collect(),
+            mean_radius: (0..self.masses).map(|k| kept.mean_radius(k)).collect(),
+            last: Final {
+                tau: motion.tau,
+                displacement: motion.displacement.to_vec(),
+                velocity: motion.velocity.to_vec(),
+            },
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! `whirl cycles`: exact self-excited limit cycles of the balanced rotor, every branch over speed.
+
+use rotor::circular::{self, Curve, End, Orbit};
+use serde::Serialize;
+
+use super::response::{SweepArgs, contact, listed, radius_headings, stability};
+use crate::cli::MachineArgs;
+use crate::failure::Failure;
+use crate::output::{Cell, Format, Table, rounded};
+
+/// Options of `whirl cycles`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct CyclesArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    #[command(flatten)]
+    sweep: SweepArgs,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    deadband: &'a [f64],
+    points: Vec<PointDocument>,
+    /// Every branch as the threshold speed of a given amplitude: where whirl of that size neither grows nor decays.
+    thresholds: Vec<ThresholdDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct PointDocument {
+    speed: f64,
+    branches: Vec<BranchDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct BranchDocument {
+    /// Positive forward.
+    frequency: f64,
+    radius: Vec<f64>,
+    stable: bool,
+    /// Largest real part of the linearised motion in the rotating frame.
+    growth: f64,
+    /// The control force `|u|`.
+    force: f64,
+    /// Masses that press on their support bearing, counted from 1.
+    contact: Vec<usize>,
+}
+
+/// One branch from end to end.
+#[derive(Debug, Serialize)]
+struct ThresholdDocument {
+    ends: [End; 2],
+    /// Largest radius of any mass.
+    amplitude: Vec<f64>,
+    speed: Vec<f64>,
+    frequency: Vec<f64>,
+    stable: Vec<bool>,
+    /// Speeds at which cycles appear or vanish in pairs.
+    folds: Vec<f64>,
+}
+
+impl From<&Orbit> for BranchDocument {
+    fn from(orbit: &Orbit) -> Self {
+        Self {
+            frequency: orbit.frequency,
+            radius: orbit.radii(),
+            stable: orbit.is_stable(),
+            growth: orbit.growth,
+            force: orbit.force,
+            contact: contact(orbit),
+        }
+    }
+}
+
+impl From<&Curve> for ThresholdDocument {
+    fn from(curve: &Curve) -> Self {
+        Self {
+            ends: curve.ends,
+            amplitude: curve.orbits.iter().map(Orbit::largest_radius).collect(),
+            speed: curve.orbits.iter().map(|o| o.speed).collect(),
+            frequency: curve.orbits.iter().map(|o| o.frequency).collect(),
+            stable: curve.orbits.iter().map(Orbit::is_stable).collect(),
+            folds: curve.folds.iter().map(|&i| curve.orbits[i].speed).collect(),
+        }
+    }
+}
+
+/// Prints the cycles.
+///
+/// # Errors
+/// A machine that cannot be made, or eigenvalues that do not converge.
+pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
+    let (rotor, settings, speeds) = args.sweep.prepare(&args.machine)?;
+    let found = circular::cycles(&rotor, &settings.feedback, &settings.deadband, &speeds)?;
+
+    let headings = [&["speed", "branch", "frequency"], radius_headings(rotor.len()), &["stability"]].concat();
+    let mut table = Table::new(&headings);
+    for (speed, orbits) in found.speeds.iter().zip(&found.orbits) {
+        for (k, orbit) in orbits.iter().enumerate() {
+            let head = [Cell::from(*speed), Cell::from(&(k + 1)), Cell::from(orbit.frequency)];
+            let radii = orbit.radii().into_iter().map(Cell::from);
+            table.row(head.into_iter().chain(radii).chain([Cell::from(&stability(orbit))]));
+        }
+    }
+    let mut footer: Vec<String> = found.curves.iter().filter_map(describe).collect();
+    if found.orbits.iter().all(Vec::is_empty) {
+        footer.push("no self-excited circular limit cycle at any of these speeds".into());
+    }
+    let document = Document {
+        rotor: rotor.name(),
+        deadband: &settings.deadband,
+        points: found
+            .speeds
+            .iter()
+            .zip(&found.orbits)
+            .map(|(&speed, orbits)| PointDocument { speed, branches: orbits.iter().map(Into::into).collect() })
+            .collect(),
+        thresholds: found.curves.iter().map(Into::into).collect(),
+    };
+    let heading = format!(
+        "{}: exact limit cycles without unbalance, deadband {} e_t; radii in e_t, frequency in radians per tau",
+        rotor.name(),
+        listed(&settings.deadband)
+    );
+    args.format.print(&document, &heading, &table, &footer.join("\n"))
+}
+
+/// One branch in a sentence.
+fn describe(curve: &Curve) -> Option<String> {
+    let end = |orbit: &Orbit, end: End| {
+        let speed = rounded(orbit.speed);
+        match end {
+            End::Range => format!("R = {speed} (end of the range)"),
+            End::Unbounded => format!("R = {speed} (amplitude without bound)"),
+            End::ContactLost => format!("R = {speed} (last contact lost)"),
+            End::Closed => format!("R = {speed} (closed)"),
+            End::Lost => format!("R = {speed} (followed no further)"),
+        }
+    };
+    let (first, last) = (curve.orbits.first()?, curve.orbits.last()?);
+    let folds: Vec<f64> = curve.folds.iter().map(|&i| curve.orbits[i].speed).collect();
+    let turning = if folds.is_empty() { String::new() } else { format!(", turning back at {}", listed(&folds)) };
+    Some(format!(
+        "threshold speed over amplitude: {} to {}{turning}",
+        end(first, curve.ends[0]),
+        end(last, curve.ends[1])
+    ))
+}

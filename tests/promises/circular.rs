@@ -1,0 +1,67 @@
+//! `whirl response` and `whirl cycles`: the documented fields, and exact numbers behind them.
+
+use promises::run;
+
+#[test]
+fn response_lists_every_branch_at_every_speed() {
+    let document = run(&["response", "jeffcott", "--feedback", "cancel", "--over", "0..5", "--json"]).json();
+    let points = document["points"].as_array().unwrap();
+    assert_eq!(points.len(), 61);
+    let last = &points[60];
+    assert_eq!(last["speed"], 5.0);
+    assert_eq!(last["branches"].as_array().unwrap().len(), 1);
+    let branch = &last["branches"][0];
+    assert!((branch["force"].as_f64().unwrap() - 2.655_371).abs() < 5e-7 && branch["stable"] == true, "{branch}");
+    assert_eq!(branch["radius"].as_array().unwrap().len(), 1);
+}
+
+#[test]
+fn response_folds_where_the_clearance_makes_it_jump() {
+    let document = run(&["response", "--over", "0.1..1.5", "--points", "15", "--deadband", "1", "--json"]).json();
+    let folds: Vec<f64> = document["folds"].as_array().unwrap().iter().map(|f| f["speed"].as_f64().unwrap()).collect();
+    assert!(!folds.is_empty(), "{document}");
+    let most = document["points"].as_array().unwrap().iter().map(|p| p["branches"].as_array().unwrap().len()).max();
+    assert_eq!(most, Some(3));
+}
+
+#[test]
+fn cycles_list_frequency_radius_and_stability_and_the_thresholds_they_end_at() {
+    let document =
+        run(&["cycles", "three-mass", "--over", "0..7", "--deadband", "1", "--feedback", "composite", "--json"]).json();
+    let points = document["points"].as_array().unwrap();
+    assert_eq!(points.len(), 61);
+    let seen: Vec<_> = points.iter().flat_map(|p| p["branches"].as_array().unwrap()).collect();
+    assert!(seen.len() > 61);
+    for branch in seen {
+        assert!(branch["frequency"].is_f64() && branch["stable"].is_boolean(), "{branch}");
+        assert_eq!(branch["radius"].as_array().unwrap().len(), 3);
+    }
+    let off = run(&["cycles", "three-mass", "--over", "0..7", "--points", "29", "--deadband", "1", "--json"]).json();
+    let mut ends: Vec<f64> = off["thresholds"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|t| t["speed"].as_array().unwrap().last().unwrap().as_f64().unwrap())
+        .collect();
+    ends.sort_by(f64::total_cmp);
+    for (end, threshold) in ends.iter().zip([1.775_522, 4.101_250, 4.650_456]) {
+        assert!((end - threshold).abs() < 3e-4, "{end} for {threshold}");
+    }
+    assert_eq!(ends.len(), 3);
+    let none = run(&["cycles", "three-mass", "--over", "0..7", "--deadband", "0"]);
+    assert!(none.stdout.contains("no self-excited circular limit cycle"), "{none:?}");
+}
+
+#[test]
+fn bad_input_exits_2() {
+    for arguments in [
+        &["response", "--over", "3..1"][..],
+        &["response", "--over", "0..2000"],
+        &["cycles", "--over", "-1..3"],
+        &["cycles", "--over", "0..3", "--points", "0"],
+        &["response", "--over", "0..3", "--set", "speed=2"],
+    ] {
+        let ran = run(arguments);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{ran:?}");
+    }
+}
