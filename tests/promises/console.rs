@@ -198,6 +198,20 @@ fn signals_restore_the_terminal_and_end_the_simulation() {
 }
 
 #[test]
+fn a_panic_restores_the_terminal_tells_where_and_ends_the_simulation() {
+    let root = Root::new();
+    let mut screen = Screen::start(root.path(), &[], (100, 30));
+    screen.wait_words("RUNNING");
+    let pid = simulation_of(&root);
+    kill_process(Pid::from_raw(screen.pid() as i32).unwrap(), Signal::USR1).unwrap();
+    assert_eq!(screen.ended().exit_code(), 1);
+    assert!(!screen.is_taken());
+    assert!(screen.text().contains("a test asked for this panic"), "{}", screen.text());
+    assert!(!is_alive(pid));
+    assert_eq!(root.leftovers(), Vec::<String>::new());
+}
+
+#[test]
 fn a_killed_dashboard_takes_its_simulation_with_it() {
     let root = Root::new();
     let mut screen = Screen::start(root.path(), &[], (100, 30));

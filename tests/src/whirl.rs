@@ -1,5 +1,15 @@
-//! The program under test: `whirl` itself, with the same `main`.
+//! The program under test: `whirl` itself, with the same `main`, and one thing more: SIGUSR1 makes it panic, so that
+//! what a panic leaves behind can be looked at.
+
+use signal_hook::consts::SIGUSR1;
+use signal_hook::iterator::Signals;
 
 fn main() -> std::process::ExitCode {
+    let mut signals = Signals::new([SIGUSR1]).expect("SIGUSR1 can be handled");
+    std::thread::spawn(move || {
+        if signals.forever().next().is_some() {
+            panic!("a test asked for this panic");
+        }
+    });
     whirl::main()
 }

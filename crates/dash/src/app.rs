@@ -14,7 +14,7 @@ use crate::clerk::{self, Edit, Outcome};
 use crate::feed::{Contact, Feed, Picture};
 use crate::input::{self, Input};
 use crate::keymap::{self, Action};
-use crate::link::{self, Shared, lock};
+use crate::link::{self, Shared, Wires, lock};
 use crate::panels::settings::{Cursor, rows};
 use crate::panels::status::Message;
 use crate::screen::{self, View};
@@ -87,7 +87,10 @@ pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Ke
 
     // Signals first: from here on they end us in good order.
     let signals = input::signals(send_input.clone())?;
-    let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), send_bulletin, stop.clone())?;
+    let (wake, wakes) = channel::bounded(1);
+    let idle = Arc::new(AtomicBool::new(false));
+    let wires = Wires { bulletins: send_bulletin, wake, idle: idle.clone(), stop: stop.clone() };
+    let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
     let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
     let screen = Screen::take()?;
     input::keyboard(send_input, stop.clone())?;
@@ -100,10 +103,11 @@ pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Ke
         message: (Message::Hints, Instant::now()),
         help: false,
         frozen: None,
+        idle,
         told_end: false,
         quit: None,
     };
-    let ended = app.run(screen, &inputs, &outcomes);
+    let ended = app.run(screen, &inputs, &outcomes, &wakes);
     stop.store(true, Ordering::Relaxed);
     signals.close();
     drop(app);
@@ -124,6 +128,8 @@ struct App<'a> {
     help: bool,
     /// The picture at the time of the pause, while there is one.
     frozen: Option<Picture>,
+    /// Told to the reader while the picture is paused.
+    idle: Arc<AtomicBool>,
     told_end: bool,
     quit: Option<Ended>,
 }
@@ -134,6 +140,7 @@ impl App<'_> {
         mut screen: Screen,
         inputs: &Receiver<Input>,
         outcomes: &Receiver<Outcome>,
+        wakes: &Receiver<()>,
     ) -> Result<Ended, DashError> {
         let mut drawn = Drawn::default();
         loop {
@@ -165,6 +172,8 @@ impl App<'_> {
                     }
                     drawn.stale = true;
                 }
+                // A reader that has ended wakes nobody: then only the clock does.
+                recv(wakes) -> wake => drawn.stale |= wake.is_ok(),
                 recv(tick) -> _ => drawn.stale |= self.tick(),
             }
             if Screen::is_broken() {
@@ -341,6 +350,7 @@ impl App<'_> {
                     Some(_) => None,
                     None => Some(lock(&self.feed).picture(Instant::now())),
                 };
+                self.idle.store(self.frozen.is_some(), Ordering::Relaxed);
             }
             Action::Restart => self.restart(),
         }
@@ -392,6 +402,7 @@ mod tests {
             message: (Message::Hints, Instant::now()),
             help: false,
             frozen: None,
+            idle: Arc::default(),
             told_end: false,
             quit: None,
         };

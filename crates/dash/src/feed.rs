@@ -124,7 +124,12 @@ impl Feed {
         self.heard = Some(now);
         self.pace.count(now);
         self.contact = Contact::Live;
+        self.changes += 1;
         let tripped = state.flags.has(Flags::TRIPPED);
+        // A machine that is held would push what tripped it out of the picture.
+        if tripped && self.tripped {
+            return;
+        }
         let restarted = self.tripped && !tripped;
         if restarted || state.revision != self.revision {
             self.peak_force = 0.0;
@@ -139,7 +144,6 @@ impl Feed {
         }
         self.rows.extend([state.tau, state.angle, u_y, u_z]);
         self.rows.extend(state.points().iter().flat_map(|point| [point.y, point.z]));
-        self.changes += 1;
     }
 
     /// Takes in one bulletin.
@@ -369,6 +373,19 @@ pub(crate) mod tests {
         feed.hear(&State { run_id: 8, ..state(3, 0) }, now);
         let picture = feed.picture(now);
         assert_eq!((picture.lost, picture.track.len(), picture.masses()), (0, 1, 3));
+    }
+
+    #[test]
+    fn a_held_machine_keeps_the_picture_of_what_tripped_it() {
+        let now = Instant::now();
+        let mut feed = Feed::new("");
+        (0..10).for_each(|seq| feed.hear(&state(1, seq), now));
+        let held = |seq| State { flags: Flags::TRIPPED, ..state(1, seq) };
+        (10..500).for_each(|seq| feed.hear(&held(seq), now));
+        let picture = feed.picture(now);
+        assert_eq!((picture.track.len(), picture.tripped, picture.lost), (11, true, 0));
+        feed.hear(&state(1, 500), now);
+        assert_eq!(feed.picture(now).track.len(), 12);
     }
 
     #[test]

@@ -12,6 +12,8 @@ use crate::feed::{Contact, Feed};
 
 /// How often we look for new states: a fraction of a frame, and of the buffer at any rate.
 const POLL: Duration = Duration::from_millis(4);
+/// The same while the picture is paused.
+const IDLE_POLL: Duration = Duration::from_millis(40);
 /// How often we look for a bench that is not there.
 const RETRY: Duration = Duration::from_millis(25);
 /// Silence after which we ask whether the simulation lives.
@@ -26,19 +28,31 @@ pub(crate) fn lock(feed: &Shared) -> MutexGuard<'_, Feed> {
     feed.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Starts the reader. It ends when `stop` becomes true. Bulletins are also sent to `bulletins`.
+/// What the reader tells others, and is told.
+#[derive(Debug)]
+pub(crate) struct Wires {
+    /// Every bulletin, for the clerk.
+    pub(crate) bulletins: Sender<Arc<Bulletin>>,
+    /// A token when something has come that should not wait for the next frame.
+    pub(crate) wake: Sender<()>,
+    /// Nobody watches the motion: there is no hurry.
+    pub(crate) idle: Arc<AtomicBool>,
+    /// End.
+    pub(crate) stop: Arc<AtomicBool>,
+}
+
+/// Starts the reader.
 pub(crate) fn spawn<C: Carrier>(
     carrier: C,
     bench: BenchName,
     feed: Shared,
-    bulletins: Sender<Arc<Bulletin>>,
-    stop: Arc<AtomicBool>,
+    wires: Wires,
 ) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("reader".into()).spawn(move || {
-        while !stop.load(Ordering::Relaxed) {
+        while !wires.stop.load(Ordering::Relaxed) {
             match carrier.listen(&bench) {
                 Ok(listener) => {
-                    if let Err(error) = read(listener, &feed, &bulletins, &stop) {
+                    if let Err(error) = read(listener, &feed, &wires) {
                         tracing::warn!(%error, "lost the bench");
                         lock(&feed).stand(Contact::Waiting(error.to_string()));
                     }
@@ -57,40 +71,52 @@ pub(crate) fn spawn<C: Carrier>(
 }
 
 /// Reads until told to stop; a simulation that ends is waited for, and its successor heard.
-fn read(
-    mut listener: impl Listener,
-    feed: &Shared,
-    bulletins: &Sender<Arc<Bulletin>>,
-    stop: &AtomicBool,
-) -> Result<(), WireError> {
+fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(), WireError> {
     let attached = Instant::now();
-    while !stop.load(Ordering::Relaxed) {
+    let mut told = (0, false);
+    while !wires.stop.load(Ordering::Relaxed) {
         let bulletin = listener.bulletin()?;
         let now = Instant::now();
         let drained = {
             let mut feed = lock(feed);
             if let Some(bulletin) = bulletin {
                 // If the clerk is behind it has a newer one coming.
-                let _ = bulletins.try_send(Arc::new(*bulletin));
+                let _ = wires.bulletins.try_send(Arc::new(*bulletin));
+                let news = (bulletin.revision, bulletin.trip.is_tripped());
+                if news != told {
+                    told = news;
+                    // A token that still lies there will do.
+                    let _ = wires.wake.try_send(());
+                }
                 feed.read(bulletin);
             }
             listener.drain(|state| feed.hear(state, now))?
         };
+        let poll = if wires.idle.load(Ordering::Relaxed) { IDLE_POLL } else { POLL };
         if drained > 0 {
-            std::thread::sleep(POLL);
+            std::thread::sleep(poll);
             continue;
         }
         let silence = lock(feed).heard().unwrap_or(attached).elapsed();
         if silence > SILENCE {
             match listener.host() {
-                HostState::Gone => lock(feed).stand(Contact::Gone),
-                HostState::Alive if silence > STALL => lock(feed).stand(Contact::Stalled),
+                HostState::Gone => stand(feed, wires, Contact::Gone),
+                HostState::Alive if silence > STALL => stand(feed, wires, Contact::Stalled),
                 HostState::Alive => {}
             }
             std::thread::sleep(RETRY);
         } else {
-            std::thread::sleep(POLL);
+            std::thread::sleep(poll);
         }
     }
     Ok(())
+}
+
+/// Notes how things stand, and wakes the screen if that is new.
+fn stand(feed: &Shared, wires: &Wires, contact: Contact) {
+    let mut feed = lock(feed);
+    if *feed.contact() != contact {
+        feed.stand(contact);
+        let _ = wires.wake.try_send(());
+    }
 }

@@ -83,10 +83,14 @@ impl Plot {
         let Some([t0, t1]) = self.visible([x0, y0], [x1, y1]) else { return };
         let along = |t: f64| [x0 + (x1 - x0) * t, y0 + (y1 - y0) * t];
         let ([xa, ya], [xb, yb]) = (along(t0), along(t1));
-        let steps = (xb - xa).abs().max((yb - ya).abs()).ceil().max(1.0);
+        // From dot to dot in whole numbers, so that rounding leaves no gaps.
+        let (width, height) = self.size();
+        let whole = |value: f64, limit: f64| value.clamp(0.0, limit - 1.0).floor();
+        let (xa, xb, ya, yb) = (whole(xa, width), whole(xb, width), whole(ya, height), whole(yb, height));
+        let steps = (xb - xa).abs().max((yb - ya).abs());
         for step in 0..=steps as u32 {
-            let t = f64::from(step) / steps;
-            self.set(xa + (xb - xa) * t, ya + (yb - ya) * t, color);
+            let t = if steps > 0.0 { f64::from(step) / steps } else { 0.0 };
+            self.set((xa + (xb - xa) * t).round(), (ya + (yb - ya) * t).round(), color);
         }
     }
 

@@ -1,8 +1,9 @@
 //! The terminal: taken over, drawn on, and given back however we end.
 
 use std::io::{self, IsTerminal, Stdout, Write};
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, Once, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
 
 use crossterm::cursor::{Hide, Show};
 use crossterm::execute;
@@ -15,6 +16,10 @@ use ratatui::backend::CrosstermBackend;
 
 /// Whether the screen is ours at the moment.
 static TAKEN: AtomicBool = AtomicBool::new(false);
+/// Held while a frame is drawn, so that a panic in another thread does not give the terminal back in the middle of one.
+static DRAWING: Mutex<()> = Mutex::new(());
+/// How long a panic waits for a frame; its own thread may be the one that draws.
+const LAST_FRAME: Duration = Duration::from_millis(200);
 /// Whether any thread has panicked while the screen was ours.
 static PANICKED: AtomicBool = AtomicBool::new(false);
 
@@ -47,6 +52,10 @@ impl Screen {
 
     /// Draws one frame as a whole: terminals that can, show nothing until it is complete.
     pub(crate) fn draw(&mut self, frame: impl FnOnce(&mut ratatui::Frame<'_>)) -> io::Result<()> {
+        let _drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
+        if Self::is_broken() {
+            return Ok(());
+        }
         execute!(io::stdout(), BeginSynchronizedUpdate)?;
         let drawn = self.terminal.draw(frame).map(|_| ());
         execute!(io::stdout(), EndSynchronizedUpdate)?;
@@ -82,6 +91,10 @@ fn restore_on_panic() {
         std::panic::set_hook(Box::new(move |panic| {
             if TAKEN.load(Ordering::SeqCst) {
                 PANICKED.store(true, Ordering::SeqCst);
+                let start = Instant::now();
+                while matches!(DRAWING.try_lock(), Err(TryLockError::WouldBlock)) && start.elapsed() < LAST_FRAME {
+                    std::thread::sleep(Duration::from_millis(1));
+                }
                 give_back();
             }
             report(panic);

@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use wire::{BenchName, Bulletin, Carrier, Listener, Root, SharedMemory, WireError};
 
 use crate::failure::Failure;
+use crate::logging;
 
 /// How long a bench may take to say how it is: it does so ten times a second.
 const FIRST_WORD: Duration = Duration::from_secs(3);
@@ -32,7 +33,18 @@ impl BenchArgs {
 /// # Errors
 /// The root cannot be used.
 pub(crate) fn carrier(role: &str) -> Result<SharedMemory, Failure> {
+    logging::to_stderr();
     Ok(SharedMemory::new(&Root::from_environment()?, role)?)
+}
+
+/// The carrier for a dashboard, whose screen log lines must not reach.
+///
+/// # Errors
+/// The root cannot be used, or the log not be written.
+pub(crate) fn dashboard_carrier() -> Result<SharedMemory, Failure> {
+    let root = Root::from_environment()?;
+    logging::to_file(&root)?;
+    Ok(SharedMemory::new(&root, "dash")?)
 }
 
 /// The present bulletin of a bench.

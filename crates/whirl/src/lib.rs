@@ -16,6 +16,7 @@ mod cli;
 mod commands;
 mod failure;
 mod interrupt;
+mod logging;
 mod output;
 mod range;
 mod units;

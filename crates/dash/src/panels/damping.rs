@@ -60,10 +60,10 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
     } else {
         write(buffer, head, head.left(), head.top(), &format!("{number} {word}"), theme::loud(color));
     }
-    draw_history(&picture.damping, color, history, buffer);
+    draw_history(&picture.damping, history, buffer);
 }
 
-fn draw_history(damping: &[f64], color: ratatui::style::Color, area: Rect, buffer: &mut Buffer) {
+fn draw_history(damping: &[f64], area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
@@ -84,6 +84,7 @@ fn draw_history(damping: &[f64], color: ratatui::style::Color, area: Rect, buffe
     let offset = (columns - shown.len()) as f64 + 0.5;
     for (at, pair) in shown.windows(2).enumerate() {
         let x = offset + at as f64;
+        let color = theme::verdict(pair[1]).0;
         plot.line([x, pair[0]], [x + 1.0, pair[1]], color);
     }
     plot.paint(buffer);

@@ -31,7 +31,8 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
     let top = nice_ceiling(reach(|p| p.im.abs()) * 1.05);
     let left = nice_ceiling(reach(|p| -p.re) * 1.05);
     // The unstable side is always in view, wide enough to see a pole arrive.
-    let right = nice_ceiling(reach(|p| p.re) * 1.05).min(left).max(0.25 * left);
+    let furthest = reach(|p| p.re);
+    let right = if furthest > 0.0 { nice_ceiling(furthest * 1.05) } else { 0.0 }.max(0.25 * left);
     let mut plot = Plot::new(inner, Window { x: [-left, right], y: [-top, top] });
 
     for zeta in RAYS {

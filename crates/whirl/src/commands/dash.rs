@@ -35,7 +35,7 @@ pub(crate) fn ended(how: dash::Ended) -> Result<(), Failure> {
 /// No such bench, or no terminal.
 pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
-    let carrier = attach::carrier("dash")?;
+    let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
     match carrier.listen(&bench) {
         Err(error @ WireError::NoBench(_)) => return Err(error.into()),

@@ -23,7 +23,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<(), Failure> {
     // What is wrong with the command line is said here, not by the child.
     args.machine()?;
     let bench = args.options()?.bench;
-    let carrier = attach::carrier("dash")?;
+    let carrier = attach::dashboard_carrier()?;
     let mut simulation = Simulation::start(args)?;
     let shown = dash::run(carrier, &bench, Some(&mut simulation));
     simulation.end()?;

@@ -1,0 +1,34 @@
+# The front door. `just` alone lists what there is; every recipe is one command that also works without just.
+
+_default:
+    @just --list --unsorted
+
+# The bench, live: a simulation and a dashboard on it
+run *ARGS:
+    cargo run --release -- {{ARGS}}
+
+# All tests, as the README promises them
+test *ARGS:
+    cargo test --workspace {{ARGS}}
+
+# Formatting, clippy and docs, warnings denied
+lint:
+    cargo fmt --all --check
+    cargo clippy --workspace --all-targets -- -D warnings
+    RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
+# What must hold before a change lands
+ci:
+    .ci/run
+
+# What the README promises of the live bench, measured on this machine (2 minutes; Linux)
+measure:
+    cargo bench -p promises
+
+# Benchmarks of the numerics and of drawing, each beside a peer in the same process
+bench *ARGS:
+    cargo bench --workspace --exclude promises {{ARGS}}
+
+# Take over changed frames and texts of the snapshot tests, after reading them
+accept:
+    INSTA_UPDATE=always cargo test --workspace
