@@ -147,6 +147,8 @@ fn a_dashboard_outlives_its_simulation_and_picks_up_the_next() {
     screen.wait_words("STALLED");
     simulation.signal(Signal::CONT);
     screen.wait_words("RUNNING");
+    let steps = root.run(&["tail", "--every", "100", "--count", "3"]);
+    assert_eq!(steps.code, Some(0), "being stopped and continued is no harm: {steps:?}");
     simulation.signal(Signal::KILL);
     drop(simulation);
     screen.wait_words("SIMULATION GONE");

@@ -100,6 +100,22 @@ fn two_benches_run_side_by_side_and_a_taken_name_is_refused() {
 }
 
 #[test]
+fn a_stopped_simulation_is_listed_as_one_that_does_not_answer() {
+    let root = Root::new();
+    let simulation = root.simulate(&["--bench", "s"]);
+    simulation.signal(Signal::STOP);
+    let status = root.run(&["status", "--json"]).json();
+    let bench = &status["benches"][0];
+    assert_eq!((&bench["name"], &bench["answers"], &bench["rate_hz"]), (&"s".into(), &false.into(), &Value::Null));
+    assert_eq!(bench["pid"], simulation.pid());
+    let refused = root.run(&["set", "--bench", "s", "speed=1"]);
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.stderr.contains("bench 's' did not answer"), "{}", refused.stderr);
+    simulation.signal(Signal::CONT);
+    assert_eq!(simulation.end().code, Some(0));
+}
+
+#[test]
 fn no_bench_and_wrong_names_have_their_exit_codes() {
     let root = Root::new();
     for command in [&["set", "--bench", "x", "speed=1"][..], &["tail", "--bench", "x"], &["dash", "--bench", "x"]] {

@@ -5,5 +5,6 @@ mod console;
 mod files;
 mod linear;
 mod live;
+mod papers;
 mod poles;
 mod run;

@@ -160,6 +160,13 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_readme_has_the_same_table() {
+        let readme = include_str!("../../../README.md");
+        let table: String = BINDINGS.iter().map(|b| format!("| {} | {} |\n", b.keys, b.meaning)).collect();
+        assert!(readme.contains(&table), "README.md should have these lines:\n{table}");
+    }
+
+    #[test]
     fn no_chord_is_bound_twice() {
         let mut seen = Vec::new();
         for (code, modifiers, _) in BINDINGS.iter().flat_map(|binding| binding.chords) {

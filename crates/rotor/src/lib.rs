@@ -8,7 +8,7 @@
 //! for checking and for those who expect them.
 //!
 //! * [`Rotor`], [`Mass`]: the parameters. [`builtin`]: the report's two rotors and their feedback.
-//! * [`Scales`]: what an SI rotor keeps of its units. [`file`]: rotors and feedback as TOML text.
+//! * [`Scales`]: what an SI rotor keeps of its units. [`mod@file`]: rotors and feedback as TOML text.
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.

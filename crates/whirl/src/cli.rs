@@ -8,7 +8,7 @@ use crate::commands;
 ///
 /// Without a command, `whirl` starts a simulation of the three-mass rotor and a dashboard on it.
 #[derive(Debug, Parser)]
-#[command(name = "whirl", version, disable_help_subcommand = true)]
+#[command(name = "whirl", bin_name = "whirl", version, disable_help_subcommand = true)]
 pub(crate) struct Cli {
     /// What to do; `up` if nothing is said
     #[command(subcommand)]

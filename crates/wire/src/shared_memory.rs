@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use iceoryx2::node::NodeView;
 use iceoryx2::port::client::Client;
+use iceoryx2::port::listener::ListenerWaitError;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::server::Server;
@@ -356,7 +357,11 @@ impl Inbox for SharedInbox {
             if served > 0 || waited {
                 return Ok(served);
             }
-            self.bell.timed_wait(|_| (), patience).map_err(internal)?;
+            match self.bell.timed_wait(|_| (), patience) {
+                // A signal, such as the one that continues a stopped process, ends the wait and nothing else.
+                Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
+                Err(error) => return Err(internal(error)),
+            }
             waited = true;
         }
     }

@@ -243,6 +243,32 @@ fn in_shared_memory(root: &wire::Root) -> usize {
     })
 }
 
+/// A bench as another version of whirl would make it: the same services, another schema.
+#[test]
+fn a_bench_of_another_version_is_told_so_in_words() {
+    use iceoryx2::prelude::*;
+
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    let mut config = Config::default();
+    let path = root.path().join("iceoryx2");
+    config.global.set_root_path(&iceoryx2::prelude::Path::new(path.as_os_str().as_encoded_bytes()).unwrap());
+    config.global.prefix = FileName::new(root.prefix().as_bytes()).unwrap();
+    let node = NodeBuilder::new().name(&"sim".try_into().unwrap()).config(&config).create::<ipc::Service>().unwrap();
+    let _other = node
+        .service_builder(&"whirl/other/state".try_into().unwrap())
+        .publish_subscribe::<State>()
+        .create_with_attributes(
+            &AttributeSpecifier::new().define(&"whirl.schema".try_into().unwrap(), &"0".try_into().unwrap()).unwrap(),
+        )
+        .unwrap();
+    for refusal in [carrier.listen(&bench("other")).err(), carrier.host(&bench("other")).err()] {
+        let words = refusal.unwrap().to_string();
+        assert!(words.starts_with("bench 'other' was started by another version of whirl"), "{words}");
+    }
+}
+
 #[test]
 fn nothing_is_left_when_the_last_one_goes() {
     let dir = tempfile::tempdir().unwrap();

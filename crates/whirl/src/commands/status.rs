@@ -20,10 +20,12 @@ struct Document {
     benches: Vec<Bench>,
 }
 
-/// One bench, as scripts read it.
+/// One bench, as scripts read it. Of one that does not answer only the name and the processes are known: its numbers
+/// are `null` or 0.
 #[derive(Debug, Serialize)]
 struct Bench {
     name: String,
+    answers: bool,
     rotor: String,
     speed: f64,
     rate_hz: f64,
@@ -70,6 +72,7 @@ impl Bench {
         let health = &bulletin.health;
         Self {
             name,
+            answers: true,
             rotor: bulletin.rotor_name.as_str().to_owned(),
             speed: bulletin.settings.speed,
             rate_hz: bulletin.rate_hz,
@@ -85,8 +88,8 @@ impl Bench {
             step_cost_us: Cost { p50: health.cost_p50_us, p99: health.cost_p99_us },
             min_damping: (bulletin.analysis.count > 0).then_some(bulletin.analysis.min_damping),
             revision: bulletin.revision,
-            // Our own look at the bench is not one of its readers.
-            subscribers: health.subscribers,
+            // Our own look at the bench is not one of its readers, nor is a client that sets something.
+            subscribers: attached.iter().filter(|party| !["sim", "set"].contains(&party.role.as_str())).count() as u32,
             recording: attached.iter().any(|party| party.role == "record"),
             attached,
             tripped: bulletin.trip.is_tripped(),
@@ -94,6 +97,36 @@ impl Bench {
             run_id: format!("{:016x}", bulletin.run_id),
             pid: bulletin.pid,
             version: bulletin.version.as_str().to_owned(),
+        }
+    }
+}
+
+impl Bench {
+    /// A bench whose simulation lives but says nothing: it is stopped, or hopelessly behind.
+    fn silent(name: String, attached: Vec<Attached>) -> Self {
+        let unknown = f64::NAN;
+        let mut bulletin = Bulletin { rate_hz: unknown, dtau: unknown, ..Bulletin::default() };
+        bulletin.settings.speed = unknown;
+        let health = &mut bulletin.health;
+        for number in [
+            &mut health.lateness_p50_us,
+            &mut health.lateness_p99_us,
+            &mut health.lateness_max_us,
+            &mut health.cost_p50_us,
+            &mut health.cost_p99_us,
+        ] {
+            *number = unknown;
+        }
+        bulletin.pid = attached.iter().find(|party| party.role == "sim").map_or(0, |party| party.pid);
+        Self { answers: false, ..Self::new(name, &bulletin, attached) }
+    }
+
+    /// How it stands, for people.
+    fn state(&self) -> String {
+        match &self.trip {
+            _ if !self.answers => "DOES NOT ANSWER".into(),
+            Some(why) => format!("TRIPPED: {why}"),
+            None => "running".into(),
         }
     }
 }
@@ -108,12 +141,13 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
     for entry in carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running) {
         // One that ends while we look is no longer running.
         let Ok(mut listener) = carrier.listen(&entry.name) else { continue };
-        let Ok(bulletin) = attach::first_bulletin::<SharedMemory>(&mut listener, &entry.name) else { continue };
-        let attached = entry.parties.into_iter().map(|party| Attached { role: party.role, pid: party.pid });
-        let mut bench = Bench::new(entry.name.to_string(), &bulletin, attached.collect());
-        bench.subscribers =
-            bench.attached.iter().filter(|party| party.role != "sim" && party.role != "set").count() as u32;
-        benches.push(bench);
+        let bulletin = attach::first_bulletin::<SharedMemory>(&mut listener, &entry.name);
+        let attached = entry.parties.into_iter().map(|party| Attached { role: party.role, pid: party.pid }).collect();
+        let name = entry.name.to_string();
+        benches.push(match bulletin {
+            Ok(bulletin) => Bench::new(name, &bulletin, attached),
+            Err(_) => Bench::silent(name, attached),
+        });
     }
     let mut table = Table::new(&[
         "bench",
@@ -144,7 +178,7 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
             Cell::from(bench.lateness_us.p99),
             Cell::from(bench.lateness_us.max),
             Cell::from(&readers.join(" ")),
-            Cell::from(&bench.trip.as_ref().map_or_else(|| "running".to_owned(), |why| format!("TRIPPED: {why}"))),
+            Cell::from(&bench.state()),
         ]);
     }
     let footer = if benches.is_empty() { "no bench is running under this root: `whirl up` starts one" } else { "" };
