@@ -1,23 +1,23 @@
 //! The loop: input first, then answers, then the clock; and what each of them does.
 
 use std::io;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use rotor::{C64, Key};
-use wire::{BenchName, Carrier};
 
-use crate::clerk::{self, Edit, Outcome};
-use crate::feed::{Contact, Feed, Picture};
-use crate::input::{self, Input};
+use crate::clerk::{Edit, Outcome};
+use crate::feed::{Contact, Picture};
+use crate::input::Input;
 use crate::keymap::{self, Action};
-use crate::link::{self, Shared, Wires, lock};
+use crate::link::{Shared, lock};
 use crate::panels::settings::{Cursor, rows};
 use crate::panels::status::Message;
 use crate::screen::{self, View};
+use crate::session::{DashError, Ended, Keeper};
 use crate::terminal::Screen;
 
 /// Time between two frames while everything moves: 30 a second.
@@ -30,95 +30,20 @@ const SILENT_FRAME: Duration = Duration::from_millis(200);
 const MESSAGE: Duration = Duration::from_secs(6);
 /// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
 const IMPULSE: f64 = -2.5;
-/// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
-const EDITS_WAITING: usize = 64;
 
-/// Why the dashboard did not start, or could not go on.
-#[derive(Debug, thiserror::Error)]
-pub enum DashError {
-    /// Standard input or output is not a terminal.
-    #[error(
-        "no terminal here: `whirl sim` runs the simulation alone, `whirl tail` prints its telemetry, \
-         `whirl set` changes its settings"
-    )]
-    NoTerminal,
-    /// The terminal failed.
-    #[error("the terminal failed: {0}")]
-    Terminal(#[from] io::Error),
-    /// A thread panicked; its message is on the terminal.
-    #[error("the dashboard failed: the message above says where")]
-    Panicked,
-}
-
-/// What ended a dashboard that did its work.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Ended {
-    /// A person quit.
-    Quit,
-    /// A signal came, or the terminal went away.
-    Interrupted,
-}
-
-/// Whoever started the simulation, if it was us.
-pub trait Keeper {
-    /// How the simulation ended, once it has.
-    fn ended(&mut self) -> Option<String>;
-    /// Starts it again.
-    ///
-    /// # Errors
-    /// It cannot be started, in words.
-    fn revive(&mut self) -> Result<(), String>;
-}
-
-/// Shows `bench` on the terminal until a person or a signal ends it.
-///
-/// # Errors
-/// No terminal, or one that fails.
-pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Keeper>) -> Result<Ended, DashError> {
-    if !Screen::is_possible() {
-        return Err(DashError::NoTerminal);
-    }
-    let stop = Arc::new(AtomicBool::new(false));
-    let feed: Shared = Arc::new(Mutex::new(Feed::new(&format!("waiting for bench '{bench}'"))));
-    let (send_bulletin, bulletins) = channel::bounded(64);
-    let (edits, take_edits) = channel::bounded(EDITS_WAITING);
-    let (send_outcome, outcomes) = channel::unbounded();
-    let (send_input, inputs) = channel::unbounded();
-
-    // Signals first: from here on they end us in good order.
-    let signals = input::signals(send_input.clone())?;
-    let (wake, wakes) = channel::bounded(1);
-    let idle = Arc::new(AtomicBool::new(false));
-    let wires = Wires { bulletins: send_bulletin, wake, idle: idle.clone(), stop: stop.clone() };
-    let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
-    let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
-    let screen = Screen::take()?;
-    input::keyboard(send_input, stop.clone())?;
-    let mut app = App {
-        bench: bench.to_string(),
-        feed,
-        edits,
-        keeper,
-        cursor: Cursor::default(),
-        message: (Message::Hints, Instant::now()),
-        help: false,
-        frozen: None,
-        idle,
-        told_end: false,
-        quit: None,
-    };
-    let ended = app.run(screen, &inputs, &outcomes, &wakes);
-    stop.store(true, Ordering::Relaxed);
-    signals.close();
-    drop(app);
-    // Both hold shared memory: they must have let go before we report that we are done.
-    let _ = reader.join();
-    let _ = clerk.join();
-    ended
+/// All that the loop waits for, the most urgent first.
+#[derive(Debug)]
+pub(crate) struct Streams {
+    /// Keys, signals, resizes.
+    pub(crate) inputs: Receiver<Input>,
+    /// What became of edits.
+    pub(crate) outcomes: Receiver<Outcome>,
+    /// A token when the reader has something that should not wait for the next frame.
+    pub(crate) wakes: Receiver<()>,
 }
 
 /// What the dashboard knows beside the feed.
-struct App<'a> {
+pub(crate) struct App<'a> {
     bench: String,
     feed: Shared,
     edits: Sender<Edit>,
@@ -134,14 +59,32 @@ struct App<'a> {
     quit: Option<Ended>,
 }
 
-impl App<'_> {
-    fn run(
-        &mut self,
-        mut screen: Screen,
-        inputs: &Receiver<Input>,
-        outcomes: &Receiver<Outcome>,
-        wakes: &Receiver<()>,
-    ) -> Result<Ended, DashError> {
+impl<'a> App<'a> {
+    /// A dashboard on which nothing has been pressed yet.
+    pub(crate) fn new(
+        bench: String,
+        feed: Shared,
+        edits: Sender<Edit>,
+        keeper: Option<&'a mut dyn Keeper>,
+        idle: Arc<AtomicBool>,
+    ) -> Self {
+        Self {
+            bench,
+            feed,
+            edits,
+            keeper,
+            cursor: Cursor::default(),
+            message: (Message::Hints, Instant::now()),
+            help: false,
+            frozen: None,
+            idle,
+            told_end: false,
+            quit: None,
+        }
+    }
+
+    /// Shows the bench until a person, a signal or a failure ends it.
+    pub(crate) fn run(&mut self, mut screen: Screen, streams: &Streams) -> Result<Ended, DashError> {
         let mut drawn = Drawn::default();
         loop {
             if let Some(ended) = self.quit {
@@ -155,15 +98,15 @@ impl App<'_> {
             }
             let tick = channel::after(if self.frozen.is_some() { PAUSED_FRAME } else { FRAME });
             select_biased! {
-                recv(inputs) -> input => {
+                recv(streams.inputs) -> input => {
                     self.take(input.unwrap_or(Input::Closed));
                     // A burst of keys is one frame.
-                    while let Ok(input) = inputs.try_recv() {
+                    while let Ok(input) = streams.inputs.try_recv() {
                         self.take(input);
                     }
                     drawn.stale = true;
                 }
-                recv(outcomes) -> outcome => {
+                recv(streams.outcomes) -> outcome => {
                     if let Ok(outcome) = outcome {
                         self.tell(match outcome {
                             Outcome::Done(text) => Message::Good(text),
@@ -173,7 +116,7 @@ impl App<'_> {
                     drawn.stale = true;
                 }
                 // A reader that has ended wakes nobody: then only the clock does.
-                recv(wakes) -> wake => drawn.stale |= wake.is_ok(),
+                recv(streams.wakes) -> wake => drawn.stale |= wake.is_ok(),
                 recv(tick) -> _ => drawn.stale |= self.tick(),
             }
             if Screen::is_broken() {
@@ -384,28 +327,19 @@ struct Drawn {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Mutex;
+
     use super::*;
-    use crate::feed::tests;
+    use crate::feed::{Feed, tests};
 
     /// Presses keys on a dashboard with a feed of the three-mass rotor, and returns what it then wants.
     fn pressed(keys: &[KeyCode]) -> (Vec<Edit>, Cursor, Message, bool) {
         let mut feed = Feed::new("");
         feed.read(tests::bulletin("three-mass", "composite"));
         feed.hear(&tests::state(3, 0), Instant::now());
-        let (edits, taken) = channel::bounded(EDITS_WAITING);
-        let mut app = App {
-            bench: "default".into(),
-            feed: Arc::new(Mutex::new(feed)),
-            edits,
-            keeper: None,
-            cursor: Cursor::default(),
-            message: (Message::Hints, Instant::now()),
-            help: false,
-            frozen: None,
-            idle: Arc::default(),
-            told_end: false,
-            quit: None,
-        };
+        let (edits, taken) = channel::bounded(64);
+        let feed = Arc::new(Mutex::new(feed));
+        let mut app = App::new("default".into(), feed, edits, None, Arc::default());
         for code in keys {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }

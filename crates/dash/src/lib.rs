@@ -5,7 +5,7 @@
 //! ([`input`]) turns terminal events and signals into messages. The loop in [`app`] takes input first, then answers,
 //! then the clock, and draws a [`feed::Picture`], which is a copy: pausing stops the picture, never the data.
 //!
-//! [`run`] is all that other crates need.
+//! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
 
 mod app;
 mod clerk;
@@ -16,7 +16,8 @@ mod link;
 mod panels;
 mod plot;
 mod screen;
+mod session;
 mod terminal;
 mod theme;
 
-pub use app::{DashError, Ended, Keeper, run};
+pub use session::{DashError, Ended, Keeper, run};

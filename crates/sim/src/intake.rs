@@ -1,7 +1,7 @@
 //! The intake thread: checks requests, hands them over, computes poles, and publishes bulletins.
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+use std::time::{Duration, Instant};
 
 use rotor::{Rotor, Settings, Spectrum};
 use wire::message::{Analysis, Health, Request, Trip};
@@ -86,7 +86,7 @@ impl<'a> Intake<'a> {
 
     fn publish(&mut self, bulletins: &mut impl BulletinSender, listeners: usize) -> Result<(), WireError> {
         self.bulletin.number += 1;
-        self.bulletin.wall_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+        self.bulletin.wall_ns = crate::wall_ns();
         self.bulletin.health = self.gauge.health(self.exchange, listeners);
         self.news = false;
         bulletins.send(&self.bulletin)

@@ -123,7 +123,7 @@ pub fn run<C: Carrier>(
     let states = host.states()?;
 
     let started = Instant::now();
-    let started_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+    let started_ns = wall_ns();
     // Two processes started in the same nanosecond would still differ by their id.
     let run_id = started_ns.rotate_left(20) ^ u64::from(std::process::id());
     let exchange = Exchange::default();
@@ -136,7 +136,7 @@ pub fn run<C: Carrier>(
             intake.run(&host, stop)
         });
         let clerk = clerk.map_err(|error| WireError::Internal(format!("no thread for requests: {error}")))?;
-        let stepped = step_until(stop, states, engine, &exchange, options, started_ns, clerk.thread());
+        let stepped = step_until(stop, states, engine, &exchange, options, clerk.thread());
         let elapsed = started.elapsed();
         stop.store(true, Ordering::Relaxed);
         clerk.thread().unpark();
@@ -155,6 +155,11 @@ impl Drop for StopAtEnd<'_> {
     }
 }
 
+/// The wall clock, nanoseconds since 1970.
+fn wall_ns() -> u64 {
+    SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64
+}
+
 /// The stepping thread.
 fn step_until(
     stop: &AtomicBool,
@@ -162,11 +167,10 @@ fn step_until(
     mut engine: Engine,
     exchange: &Exchange,
     options: &Options,
-    started_ns: u64,
     clerk: &std::thread::Thread,
 ) -> Result<(), WireError> {
     clock::precise_sleep();
-    let clock = clock::Monotonic::start();
+    let (clock, started_ns) = (clock::Monotonic::start(), wall_ns());
     let mut pacer = Pacer::new(options.rate_hz);
     while !stop.load(Ordering::Relaxed) {
         let deadline = pacer.deadline_ns();

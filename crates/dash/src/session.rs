@@ -1,0 +1,90 @@
+//! One sitting at the dashboard: the threads, started and ended in order around the loop.
+
+use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+
+use crossbeam::channel;
+use wire::{BenchName, Carrier};
+
+use crate::app::{App, Streams};
+use crate::clerk;
+use crate::feed::Feed;
+use crate::input;
+use crate::link::{self, Shared, Wires};
+use crate::terminal::Screen;
+
+/// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
+const EDITS_WAITING: usize = 64;
+
+/// Why the dashboard did not start, or could not go on.
+#[derive(Debug, thiserror::Error)]
+pub enum DashError {
+    /// Standard input or output is not a terminal.
+    #[error(
+        "no terminal here: `whirl sim` runs the simulation alone, `whirl tail` prints its telemetry, \
+         `whirl set` changes its settings"
+    )]
+    NoTerminal,
+    /// The terminal failed.
+    #[error("the terminal failed: {0}")]
+    Terminal(#[from] io::Error),
+    /// A thread panicked; its message is on the terminal.
+    #[error("the dashboard failed: the message above says where")]
+    Panicked,
+}
+
+/// What ended a dashboard that did its work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Ended {
+    /// A person quit.
+    Quit,
+    /// A signal came, or the terminal went away.
+    Interrupted,
+}
+
+/// Whoever started the simulation, if it was us.
+pub trait Keeper {
+    /// How the simulation ended, once it has.
+    fn ended(&mut self) -> Option<String>;
+    /// Starts it again.
+    ///
+    /// # Errors
+    /// It cannot be started, in words.
+    fn revive(&mut self) -> Result<(), String>;
+}
+
+/// Shows `bench` on the terminal until a person or a signal ends it.
+///
+/// # Errors
+/// No terminal, or one that fails.
+pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Keeper>) -> Result<Ended, DashError> {
+    if !Screen::is_possible() {
+        return Err(DashError::NoTerminal);
+    }
+    let stop = Arc::new(AtomicBool::new(false));
+    let feed: Shared = Arc::new(Mutex::new(Feed::new(&format!("waiting for bench '{bench}'"))));
+    let (send_bulletin, bulletins) = channel::bounded(64);
+    let (edits, take_edits) = channel::bounded(EDITS_WAITING);
+    let (send_outcome, outcomes) = channel::unbounded();
+    let (send_input, inputs) = channel::unbounded();
+
+    // Signals first: from here on they end us in good order.
+    let signals = input::signals(send_input.clone())?;
+    let (wake, wakes) = channel::bounded(1);
+    let idle = Arc::new(AtomicBool::new(false));
+    let wires = Wires { bulletins: send_bulletin, wake, idle: idle.clone(), stop: stop.clone() };
+    let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
+    let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
+    let screen = Screen::take()?;
+    input::keyboard(send_input, stop.clone())?;
+    let mut app = App::new(bench.to_string(), feed, edits, keeper, idle);
+    let ended = app.run(screen, &Streams { inputs, outcomes, wakes });
+    stop.store(true, Ordering::Relaxed);
+    signals.close();
+    drop(app);
+    // Both hold shared memory: they must have let go before we report that we are done.
+    let _ = reader.join();
+    let _ = clerk.join();
+    ended
+}
