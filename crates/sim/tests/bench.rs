@@ -105,6 +105,7 @@ fn the_bulletin_tells_the_rotor_the_settings_and_the_poles() {
 #[test]
 fn a_change_of_settings_is_answered_with_the_step_that_took_it() {
     beside("composite", 1000.0, |bench, mut settings| {
+        bench.wait("steps before the change", |_, states| (states.len() >= 5).then_some(()));
         settings.speed = 3.0;
         let answer = bench.ask(&Change::Settings { base_revision: 1, settings: settings.clone() });
         assert_eq!((answer.is_accepted(), answer.revision), (true, 2));
