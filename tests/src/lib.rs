@@ -4,9 +4,12 @@ mod screen;
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub use screen::{PATIENCE, Screen};
+
+/// How long a process that was asked to end may take.
+pub(crate) const FAREWELL: Duration = Duration::from_secs(3);
 
 /// Where the program under test is: cargo builds it beside this package's tests.
 ///
@@ -138,6 +141,17 @@ impl Root {
     }
 }
 
+impl Drop for Root {
+    /// Sweeps what processes that a test killed have left in shared memory, which outlives the folder.
+    fn drop(&mut self) {
+        let start = Instant::now();
+        // A simulation whose dashboard was killed takes a moment to end.
+        while !self.leftovers().is_empty() && start.elapsed() < FAREWELL {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+}
+
 /// A running `whirl sim`, ended with the test.
 pub struct Simulation {
     child: Option<Child>,
@@ -175,9 +189,17 @@ impl Simulation {
 
 impl Drop for Simulation {
     fn drop(&mut self) {
-        if let Some(child) = &mut self.child {
-            let _ = child.kill();
-            let _ = child.wait();
+        let Some(child) = &mut self.child else { return };
+        let pid = rustix::process::Pid::from_raw(child.id() as i32);
+        // Asked to end it tidies up; a test may have stopped it, or it may not listen.
+        for signal in [rustix::process::Signal::TERM, rustix::process::Signal::CONT] {
+            let _ = pid.map(|pid| rustix::process::kill_process(pid, signal));
         }
+        let start = Instant::now();
+        while child.try_wait().is_ok_and(|ended| ended.is_none()) && start.elapsed() < FAREWELL {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        let _ = child.kill();
+        let _ = child.wait();
     }
 }

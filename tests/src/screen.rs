@@ -159,7 +159,14 @@ impl Screen {
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // A failed test leaves nothing running.
+        // A failed test leaves nothing running. Asked to end, the dashboard takes its simulation with it.
+        if let Some(pid) = self.child.process_id().and_then(|pid| rustix::process::Pid::from_raw(pid as i32)) {
+            let _ = rustix::process::kill_process(pid, rustix::process::Signal::TERM);
+        }
+        let start = Instant::now();
+        while self.child.try_wait().is_ok_and(|ended| ended.is_none()) && start.elapsed() < crate::FAREWELL {
+            std::thread::sleep(Duration::from_millis(2));
+        }
         let _ = self.child.kill();
         let _ = self.child.wait();
     }

@@ -106,7 +106,7 @@ impl fmt::Display for Summary {
     }
 }
 
-/// Simulates `rotor` under `settings` until `stop` becomes true.
+/// Simulates `rotor` under `settings` until `stop` becomes true. `ready` is called once the bench's name is ours.
 ///
 /// # Errors
 /// Options or settings out of range, a name that is taken, or ports that fail.
@@ -116,11 +116,13 @@ pub fn run<C: Carrier>(
     settings: Settings,
     options: &Options,
     stop: &AtomicBool,
+    ready: impl FnOnce(),
 ) -> Result<Summary, SimError> {
     options.check()?;
     settings.check(rotor)?;
     let host = carrier.host(&options.bench)?;
     let states = host.states()?;
+    ready();
 
     let started = Instant::now();
     let started_ns = wall_ns();

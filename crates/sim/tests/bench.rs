@@ -52,7 +52,7 @@ fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) 
     let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01 };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
-        let simulation = scope.spawn(|| sim::run(&carrier, &rotor, settings.clone(), &options, &stop));
+        let simulation = scope.spawn(|| sim::run(&carrier, &rotor, settings.clone(), &options, &stop, || ()));
         let start = Instant::now();
         let listener = loop {
             match carrier.listen(&options.bench) {
@@ -170,7 +170,7 @@ fn wrong_options_and_taken_names_are_refused() {
     let carrier = Memory::default();
     let never = AtomicBool::new(true);
     let told = |options: Options, settings: Settings| {
-        sim::run(&carrier, &rotor, settings, &options, &never).unwrap_err().to_string()
+        sim::run(&carrier, &rotor, settings, &options, &never, || unreachable!("never ready")).unwrap_err().to_string()
     };
     let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01 };
     let slow = Options { rate_hz: 0.0, ..options.clone() };

@@ -13,6 +13,9 @@ use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::{interrupt, output};
 
+/// What a child says once it simulates.
+pub(crate) const READY: &str = "ready\n";
+
 /// What a live bench simulates, and how fast: shared by `whirl sim` and `whirl up`.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LiveArgs {
@@ -39,9 +42,10 @@ pub(crate) struct LiveArgs {
 pub(crate) struct SimArgs {
     #[command(flatten)]
     live: LiveArgs,
-    /// End when standard input closes, as it does when the parent process dies
+    /// Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when
+    /// the parent dies
     #[arg(long, hide = true)]
-    until_stdin_closes: bool,
+    as_child: bool,
 }
 
 impl LiveArgs {
@@ -99,11 +103,17 @@ pub(crate) fn run(args: &SimArgs) -> Result<(), Failure> {
     let (rotor, settings) = args.live.machine()?;
     let options = args.live.options()?;
     let stop = interrupt::flag()?;
-    if args.until_stdin_closes {
+    if args.as_child {
         stop_when_stdin_closes(stop.clone());
     }
     let carrier = attach::carrier("sim")?;
-    let summary = sim::run(&carrier, &rotor, settings, &options, &stop)?;
+    let ready = || {
+        if args.as_child {
+            // A parent that does not listen will close our input too.
+            let _ = output::print_text(READY);
+        }
+    };
+    let summary = sim::run(&carrier, &rotor, settings, &options, &stop, ready)?;
     output::print_text(&format!("{summary}\n"))
 }
 

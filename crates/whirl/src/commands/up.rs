@@ -1,7 +1,7 @@
 //! `whirl up`: a simulation process and a dashboard on it; quitting the dashboard ends both.
 
 use std::fs::File;
-use std::io::{Read, Seek};
+use std::io::{BufRead, BufReader, Read, Seek};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
@@ -9,7 +9,7 @@ use dash::Keeper;
 
 use crate::attach;
 use crate::commands::dash::ended;
-use crate::commands::sim::LiveArgs;
+use crate::commands::sim::{LiveArgs, READY};
 use crate::failure::Failure;
 
 /// How long a simulation may take to end before it is killed.
@@ -24,7 +24,7 @@ pub(crate) fn run(args: &LiveArgs) -> Result<(), Failure> {
     args.machine()?;
     let bench = args.options()?.bench;
     let carrier = attach::dashboard_carrier()?;
-    let mut simulation = Simulation::start(args)?;
+    let mut simulation = Simulation::start(args.to_arguments())?;
     let shown = dash::run(carrier, &bench, Some(&mut simulation));
     simulation.end()?;
     ended(shown?)
@@ -40,19 +40,21 @@ struct Simulation {
 }
 
 impl Simulation {
-    fn start(args: &LiveArgs) -> Result<Self, Failure> {
-        let arguments = args.to_arguments();
+    /// Starts it and waits until the bench's name is its own, or it ends for lack of that: another's bench of the same
+    /// name must not be taken for it.
+    fn start(arguments: Vec<String>) -> Result<Self, Failure> {
         let (child, said) = spawn(&arguments)?;
         let mut simulation = Self { arguments, child, said, ended: None };
-        // One that is refused ends at once: its reason is ours, before the screen is taken over.
-        let start = Instant::now();
-        while start.elapsed() < Duration::from_millis(60) {
-            if simulation.has_ended() {
-                return Err(simulation.failure());
-            }
-            std::thread::sleep(Duration::from_millis(2));
+        let mut word = String::new();
+        if let Some(stdout) = &mut simulation.child.stdout {
+            // Reads to the end of the line, or of the process.
+            let _ = BufReader::new(stdout).read_line(&mut word);
         }
-        Ok(simulation)
+        if word == READY {
+            return Ok(simulation);
+        }
+        simulation.ended = simulation.child.wait().ok();
+        Err(simulation.failure())
     }
 
     fn has_ended(&mut self) -> bool {
@@ -114,8 +116,7 @@ impl Keeper for Simulation {
     }
 
     fn revive(&mut self) -> Result<(), String> {
-        (self.child, self.said) = spawn(&self.arguments).map_err(|failure| failure.to_string())?;
-        self.ended = None;
+        *self = Self::start(self.arguments.clone()).map_err(|failure| failure.to_string())?;
         Ok(())
     }
 }
@@ -127,7 +128,7 @@ fn spawn(arguments: &[String]) -> Result<(Child, File), Failure> {
     let child = Command::new(program)
         .args(arguments)
         .stdin(Stdio::piped())
-        .stdout(Stdio::null())
+        .stdout(Stdio::piped())
         .stderr(said.try_clone().map_err(failed)?)
         .spawn()
         .map_err(failed)?;
@@ -137,7 +138,7 @@ fn spawn(arguments: &[String]) -> Result<(Child, File), Failure> {
 impl LiveArgs {
     /// The command line of the simulation process.
     fn to_arguments(&self) -> Vec<String> {
-        let mut arguments = vec!["sim".to_owned(), self.machine.rotor.clone(), "--until-stdin-closes".to_owned()];
+        let mut arguments = vec!["sim".to_owned(), self.machine.rotor.clone(), "--as-child".to_owned()];
         let mut option = |name: &str, value: String| arguments.push(format!("--{name}={value}"));
         option("bench", self.bench.bench.clone());
         option("rate", self.rate.to_string());
