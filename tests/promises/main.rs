@@ -7,3 +7,4 @@ mod linear;
 mod live;
 mod poles;
 mod run;
+mod units;
