@@ -10,6 +10,9 @@ use crate::output::{Cell, rounded};
 use crate::range::Range;
 use crate::units::Units;
 
+/// The most speeds there can be: all orbits of a long rotor at more of them no longer fit into 200 MB.
+const MOST_POINTS: i64 = 20_000;
+
 /// The speeds, and settings that have no option of their own.
 #[derive(Debug, clap::Args)]
 pub(super) struct SweepArgs {
@@ -17,7 +20,7 @@ pub(super) struct SweepArgs {
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     over: Range,
     /// How many speeds, evenly spaced
-    #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..=MOST_POINTS))]
     points: u32,
     /// Any other setting, such as deadband.2=0.5 (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
