@@ -18,7 +18,7 @@ pub(crate) fn flag() -> Result<Arc<AtomicBool>, Failure> {
     for signal in SIGNALS {
         signal_hook::flag::register_conditional_shutdown(signal, 130, raised.clone())
             .and_then(|_| signal_hook::flag::register(signal, raised.clone()))
-            .map_err(unhandled)?;
+            .map_err(|error| unhandled(&error))?;
     }
     Ok(raised)
 }
@@ -30,10 +30,12 @@ pub(crate) fn flag() -> Result<Arc<AtomicBool>, Failure> {
 pub(crate) fn end_at_once() -> Result<(), Failure> {
     let raised = Arc::new(AtomicBool::new(true));
     SIGNALS.into_iter().try_for_each(|signal| {
-        signal_hook::flag::register_conditional_shutdown(signal, 130, raised.clone()).map(drop).map_err(unhandled)
+        signal_hook::flag::register_conditional_shutdown(signal, 130, raised.clone())
+            .map(drop)
+            .map_err(|error| unhandled(&error))
     })
 }
 
-fn unhandled(error: std::io::Error) -> Failure {
+fn unhandled(error: &std::io::Error) -> Failure {
     Failure::Work(format!("signals cannot be handled: {error}"))
 }

@@ -37,8 +37,8 @@ impl<T: std::fmt::Display> From<&T> for Cell {
 impl Table {
     /// An empty table under these headings.
     #[must_use]
-    pub(crate) fn new(header: impl IntoIterator<Item = impl AsRef<str>>) -> Self {
-        Self { header: header.into_iter().map(|heading| heading.as_ref().to_owned()).collect(), rows: Vec::new() }
+    pub(crate) fn new(header: &[impl AsRef<str>]) -> Self {
+        Self { header: header.iter().map(|heading| heading.as_ref().to_owned()).collect(), rows: Vec::new() }
     }
 
     /// Adds a row of as many cells as there are headings.
@@ -165,7 +165,7 @@ mod tests {
 
     #[test]
     fn csv_keeps_every_digit_and_quotes_words() {
-        let mut table = Table::new(["a", "b"]);
+        let mut table = Table::new(&["a", "b"]);
         table.row([Cell::from(0.1 + 0.2), Cell::from(&"x, y")]);
         assert_eq!(table.to_csv().expect("written"), "a,b\n0.30000000000000004,\"x, y\"\n");
         assert_eq!(table.to_text(), " a         b\n 0.300000  x, y\n");

@@ -100,7 +100,7 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 
     let first = [heading("speed", units, "rpm"), "branch".into(), heading("frequency", units, "Hz")];
-    let mut table = Table::new(headings(&first, rotor.len(), &["stability".into()], units));
+    let mut table = Table::new(&headings(&first, rotor.len(), &["stability".into()], units));
     for (speed, orbits) in found.speeds.iter().zip(&found.orbits) {
         for (k, orbit) in orbits.iter().enumerate() {
             // The sign tells the sense of whirl.

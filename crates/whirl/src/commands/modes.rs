@@ -143,7 +143,7 @@ fn shape_table(spectrum: &Spectrum, units: Units) -> Table {
 /// For spreadsheets: one row an orbit point.
 fn orbit_table(spectrum: &Spectrum, points: u16, units: Units) -> Table {
     let time = units.pick("tau", "t (s)");
-    let mut table = Table::new(["mode", "mass", time, "y", "z"]);
+    let mut table = Table::new(&["mode", "mass", time, "y", "z"]);
     for (k, mode) in spectrum.modes.iter().enumerate() {
         for (i, orbit) in orbits(mode, points).into_iter().flatten().enumerate() {
             for p in orbit {

@@ -103,7 +103,7 @@ pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
 
     let first = [heading("speed", units, "rpm"), "branch".into()];
     let last = [heading("force", units, "N"), "stability".into()];
-    let mut table = Table::new(headings(&first, rotor.len(), &last, units));
+    let mut table = Table::new(&headings(&first, rotor.len(), &last, units));
     let mass = machine.bearing_mass();
     for (speed, orbits) in found.speeds.iter().zip(&found.orbits) {
         for (k, orbit) in orbits.iter().enumerate() {
