@@ -96,6 +96,26 @@ fn assigned_poles_are_reported_with_their_error() {
 }
 
 #[test]
+fn val_assigned_feedback_reads_back_as_the_wanted_poles() {
+    let home = tempfile::tempdir().expect("a temporary directory");
+    let file = home.path().join("assigned.toml");
+    let file = file.to_str().expect("UTF-8");
+    let wanted = "-1,2;-1,-2;-0.5,1;-0.5,-1;-1,3;-1,-3";
+    let printed = run(&["assign", "three-mass", "--speed", "4", "--poles", wanted]);
+    assert_eq!(printed.code, Some(0), "{printed:?}");
+    std::fs::write(file, &printed.stdout).expect("written");
+    let document = run(&["poles", "three-mass", "--feedback", file, "--speed", "4", "--json"]).json();
+    let poles: Vec<(f64, f64)> =
+        list(&document["modes"]).iter().map(|mode| (number(&mode["re"]), number(&mode["im"]))).collect();
+    for pair in wanted.split(';') {
+        let (re, im) = pair.split_once(',').expect("a pair");
+        let (re, im): (f64, f64) = (re.parse().expect("a number"), im.parse().expect("a number"));
+        let error = poles.iter().map(|(a, b)| (a - re).hypot(b - im)).fold(f64::INFINITY, f64::min);
+        assert!(error < 1e-9, "{pair} is missed by {error:e}: {poles:?}");
+    }
+}
+
+#[test]
 fn a_mode_out_of_reach_is_named() {
     let wanted = "-1,2;-1,-2;-0.5,1;-0.5,-1;-1,3;-1,-3";
     let Ran { code, stdout, stderr } = run(&["assign", "--speed", "4", "--bearing", "2", "--poles", wanted]);
@@ -113,7 +133,7 @@ fn a_mode_out_of_reach_is_named() {
 fn the_cancelling_law_is_printed_as_a_feedback_file() {
     let printed = run(&["assign", "jeffcott", "--cancel", "--reference", "0.78"]);
     assert_eq!(printed.code, Some(0), "{printed:?}");
-    assert!(printed.stdout.contains("kc = { at_zero = 0.39, slope = -0.5 }\n"), "{printed:?}");
+    assert!(printed.stdout.contains("kc = { at_zero = 0.39, slope = -0.5 }"), "{printed:?}");
     let home = tempfile::tempdir().expect("a temporary directory");
     let file = home.path().join("law.toml");
     let written =

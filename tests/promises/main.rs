@@ -8,3 +8,4 @@ mod live;
 mod papers;
 mod poles;
 mod run;
+mod units;

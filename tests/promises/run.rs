@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use promises::{run, whirl};
+use promises::{interrupted, run, whirl};
 
 #[test]
 fn prints_the_promised_fields_and_the_reconstructed_impulse() {
@@ -128,6 +128,45 @@ fn writes_a_whole_file_or_none() {
 }
 
 #[test]
+fn an_interrupt_ends_every_analysis_with_130_and_half_a_result_nowhere() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.csv");
+    for arguments in [
+        &["force", "--over", "0.01..7", "--points", "5000", "--feedback", "composite"][..],
+        &["response", "--over", "0..7", "--points", "20000", "--deadband", "1"],
+        &["cycles", "--over", "0..7", "--points", "20000", "--deadband", "1", "--feedback", "composite"],
+        &["run", "--speed", "1", "--duration", "1e7", "--out", file.to_str().unwrap()],
+    ] {
+        let ran = interrupted(arguments);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(130), ""), "{arguments:?}: {ran:?}");
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_place_that_takes_no_file_is_refused_before_anything_is_computed() {
+    let folder = tempfile::tempdir().unwrap();
+    let directory = folder.path().join("taken.csv");
+    std::fs::create_dir(&directory).unwrap();
+    let nowhere = folder.path().join("missing").join("run.csv");
+    for (path, complaint) in
+        [(&directory, "is a directory: expected a file to write"), (&nowhere, "No such file or directory")]
+    {
+        let path = path.to_str().unwrap();
+        for arguments in [
+            // Minutes, if it were not refused first.
+            &["run", "--speed", "1", "--duration", "1e7", "--out", path][..],
+            &["assign", "jeffcott", "--cancel", "--out", path],
+        ] {
+            let ran = run(arguments);
+            assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{ran:?}");
+            assert!(ran.stderr.contains(complaint) && ran.stderr.contains(path), "{ran:?}");
+        }
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+}
+
+#[test]
 fn bad_input_exits_2_and_writes_nothing() {
     for (arguments, complaint) in [
         (&["--duration", "0"][..], "duration = 0: expected a finite number greater than 0"),
@@ -137,7 +176,7 @@ fn bad_input_exits_2_and_writes_nothing() {
         (&["--duration", "5", "--impulse", "mass=4,vy=1"], "impulse at mass 4, but three-mass has masses 1 to 3"),
         (&["--duration", "5", "--impulse", "mass=one"], "expected a mass, counted from 1"),
         (&["--duration", "5", "--psd", "mass=9"], "psd at mass 9, but three-mass has masses 1 to 3"),
-        (&["--duration", "5", "--dtau", "2"], "is too large for the mode at"),
+        (&["--duration", "5", "--dtau", "2"], "dtau = 2 is too large for the mode at"),
         (&["--duration", "5", "--dtau", "0"], "dtau = 0: expected a finite number greater than 0"),
         (&["--duration", "5", "--out", "x.rrd"], "recording to .rrd is not built in yet"),
         (&["--duration", "5", "--out", "x.txt"], "expected a file name that ends in .csv or .parquet"),
@@ -171,7 +210,7 @@ fn sweeps_the_force_over_speed_and_clearance() {
         assert_eq!(row[0], 0.0);
         assert!((row[10].as_f64().unwrap() - expected).abs() < 1e-6, "{row}");
     }
-    for over in ["5..1", "1..1", "fast"] {
+    for over in ["5..1", "1..1", "fast", "0..inf"] {
         assert_eq!(run(&["force", "jeffcott", "--over", over]).code, Some(2));
     }
     assert_eq!(run(&["force", "jeffcott", "--over", "0..1", "--deadband", "-1"]).code, Some(2));

@@ -44,6 +44,29 @@ fn ran(Output { status, stdout, stderr }: Output) -> Ran {
     Ran { code: status.code(), stdout: text(stdout), stderr: text(stderr) }
 }
 
+/// Starts `whirl` with these arguments, interrupts it once it listens to signals, and says how it ended.
+///
+/// # Panics
+/// If it cannot be started, or does not come to listen.
+#[must_use]
+pub fn interrupted(arguments: &[&str]) -> Ran {
+    let child = whirl().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("whirl starts");
+    let status = format!("/proc/{}/status", child.id());
+    // The signals it catches, in hexadecimal: SIGINT is the second lowest bit.
+    let catches = |status: &str| {
+        let mask = status.lines().find_map(|line| line.strip_prefix("SigCgt:"))?;
+        Some(u64::from_str_radix(mask.trim(), 16).ok()? & 2 != 0)
+    };
+    let start = Instant::now();
+    while std::fs::read_to_string(&status).ok().and_then(|status| catches(&status)) != Some(true) {
+        assert!(start.elapsed() < PATIENCE, "it does not listen to signals");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let pid = rustix::process::Pid::from_child(&child);
+    rustix::process::kill_process(pid, rustix::process::Signal::INT).expect("it is there");
+    ran(child.wait_with_output().expect("it ends"))
+}
+
 /// How a run of `whirl` ended.
 #[derive(Debug)]
 pub struct Ran {

@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use crate::family::{Node, Piece};
 use crate::follow::{Walk, defect, pair};
+use crate::trace::TraceError;
 use crate::{C64, PoleError};
 
 /// What changes sign.
@@ -41,6 +42,9 @@ pub(crate) struct Crossing {
     pub(crate) rising: bool,
 }
 
+/// Evaluations allowed: ordinary walks need a few hundred.
+const EVALUATIONS: usize = 40_000;
+
 /// Steps that a walk over the whole range is cut into at least.
 const STEPS: usize = 48;
 
@@ -51,10 +55,10 @@ const STEPS: usize = 48;
 /// Both ends belong to the range: what is zero there and moves away counts.
 ///
 /// # Errors
-/// An eigenvalue iteration that does not converge.
-pub(crate) fn crossings(pieces: &[Piece], cuts: &[f64], quantity: Quantity) -> Result<Vec<Crossing>, PoleError> {
+/// An eigenvalue iteration that does not converge, or more halving than is allowed.
+pub(crate) fn crossings(pieces: &[Piece], cuts: &[f64], quantity: Quantity) -> Result<Vec<Crossing>, TraceError> {
     let (Some(first), Some(last)) = (pieces.first(), pieces.last()) else { return Ok(Vec::new()) };
-    let budget = Cell::new(40_000);
+    let budget = Cell::new(EVALUATIONS);
     let mut at = Node::of(first, first.from, &budget)?.listed();
     let mut found = Vec::new();
     // Per branch, the sign it had last and the node at which it had it; a start on zero counts as the side it comes from.
@@ -82,7 +86,7 @@ pub(crate) fn crossings(pieces: &[Piece], cuts: &[f64], quantity: Quantity) -> R
                 }
             })?;
             if let Some(error) = failure {
-                return Err(error);
+                return Err(error.into());
             }
         }
     }

@@ -145,6 +145,11 @@ impl Node {
         self.noise[k] * (1.0 + self.rates[k].norm())
     }
 
+    /// Whether rounding is all that may tell modes `i` and `k` apart.
+    pub(crate) fn coincide(&self, i: usize, k: usize) -> bool {
+        (self.poles[i] - self.poles[k]).norm() <= self.noise[i] + self.noise[k]
+    }
+
     /// How many modes there are.
     pub(crate) fn len(&self) -> usize {
         self.poles.len()

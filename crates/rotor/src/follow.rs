@@ -9,8 +9,8 @@
 use std::cell::Cell;
 
 use crate::C64;
-use crate::PoleError;
 use crate::family::{Node, Piece};
+use crate::trace::TraceError;
 
 /// A step is halved at most this often: a millionth of a millionth of its length, below which rounding decides.
 const DEEPEST: u32 = 40;
@@ -18,7 +18,7 @@ const DEEPEST: u32 = 40;
 /// Walks along a piece, calling `visit` with both ends of every step that is believed.
 pub(crate) struct Walk<'a> {
     pub(crate) piece: &'a Piece,
-    /// Evaluations left for halving. Where none is left, steps are taken as they are: cost is bounded.
+    /// Evaluations left for halving: cost is bounded.
     pub(crate) budget: &'a Cell<usize>,
 }
 
@@ -27,14 +27,14 @@ impl Walk<'_> {
     /// `settled` is not, so that callers can ask for as much detail as they need.
     ///
     /// # Errors
-    /// An eigenvalue iteration that does not converge.
+    /// An eigenvalue iteration that does not converge, or no evaluations left for a step in doubt.
     pub(crate) fn to(
         &self,
         start: &Node,
         speed: f64,
         settled: &dyn Fn(&Node, &Node) -> bool,
         visit: &mut dyn FnMut(&Node, &Node),
-    ) -> Result<Node, PoleError> {
+    ) -> Result<Node, TraceError> {
         let end = Node::of(self.piece, speed, self.budget)?;
         self.advance(start, end, DEEPEST, settled, visit)
     }
@@ -46,14 +46,17 @@ impl Walk<'_> {
         depth: u32,
         settled: &dyn Fn(&Node, &Node) -> bool,
         visit: &mut dyn FnMut(&Node, &Node),
-    ) -> Result<Node, PoleError> {
+    ) -> Result<Node, TraceError> {
         let (order, sure) = pair(start, &end);
         let end = end.reordered(&order);
         let middle = 0.5 * (start.speed + end.speed);
-        let halvable = depth > 0 && self.budget.get() > 0 && start.speed < middle && middle < end.speed;
+        let halvable = depth > 0 && start.speed < middle && middle < end.speed;
         if !halvable || (sure && no_meeting(start, &end) && settled(start, &end)) {
             visit(start, &end);
             return Ok(end);
+        }
+        if self.budget.get() == 0 {
+            return Err(TraceError::Unresolved { speed: middle });
         }
         let middle = Node::of(self.piece, middle, self.budget)?;
         let middle = self.advance(start, middle, depth - 1, settled, visit)?;
@@ -79,7 +82,17 @@ pub(crate) fn pair(start: &Node, end: &Node) -> (Vec<usize>, bool) {
         sure = (0..size).all(|i| start.likeness(i, end, order[i]) > 0.5);
         return (order, sure);
     }
-    (best_first(start, end), false)
+    let order = best_first(start, end);
+    let sure = (0..size).all(|i| {
+        let predicted = start.poles[i] + start.rates[i] * step;
+        let off = |j: usize| (end.poles[j] - predicted).norm();
+        let own = order[i];
+        let rival = (0..size).find(|&j| off(j) + end.noise[j] + end.noise[own] < off(own));
+        // Modes that are one at both ends, by symmetry, are as good as each other.
+        let twins = (0..size).filter(|&k| start.coincide(i, k) && end.coincide(own, order[k]));
+        rival.is_none() && twins.map(|k| start.likeness(i, end, order[k])).sum::<f64>() > 0.5
+    });
+    (order, sure)
 }
 
 /// Pairs by prediction and likeness together, the clearest pair first.
@@ -126,7 +139,7 @@ fn no_meeting(start: &Node, end: &Node) -> bool {
                 continue;
             }
             // Two that coincide at both ends, by symmetry: which is which has no meaning.
-            if w0.norm() <= start.noise[i] + start.noise[j] && w1.norm() <= end.noise[i] + end.noise[j] {
+            if start.coincide(i, j) && end.coincide(i, j) {
                 continue;
             }
             let error = own + defect(start, end, j);
@@ -143,4 +156,26 @@ fn no_meeting(start: &Node, end: &Node) -> bool {
 pub(crate) fn hermite(w0: C64, d0: C64, w1: C64, d1: C64, s: f64) -> C64 {
     let rest = 1.0 - s;
     w0 * (rest * rest * (1.0 + 2.0 * s)) + d0 * (s * rest * rest) + w1 * (s * s * (3.0 - 2.0 * s)) - d1 * (s * s * rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+    use crate::family::pieces;
+
+    #[test]
+    fn a_walk_that_may_not_look_as_often_as_it_must_says_where_it_ended() {
+        let rotor = builtin::rotor("three-mass").expect("built in");
+        let feedback = builtin::feedback(&rotor, "off").expect("fits any");
+        let pieces = pieces(&rotor, &feedback, 0.0, 6.0);
+        let walk = |budget: usize| {
+            let budget = Cell::new(budget);
+            let start = Node::of(&pieces[0], 0.0, &budget)?;
+            let never = |a: &Node, b: &Node| b.speed - a.speed < 0.01;
+            Walk { piece: &pieces[0], budget: &budget }.to(&start, 6.0, &never, &mut |_, _| ()).map(|end| end.speed)
+        };
+        assert_eq!(walk(2_000), Ok(6.0));
+        assert!(matches!(walk(20), Err(TraceError::Unresolved { speed }) if speed > 0.0 && speed < 6.0));
+    }
 }

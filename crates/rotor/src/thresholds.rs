@@ -54,7 +54,8 @@ impl std::fmt::Display for Stability {
 /// A mode that touches the threshold without crossing it, or stays on it at every speed, has none.
 ///
 /// # Errors
-/// Speeds that are not finite or do not rise, or an eigenvalue iteration that does not converge.
+/// Speeds that are not finite or do not rise, an eigenvalue iteration that does not converge, or modes that cannot be told
+/// apart.
 pub fn thresholds(rotor: &Rotor, feedback: &Feedback, from: f64, to: f64) -> Result<Vec<Threshold>, TraceError> {
     if !(from.is_finite() && to.is_finite() && from < to) {
         return Err(TraceError::Speeds);

@@ -53,6 +53,14 @@ pub enum TraceError {
     /// The speeds are not finite, or do not rise.
     #[error("the speeds of a trace must be finite and rise")]
     Speeds,
+    /// Modes come so close, or so often, that following them takes more evaluations than are allowed.
+    #[error(
+        "the modes near R = {speed} cannot be told apart in the evaluations allowed: try a narrower range of speeds"
+    )]
+    Unresolved {
+        /// Where it came to an end.
+        speed: f64,
+    },
     /// The poles cannot be computed.
     #[error(transparent)]
     Poles(#[from] PoleError),
@@ -64,7 +72,7 @@ pub enum TraceError {
 /// `follow`. The result does not depend on how fine `speeds` is.
 ///
 /// # Errors
-/// Speeds that do not rise, or an eigenvalue iteration that does not converge.
+/// Speeds that do not rise, an eigenvalue iteration that does not converge, or modes that cannot be told apart.
 pub fn trace(rotor: &Rotor, feedback: &Feedback, speeds: &[f64]) -> Result<Trace, TraceError> {
     let rising = speeds.windows(2).all(|w| w[0] < w[1]) && speeds.iter().all(|s| s.is_finite());
     let (Some(&from), Some(&to), true) = (speeds.first(), speeds.last(), rising) else {
@@ -113,7 +121,7 @@ impl Trace {
 /// speeds `from..=to`; branches are numbered as [`trace`] from the same `from` does.
 ///
 /// # Errors
-/// Speeds that do not rise, or an eigenvalue iteration that does not converge.
+/// Speeds that do not rise, an eigenvalue iteration that does not converge, or modes that cannot be told apart.
 pub fn critical_speeds(
     rotor: &Rotor,
     feedback: &Feedback,

@@ -17,6 +17,8 @@ const STEADY: f64 = 1e-9;
 const ROUNDING: f64 = 1e-13;
 const BEATING: f64 = 1e-3;
 const FEWEST_IN_BLOCK: usize = 24;
+/// Windows kept: a run that beats on for longer goes on in windows twice as long.
+const MOST_WINDOWS: usize = 1 << 12;
 /// Windows over which the largest change is taken.
 const SPAN: usize = 4;
 
@@ -95,20 +97,33 @@ pub(crate) struct Detector {
     masses: usize,
     windows: Vec<Stretch>,
     changes: Vec<f64>,
+    /// How many of the windows that come are one of those kept, and those that do not make up one yet.
+    each: usize,
+    begun: Vec<Stretch>,
     verdict: Option<(Settled, usize)>,
 }
 
 impl Detector {
     pub(crate) fn new(masses: usize) -> Self {
-        Self { masses, windows: Vec::new(), changes: Vec::new(), verdict: None }
+        Self { masses, windows: Vec::new(), changes: Vec::new(), each: 1, begun: Vec::new(), verdict: None }
     }
 
     /// Takes the next window; whether the motion has settled by now.
     pub(crate) fn push(&mut self, window: Stretch) -> bool {
+        if let (Some(_), Some(last)) = (self.verdict, self.windows.last_mut()) {
+            *last = last.joined(&window);
+            return true;
+        }
+        self.begun.push(window);
+        if self.begun.len() < self.each {
+            return false;
+        }
+        let Some(window) = all(&self.begun) else { return false };
+        self.begun.clear();
         self.windows.push(window);
         let count = self.windows.len();
-        if self.verdict.is_some() || count < 2 {
-            return self.verdict.is_some();
+        if count < 2 {
+            return false;
         }
         self.changes.push(window.difference(&self.windows[count - 2], self.masses));
         if self.change_to_come() <= STEADY {
@@ -120,6 +135,11 @@ impl Detector {
             if before.difference(&after, self.masses) <= BEATING {
                 self.verdict = Some((Settled::Beating, count / 2));
             }
+        }
+        if self.verdict.is_none() && count == MOST_WINDOWS {
+            self.windows = self.windows.chunks(2).filter_map(all).collect();
+            self.changes = self.windows.windows(2).map(|w| w[1].difference(&w[0], self.masses)).collect();
+            self.each *= 2;
         }
         self.verdict.is_some()
     }
@@ -142,7 +162,52 @@ impl Detector {
     /// How it settled, and everything from there on; or, if it did not, the last half.
     pub(crate) fn result(&self) -> (Settled, Option<Stretch>) {
         let (settled, from) = self.verdict.unwrap_or((Settled::No, self.windows.len() / 2));
-        let rest = self.windows.get(from..).unwrap_or_default();
-        (settled, rest.split_first().map(|(first, rest)| rest.iter().fold(*first, |a, b| a.joined(b))))
+        let rest = all(self.windows.get(from..).unwrap_or_default());
+        let begun = all(&self.begun);
+        let both = rest.zip(begun).map(|(rest, begun)| rest.joined(&begun));
+        (settled, both.or(rest).or(begun))
+    }
+}
+
+/// All of them together.
+fn all(stretches: &[Stretch]) -> Option<Stretch> {
+    stretches.iter().copied().reduce(|a, b| a.joined(&b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A window whose one radius is `size`.
+    fn window(from: f64, size: f64) -> Stretch {
+        let mut window = Stretch::new(from);
+        (window.maxima[0], window.maxima[3]) = (size * size, size * size);
+        (window.radius_sum[0], window.samples) = (size, 1);
+        window
+    }
+
+    #[test]
+    fn a_run_that_never_settles_keeps_its_last_half_in_bounded_room() {
+        let mut detector = Detector::new(1);
+        let count = 5 * MOST_WINDOWS / 2;
+        // A slow ramp: no half is like the one before.
+        for i in 0..count {
+            assert!(!detector.push(window(i as f64, 1.0 + i as f64)));
+        }
+        assert!(detector.windows.len() < MOST_WINDOWS && detector.each == 4);
+        let (settled, Some(rest)) = detector.result() else { panic!("windows were seen") };
+        assert_eq!(settled, Settled::No);
+        assert!((rest.from - count as f64 / 2.0).abs() <= 4.0 && rest.maxima[0].sqrt() == count as f64);
+        assert_eq!(rest.samples as f64, count as f64 - rest.from);
+    }
+
+    #[test]
+    fn what_comes_after_the_verdict_counts() {
+        let mut detector = Detector::new(1);
+        let settled = (0..20).map(|i| detector.push(window(f64::from(i), 1.0))).position(|settled| settled);
+        assert!(settled.is_some());
+        assert!(detector.push(window(20.0, 2.0)));
+        let (settled, Some(rest)) = detector.result() else { panic!("windows were seen") };
+        assert_eq!((settled, rest.maxima[0]), (Settled::Steady, 4.0));
     }
 }

@@ -20,6 +20,9 @@ const FEWEST_SAMPLES: usize = 64;
 const FAINTEST: f64 = 1e-8;
 const MOST_PEAKS: usize = 8;
 
+/// Samples kept at most: the first half of them is given up for more, as a spectrum needs only the end of a long run.
+const MOST_SAMPLES: usize = 1 << 22;
+
 /// Keeps every so-many-th sample of one mass's orbit.
 #[derive(Clone, Debug)]
 pub struct Collector {
@@ -65,6 +68,11 @@ impl Observer for Collector {
                 self.times.0 = motion.tau;
             }
             self.times.1 = motion.tau;
+            if self.samples.len() == MOST_SAMPLES {
+                let apart = (self.times.1 - self.times.0) / MOST_SAMPLES as f64;
+                self.samples.drain(..MOST_SAMPLES / 2);
+                self.times.0 += apart * (MOST_SAMPLES / 2) as f64;
+            }
             self.samples.push(motion.displacement.get(self.mass).copied().unwrap_or_default());
         }
         self.seen += 1;

@@ -59,6 +59,19 @@ pub fn columns(masses: usize) -> Vec<String> {
     std::iter::once("tau".to_owned()).chain(per_mass).chain(["uy", "uz", "contact"].map(str::to_owned)).collect()
 }
 
+/// A new file beside `target`, to be given that name once it is whole. It has the rights of any new file, not those of a
+/// secret, and is removed when dropped.
+///
+/// # Errors
+/// The folder does not exist or cannot be written.
+pub fn beside(target: &Path) -> io::Result<NamedTempFile> {
+    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    tempfile::Builder::new()
+        .prefix(".whirl-")
+        .suffix(".part")
+        .make_in(folder, |path| File::options().read(true).write(true).create_new(true).open(path))
+}
+
 /// Writes one sample in every `stride`.
 pub struct Writer {
     target: PathBuf,
@@ -80,14 +93,8 @@ impl Writer {
     /// # Errors
     /// The folder does not exist or cannot be written.
     pub fn create(target: &Path, form: Form, masses: usize, stride: u64) -> io::Result<Self> {
-        let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        // A new file has the rights of any new file, not those of a secret.
-        let file = tempfile::Builder::new()
-            .prefix(".whirl-")
-            .suffix(".part")
-            .make_in(folder, |path| File::options().read(true).write(true).create_new(true).open(path))?;
+        let file = beside(target)?;
         let names = columns(masses);
-        let file: NamedTempFile = file;
         let sink = match form {
             Form::Csv => {
                 let mut out = BufWriter::with_capacity(1 << 16, file);

@@ -9,6 +9,7 @@ use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
 
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::range::{Range, RangeError};
 use crate::units::Units;
 
 /// Why there is nothing to be had from a file.
@@ -154,6 +155,36 @@ impl Machine {
         }
         settings.check(&rotor)?;
         Ok(Self { rotor, settings })
+    }
+
+    /// The machine of a sweep over the speeds `over` as typed, all of which must be allowed, and that range of `R`.
+    ///
+    /// # Errors
+    /// As for [`Machine::open`].
+    pub(crate) fn open_over(args: &MachineArgs, over: Range) -> Result<(Self, Range), Failure> {
+        Self::open(args, Some(over.to), Default::Analysis)?;
+        let machine = Self::open(args, Some(over.from), Default::Analysis)?;
+        let [from, to] = [over.from, over.to].map(|end| machine.units().speed_from_typed(end));
+        // Ends that differ in the last place may fall together.
+        if from < to { Ok((machine, Range { from, to })) } else { Err(Failure::Usage(RangeError.to_string())) }
+    }
+
+    /// Changes its settings by `KEY=VALUE` each.
+    ///
+    /// # Errors
+    /// As for [`assign`].
+    pub(crate) fn set(&mut self, assignments: &[String]) -> Result<(), Failure> {
+        let units = self.units();
+        for assignment in assignments {
+            assign(&self.rotor, units, &mut self.settings, assignment)?;
+        }
+        Ok(self.settings.check(&self.rotor)?)
+    }
+
+    /// Mass ratio `Rm` of the mass that carries the control bearing, by which accelerations are forces.
+    #[must_use]
+    pub(crate) fn bearing_mass(&self) -> f64 {
+        self.rotor.masses()[self.settings.feedback.bearing].mass
     }
 
     /// What its numbers are typed and shown in.

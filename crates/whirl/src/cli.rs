@@ -41,17 +41,13 @@ pub(crate) enum Command {
     Clean(commands::clean::CleanArgs),
     /// Print eigenvalues and minimum damping at one speed
     Poles(commands::poles::PolesArgs),
-    /// List the built-in rotors, show one as a file, or check files
-    Rotor(commands::rotor::RotorArgs),
-    /// Follow every pole over speed; Campbell diagram
+    /// Print every pole as a branch over speed, or the Campbell diagram
     Trace(commands::trace::TraceArgs),
-    /// Find every speed at which a mode changes stability
+    /// Print every speed at which a mode changes stability
     Thresholds(commands::thresholds::ThresholdsArgs),
     /// Print mode shapes and orbits at one speed
     Modes(commands::modes::ModesArgs),
-    /// Make feedback that assigns poles, or see what bearings and sensors reach
-    Assign(commands::assign::AssignArgs),
-    /// Simulate offline, as fast as it goes
+    /// Simulate offline, as fast as it can
     Run(commands::run::RunArgs),
     /// Print the largest steady control force over speed
     Force(commands::force::ForceArgs),
@@ -59,6 +55,10 @@ pub(crate) enum Command {
     Response(commands::response::ResponseArgs),
     /// Print the exact self-excited limit cycles, all branches
     Cycles(commands::cycles::CyclesArgs),
+    /// Make feedback that assigns poles, or show which modes each bearing and sensor reaches
+    Assign(commands::assign::AssignArgs),
+    /// List the built-in rotors, show one as a file, or check files
+    Rotor(commands::rotor::RotorArgs),
 }
 
 /// Which machine: the options that every command on a rotor shares.

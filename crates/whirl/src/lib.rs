@@ -4,11 +4,10 @@
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
 //! * [`attach`] finds a running bench.
+//! * [`place`] is where a result goes that is a file.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
-//! * [`range`] reads `A..B`.
-//! * [`failure`] is every way to fail, with its exit code.
 //! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
-//! * [`range`] reads ranges of speed.
+//! * [`range`] reads ranges as typed, `A..B`.
 
 mod attach;
 mod catalog;
@@ -18,6 +17,7 @@ mod failure;
 mod interrupt;
 mod logging;
 mod output;
+mod place;
 mod range;
 mod units;
 

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 /// A table of numbers and words.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Table {
-    header: Vec<&'static str>,
+    header: Vec<String>,
     rows: Vec<Vec<Cell>>,
 }
 
@@ -37,8 +37,8 @@ impl<T: std::fmt::Display> From<&T> for Cell {
 impl Table {
     /// An empty table under these headings.
     #[must_use]
-    pub(crate) fn new(header: &[&'static str]) -> Self {
-        Self { header: header.to_vec(), rows: Vec::new() }
+    pub(crate) fn new(header: &[impl AsRef<str>]) -> Self {
+        Self { header: header.iter().map(|heading| heading.as_ref().to_owned()).collect(), rows: Vec::new() }
     }
 
     /// Adds a row of as many cells as there are headings.
@@ -87,8 +87,9 @@ pub(crate) fn rounded(number: f64) -> String {
     if size != 0.0 && !(1e-4..1e7).contains(&size) {
         return format!("{number:.5e}");
     }
-    let whole_digits = if size >= 1.0 { size.log10().floor() as usize + 1 } else { 0 };
-    format!("{number:.*}", 6_usize.saturating_sub(whole_digits))
+    // Digits before the point, or less the zeros behind it: what SI lengths need to keep theirs.
+    let leading = if size == 0.0 { 0 } else { size.log10().floor() as i32 + 1 };
+    format!("{number:.*}", usize::try_from(6 - leading).unwrap_or(0))
 }
 
 /// How a command's result is printed.
@@ -156,6 +157,7 @@ mod tests {
             (0.496_714_3, "0.496714"),
             (-12.345_678, "-12.3457"),
             (123_456.7, "123457"),
+            (0.000_265_123_4, "0.000265123"),
             (2.5e-7, "2.50000e-7"),
             (3e9, "3.00000e9"),
         ] {

@@ -7,6 +7,7 @@ use serde::Serialize;
 
 use crate::failure::Failure;
 use crate::output::rounded;
+use crate::range::Range;
 
 /// The units of one machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,6 +56,12 @@ impl Units {
         self.pick("e_t", "m")
     }
 
+    /// The unit of forces.
+    #[must_use]
+    pub(crate) fn force_unit(self) -> &'static str {
+        self.pick("w0^2 e_t", "N")
+    }
+
     /// Spin speed `R` of a speed as typed.
     #[must_use]
     pub(crate) fn speed_from_typed(self, typed: f64) -> f64 {
@@ -79,6 +86,30 @@ impl Units {
         self.0.map_or(length, |scales| scales.metres(length))
     }
 
+    /// Velocity in `e_t` per unit of `tau` of a velocity as typed.
+    #[must_use]
+    pub(crate) fn velocity_from_typed(self, typed: f64) -> f64 {
+        self.0.map_or(typed, |scales| scales.length(typed) / scales.w0)
+    }
+
+    /// Velocity as shown of a velocity in `e_t` per unit of `tau`.
+    #[must_use]
+    pub(crate) fn velocity(self, velocity: f64) -> f64 {
+        self.0.map_or(velocity, |scales| scales.metres(velocity) * scales.w0)
+    }
+
+    /// Control force as shown of a control acceleration `u` on a mass of ratio `Rm`.
+    #[must_use]
+    pub(crate) fn force(self, acceleration: f64, mass_ratio: f64) -> f64 {
+        self.0.map_or(acceleration, |scales| scales.newtons(acceleration, mass_ratio))
+    }
+
+    /// A time as shown: in `tau`, or in seconds.
+    #[must_use]
+    pub(crate) fn time(self, tau: f64) -> f64 {
+        self.0.map_or(tau, |scales| scales.seconds(tau))
+    }
+
     /// Part of a pole as shown: per unit of `tau`, or per second.
     #[must_use]
     pub(crate) fn rate(self, rate: f64) -> f64 {
@@ -98,6 +129,19 @@ impl Units {
             None => format!("R = {speed}"),
             Some(scales) => format!("{} rpm (R = {})", rounded(scales.rpm(speed)), rounded(speed)),
         }
+    }
+
+    /// `R in 0..6`, or `0..14324 rpm` of a range as typed.
+    #[must_use]
+    pub(crate) fn range_text(self, typed: Range) -> String {
+        self.pick(format!("R in {typed}"), format!("{typed} rpm"))
+    }
+
+    /// `tau = 40`, or `0.133333 s (tau = 40)`.
+    #[must_use]
+    pub(crate) fn time_text(self, tau: f64) -> String {
+        let dimensionless = format!("tau = {}", rounded(tau));
+        self.0.map_or(dimensionless.clone(), |scales| format!("{} s ({dimensionless})", rounded(scales.seconds(tau))))
     }
 
     /// What JSON says of the units.

@@ -3,10 +3,15 @@
 use rotor::circular::{self, Curve, End, Orbit};
 use serde::Serialize;
 
-use super::response::{SweepArgs, contact, listed, radius_headings, stability};
+use super::orbits::{
+    PointDocument, SweepArgs, contact, deadband_text, heading, headings, points, radii, speeds_text, stability,
+};
+use crate::catalog::Machine;
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
-use crate::output::{Cell, Format, Table, rounded};
+use crate::interrupt;
+use crate::output::{Cell, Format, Table};
+use crate::units::{Units, UnitsDocument};
 
 /// Options of `whirl cycles`.
 #[derive(Debug, clap::Args)]
@@ -24,15 +29,11 @@ pub(crate) struct CyclesArgs {
 struct Document<'a> {
     rotor: &'a str,
     deadband: &'a [f64],
-    points: Vec<PointDocument>,
+    points: Vec<PointDocument<BranchDocument>>,
     /// Every branch as the threshold speed of a given amplitude: where whirl of that size neither grows nor decays.
     thresholds: Vec<ThresholdDocument>,
-}
-
-#[derive(Debug, Serialize)]
-struct PointDocument {
-    speed: f64,
-    branches: Vec<BranchDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
 }
 
 #[derive(Debug, Serialize)]
@@ -93,56 +94,53 @@ impl From<&Curve> for ThresholdDocument {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
-    let (rotor, settings, speeds) = args.sweep.prepare(&args.machine)?;
-    let found = circular::cycles(&rotor, &settings.feedback, &settings.deadband, &speeds)?;
+    interrupt::end_at_once()?;
+    let (machine, speeds) = args.sweep.prepare(&args.machine)?;
+    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 
-    let headings = [&["speed", "branch", "frequency"], radius_headings(rotor.len()), &["stability"]].concat();
-    let mut table = Table::new(&headings);
+    let first = [heading("speed", units, "rpm"), "branch".into(), heading("frequency", units, "Hz")];
+    let mut table = Table::new(&headings(&first, rotor.len(), &["stability".into()], units));
     for (speed, orbits) in found.speeds.iter().zip(&found.orbits) {
         for (k, orbit) in orbits.iter().enumerate() {
-            let head = [Cell::from(*speed), Cell::from(&(k + 1)), Cell::from(orbit.frequency)];
-            let radii = orbit.radii().into_iter().map(Cell::from);
-            table.row(head.into_iter().chain(radii).chain([Cell::from(&stability(orbit))]));
+            // The sign tells the sense of whirl.
+            let head = [units.speed(*speed).into(), Cell::from(&(k + 1)), Cell::from(units.frequency(orbit.frequency))];
+            table.row(head.into_iter().chain(radii(orbit, units)).chain([Cell::from(&stability(orbit))]));
         }
     }
-    let mut footer: Vec<String> = found.curves.iter().filter_map(describe).collect();
+    let mut footer: Vec<String> = found.curves.iter().filter_map(|curve| describe(curve, units)).collect();
     if found.orbits.iter().all(Vec::is_empty) {
         footer.push("no self-excited circular limit cycle at any of these speeds".into());
     }
     let document = Document {
         rotor: rotor.name(),
         deadband: &settings.deadband,
-        points: found
-            .speeds
-            .iter()
-            .zip(&found.orbits)
-            .map(|(&speed, orbits)| PointDocument { speed, branches: orbits.iter().map(Into::into).collect() })
-            .collect(),
+        points: points(&found),
         thresholds: found.curves.iter().map(Into::into).collect(),
+        units: units.document(),
     };
-    let heading = format!(
-        "{}: exact limit cycles without unbalance, deadband {} e_t; radii in e_t, frequency in radians per tau",
-        rotor.name(),
-        listed(&settings.deadband)
-    );
+    let dimensionless = units.pick("; radii in e_t, frequency in radians per tau", "");
+    let heading =
+        format!("{}: exact limit cycles without unbalance, {}{dimensionless}", rotor.name(), deadband_text(&machine));
     args.format.print(&document, &heading, &table, &footer.join("\n"))
 }
 
 /// One branch in a sentence.
-fn describe(curve: &Curve) -> Option<String> {
+fn describe(curve: &Curve, units: Units) -> Option<String> {
     let end = |orbit: &Orbit, end: End| {
-        let speed = rounded(orbit.speed);
+        let speed = speeds_text(&[orbit.speed], units);
         match end {
-            End::Range => format!("R = {speed} (end of the range)"),
-            End::Unbounded => format!("R = {speed} (amplitude without bound)"),
-            End::ContactLost => format!("R = {speed} (last contact lost)"),
-            End::Closed => format!("R = {speed} (closed)"),
-            End::Lost => format!("R = {speed} (followed no further)"),
+            End::Range => format!("{speed} (end of the range)"),
+            End::Unbounded => format!("{speed} (amplitude without bound)"),
+            End::ContactLost => format!("{speed} (last contact lost)"),
+            End::Closed => format!("{speed} (closed)"),
+            End::Lost => format!("{speed} (followed no further)"),
         }
     };
     let (first, last) = (curve.orbits.first()?, curve.orbits.last()?);
     let folds: Vec<f64> = curve.folds.iter().map(|&i| curve.orbits[i].speed).collect();
-    let turning = if folds.is_empty() { String::new() } else { format!(", turning back at {}", listed(&folds)) };
+    let turning =
+        if folds.is_empty() { String::new() } else { format!(", turning back at {}", speeds_text(&folds, units)) };
     Some(format!(
         "threshold speed over amplitude: {} to {}{turning}",
         end(first, curve.ends[0]),

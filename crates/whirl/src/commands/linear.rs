@@ -1,12 +1,9 @@
-//! What the commands on the linear rotor share: sweeps over speed, and modes as scripts read them.
+//! What the commands on the linear rotor share: modes as scripts read them.
 
-use rotor::{C64, Feedback, Mode, Rotor, Whirl};
+use rotor::{C64, Mode, Whirl};
 use serde::Serialize;
 
-use crate::catalog::{self, Machine};
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
-use crate::range::Range;
 
 /// Why `log_dec` is `null`.
 pub(super) const REAL_POLE: &str = "the pole is real: it does not whirl";
@@ -52,20 +49,11 @@ impl From<&Mode> for PoleDocument {
     }
 }
 
-/// The machine of a sweep, every speed of which must be allowed.
-///
-/// # Errors
-/// A machine that cannot be made, or a speed out of range.
-pub(super) fn swept(args: &MachineArgs, over: Range) -> Result<(Rotor, Feedback), Failure> {
-    Machine::open(args, Some(over.from), catalog::Default::Analysis)?;
-    let Machine { rotor, settings } = Machine::open(args, Some(over.to), catalog::Default::Analysis)?;
-    Ok((rotor, settings.feedback))
-}
-
 impl From<rotor::TraceError> for Failure {
     fn from(error: rotor::TraceError) -> Self {
         match error {
             rotor::TraceError::Speeds => Self::Usage(error.to_string()),
+            rotor::TraceError::Unresolved { .. } => Self::Work(error.to_string()),
             rotor::TraceError::Poles(error) => error.into(),
         }
     }

@@ -7,6 +7,7 @@ pub(crate) mod dash;
 pub(crate) mod force;
 mod linear;
 pub(crate) mod modes;
+mod orbits;
 pub(crate) mod poles;
 pub(crate) mod response;
 pub(crate) mod rotor;
@@ -36,14 +37,14 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Status(args) => status::run(&args),
         Command::Clean(args) => clean::run(&args),
         Command::Poles(args) => poles::run(&args),
-        Command::Rotor(args) => rotor::run(&args),
         Command::Trace(args) => trace::run(&args),
         Command::Thresholds(args) => thresholds::run(&args),
         Command::Modes(args) => modes::run(&args),
-        Command::Assign(args) => assign::run(&args),
         Command::Run(args) => run::run(&args),
         Command::Force(args) => force::run(&args),
         Command::Response(args) => response::run(&args),
         Command::Cycles(args) => cycles::run(&args),
+        Command::Assign(args) => assign::run(&args),
+        Command::Rotor(args) => rotor::run(&args),
     }
 }

@@ -8,13 +8,14 @@ use crate::catalog::{self, Machine};
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::output::{Cell, Format, Table};
+use crate::units::{Units, UnitsDocument};
 
 /// Options of `whirl modes`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ModesArgs {
     #[command(flatten)]
     machine: MachineArgs,
-    /// Spin speed R = w / w0
+    /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
     /// Points of an orbit, the last of which ends the whirl period
@@ -30,6 +31,8 @@ struct Document<'a> {
     rotor: &'a str,
     speed: f64,
     modes: Vec<ModeDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
 }
 
 /// One mode. `orbits[i]` is the path of mass i + 1 over one whirl period, `p_i = shape_i exp(lambda tau)`: an exact solution of
@@ -75,8 +78,9 @@ fn orbits(mode: &Mode, points: u16) -> Option<Vec<Vec<OrbitPoint>>> {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
-    let Machine { rotor, settings } = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
-    let spectrum = Spectrum::of(&settings.closed_loop(&rotor))?;
+    let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let spectrum = Spectrum::of(&settings.closed_loop(rotor))?;
     let document = Document {
         rotor: rotor.name(),
         speed: settings.speed,
@@ -96,28 +100,36 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
                 }
             })
             .collect(),
+        units: units.document(),
     };
-    let heading =
-        format!("{} at R = {}, deadband neglected; largest mass 1, phase in degrees", rotor.name(), args.speed);
+    let heading = format!(
+        "{} at {}, deadband neglected; largest mass 1, phase in degrees",
+        rotor.name(),
+        units.speed_text(settings.speed)
+    );
     let footer =
         "orbit: p = shape exp(lambda tau); negative phase lags in the sense of the spin; points with --json or --csv";
-    let table = if args.format.csv { orbit_table(&spectrum, args.points) } else { shape_table(&spectrum) };
+    let table =
+        if args.format.csv { orbit_table(&spectrum, args.points, units) } else { shape_table(&spectrum, units) };
     args.format.print(&document, &heading, &table, footer)
 }
 
 /// For people: one row a mode and mass.
-fn shape_table(spectrum: &Spectrum) -> Table {
-    let mut table = Table::new(&["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"]);
+fn shape_table(spectrum: &Spectrum, units: Units) -> Table {
+    let mut table = Table::new(units.pick(
+        &["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"],
+        &["mode", "re (1/s)", "im (rad/s)", "whirl", "period (s)", "mass", "radius", "phase"],
+    ));
     for (k, mode) in spectrum.modes.iter().enumerate() {
         for (i, p) in mode.shape.iter().enumerate() {
             // What is rounding reads as the zero that it stands for.
             let tidy = |x: f64| if x.abs() < 1e-12 { 0.0 } else { x };
             let (radius, phase) = (tidy(p.norm()), tidy(p.arg().to_degrees()));
             let phase = if radius == 0.0 { 0.0 } else { phase };
-            let of_mode = [mode.pole.re, mode.pole.im].map(Cell::from);
+            let of_mode = [mode.pole.re, mode.pole.im].map(|part| Cell::from(units.rate(part)));
             let [re, im] = if i == 0 { of_mode } else { [Cell::from(&""), Cell::from(&"")] };
             let (name, whirl, period) = if i == 0 {
-                let period = period(mode).map_or_else(|| Cell::from(&"none"), Cell::from);
+                let period = period(mode).map_or_else(|| Cell::from(&"none"), |tau| units.time(tau).into());
                 (Cell::from(&(k + 1)), Cell::from(&mode.whirl()), period)
             } else {
                 (Cell::from(&""), Cell::from(&""), Cell::from(&""))
@@ -129,12 +141,19 @@ fn shape_table(spectrum: &Spectrum) -> Table {
 }
 
 /// For spreadsheets: one row an orbit point.
-fn orbit_table(spectrum: &Spectrum, points: u16) -> Table {
-    let mut table = Table::new(&["mode", "mass", "tau", "y", "z"]);
+fn orbit_table(spectrum: &Spectrum, points: u16, units: Units) -> Table {
+    let time = units.pick("tau", "t (s)");
+    let mut table = Table::new(&["mode", "mass", time, "y", "z"]);
     for (k, mode) in spectrum.modes.iter().enumerate() {
         for (i, orbit) in orbits(mode, points).into_iter().flatten().enumerate() {
             for p in orbit {
-                table.row([Cell::from(&(k + 1)), Cell::from(&(i + 1)), p.tau.into(), p.y.into(), p.z.into()]);
+                table.row([
+                    Cell::from(&(k + 1)),
+                    Cell::from(&(i + 1)),
+                    units.time(p.tau).into(),
+                    p.y.into(),
+                    p.z.into(),
+                ]);
             }
         }
     }

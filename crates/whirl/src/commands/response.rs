@@ -1,15 +1,17 @@
 //! `whirl response`: the exact synchronous response under unbalance, every branch over speed.
 
 use rotor::circular::{self, Circular, Curve, End, Orbit};
-use rotor::{Rotor, Settings};
 use serde::Serialize;
 
-use crate::catalog::{self, Machine};
+use super::orbits::{
+    PointDocument, SweepArgs, contact, deadband_text, heading, headings, points, radii, speeds_text, stability,
+};
+use crate::catalog::Machine;
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::{Cell, Format, Table};
-use crate::range::Range;
-use crate::units::Units;
+use crate::units::UnitsDocument;
 
 /// Options of `whirl response`.
 #[derive(Debug, clap::Args)]
@@ -17,39 +19,9 @@ pub(crate) struct ResponseArgs {
     #[command(flatten)]
     machine: MachineArgs,
     #[command(flatten)]
-    pub(super) sweep: SweepArgs,
+    sweep: SweepArgs,
     #[command(flatten)]
     format: Format,
-}
-
-/// The speeds, and settings that have no option of their own.
-#[derive(Debug, clap::Args)]
-pub(super) struct SweepArgs {
-    /// Range of spin speeds
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Range,
-    /// How many speeds
-    #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..=100_000))]
-    points: u32,
-    /// Any other setting, such as deadband.2=0.5 (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
-}
-
-impl SweepArgs {
-    /// The machine, and the speeds, all of them in range.
-    pub(super) fn prepare(&self, machine: &MachineArgs) -> Result<(Rotor, Settings, Vec<f64>), Failure> {
-        Machine::open(machine, Some(self.over.from), catalog::Default::Analysis)?;
-        let Machine { rotor, mut settings } = Machine::open(machine, Some(self.over.to), catalog::Default::Analysis)?;
-        for assignment in &self.set {
-            if assignment.starts_with("speed=") {
-                return Err(Failure::Usage(format!("{assignment}: the speeds are those of --over")));
-            }
-            catalog::assign(&rotor, Units::of(&rotor), &mut settings, assignment)?;
-        }
-        settings.check(&rotor)?;
-        Ok((rotor, settings, self.over.points(self.points as usize)))
-    }
 }
 
 /// The JSON document.
@@ -57,16 +29,12 @@ impl SweepArgs {
 struct Document<'a> {
     rotor: &'a str,
     deadband: &'a [f64],
-    points: Vec<PointDocument>,
+    points: Vec<PointDocument<BranchDocument>>,
     /// Where a branch turns back: the jumps of a run-up and a coast-down.
     folds: Vec<FoldDocument>,
     curves: Vec<CurveDocument>,
-}
-
-#[derive(Debug, Serialize)]
-struct PointDocument {
-    speed: f64,
-    branches: Vec<BranchDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
 }
 
 #[derive(Debug, Serialize)]
@@ -123,73 +91,48 @@ impl From<&Curve> for CurveDocument {
     }
 }
 
-/// Masses in contact, counted from 1.
-pub(super) fn contact(orbit: &Orbit) -> Vec<usize> {
-    (0..orbit.amplitude.len()).filter(|k| orbit.contact >> k & 1 == 1).map(|k| k + 1).collect()
-}
-
-/// Headings of the radii, mass by mass.
-pub(super) fn radius_headings(masses: usize) -> &'static [&'static str] {
-    const HEADINGS: [&str; rotor::MAX_MASSES] =
-        ["r1", "r2", "r3", "r4", "r5", "r6", "r7", "r8", "r9", "r10", "r11", "r12", "r13", "r14", "r15", "r16"];
-    &HEADINGS[..masses.min(HEADINGS.len())]
-}
-
-/// `stable` or `unstable`.
-pub(super) fn stability(orbit: &Orbit) -> &'static str {
-    if orbit.is_stable() { "stable" } else { "unstable" }
-}
-
 /// Prints the response.
 ///
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
-    let (rotor, settings, speeds) = args.sweep.prepare(&args.machine)?;
-    let found = circular::synchronous(&rotor, &settings.feedback, &settings.deadband, &speeds)?;
+    interrupt::end_at_once()?;
+    let (machine, speeds) = args.sweep.prepare(&args.machine)?;
+    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let found = circular::synchronous(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 
-    let headings = [&["speed", "branch"], radius_headings(rotor.len()), &["force", "stability"]].concat();
-    let mut table = Table::new(&headings);
+    let first = [heading("speed", units, "rpm"), "branch".into()];
+    let last = [heading("force", units, "N"), "stability".into()];
+    let mut table = Table::new(&headings(&first, rotor.len(), &last, units));
+    let mass = machine.bearing_mass();
     for (speed, orbits) in found.speeds.iter().zip(&found.orbits) {
         for (k, orbit) in orbits.iter().enumerate() {
-            let head = [Cell::from(*speed), Cell::from(&(k + 1))];
-            let tail = [Cell::from(orbit.force), Cell::from(&stability(orbit))];
-            table.row(head.into_iter().chain(orbit.radii().into_iter().map(Cell::from)).chain(tail));
+            let head = [Cell::from(units.speed(*speed)), Cell::from(&(k + 1))];
+            let tail = [Cell::from(units.force(orbit.force, mass)), Cell::from(&stability(orbit))];
+            table.row(head.into_iter().chain(radii(orbit, units)).chain(tail));
         }
     }
-    let document = document(&rotor, &settings, &found);
-    let heading = format!(
-        "{}: exact synchronous response, deadband {} e_t; radii in e_t, force in w0^2 e_t",
-        rotor.name(),
-        listed(&settings.deadband)
-    );
+    let document = document(&machine, &found);
+    let dimensionless = units.pick("; radii in e_t, force in w0^2 e_t", "");
+    let heading = format!("{}: exact synchronous response, {}{dimensionless}", rotor.name(), deadband_text(&machine));
     let footer = match document.folds.len() {
         0 => String::new(),
         _ => {
             let speeds: Vec<f64> = document.folds.iter().map(|f| f.speed).collect();
-            format!("branches turn back at R = {}", listed(&speeds))
+            format!("branches turn back at {}", speeds_text(&speeds, units))
         }
     };
     args.format.print(&document, &heading, &table, &footer)
 }
 
-/// Numbers for people, separated by commas.
-pub(super) fn listed(numbers: &[f64]) -> String {
-    numbers.iter().map(|n| crate::output::rounded(*n)).collect::<Vec<_>>().join(", ")
-}
-
-fn document<'a>(rotor: &'a Rotor, settings: &'a Settings, found: &Circular) -> Document<'a> {
+fn document<'a>(machine: &'a Machine, found: &Circular) -> Document<'a> {
     let folds = found.curves.iter().flat_map(|curve| curve.folds.iter().map(|&i| &curve.orbits[i]));
     Document {
-        rotor: rotor.name(),
-        deadband: &settings.deadband,
-        points: found
-            .speeds
-            .iter()
-            .zip(&found.orbits)
-            .map(|(&speed, orbits)| PointDocument { speed, branches: orbits.iter().map(Into::into).collect() })
-            .collect(),
+        rotor: machine.rotor.name(),
+        deadband: &machine.settings.deadband,
+        points: points(found),
         folds: folds.map(|orbit| FoldDocument { speed: orbit.speed, radius: orbit.radii() }).collect(),
         curves: found.curves.iter().map(Into::into).collect(),
+        units: machine.units().document(),
     }
 }

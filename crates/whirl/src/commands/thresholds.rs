@@ -3,18 +3,20 @@
 use rotor::{Stability, Whirl};
 use serde::Serialize;
 
-use super::linear::swept;
+use crate::catalog::Machine;
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::{Cell, Format, Table};
 use crate::range::Range;
+use crate::units::UnitsDocument;
 
 /// Options of `whirl thresholds`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ThresholdsArgs {
     #[command(flatten)]
     machine: MachineArgs,
-    /// Spin speeds R to search, both ends included
+    /// Spin speeds R to search, both ends included (SI rotors: in rpm)
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     over: Range,
     #[command(flatten)]
@@ -26,6 +28,8 @@ pub(crate) struct ThresholdsArgs {
 struct Document<'a> {
     rotor: &'a str,
     thresholds: Vec<ThresholdDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
 }
 
 #[derive(Debug, Serialize)]
@@ -41,12 +45,18 @@ struct ThresholdDocument {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
-    let (rotor, feedback) = swept(&args.machine, args.over)?;
-    let found = rotor::thresholds(&rotor, &feedback, args.over.from, args.over.to)?;
-    let mut table = Table::new(&["speed", "frequency", "whirl ratio", "whirl", "becomes"]);
+    interrupt::end_at_once()?;
+    let (machine, over) = Machine::open_over(&args.machine, args.over)?;
+    let (rotor, units) = (&machine.rotor, machine.units());
+    let found = rotor::thresholds(rotor, &machine.settings.feedback, over.from, over.to)?;
+    let mut table = Table::new(units.pick(
+        &["speed", "frequency", "whirl ratio", "whirl", "becomes"],
+        &["speed (rpm)", "frequency (Hz)", "whirl ratio", "whirl", "becomes"],
+    ));
     for t in &found {
         let ratio = t.frequency / t.speed;
-        table.row([t.speed.into(), t.frequency.into(), ratio.into(), Cell::from(&t.whirl), Cell::from(&t.becomes)]);
+        let numbers = [units.speed(t.speed), units.frequency(t.frequency), ratio].map(Cell::from);
+        table.row(numbers.into_iter().chain([Cell::from(&t.whirl), Cell::from(&t.becomes)]));
     }
     let document = Document {
         rotor: rotor.name(),
@@ -54,11 +64,13 @@ pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
             .iter()
             .map(|t| ThresholdDocument { speed: t.speed, frequency: t.frequency, whirl: t.whirl, becomes: t.becomes })
             .collect(),
+        units: units.document(),
     };
+    let per = units.pick("; frequency per unit of tau = w0 t", "");
     let none = if found.is_empty() { "no mode changes stability" } else { "" };
     args.format.print(
         &document,
-        &format!("{} for R in {}, deadband neglected; frequency per unit of tau = w0 t", rotor.name(), args.over),
+        &format!("{} for {}, deadband neglected{per}", rotor.name(), units.range_text(args.over)),
         &table,
         none,
     )

@@ -3,11 +3,14 @@
 use rotor::{CriticalSpeed, Mode, Trace, Whirl};
 use serde::Serialize;
 
-use super::linear::{PoleDocument, swept};
+use super::linear::PoleDocument;
+use crate::catalog::Machine;
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
+use crate::units::{Units, UnitsDocument};
 
 /// The most points that a trace can have: beyond it, the document no longer fits into 200 MB.
 const MOST_POINTS: u64 = 20_000;
@@ -20,7 +23,7 @@ const ORDERS: [f64; 2] = [0.5, 1.0];
 pub(crate) struct TraceArgs {
     #[command(flatten)]
     machine: MachineArgs,
-    /// Spin speeds R, both ends included
+    /// Spin speeds R, both ends included (SI rotors: in rpm)
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     over: Range,
     /// How many speeds, evenly spaced
@@ -41,6 +44,8 @@ struct Document<'a> {
     min_damping: Vec<f64>,
     modes: Vec<Vec<PoleDocument>>,
     campbell: Campbell,
+    #[serde(flatten)]
+    units: UnitsDocument,
 }
 
 #[derive(Debug, Serialize)]
@@ -71,24 +76,28 @@ struct Critical {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
-    let (rotor, feedback) = swept(&args.machine, args.over)?;
+    interrupt::end_at_once()?;
+    let (machine, over) = Machine::open_over(&args.machine, args.over)?;
+    let (rotor, feedback, units) = (&machine.rotor, &machine.settings.feedback, machine.units());
     let points = usize::try_from(args.points).map_err(|_| Failure::Usage("too many points".into()))?;
-    let trace = rotor::trace(&rotor, &feedback, &args.over.points(points))?;
-    let critical = rotor::critical_speeds(&rotor, &feedback, args.over.from, args.over.to, &ORDERS)?;
-    let name = rotor.name();
-    let heading =
-        |what: &str| format!("{name}: {what} for R in {}, deadband neglected; per unit of tau = w0 t", args.over);
-    let document = || document(name, &trace, &critical);
-    if !args.campbell {
-        return args.format.print(&document(), &heading("poles"), &poles_table(&trace), &least(&trace));
-    }
-    if args.format.json {
-        return crate::output::print_json(&document());
-    }
-    args.format.print(&(), &heading("critical speeds"), &critical_table(&critical), "1X and 0.5X: |Im| = R and R / 2")
+    let trace = rotor::trace(rotor, feedback, &over.points(points))?;
+    let critical = rotor::critical_speeds(rotor, feedback, over.from, over.to, &ORDERS)?;
+    let (table, what, footer) = if args.campbell {
+        let lines =
+            units.pick("1X and 0.5X: |Im| = R and R / 2", "1X and 0.5X: whirl at and at half of the spin speed");
+        (critical_table(&critical, units), "critical speeds", lines.to_owned())
+    } else if args.format.json {
+        // A long table that nobody reads.
+        (Table::default(), "poles", String::new())
+    } else {
+        (poles_table(&trace, units), "poles", least(&trace, units))
+    };
+    let per = units.pick("; per unit of tau = w0 t", "");
+    let heading = format!("{}: {what} for {}, deadband neglected{per}", rotor.name(), units.range_text(args.over));
+    args.format.print(&document(rotor.name(), &trace, &critical, units), &heading, &table, &footer)
 }
 
-fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed]) -> Document<'a> {
+fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed], units: Units) -> Document<'a> {
     let points = 0..trace.speeds.len();
     let mode = |c: &CriticalSpeed| Mode { pole: c.pole, shape: vec![] };
     Document {
@@ -106,23 +115,27 @@ fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed]) ->
                 .map(|c| Critical { order: c.order, mode: c.branch, speed: c.speed, pole: (&mode(c)).into() })
                 .collect(),
         },
+        units: units.document(),
     }
 }
 
 /// One row a speed and branch: the long form that spreadsheets pivot.
-fn poles_table(trace: &Trace) -> Table {
-    let mut table = Table::new(&["speed", "mode", "re", "im", "damping", "log dec", "frequency", "whirl"]);
+fn poles_table(trace: &Trace, units: Units) -> Table {
+    let mut table = Table::new(units.pick(
+        &["speed", "mode", "re", "im", "damping", "log dec", "frequency", "whirl"],
+        &["speed (rpm)", "mode", "re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl"],
+    ));
     for (at, &speed) in trace.speeds.iter().enumerate() {
         for (k, branch) in trace.branches.iter().enumerate() {
             let mode = branch.mode(at);
             table.row([
-                speed.into(),
+                units.speed(speed).into(),
                 Cell::from(&(k + 1)),
-                mode.pole.re.into(),
-                mode.pole.im.into(),
+                units.rate(mode.pole.re).into(),
+                units.rate(mode.pole.im).into(),
                 mode.damping().into(),
                 mode.log_decrement().into(),
-                mode.frequency().into(),
+                units.frequency(mode.frequency()).into(),
                 Cell::from(&mode.whirl()),
             ]);
         }
@@ -130,16 +143,19 @@ fn poles_table(trace: &Trace) -> Table {
     table
 }
 
-fn critical_table(critical: &[CriticalSpeed]) -> Table {
-    let mut table = Table::new(&["line", "speed", "mode", "frequency", "damping", "whirl"]);
+fn critical_table(critical: &[CriticalSpeed], units: Units) -> Table {
+    let mut table = Table::new(units.pick(
+        &["line", "speed", "mode", "frequency", "damping", "whirl"],
+        &["line", "speed (rpm)", "mode", "frequency (Hz)", "damping", "whirl"],
+    ));
     for c in critical {
         let mode = Mode { pole: c.pole, shape: vec![] };
         let whirl: Whirl = c.whirl;
         table.row([
             Cell::from(&format!("{}X", c.order)),
-            c.speed.into(),
+            units.speed(c.speed).into(),
             Cell::from(&(c.branch + 1)),
-            mode.frequency().into(),
+            units.frequency(mode.frequency()).into(),
             mode.damping().into(),
             Cell::from(&whirl),
         ]);
@@ -147,9 +163,10 @@ fn critical_table(critical: &[CriticalSpeed]) -> Table {
     table
 }
 
-fn least(trace: &Trace) -> String {
+fn least(trace: &Trace, units: Units) -> String {
     let worst = trace.min_damping().into_iter().zip(&trace.speeds).min_by(|a, b| a.0.total_cmp(&b.0));
     worst.map_or(String::new(), |(zeta, speed)| {
-        format!("least minimum damping {} at R = {}", rounded(zeta), rounded(*speed))
+        let at = units.pick(format!("R = {}", rounded(*speed)), units.speed_text(*speed));
+        format!("least minimum damping {} at {at}", rounded(zeta))
     })
 }

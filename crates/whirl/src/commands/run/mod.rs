@@ -1,0 +1,169 @@
+//! `whirl run`: one simulation from rest, offline.
+
+mod print;
+mod typed;
+
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
+use study::spectrum::{self, Collector, Peak, Spectrum};
+use study::step_size::Fastest;
+use study::trajectory::{Form, Writer};
+
+use crate::catalog::{self, Machine};
+use crate::cli::MachineArgs;
+use crate::failure::Failure;
+use crate::output::Format;
+use crate::{interrupt, place};
+
+use typed::{ImpulseArg, MassArg};
+
+/// Options of `whirl run`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct RunArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Any other setting, such as deadband.2=0.5 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    set: Vec<String>,
+    /// Spin speed R = w / w0 (SI rotors: in rpm)
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: f64,
+    /// How long, in tau = w0 t for any rotor
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
+    duration: f64,
+    /// Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    dtau: Option<f64>,
+    /// Take maxima and means from this tau on [default: 0 with impulses, else from where transients have died]
+    #[arg(long, value_name = "T0", allow_negative_numbers = true)]
+    settle: Option<f64>,
+    /// A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)
+    #[arg(long, value_name = "IMPULSE", allow_hyphen_values = true)]
+    impulse: Vec<ImpulseArg>,
+    /// Write the trajectory, dimensionless for any rotor, to FILE.csv or FILE.parquet
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Write one step in every N
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..), requires = "out")]
+    every: u64,
+    /// Two-sided power spectral density of y + j z at a mass, once settled
+    #[arg(long, value_name = "mass=N")]
+    psd: Option<MassArg>,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// Simulates, and prints what came out.
+///
+/// # Errors
+/// A machine that cannot be made, a step that is too large, a file that cannot be written, an interrupt.
+pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
+    let mut machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    machine.set(&args.set)?;
+    let plan = plan(args, &machine)?;
+    let stop = interrupt::flag()?;
+
+    let last_impulse = plan.impulses.iter().map(|i| i.at).filter(|at| *at <= plan.duration).fold(0.0, f64::max);
+    let mut collector = args.psd.map(|MassArg(mass)| {
+        // A fifth of a radian of the fastest turn between samples keeps what is worth seeing well below Nyquist.
+        let fastest = Fastest::of(&plan.closed_loop).map_or(1.0, |f| f.frequency());
+        Collector::new(mass - 1, (0.2 / (plan.dtau * fastest)).max(1.0) as u64, last_impulse)
+    });
+    let mut writer = match &args.out {
+        Some(path) => Some(open(path, machine.rotor.len(), args.every)?),
+        None => None,
+    };
+    let mut observers: Vec<&mut dyn Observer> = Vec::new();
+    observers.extend(collector.as_mut().map(|c| c as &mut dyn Observer));
+    observers.extend(writer.as_mut().map(|w| w as &mut dyn Observer));
+
+    let began = Instant::now();
+    let outcome = study::run::run(&plan, &mut observers, &stop)?;
+    let seconds = began.elapsed().as_secs_f64();
+
+    let spectrum = match (&collector, args.psd) {
+        (Some(collector), Some(MassArg(mass))) => Some(psd(collector, mass, &outcome, machine.settings.speed)?),
+        _ => None,
+    };
+    if let Some(writer) = writer {
+        let path = args.out.as_deref().unwrap_or(Path::new(""));
+        writer.finish().map_err(|error| cannot_write(path, &error))?;
+    }
+    print::print(args.format, &machine, &plan, outcome, seconds, spectrum)
+}
+
+/// What to simulate, checked.
+fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
+    let (Machine { rotor, settings }, units) = (machine, machine.units());
+    let usage = |message: String| Err(Failure::Usage(message));
+    if !(args.duration.is_finite() && args.duration > 0.0) {
+        return usage(format!("duration = {}: expected a finite number greater than 0", args.duration));
+    }
+    if let Some(settle) = args.settle
+        && !(0.0..=args.duration).contains(&settle)
+    {
+        return usage(format!("settle = {settle}: expected a number from 0 to the duration, {}", args.duration));
+    }
+    let masses = args.impulse.iter().map(|i| ("impulse", i.mass)).chain(args.psd.map(|m| ("psd", m.0)));
+    for (what, mass) in masses {
+        if mass > rotor.len() {
+            return usage(format!("{what} at mass {mass}, but {} has masses 1 to {}", rotor.name(), rotor.len()));
+        }
+    }
+    let closed_loop = settings.closed_loop(rotor);
+    let fastest = Fastest::of(&closed_loop)?;
+    if let Some(dtau) = args.dtau {
+        fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
+    }
+    Ok(Plan {
+        closed_loop,
+        largest_clearance: settings.deadband.iter().copied().fold(0.0, f64::max),
+        impulses: args
+            .impulse
+            .iter()
+            .map(|i| Impulse { mass: i.mass - 1, change: i.change * units.velocity_from_typed(1.0), at: i.at })
+            .collect(),
+        dtau: args.dtau.unwrap_or_else(|| fastest.default_step()),
+        duration: args.duration,
+        settle: match args.settle {
+            Some(from) => Settle::From(from),
+            None if args.impulse.is_empty() => Settle::Detect,
+            None => Settle::From(0.0),
+        },
+    })
+}
+
+fn open(path: &Path, masses: usize, every: u64) -> Result<Writer, Failure> {
+    let form = Form::of(path).map_err(|error| Failure::Usage(error.to_string()))?;
+    place::check(path)?;
+    Writer::create(path, form, masses, every).map_err(|error| place::unfit(path, &error))
+}
+
+fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::Work(format!("cannot write '{}': {error}", path.display()))
+}
+
+impl From<RunError> for Failure {
+    fn from(error: RunError) -> Self {
+        match error {
+            RunError::Interrupted => Self::Interrupted,
+            RunError::TooLong(_) => Self::Usage(error.to_string()),
+            RunError::Observer(error) => Self::Work(format!("cannot write the trajectory: {error}")),
+        }
+    }
+}
+
+fn psd(
+    collector: &Collector,
+    mass: usize,
+    outcome: &Outcome,
+    speed: f64,
+) -> Result<(usize, Spectrum, Vec<Peak>), Failure> {
+    let (samples, apart) = collector.samples_from(outcome.maxima_from);
+    let spectrum = spectrum::welch(samples, apart, spectrum::segment_length(samples.len()))
+        .map_err(|error| Failure::Work(error.to_string()))?;
+    let peaks = spectrum.peaks(speed);
+    Ok((mass, spectrum, peaks))
+}

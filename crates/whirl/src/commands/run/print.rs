@@ -1,0 +1,159 @@
+//! What `whirl run` prints.
+
+use serde::Serialize;
+use study::run::{Outcome, Plan, Settled};
+use study::spectrum::{Peak, Spectrum};
+
+use crate::catalog::Machine;
+use crate::failure::Failure;
+use crate::output::{Cell, Format, Table, rounded};
+use crate::units::UnitsDocument;
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    speed: f64,
+    deadband: &'a [f64],
+    dtau: f64,
+    steps: u64,
+    seconds: f64,
+    diverged: bool,
+    diverged_at: Option<f64>,
+    /// How the motion came to rest; `given` where the command line said from when.
+    settled: Settled,
+    settled_at: Option<f64>,
+    maxima_from: f64,
+    max_force: f64,
+    max_force_component: f64,
+    max_displacement: Vec<f64>,
+    mean_radius: Vec<f64>,
+    #[serde(rename = "final")]
+    last: FinalDocument,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    psd: Option<PsdDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+#[derive(Debug, Serialize)]
+struct FinalDocument {
+    tau: f64,
+    masses: Vec<MassDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct MassDocument {
+    y: f64,
+    z: f64,
+    vy: f64,
+    vz: f64,
+}
+
+/// The spectrum; densities are per radian per unit of tau.
+#[derive(Debug, Serialize)]
+struct PsdDocument {
+    mass: usize,
+    window: &'static str,
+    segments: usize,
+    resolution: f64,
+    peaks: Vec<Peak>,
+    frequency: Vec<f64>,
+    density: Vec<f64>,
+}
+
+/// Prints what came out.
+///
+/// # Errors
+/// The output cannot be written.
+pub(super) fn print(
+    format: Format,
+    machine: &Machine,
+    plan: &Plan,
+    outcome: Outcome,
+    seconds: f64,
+    spectrum: Option<(usize, Spectrum, Vec<Peak>)>,
+) -> Result<(), Failure> {
+    let (Machine { rotor, settings }, units) = (machine, machine.units());
+    let mut table = Table::new(units.pick(
+        &["mass", "max radius", "mean radius", "y", "z", "vy", "vz"],
+        &["mass", "max radius (m)", "mean radius (m)", "y (m)", "z (m)", "vy (m/s)", "vz (m/s)"],
+    ));
+    let last = &outcome.last;
+    for (k, (p, v)) in last.displacement.iter().zip(&last.velocity).enumerate() {
+        let lengths = [outcome.max_displacement[k], outcome.mean_radius[k], p.re, p.im].map(|r| units.length(r));
+        let numbers = lengths.into_iter().chain([v.re, v.im].map(|v| units.velocity(v)));
+        table.row([Cell::from(&(k + 1))].into_iter().chain(numbers.map(Cell::from)));
+    }
+    let heading = format!(
+        "{} at {}, {} steps of {} to {}{}",
+        rotor.name(),
+        units.speed_text(settings.speed),
+        outcome.steps,
+        rounded(plan.dtau),
+        units.time_text(last.tau),
+        units.pick("; lengths in e_t, times in tau = w0 t, forces in w0^2 e_t", "; steps in tau = w0 t")
+    );
+    let force = |u: f64| {
+        let shown = rounded(units.force(u, machine.bearing_mass()));
+        units.pick(shown.clone(), format!("{shown} {}", units.force_unit()))
+    };
+    let mut footer = vec![format!(
+        "largest control force {}, largest component {}; maxima and means from {}{}",
+        force(outcome.max_force),
+        force(outcome.max_force_component),
+        units.time_text(outcome.maxima_from),
+        match outcome.settled {
+            Settled::Given => "",
+            Settled::Steady => ", where it had settled",
+            Settled::Beating => ", beating but bounded",
+            Settled::No => ", NOT settled",
+        }
+    )];
+    footer.extend(outcome.diverged_at.map(|at| format!("DIVERGED at {}", units.time_text(at))));
+    if let Some((mass, _, peaks)) = &spectrum {
+        let columns = units.pick("order, frequency, radius", "order, frequency in Hz, radius in m");
+        footer.push(format!("spectral lines of mass {mass} ({columns}):"));
+        footer.extend(peaks.iter().map(|p| {
+            let [frequency, radius] = [units.frequency(p.frequency), units.length(p.radius)].map(rounded);
+            format!("  {:>8}  {frequency:>10}  {radius:>10}", p.name)
+        }));
+    }
+    let document = Document {
+        rotor: rotor.name(),
+        speed: settings.speed,
+        deadband: &settings.deadband,
+        dtau: plan.dtau,
+        steps: outcome.steps,
+        seconds,
+        diverged: outcome.diverged_at.is_some(),
+        diverged_at: outcome.diverged_at,
+        settled: outcome.settled,
+        settled_at: matches!(outcome.settled, Settled::Steady | Settled::Beating).then_some(outcome.maxima_from),
+        maxima_from: outcome.maxima_from,
+        max_force: outcome.max_force,
+        max_force_component: outcome.max_force_component,
+        max_displacement: outcome.max_displacement,
+        mean_radius: outcome.mean_radius,
+        last: FinalDocument {
+            tau: last.tau,
+            masses: last
+                .displacement
+                .iter()
+                .zip(&last.velocity)
+                .map(|(p, v)| MassDocument { y: p.re, z: p.im, vy: v.re, vz: v.im })
+                .collect(),
+        },
+        psd: spectrum.map(|(mass, spectrum, peaks)| PsdDocument {
+            mass,
+            window: "hann",
+            segments: spectrum.segments,
+            resolution: spectrum.resolution(),
+            peaks,
+            frequency: spectrum.frequency,
+            density: spectrum.density,
+        }),
+        units: units.document(),
+    };
+    format.print(&document, &heading, &table, &footer.join("\n"))
+}

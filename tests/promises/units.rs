@@ -1,0 +1,157 @@
+//! Units: an SI rotor equivalent to Table 4.2 gives the dimensionless results of three-mass, whatever is asked.
+
+use promises::{Ran, run};
+use serde_json::Value;
+
+/// w0 in rad/s and e_t in m of the fixture.
+const W0: f64 = 300.0;
+const E_T: f64 = 20e-6;
+
+fn fixture() -> String {
+    concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/three-mass-si.toml").to_owned()
+}
+
+fn rpm(speed: f64) -> String {
+    (speed * W0 * 60.0 / std::f64::consts::TAU).to_string()
+}
+
+fn metres(length: f64) -> String {
+    (length * E_T).to_string()
+}
+
+/// Every number of `ours` equals that of `theirs` to `tolerance` of the larger of its size and `scale`.
+fn same(ours: &Value, theirs: &Value, tolerance: f64, path: &str) {
+    match (ours, theirs) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
+            assert!((a - b).abs() <= tolerance * a.abs().max(b.abs()).max(1.0), "{path}: {a} for {b}");
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            assert_eq!(a.len(), b.len(), "{path}");
+            a.iter().zip(b).enumerate().for_each(|(i, (a, b))| same(a, b, tolerance, &format!("{path}[{i}]")));
+        }
+        (Value::Object(a), Value::Object(b)) => {
+            assert!(a.keys().eq(b.keys()), "{path}: {:?} for {:?}", a.keys(), b.keys());
+            a.iter().for_each(|(key, value)| same(value, &b[key], tolerance, &format!("{path}.{key}")));
+        }
+        _ => assert_eq!(ours, theirs, "{path}"),
+    }
+}
+
+/// Runs `command` on both rotors with options that mean the same, and compares all that the documents hold.
+fn both(command: &str, dimensionless: &[&str], si: &[String], tolerance: f64) {
+    let file = fixture();
+    let theirs = run(&[&[command, "three-mass"], dimensionless, &["--json"]].concat()).json();
+    let si: Vec<&str> = si.iter().map(String::as_str).collect();
+    let mut ours = run(&[&[command, file.as_str()], si.as_slice(), &["--json"]].concat()).json();
+    let fields = ours.as_object_mut().expect("an object");
+    assert_eq!(fields.remove("units"), Some("si".into()), "{command}");
+    let scales = fields.remove("scales").expect("scales");
+    assert!((scales["w0"].as_f64().expect("a number") - W0).abs() < 1e-9);
+    let mut theirs = theirs;
+    let expected = theirs.as_object_mut().expect("an object");
+    for own in ["rotor", "seconds"] {
+        fields.remove(own);
+        expected.remove(own);
+    }
+    same(&ours, &theirs, tolerance, command);
+}
+
+fn owned(words: &[&str]) -> Vec<String> {
+    words.iter().map(|word| (*word).to_owned()).collect()
+}
+
+#[test]
+fn val_an_si_rotor_has_the_linear_results_of_its_dimensionless_form() {
+    both("poles", &["--speed", "4"], &owned(&["--speed", &rpm(4.0)]), 1e-12);
+    both("modes", &["--speed", "2.5", "--points", "5"], &owned(&["--speed", &rpm(2.5), "--points", "5"]), 1e-12);
+    let over = format!("0..{}", rpm(6.0));
+    both("thresholds", &["--over", "0..6"], &owned(&["--over", &over]), 1e-12);
+    both("trace", &["--over", "0..6", "--points", "13"], &owned(&["--over", &over, "--points", "13"]), 1e-12);
+    let wanted = "-1,2;-1,-2;-0.5,1;-0.5,-1;-1,3;-1,-3";
+    // Gains of any size, and errors that are rounding.
+    both("assign", &["--speed", "4", "--poles", wanted], &owned(&["--speed", &rpm(4.0), "--poles", wanted]), 1e-12);
+    both("assign", &["--speed", "4", "--table"], &owned(&["--speed", &rpm(4.0), "--table"]), 1e-12);
+}
+
+/// The built-in composite feedback as a file: its name is for the built-in rotor alone.
+fn composite(folder: &tempfile::TempDir) -> String {
+    let file = folder.path().join("composite.toml");
+    let shown = run(&["rotor", "show", "three-mass", "--feedback", "composite"]);
+    std::fs::write(&file, shown.stdout).expect("written");
+    file.to_str().expect("UTF-8").to_owned()
+}
+
+#[test]
+fn val_an_si_rotor_has_the_orbits_of_its_dimensionless_form() {
+    let (over, gap) = (format!("0..{}", rpm(7.0)), metres(1.0));
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = composite(&folder);
+    let feedback = ["--feedback", file.as_str()];
+    let common = |own: &[&str]| owned(&[&feedback, own].concat());
+    let sweep = common(&["--over", &over, "--points", "8", "--deadband", &gap]);
+    let plain = [&feedback[..], &["--over", "0..7", "--points", "8", "--deadband", "1"]].concat();
+    // Orbits at their speeds; where along a branch it was sampled is the continuation's affair.
+    for command in ["response", "cycles"] {
+        let file = fixture();
+        let si: Vec<&str> = sweep.iter().map(String::as_str).collect();
+        let ours = run(&[&[command, file.as_str()], si.as_slice(), &["--json"]].concat()).json();
+        let theirs = run(&[&[command, "three-mass"], plain.as_slice(), &["--json"]].concat()).json();
+        assert_eq!((&ours["units"], &theirs["units"]), (&"si".into(), &Value::Null));
+        same(&ours["points"], &theirs["points"], 1e-12, command);
+    }
+    let force = common(&["--over", &over, "--points", "3", "--deadband", &format!("0,{gap}")]);
+    let plain = [&feedback[..], &["--over", "0..7", "--points", "3", "--deadband", "0,1"]].concat();
+    both("force", &plain, &force, 1e-12);
+    let change = (-0.5 * W0 * E_T).to_string();
+    let impulse = format!("mass=1,vy={change}");
+    let ours = common(&["--speed", &rpm(2.0), "--duration", "50", "--impulse", &impulse, "--deadband", &gap]);
+    let plain = ["--speed", "2", "--duration", "50", "--impulse", "mass=1,vy=-0.5", "--deadband", "1"];
+    both("run", &[&feedback[..], &plain].concat(), &ours, 1e-12);
+}
+
+/// The headings of what a command prints for spreadsheets.
+fn headings(command: &str, options: &[&str]) -> String {
+    let file = fixture();
+    let Ran { code, stdout, stderr } = run(&[&[command, file.as_str(), "--csv"], options].concat());
+    assert_eq!(code, Some(0), "{stderr}");
+    stdout.lines().next().unwrap_or_default().to_owned()
+}
+
+#[test]
+fn tables_of_an_si_rotor_name_their_units() {
+    let with = |more: &[&'static str]| [&["--over", "300..600", "--points", "2"], more].concat();
+    for (command, options, expected) in [
+        ("trace", with(&[]), "speed (rpm),mode,re (1/s),im (rad/s),damping,log dec,frequency (Hz),whirl"),
+        ("trace", with(&["--campbell"]), "line,speed (rpm),mode,frequency (Hz),damping,whirl"),
+        ("thresholds", vec!["--over", "0..14000"], "speed (rpm),frequency (Hz),whirl ratio,whirl,becomes"),
+        ("modes", vec!["--speed", "600"], "mode,mass,t (s),y,z"),
+        ("force", with(&[]), "speed (rpm),deadband (m),max force (N),motion"),
+        ("response", with(&[]), "speed (rpm),branch,r1 (m),r2 (m),r3 (m),force (N),stability"),
+        ("cycles", with(&[]), "speed (rpm),branch,frequency (Hz),r1 (m),r2 (m),r3 (m),stability"),
+        (
+            "run",
+            vec!["--speed", "600", "--duration", "5"],
+            "mass,max radius (m),mean radius (m),y (m),z (m),vy (m/s),vz (m/s)",
+        ),
+        (
+            "assign",
+            vec!["--speed", "600", "--table"],
+            "re (1/s),im (rad/s),whirl,mass,control,observe,pbh,controllable",
+        ),
+    ] {
+        assert_eq!(headings(command, &options), expected, "{command}");
+    }
+    let file = fixture();
+    let printed = run(&["thresholds", &file, "--over", "0..14000"]);
+    // 1.775522 of 300 rad/s, and half of it in turns a second.
+    assert!(printed.stdout.contains("5086.50") && printed.stdout.contains("42.3875"), "{printed:?}");
+    for (options, complaint) in [
+        (&["--over", "0..1e9"][..], "speed = 1000000000 rpm: expected a number from"),
+        (&["--over", "-1..2"], "speed = -1 rpm: expected a number from"),
+    ] {
+        let refused = run(&[&["thresholds", file.as_str()], options].concat());
+        assert_eq!((refused.code, refused.stdout.as_str()), (Some(2), ""), "{refused:?}");
+        assert!(refused.stderr.contains(complaint), "{refused:?}");
+    }
+}
