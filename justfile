@@ -29,6 +29,10 @@ measure:
 bench *ARGS:
     cargo bench --workspace --exclude promises {{ARGS}}
 
+# The NASA report again, into ./out, and its committed page renewed
+report:
+    cargo run --release -- report --out out --page docs/report.md
+
 # Take over changed frames and texts of the snapshot tests, after reading them
 accept:
     INSTA_UPDATE=always cargo test --workspace

@@ -7,5 +7,6 @@ mod linear;
 mod live;
 mod papers;
 mod poles;
+mod report;
 mod run;
 mod units;

@@ -5,11 +5,14 @@
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`trajectory`]: a run as a CSV or Parquet file that is there whole or not at all.
 //! * [`step_size`]: which fixed step a rotor needs.
+//! * [`report`]: every figure and every printed number of the NASA report again, with [`plot`] to draw them.
 //!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
 pub mod force;
 mod peak;
+pub mod plot;
+pub mod report;
 pub mod run;
 mod settle;
 pub mod spectrum;

@@ -55,6 +55,8 @@ pub(crate) enum Command {
     Response(commands::response::ResponseArgs),
     /// Print the exact self-excited limit cycles, all branches
     Cycles(commands::cycles::CyclesArgs),
+    /// Make the NASA report again: every figure, and every printed number beside ours
+    Report(commands::report::ReportArgs),
     /// Make feedback that assigns poles, or show which modes each bearing and sensor reaches
     Assign(commands::assign::AssignArgs),
     /// List the built-in rotors, show one as a file, or check files

@@ -9,6 +9,7 @@ mod linear;
 pub(crate) mod modes;
 mod orbits;
 pub(crate) mod poles;
+pub(crate) mod report;
 pub(crate) mod response;
 pub(crate) mod rotor;
 pub(crate) mod run;
@@ -44,6 +45,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Force(args) => force::run(&args),
         Command::Response(args) => response::run(&args),
         Command::Cycles(args) => cycles::run(&args),
+        Command::Report(args) => report::run(&args),
         Command::Assign(args) => assign::run(&args),
         Command::Rotor(args) => rotor::run(&args),
     }

@@ -1,0 +1,226 @@
+//! One printed number or claim beside ours.
+
+/// What the report prints.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Printed {
+    /// A number, as it is printed.
+    Number(&'static str),
+    /// A statement without a number, or about a plot.
+    Claim(&'static str),
+}
+
+/// What we compute.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ours {
+    /// A number, with as many decimals as are sure.
+    Number {
+        /// The number.
+        value: f64,
+        /// Decimals shown.
+        decimals: usize,
+    },
+    /// A number that rests on a reconstruction of what the report does not say.
+    Reconstructed {
+        /// The number.
+        value: f64,
+        /// Decimals shown.
+        decimals: usize,
+        /// The relative difference up to which the reconstruction is taken for a good one.
+        within: f64,
+    },
+    /// A statement put to the test.
+    Claim {
+        /// Whether it holds of our rotor.
+        holds: bool,
+        /// What was found.
+        found: String,
+    },
+    /// Nothing yet, and why.
+    Missing(&'static str),
+}
+
+/// How a row agrees.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Verdict {
+    /// Rounded to the digits printed, ours is the printed number.
+    EveryDigit,
+    /// The last digit printed is off by one.
+    LastDigit,
+    /// A reconstruction that comes as near as it claims.
+    Reconstructed,
+    /// Not the same: the note says why.
+    Differs,
+    /// A statement that holds.
+    Holds,
+    /// A statement that does not hold of our rotor: the note says why.
+    DoesNotHold,
+    /// Not computed yet.
+    Missing,
+}
+
+impl Verdict {
+    /// In words.
+    #[must_use]
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::EveryDigit => "every printed digit",
+            Self::LastDigit => "one off in the last digit",
+            Self::Reconstructed => "a reconstruction, near",
+            Self::Differs => "differs",
+            Self::Holds => "holds",
+            Self::DoesNotHold => "does not hold",
+            Self::Missing => "not computed yet",
+        }
+    }
+}
+
+/// One row of the table.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comparison {
+    /// The number of its chapter, 3 or 4.
+    pub chapter: u8,
+    /// What it is.
+    pub quantity: &'static str,
+    /// Where the report has it.
+    pub place: &'static str,
+    /// What the report has.
+    pub printed: Printed,
+    /// What we have.
+    pub ours: Ours,
+    /// What else must be said; may be empty.
+    pub note: &'static str,
+}
+
+impl Printed {
+    /// The printed number, and a unit of its last digit.
+    fn number(self) -> Option<(f64, f64)> {
+        let Self::Number(text) = self else { return None };
+        let decimals = text.split_once('.').map_or(0, |(_, after)| after.len());
+        Some((text.parse().ok()?, 10_f64.powi(-(decimals as i32))))
+    }
+}
+
+impl Ours {
+    /// The number, if it is one, and the decimals shown of it.
+    #[must_use]
+    pub fn number(&self) -> Option<(f64, usize)> {
+        match *self {
+            Self::Number { value, decimals } | Self::Reconstructed { value, decimals, .. } => Some((value, decimals)),
+            Self::Claim { .. } | Self::Missing(_) => None,
+        }
+    }
+}
+
+impl Comparison {
+    /// Ours less the report's, absolute and relative, where both are numbers.
+    #[must_use]
+    pub fn difference(&self) -> Option<(f64, f64)> {
+        let (Some((printed, _)), Some((value, _))) = (self.printed.number(), self.ours.number()) else { return None };
+        Some((value - printed, (value - printed) / printed.abs()))
+    }
+
+    /// How it agrees.
+    #[must_use]
+    pub fn verdict(&self) -> Verdict {
+        match (&self.ours, self.printed.number()) {
+            (Ours::Missing(_), _) => Verdict::Missing,
+            (Ours::Claim { holds: true, .. }, _) => Verdict::Holds,
+            (Ours::Claim { holds: false, .. }, _) => Verdict::DoesNotHold,
+            (Ours::Number { value, .. }, Some((printed, unit))) => {
+                let off = (value - printed).abs() / unit;
+                if off <= 0.5 + 1e-9 {
+                    Verdict::EveryDigit
+                } else if off < 1.5 {
+                    Verdict::LastDigit
+                } else {
+                    Verdict::Differs
+                }
+            }
+            (Ours::Reconstructed { value, within, .. }, Some((printed, _)))
+                if (value - printed).abs() <= within * printed.abs() =>
+            {
+                Verdict::Reconstructed
+            }
+            (Ours::Number { .. } | Ours::Reconstructed { .. }, _) => Verdict::Differs,
+        }
+    }
+
+    /// What the report has, as shown.
+    #[must_use]
+    pub fn printed_words(&self) -> &'static str {
+        match self.printed {
+            Printed::Number(text) | Printed::Claim(text) => text,
+        }
+    }
+
+    /// What we have, as shown: every digit shown is sure.
+    #[must_use]
+    pub fn our_words(&self) -> String {
+        match &self.ours {
+            Ours::Number { value, decimals } | Ours::Reconstructed { value, decimals, .. } => {
+                format!("{value:.decimals$}")
+            }
+            Ours::Claim { found, .. } => found.clone(),
+            Ours::Missing(why) => (*why).to_owned(),
+        }
+    }
+
+    /// The difference, absolute and relative, as shown; empty where there is none.
+    #[must_use]
+    pub fn difference_words(&self) -> (String, String) {
+        let (Some((absolute, relative)), Some((_, decimals))) = (self.difference(), self.ours.number()) else {
+            return Default::default();
+        };
+        let percent = 100.0 * relative;
+        let relative = if percent.abs() < 0.01 { "below 0.01 %".to_owned() } else { format!("{percent:+.2} %") };
+        (format!("{absolute:+.decimals$}"), relative)
+    }
+}
+
+impl super::Report {
+    /// The table of numbers as comma-separated values: ours and the differences with every digit.
+    #[must_use]
+    pub fn numbers_csv(&self) -> String {
+        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+        let mut out = "chapter,quantity,where,report,ours,difference,relative,agreement,note\n".to_owned();
+        for c in &self.comparisons {
+            let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
+            let ours = match &c.ours {
+                Ours::Number { value, .. } | Ours::Reconstructed { value, .. } => value.to_string(),
+                Ours::Claim { .. } | Ours::Missing(_) => quoted(&c.our_words()),
+            };
+            let cells = [
+                c.chapter.to_string(),
+                quoted(c.quantity),
+                quoted(c.place),
+                quoted(c.printed_words()),
+                ours,
+                number(c.difference().map(|d| d.0)),
+                number(c.difference().map(|d| d.1)),
+                quoted(c.verdict().words()),
+                quoted(c.note),
+            ];
+            out.push_str(&(cells.join(",") + "\n"));
+        }
+        out
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn agreement_is_judged_by_the_digits_that_are_printed() {
+        let verdict = |printed, value| {
+            let ours = Ours::Number { value, decimals: 6 };
+            let printed = Printed::Number(printed);
+            Comparison { chapter: 3, quantity: "", place: "", printed, ours, note: "" }.verdict()
+        };
+        assert_eq!(verdict("2.2", 2.209_975), Verdict::EveryDigit);
+        assert_eq!(verdict("-0.44272", -0.442_769), Verdict::Differs);
+        assert_eq!(verdict("0.78", 0.790_1), Verdict::LastDigit);
+        assert_eq!(verdict("7", 9.0), Verdict::Differs);
+    }
+}

@@ -1,0 +1,136 @@
+//! The report's simulations: from rest, kept as a trajectory.
+
+use std::io;
+use std::sync::atomic::AtomicBool;
+
+use rotor::{C64, ClosedLoop, Feedback, Motion, Rotor};
+
+use super::ReportError;
+use crate::run::{self, Impulse, Observer, Outcome, Plan, Settle};
+use crate::spectrum::{self, Collector, Peak, Spectrum};
+use crate::step_size::Fastest;
+
+/// One simulation, as the report's figures show them.
+#[derive(Clone, Copy)]
+pub(super) struct Case<'a> {
+    pub rotor: &'a Rotor,
+    pub feedback: &'a Feedback,
+    pub speed: f64,
+    /// Clearance of every support bearing.
+    pub deadband: f64,
+    /// A change of velocity of mass 1 at the start.
+    pub impulse: C64,
+    pub duration: f64,
+    pub settle: Settle,
+    /// A trajectory is kept until here.
+    pub keep_until: f64,
+    /// And from here on, counted back from the end.
+    pub keep_last: f64,
+    /// The spectrum of mass 1 once transients have died.
+    pub spectrum: bool,
+}
+
+/// What came out.
+pub(super) struct Record {
+    pub speed: f64,
+    pub deadband: f64,
+    /// Every sample that was kept, in time; a gap where nothing was.
+    pub samples: Vec<Sample>,
+    pub outcome: Outcome,
+    pub spectrum: Option<(Spectrum, Vec<Peak>)>,
+}
+
+/// One moment.
+#[derive(Clone, Debug)]
+pub(super) struct Sample {
+    pub tau: f64,
+    pub displacement: Vec<C64>,
+    pub control: C64,
+}
+
+/// Keeps one sample in `stride` of two stretches of time.
+struct Keeper {
+    stride: u64,
+    seen: u64,
+    until: f64,
+    from: f64,
+    samples: Vec<Sample>,
+}
+
+impl Observer for Keeper {
+    fn sample(&mut self, motion: &Motion<'_>, control: C64, _: u32) -> io::Result<()> {
+        let wanted = motion.tau <= self.until + 1e-9 || motion.tau >= self.from - 1e-9;
+        if wanted && self.seen.is_multiple_of(self.stride) {
+            self.samples.push(Sample { tau: motion.tau, displacement: motion.displacement.to_vec(), control });
+        }
+        self.seen += 1;
+        Ok(())
+    }
+}
+
+impl Case<'_> {
+    /// Simulates it.
+    ///
+    /// # Errors
+    /// Eigenvalues that do not converge, too little motion for a spectrum, or `stop`.
+    pub(super) fn run(&self, stop: &AtomicBool) -> Result<Record, ReportError> {
+        let closed_loop =
+            ClosedLoop::new(self.rotor, self.feedback, self.speed, &vec![self.deadband; self.rotor.len()]);
+        let fastest = Fastest::of(&closed_loop)?;
+        let plan = Plan {
+            closed_loop,
+            largest_clearance: self.deadband,
+            impulses: vec![Impulse { mass: 0, change: self.impulse, at: 0.0 }],
+            dtau: fastest.default_step(),
+            duration: self.duration,
+            settle: self.settle,
+        };
+        // A tenth of a radian of the fastest turn between samples: a smooth line.
+        let stride = (0.1 / (plan.dtau * fastest.frequency())).max(1.0) as u64;
+        let mut keeper = Keeper {
+            stride,
+            seen: 0,
+            until: self.keep_until,
+            from: self.duration - self.keep_last,
+            samples: Vec::new(),
+        };
+        let mut collector = Collector::new(0, 2 * stride, 0.0);
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut keeper];
+        if self.spectrum {
+            observers.push(&mut collector);
+        }
+        let outcome = run::run(&plan, &mut observers, stop)?;
+        let spectrum = if self.spectrum {
+            let (samples, apart) = collector.samples_from(outcome.maxima_from);
+            let spectrum = spectrum::welch(samples, apart, spectrum::segment_length(samples.len()))?;
+            let peaks = spectrum.peaks(self.speed);
+            Some((spectrum, peaks))
+        } else {
+            None
+        };
+        Ok(Record { speed: self.speed, deadband: self.deadband, samples: keeper.samples, outcome, spectrum })
+    }
+}
+
+impl Record {
+    /// Samples from `from` to `to`, of one mass, counted from 0.
+    pub(super) fn orbit(&self, mass: usize, from: f64, to: f64) -> Vec<(f64, f64)> {
+        let within = self.samples.iter().filter(|s| (from - 1e-9..=to + 1e-9).contains(&s.tau));
+        within.map(|s| (s.displacement[mass].re, s.displacement[mass].im)).collect()
+    }
+
+    /// When the last sample was.
+    pub(super) fn end(&self) -> f64 {
+        self.outcome.last.tau
+    }
+
+    /// The part of the power of mass 1 that lies at whirl frequencies between 5 and 95 % of the spin, forward.
+    pub(super) fn subsynchronous_part(&self) -> Option<f64> {
+        let (spectrum, _) = self.spectrum.as_ref()?;
+        let band = |from: f64, to: f64| -> f64 {
+            let within = spectrum.frequency.iter().zip(&spectrum.density).filter(|(f, _)| (from..to).contains(*f));
+            within.map(|(_, d)| d).sum()
+        };
+        Some(band(0.05 * self.speed, 0.95 * self.speed) / band(f64::NEG_INFINITY, f64::INFINITY))
+    }
+}

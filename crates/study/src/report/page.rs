@@ -1,0 +1,115 @@
+//! The page, as blocks that Markdown and HTML put into their own form.
+
+use std::collections::BTreeMap;
+
+use rotor::{FIELDS, builtin};
+
+use super::compare::{Comparison, Verdict};
+use super::corrections::CORRECTIONS;
+use super::{Figure, Report};
+
+/// A part of the page.
+pub(super) enum Block<'a> {
+    /// A heading: its level from 1, and its words.
+    Heading(u8, String),
+    /// A paragraph.
+    Paragraph(String),
+    /// A table: its headings, and its rows.
+    Table(Vec<&'static str>, Vec<Vec<String>>),
+    /// A figure, with caption and agreement.
+    Figure(&'a Figure),
+}
+
+/// The whole page.
+pub(super) fn blocks(report: &Report) -> Vec<Block<'_>> {
+    let mut blocks = vec![
+        Block::Heading(1, "The NASA report again".into()),
+        Block::Paragraph(
+            "\"Eigenvalue Assignment Strategies in Rotor Systems\", final report of NASA grant NAG8034, computed anew with \
+             Whirl: every number that it prints beside ours, and every figure that its gains allow. Lengths are in e_t, \
+             times in τ = ω₀t, speeds R = ω/ω₀, frequencies in radians per unit of τ, control forces |u| in ω₀² e_t. Every \
+             digit of ours that is shown is sure."
+                .into(),
+        ),
+        Block::Paragraph(summary(&report.comparisons)),
+    ];
+    for (chapter, heading) in [(3, "Numbers of chapter III: one mass"), (4, "Numbers of chapter IV: three masses")] {
+        blocks.push(Block::Heading(2, heading.into()));
+        blocks.push(numbers(report.comparisons.iter().filter(|c| c.chapter == chapter)));
+    }
+    blocks.push(Block::Heading(2, "Where the report is silent, damaged or wrong".into()));
+    let header = vec!["The report is", "Where", "What", "Here"];
+    let rows = CORRECTIONS.iter().map(|c| [c.fault.word(), c.place, c.matter, c.here].map(str::to_owned).to_vec());
+    blocks.push(Block::Table(header, rows.collect()));
+    blocks.push(Block::Heading(2, "What was put in".into()));
+    blocks.push(Block::Paragraph(
+        "The parameters of Tables 3.2 and 4.2, as printed, per mass from one end to the other.".into(),
+    ));
+    blocks.push(parameters());
+    blocks.push(Block::Heading(2, "Figures".into()));
+    blocks.push(Block::Paragraph(
+        "Forward whirl (with the spin) is drawn solid and blue, backward whirl dashed and red. Figs. 3.1 to 3.3, 4.1 and \
+         4.6 are sketches, not results. Figs. 4.7 to 4.11 need gains tracked over speed and are not made again yet."
+            .into(),
+    ));
+    blocks.extend(report.figures.iter().map(Block::Figure));
+    blocks
+}
+
+/// How many rows agree, and how.
+fn summary(comparisons: &[Comparison]) -> String {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for comparison in comparisons {
+        *counts.entry(comparison.verdict().words()).or_default() += 1;
+    }
+    let count = |verdict: Verdict| counts.get(verdict.words()).copied().unwrap_or(0);
+    let near = count(Verdict::Reconstructed);
+    let numbers = count(Verdict::EveryDigit) + count(Verdict::LastDigit) + near + count(Verdict::Differs);
+    let claims = count(Verdict::Holds) + count(Verdict::DoesNotHold);
+    format!(
+        "Of {numbers} printed numbers, {} agree to every printed digit, {} are one off in the last, {near} are \
+         reconstructions within 0.5 %, {} differ; of {claims} \
+         statements put to the test, {} hold and {} do not; {} not computed yet. Each exception has its reason beside it.",
+        count(Verdict::EveryDigit),
+        count(Verdict::LastDigit),
+        count(Verdict::Differs),
+        count(Verdict::Holds),
+        count(Verdict::DoesNotHold),
+        match count(Verdict::Missing) {
+            1 => "1 is".to_owned(),
+            more => format!("{more} are"),
+        }
+    )
+}
+
+fn numbers<'a>(comparisons: impl Iterator<Item = &'a Comparison>) -> Block<'static> {
+    let header = vec!["Quantity", "Where", "Report", "Ours", "Difference", "Relative", "Agreement", "Note"];
+    let rows = comparisons.map(|c| {
+        let (absolute, relative) = c.difference_words();
+        let agreement = c.verdict().words().to_owned();
+        let [quantity, place, printed, note] = [c.quantity, c.place, c.printed_words(), c.note].map(str::to_owned);
+        vec![quantity, place, printed, c.our_words(), absolute, relative, agreement, note]
+    });
+    Block::Table(header, rows.collect())
+}
+
+fn parameters() -> Block<'static> {
+    let rotors = builtin::ROTORS.map(|name| builtin::rotor(name).expect("a built-in rotor"));
+    // The clearance is what the figures vary.
+    let fields = FIELDS.iter().enumerate().filter(|(_, field)| field.name != "deadband");
+    let mut rows: Vec<Vec<String>> = fields
+        .map(|(i, field)| {
+            let values = rotors.iter().map(|rotor| {
+                let each: Vec<String> = rotor.masses().iter().map(|m| m.values()[i].to_string()).collect();
+                each.join(", ")
+            });
+            std::iter::once(field.name.replace('_', " ")).chain(values).collect()
+        })
+        .collect();
+    let shafts = rotors.iter().map(|rotor| {
+        let each: Vec<String> = rotor.shafts().iter().map(f64::to_string).collect();
+        each.join(", ")
+    });
+    rows.push(std::iter::once("shaft stiffness".to_owned()).chain(shafts).collect());
+    Block::Table(vec!["Parameter", "One mass (Table 3.2)", "Three masses (Table 4.2)"], rows)
+}
