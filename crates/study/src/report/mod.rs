@@ -1,6 +1,6 @@
 //! The NASA report again: every figure as chart and data, every printed number beside ours, and one page about both.
 //!
-//! [`make`] computes everything; [`Report::markdown`] and [`Report::html`] are the page, and [`write`] puts all of it into
+//! [`make`] computes everything; [`Report::markdown`] and [`Report::html`] are the page, and [`mod@write`] puts all of it into
 //! a folder. Where the report is silent, damaged or wrong, and what is a reconstruction, the page says so; the list is in
 //! `corrections`. Figs. 4.7 to 4.11 need gains tracked over speed, which a gain search makes: they are not here yet.
 
