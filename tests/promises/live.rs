@@ -2,8 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
 
+use std::process::Stdio;
+
 use promises::Root;
-use rustix::process::Signal;
+use rustix::process::{Pid, Signal, kill_process};
 use serde_json::Value;
 
 fn lines(text: &str) -> Vec<Value> {
@@ -50,6 +52,19 @@ fn settings_change_between_two_steps_and_everybody_sees_it() {
     assert_eq!((ran.code, ran.stderr.as_str(), ran.stdout.lines().count()), (Some(0), "", 1), "{ran:?}");
     assert!(ran.stdout.starts_with("bench a: three-mass, "), "{}", ran.stdout);
     assert_eq!(root.leftovers(), Vec::<String>::new());
+}
+
+#[test]
+fn a_bench_that_is_just_starting_is_waited_for() {
+    let root = Root::new();
+    // As a shell does with `whirl sim --bench a & whirl set --bench a speed=3`.
+    let mut simulation = root.whirl().args(["sim", "--bench", "a"]).stdout(Stdio::null()).spawn().unwrap();
+    let set = root.run(&["set", "--bench", "a", "speed=3", "kd=0.1"]);
+    let tail = root.run(&["tail", "--bench", "a", "--count", "3", "--json"]);
+    kill_process(Pid::from_raw(simulation.id() as i32).unwrap(), Signal::TERM).unwrap();
+    simulation.wait().unwrap();
+    assert_eq!(set.code, Some(0), "{set:?}");
+    assert_eq!((tail.code, lines(&tail.stdout).len()), (Some(0), 3), "{tail:?}");
 }
 
 #[test]

@@ -2,10 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use wire::{BenchName, Bulletin, Carrier, Listener, Root, SharedMemory, WireError};
+use wire::{BenchName, Bulletin, Carrier, Listener, Root, SharedListener, SharedMemory, WireError};
 
 use crate::failure::Failure;
 use crate::logging;
+
+/// How long a simulation that is just starting may take to make its bench.
+const STARTING: Duration = Duration::from_secs(1);
 
 /// How long a bench may take to say how it is: it does so ten times a second.
 const FIRST_WORD: Duration = Duration::from_secs(3);
@@ -45,6 +48,23 @@ pub(crate) fn dashboard_carrier() -> Result<SharedMemory, Failure> {
     let root = Root::from_environment()?;
     logging::to_file(&root)?;
     Ok(SharedMemory::new(&root, "dash")?)
+}
+
+/// Attaches to a bench, which may have been started in the same breath: one that is not there is waited for a moment.
+///
+/// # Errors
+/// No such bench, another version, or no room.
+pub(crate) fn listen(carrier: &SharedMemory, bench: &BenchName) -> Result<SharedListener, WireError> {
+    let start = Instant::now();
+    loop {
+        match carrier.listen(bench) {
+            // While its services are being made they may also look as if somebody had died making them.
+            Err(WireError::NoBench(_) | WireError::LeftBehind { .. }) if start.elapsed() < STARTING => {
+                std::thread::sleep(Duration::from_millis(5));
+            }
+            listener => return listener,
+        }
+    }
 }
 
 /// The present bulletin of a bench.

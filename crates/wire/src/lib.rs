@@ -32,5 +32,5 @@ pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
 pub use ports::{BulletinSender, Carrier, Change, Commander, Host, HostState, Inbox, Listener, StateSender};
 pub use root::Root;
 pub use settings_message::{MAX_KNOTS, SettingsMessage};
-pub use shared_memory::SharedMemory;
+pub use shared_memory::{SharedListener, SharedMemory};
 pub use text::Text;

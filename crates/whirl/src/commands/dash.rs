@@ -1,7 +1,5 @@
 //! `whirl dash`: a dashboard on a running simulation.
 
-use wire::{Carrier, WireError};
-
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
 
@@ -37,9 +35,6 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
     let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
-    match carrier.listen(&bench) {
-        Err(error @ WireError::NoBench(_)) => return Err(error.into()),
-        looked => drop(looked?),
-    }
+    drop(attach::listen(&carrier, &bench)?);
     ended(dash::run(carrier, &bench, None)?)
 }

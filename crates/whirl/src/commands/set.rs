@@ -64,7 +64,7 @@ pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
 fn change(args: &SetArgs) -> Result<Answer, Failure> {
     let bench = args.bench.name()?;
     let carrier = attach::carrier("set")?;
-    let mut listener = carrier.listen(&bench)?;
+    let mut listener = attach::listen(&carrier, &bench)?;
     let mut commander = carrier.command(&bench)?;
     let who = format!("set:{}", std::process::id());
     let mut outdated = None;

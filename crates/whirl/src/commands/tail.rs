@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use wire::message::Flags;
-use wire::{Carrier, HostState, Listener, State, WireError};
+use wire::{HostState, Listener, State, WireError};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -99,7 +99,7 @@ fn for_people(state: &State) -> String {
 pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
     let stop = interrupt::flag()?;
-    let mut listener = attach::carrier("tail")?.listen(&bench)?;
+    let mut listener = attach::listen(&attach::carrier("tail")?, &bench)?;
     let mut left = args.count.unwrap_or(u64::MAX);
     let mut lines = String::new();
     let mut heard = Instant::now();
