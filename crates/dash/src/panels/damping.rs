@@ -34,9 +34,13 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
     let (color, word) = theme::verdict(min_damping);
     let number = format!("{min_damping:.4}");
     let width = number.len() as u16 * DIGITS.1;
-    let large = inner.width >= width && inner.height > DIGITS.0;
+    // The word stands beside the digits, or on a line of its own below them.
+    let beside = inner.left() + width + 1;
+    let fits_beside = beside + word.len() as u16 <= inner.right();
+    let height = DIGITS.0 + u16::from(!fits_beside);
+    let large = inner.width >= width && inner.height > height;
     let [head, history] =
-        Layout::vertical([Constraint::Length(if large { DIGITS.0 } else { 1 }), Constraint::Min(0)]).areas(inner);
+        Layout::vertical([Constraint::Length(if large { height } else { 1 }), Constraint::Min(0)]).areas(inner);
     let log_decrement =
         poles.first().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
     let told = log_decrement.map(|d| short(d, 5));
@@ -47,8 +51,7 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
             .lines([Line::from(number)])
             .build()
             .render(Rect { width, ..head }, buffer);
-        let beside = head.left() + width + 1;
-        if beside + word.len() as u16 <= head.right() {
+        if fits_beside {
             write(buffer, head, beside, head.top(), word, theme::loud(color));
             if let Some(log_decrement) = told {
                 write(buffer, head, beside, head.top() + 1, "log dec", theme::quiet());

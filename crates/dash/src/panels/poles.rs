@@ -24,6 +24,9 @@ use crate::theme;
 /// Damping ratios that get a ray.
 const RAYS: [f64; 4] = [0.05, 0.1, 0.2, 0.5];
 
+/// What the right side is called.
+const UNSTABLE: &str = "unstable";
+
 pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
     let inner = framed(Line::from(" poles ▲forward ▼backward "), area, buffer);
     let Some((_, poles)) = picture.poles() else { return };
@@ -58,7 +61,10 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
     let scale = format!("Re {} to {}", short(-left, 2), short(right, 2));
     write_right(buffer, inner, inner.bottom().saturating_sub(1), &scale, theme::quiet());
     if let Some((x, y)) = plot.cell(0.0, 0.9 * top).map(|(x, y)| (x + 2, y.max(inner.top() + 1))) {
-        write(buffer, inner, x, y, "unstable", theme::quiet());
+        // Half a word would mislead.
+        if x + UNSTABLE.len() as u16 <= inner.right() {
+            write(buffer, inner, x, y, UNSTABLE, theme::quiet());
+        }
     }
 
     // The least damped last, so that it lies on top.
