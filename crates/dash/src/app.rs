@@ -131,11 +131,11 @@ impl<'a> App<'a> {
         if drawn.stale {
             return true;
         }
-        let age = now.saturating_duration_since(at);
-        let feed = lock(&self.feed);
         if self.frozen.is_some() {
             return false;
         }
+        let age = now.saturating_duration_since(at);
+        let feed = lock(&self.feed);
         (feed.changes() != drawn.changes && age >= FRAME.mul_f64(0.9))
             || (feed.heard().is_some() && age >= SILENT_FRAME)
     }
@@ -170,9 +170,9 @@ impl<'a> App<'a> {
             self.message.0 = Message::Hints;
             shows = true;
         }
-        if let Some(keeper) = &mut self.keeper
+        if !self.told_end
+            && let Some(keeper) = &mut self.keeper
             && let Some(how) = keeper.ended()
-            && !self.told_end
         {
             self.told_end = true;
             lock(&self.feed).stand(Contact::Gone);

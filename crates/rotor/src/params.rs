@@ -92,28 +92,37 @@ pub const FIELDS: [Field; 7] = [
     field("deadband", "clearance of the support bearing", ["g / e_t", "g", "m"], Range::NotNegative),
 ];
 
-impl Mass {
-    /// Its parameters, in the order of [`FIELDS`].
-    #[must_use]
-    pub fn values(&self) -> [f64; 7] {
-        [
-            self.mass,
-            self.damping,
-            self.cross_damping,
-            self.bearing_stiffness,
-            self.seal_stiffness,
-            self.unbalance,
-            self.deadband,
-        ]
-    }
+/// Gives a kind of mass its parameters as one list, in the order of [`FIELDS`].
+macro_rules! parameters_in_order {
+    ($mass:ty) => {
+        impl $mass {
+            /// Its parameters, in the order of [`FIELDS`](crate::FIELDS).
+            #[must_use]
+            pub fn values(&self) -> [f64; 7] {
+                [
+                    self.mass,
+                    self.damping,
+                    self.cross_damping,
+                    self.bearing_stiffness,
+                    self.seal_stiffness,
+                    self.unbalance,
+                    self.deadband,
+                ]
+            }
 
-    /// A mass of parameters in the order of [`FIELDS`].
-    #[must_use]
-    pub fn from_values(values: [f64; 7]) -> Self {
-        let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = values;
-        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
-    }
+            /// A mass of parameters in the order of [`FIELDS`](crate::FIELDS).
+            #[must_use]
+            pub fn from_values(values: [f64; 7]) -> Self {
+                let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = values;
+                Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
+            }
+        }
+    };
 }
+
+pub(crate) use parameters_in_order;
+
+parameters_in_order!(Mass);
 
 /// A chain of 1 to 16 masses joined by massless flexible shafts. Always valid: it is checked where it is made.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -9,6 +9,7 @@
 //! A rotor keeps the physical numbers that it was made of, so that writing it out again loses nothing to rounding.
 
 use crate::params::check;
+use crate::params::parameters_in_order;
 use crate::{Mass, Rotor, RotorError};
 
 /// One lumped mass with what acts on it, in SI units. The ranges are those of [`Mass`].
@@ -30,28 +31,7 @@ pub struct PhysicalMass {
     pub deadband: f64,
 }
 
-impl PhysicalMass {
-    /// Its parameters, in the order of [`crate::FIELDS`].
-    #[must_use]
-    pub fn values(&self) -> [f64; 7] {
-        [
-            self.mass,
-            self.damping,
-            self.cross_damping,
-            self.bearing_stiffness,
-            self.seal_stiffness,
-            self.unbalance,
-            self.deadband,
-        ]
-    }
-
-    /// A mass of parameters in the order of [`crate::FIELDS`].
-    #[must_use]
-    pub fn from_values(values: [f64; 7]) -> Self {
-        let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = values;
-        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
-    }
-}
+parameters_in_order!(PhysicalMass);
 
 /// The physical numbers that a rotor was made of.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]

@@ -71,10 +71,7 @@ pub(crate) fn listen(carrier: &SharedMemory, bench: &BenchName) -> Result<Shared
 ///
 /// # Errors
 /// The bench does not speak up.
-pub(crate) fn first_bulletin<C: Carrier>(
-    listener: &mut C::Listener,
-    bench: &BenchName,
-) -> Result<Box<Bulletin>, Failure> {
+pub(crate) fn first_bulletin(listener: &mut SharedListener, bench: &BenchName) -> Result<Box<Bulletin>, Failure> {
     let start = Instant::now();
     loop {
         if let Some(bulletin) = listener.bulletin()? {

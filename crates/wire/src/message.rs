@@ -230,29 +230,15 @@ pub struct MassMessage {
 
 impl From<&Mass> for MassMessage {
     fn from(m: &Mass) -> Self {
-        Self {
-            mass: m.mass,
-            damping: m.damping,
-            cross_damping: m.cross_damping,
-            bearing_stiffness: m.bearing_stiffness,
-            seal_stiffness: m.seal_stiffness,
-            unbalance: m.unbalance,
-            deadband: m.deadband,
-        }
+        let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = m.values();
+        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
     }
 }
 
 impl From<&MassMessage> for Mass {
     fn from(m: &MassMessage) -> Self {
-        Self {
-            mass: m.mass,
-            damping: m.damping,
-            cross_damping: m.cross_damping,
-            bearing_stiffness: m.bearing_stiffness,
-            seal_stiffness: m.seal_stiffness,
-            unbalance: m.unbalance,
-            deadband: m.deadband,
-        }
+        let MassMessage { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } = *m;
+        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
     }
 }
 

@@ -45,7 +45,7 @@ pub(crate) mod tests {
 
     /// What a panel draws, as lines of text. Every panel is also drawn at every small size, and must not panic.
     pub(crate) fn drawn(width: u16, height: u16, draw: impl Fn(Rect, &mut Buffer)) -> String {
-        for (w, h) in (0..12).flat_map(|w| (0..8).map(move |h| (w, h))).chain([(80, 1), (1, 80), (200, 60)]) {
+        for (w, h) in (0..12).flat_map(|w| (0..8).map(move |h| (w, h))).chain([(80, 1), (1, 80), (80, 24), (200, 60)]) {
             let area = Rect::new(0, 0, w, h);
             draw(area, &mut Buffer::empty(area));
         }

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
-use wire::{Answer, Carrier, Change, Commander, SharedMemory};
+use wire::{Answer, Carrier, Change, Commander};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -69,7 +69,7 @@ fn change(args: &SetArgs) -> Result<Answer, Failure> {
     let who = format!("set:{}", std::process::id());
     let mut outdated = None;
     for _ in 0..TRIES {
-        let bulletin = attach::first_bulletin::<SharedMemory>(&mut listener, &bench)?;
+        let bulletin = attach::first_bulletin(&mut listener, &bench)?;
         let rotor = bulletin.rotor().map_err(|error| Failure::Work(error.to_string()))?;
         let units = Units::with(bulletin.scales());
         let mut settings = bulletin.settings.unpack();

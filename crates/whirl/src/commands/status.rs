@@ -1,7 +1,7 @@
 //! `whirl status`: which benches run, how well, and who is attached.
 
 use serde::Serialize;
-use wire::{Bulletin, Carrier, SharedMemory};
+use wire::{Bulletin, Carrier};
 
 use crate::attach;
 use crate::failure::Failure;
@@ -141,7 +141,7 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
     for entry in carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running) {
         // One that ends while we look is no longer running.
         let Ok(mut listener) = carrier.listen(&entry.name) else { continue };
-        let bulletin = attach::first_bulletin::<SharedMemory>(&mut listener, &entry.name);
+        let bulletin = attach::first_bulletin(&mut listener, &entry.name);
         let attached = entry.parties.into_iter().map(|party| Attached { role: party.role, pid: party.pid }).collect();
         let name = entry.name.to_string();
         benches.push(match bulletin {
