@@ -13,6 +13,7 @@ mod feed;
 mod input;
 mod keymap;
 mod link;
+mod looks;
 mod panels;
 mod plot;
 mod screen;
@@ -20,4 +21,5 @@ mod session;
 mod terminal;
 mod theme;
 
+pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use session::{DashError, Ended, Keeper, run};

@@ -12,6 +12,7 @@ use crate::clerk;
 use crate::feed::Feed;
 use crate::input;
 use crate::link::{self, Shared, Wires};
+use crate::looks::{Look, Wishes};
 use crate::terminal::Screen;
 
 /// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
@@ -76,7 +77,7 @@ pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Ke
     let wires = Wires { bulletins: send_bulletin, wake, idle: idle.clone(), stop: stop.clone() };
     let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
     let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
-    let screen = Screen::take()?;
+    let screen = Screen::take(Look::of_environment(Wishes::default()))?;
     input::keyboard(send_input, stop.clone())?;
     let mut app = App::new(bench.to_string(), feed, edits, keeper, idle);
     let ended = app.run(screen, &Streams { inputs, outcomes, wakes });

@@ -14,6 +14,8 @@ use crossterm::terminal::{
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 
+use crate::looks::Look;
+
 /// Whether the screen is ours at the moment.
 static TAKEN: AtomicBool = AtomicBool::new(false);
 /// Held while a frame is drawn, so that a panic in another thread does not give the terminal back in the middle of one.
@@ -26,6 +28,7 @@ static PANICKED: AtomicBool = AtomicBool::new(false);
 /// The screen, ours until this is dropped.
 pub(crate) struct Screen {
     terminal: Terminal<CrosstermBackend<Stdout>>,
+    look: Look,
 }
 
 impl Screen {
@@ -34,15 +37,15 @@ impl Screen {
         io::stdin().is_terminal() && io::stdout().is_terminal()
     }
 
-    /// Takes the terminal over.
-    pub(crate) fn take() -> io::Result<Self> {
+    /// Takes the terminal over; frames are finished with `look`.
+    pub(crate) fn take(look: Look) -> io::Result<Self> {
         restore_on_panic();
         TAKEN.store(true, Ordering::SeqCst);
         enable_raw_mode()?;
         let taken = (|| {
             // Not `Terminal::clear`: that asks the terminal where the cursor is, and waits for an answer that some never give.
             execute!(io::stdout(), EnterAlternateScreen, Clear(ClearType::All), Hide)?;
-            Ok(Self { terminal: Terminal::new(CrosstermBackend::new(io::stdout()))? })
+            Ok(Self { terminal: Terminal::new(CrosstermBackend::new(io::stdout()))?, look })
         })();
         if taken.is_err() {
             give_back();
@@ -57,7 +60,11 @@ impl Screen {
             return Ok(());
         }
         execute!(io::stdout(), BeginSynchronizedUpdate)?;
-        let drawn = self.terminal.draw(frame).map(|_| ());
+        let drawn = self.terminal.draw(|canvas| {
+            frame(canvas);
+            self.look.finish(canvas.buffer_mut());
+        });
+        let drawn = drawn.map(|_| ());
         execute!(io::stdout(), EndSynchronizedUpdate)?;
         drawn
     }

@@ -1,29 +1,39 @@
-//! Colours by meaning, from the sixteen that every terminal has and lets its owner choose, so that they stand on light
-//! and dark alike. Nothing is told by colour alone: words and signs say it too.
+//! Colours by meaning. Panels paint in *roles*: palette numbers that are never sent to a terminal. The last pass over a
+//! frame, [`Look::finish`](crate::looks::Look::finish), puts the chosen theme's colours in their place. Nothing is told
+//! by colour alone: words and signs say it too.
 
 use ratatui::style::{Color, Modifier, Style};
 
+/// How many roles there are.
+pub(crate) const ROLES: usize = 23;
+
+/// The colour that stands for a role until the frame is finished.
+const fn role(number: u8) -> Color {
+    assert!((number as usize) < ROLES);
+    Color::Indexed(number)
+}
+
 /// Good, and where the machine runs.
-pub(crate) const GOOD: Color = Color::Green;
+pub(crate) const GOOD: Color = role(0);
 /// Near a limit.
-pub(crate) const WARN: Color = Color::Yellow;
+pub(crate) const WARN: Color = role(1);
 /// Past a limit.
-pub(crate) const BAD: Color = Color::Red;
+pub(crate) const BAD: Color = role(2);
 /// Forward whirl, and what belongs to y.
-pub(crate) const FORWARD: Color = Color::Cyan;
+pub(crate) const FORWARD: Color = role(3);
 /// Backward whirl, and what belongs to z.
-pub(crate) const BACKWARD: Color = Color::Magenta;
+pub(crate) const BACKWARD: Color = role(4);
 /// Axes, boundaries and rays.
-pub(crate) const GRID: Color = Color::DarkGray;
+pub(crate) const GRID: Color = role(5);
 /// Deadband circles.
-pub(crate) const CLEARANCE: Color = Color::Blue;
+pub(crate) const CLEARANCE: Color = role(6);
 /// The keyphasor.
-pub(crate) const KEY: Color = Color::Yellow;
+pub(crate) const KEY: Color = role(7);
 /// Control force.
-pub(crate) const FORCE: Color = Color::Yellow;
+pub(crate) const FORCE: Color = role(8);
 
 /// Traces of several masses, by mass.
-pub(crate) const TRACES: [Color; 4] = [Color::Cyan, Color::Green, Color::Magenta, Color::Blue];
+pub(crate) const TRACES: [Color; 4] = [role(9), role(10), role(11), role(12)];
 
 /// Text that explains.
 pub(crate) fn quiet() -> Style {

@@ -1,0 +1,186 @@
+//! How a finished frame looks: which colours stand for the roles of [`theme`](crate::theme), and whether glyphs beyond
+//! ASCII are shown. One pass over the cells does both, so no panel knows of either.
+//!
+//! What a person asks for wins; else the environment decides: `NO_COLOR`, `COLORTERM`, and the locale.
+
+mod ascii;
+mod palette;
+
+use std::fmt;
+use std::str::FromStr;
+
+use ratatui::buffer::Buffer;
+use ratatui::style::Color;
+
+use palette::{Palette, THEMES, Theme};
+
+/// What a person asks of the looks of the dashboard; what is left open, the environment decides.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Wishes {
+    /// The theme.
+    pub theme: ThemeName,
+    /// Nothing but ASCII on the screen, whatever the locale says.
+    pub ascii: bool,
+}
+
+/// A theme by its name: `default`, `full`, `contrast` or `colour-blind`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ThemeName(usize);
+
+impl ThemeName {
+    /// Every theme, the default first, with what it is for.
+    pub fn all() -> impl ExactSizeIterator<Item = (Self, &'static str)> {
+        THEMES.iter().enumerate().map(|(at, theme)| (Self(at), theme.meaning))
+    }
+
+    fn theme(self) -> &'static Theme {
+        &THEMES[self.0]
+    }
+}
+
+impl fmt::Display for ThemeName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.theme().name)
+    }
+}
+
+impl FromStr for ThemeName {
+    type Err = UnknownTheme;
+
+    fn from_str(name: &str) -> Result<Self, UnknownTheme> {
+        let at = THEMES.iter().position(|theme| theme.name == name);
+        at.map(Self).ok_or_else(|| UnknownTheme(name.to_owned()))
+    }
+}
+
+/// There is no theme of that name.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no theme '{0}': there are {names}", names = THEMES.map(|theme| theme.name).join(", "))]
+pub struct UnknownTheme(String);
+
+/// Colours and glyphs of a finished frame.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    /// `None` shows no colour at all.
+    palette: Option<&'static Palette>,
+    ascii: bool,
+}
+
+impl Look {
+    /// The look for `wishes` in an environment.
+    pub(crate) fn choose(wishes: Wishes, variable: impl Fn(&str) -> Option<String>) -> Self {
+        let set = |name: &str| variable(name).filter(|value| !value.is_empty());
+        let theme = wishes.theme.theme();
+        let full = set("COLORTERM").is_some_and(|value| matches!(&*value, "truecolor" | "24bit"));
+        let palette = if full { theme.full.unwrap_or(theme.sixteen) } else { theme.sixteen };
+        // no-color.org: any value but the empty one. The console of the Linux kernel has no braille.
+        let simple = set("TERM").is_some_and(|terminal| matches!(&*terminal, "linux" | "dumb"));
+        // The first of these that is set says what the terminal can show; none set says nothing.
+        let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).map(|value| value.to_lowercase());
+        let foreign = locale.is_some_and(|locale| !(locale.contains("utf-8") || locale.contains("utf8")));
+        Self { palette: set("NO_COLOR").is_none().then_some(palette), ascii: wishes.ascii || simple || foreign }
+    }
+
+    /// The look of this process's environment.
+    pub(crate) fn of_environment(wishes: Wishes) -> Self {
+        Self::choose(wishes, |name| std::env::var(name).ok())
+    }
+
+    /// Turns roles into colours, and glyphs into their ASCII twins if need be.
+    pub(crate) fn finish(&self, buffer: &mut Buffer) {
+        for cell in &mut buffer.content {
+            cell.fg = self.color(cell.fg, |palette| palette.text);
+            cell.bg = self.color(cell.bg, |palette| palette.background);
+            if self.ascii
+                && let Some(twin) = ascii::twin(cell.symbol())
+            {
+                cell.set_char(twin);
+            }
+        }
+    }
+
+    fn color(&self, color: Color, plain: impl Fn(&Palette) -> Color) -> Color {
+        match (self.palette, color) {
+            (None, _) => Color::Reset,
+            (Some(palette), Color::Reset) => plain(palette),
+            (Some(palette), Color::Indexed(role)) => palette.roles[usize::from(role)],
+            (Some(_), color) => color,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use ratatui::layout::Rect;
+    use ratatui::style::Style;
+
+    use super::*;
+    use crate::theme;
+
+    fn look(wishes: Wishes, environment: &[(&str, &str)]) -> Look {
+        let find = |name: &str| environment.iter().find(|(n, _)| *n == name).map(|(_, value)| (*value).to_owned());
+        Look::choose(wishes, find)
+    }
+
+    /// The one cell of a finished frame.
+    fn finished(look: Look, symbol: &str, style: Style) -> (String, Color, Color) {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, 1, 1));
+        buffer.set_string(0, 0, symbol, style);
+        look.finish(&mut buffer);
+        let cell = &buffer[(0, 0)];
+        (cell.symbol().to_owned(), cell.fg, cell.bg)
+    }
+
+    #[test]
+    fn roles_become_the_sixteen_colours_unless_told_otherwise() {
+        let wishes = Wishes::default();
+        for environment in [&[][..], &[("COLORTERM", "truecolor")], &[("NO_COLOR", "")]] {
+            let cell = finished(look(wishes, environment), "⠿", Style::new().fg(theme::BAD));
+            assert_eq!(cell, ("⠿".into(), Color::Red, Color::Reset), "{environment:?}");
+        }
+        let full = Wishes { theme: "full".parse().unwrap(), ..wishes };
+        let fg = |environment| finished(look(full, environment), "x", Style::new().fg(theme::BAD)).1;
+        assert!(matches!(fg(&[("COLORTERM", "truecolor")]), Color::Rgb(..)));
+        assert_eq!(fg(&[("COLORTERM", "no")]), Color::Red, "a terminal that does not say so gets no true colours");
+    }
+
+    #[test]
+    fn no_color_leaves_none() {
+        for (theme, _) in ThemeName::all() {
+            let wishes = Wishes { theme, ascii: false };
+            let look = look(wishes, &[("NO_COLOR", "1"), ("COLORTERM", "truecolor")]);
+            let style = Style::new().fg(theme::GOOD).bg(theme::FORCE);
+            assert_eq!(finished(look, "x", style), ("x".into(), Color::Reset, Color::Reset));
+        }
+    }
+
+    #[test]
+    fn the_locale_and_the_terminal_decide_on_ascii() {
+        let is_ascii = |environment: &[(&str, &str)]| look(Wishes::default(), environment).ascii;
+        assert!(!is_ascii(&[]));
+        assert!(!is_ascii(&[("LANG", "en_GB.UTF-8")]));
+        assert!(!is_ascii(&[("LC_ALL", ""), ("LANG", "C.utf8")]));
+        assert!(is_ascii(&[("LANG", "C")]));
+        assert!(is_ascii(&[("LC_ALL", "POSIX"), ("LANG", "en_GB.UTF-8")]));
+        assert!(is_ascii(&[("LC_CTYPE", "de_DE.ISO-8859-1"), ("LANG", "en_GB.UTF-8")]));
+        assert!(is_ascii(&[("TERM", "linux"), ("LANG", "en_GB.UTF-8")]));
+        assert!(look(Wishes { ascii: true, ..Wishes::default() }, &[("LANG", "en_GB.UTF-8")]).ascii);
+    }
+
+    #[test]
+    fn themes_go_by_their_names() {
+        for (theme, _) in ThemeName::all() {
+            assert_eq!(theme.to_string().parse(), Ok(theme));
+        }
+        let unknown = "dark".parse::<ThemeName>().unwrap_err();
+        assert_eq!(unknown.to_string(), "no theme 'dark': there are default, full, contrast, colour-blind");
+    }
+
+    #[test]
+    fn ascii_means_ascii() {
+        let look = look(Wishes { ascii: true, ..Wishes::default() }, &[]);
+        for (symbol, twin) in [("◆", "*"), ("│", "|"), ("⠤", "-"), ("x", "x"), ("²", "2")] {
+            assert_eq!(finished(look, symbol, Style::new()).0, twin);
+        }
+    }
+}
