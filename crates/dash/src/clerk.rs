@@ -124,9 +124,9 @@ impl<C: Carrier> Clerk<C> {
         }
         let done = match edit {
             Edit::Impulse(mass, velocity) => self
-                .ask(&Change::Impulse { mass: *mass, velocity: *velocity })
+                .ask(&Change::Impulse { mass: *mass, velocity: *velocity }, "")
                 .map(|answer| told(&answer, &format!("impulse {} on mass {}", velocity.re, mass + 1))),
-            Edit::Restart => self.ask(&Change::Restart).map(|answer| told(&answer, "restarted from rest")),
+            Edit::Restart => self.ask(&Change::Restart, "").map(|answer| told(&answer, "restarted from rest")),
             Edit::Undo => match self.done.pop() {
                 None => return Outcome::Refused("nothing to undo".into()),
                 Some(step) => {
@@ -141,13 +141,13 @@ impl<C: Carrier> Clerk<C> {
                     self.again(step, &from, &to, "done again")
                 }
             },
-            Edit::Nudge(key, delta) => {
-                self.remembered(Some(*key), &format!("{key}"), |s| s.nudge(*key, *delta).map_err(|e| e.to_string()))
-            }
-            Edit::Set(key, value) => {
-                self.remembered(None, &format!("{key} = {value}"), |s| s.set(*key, *value).map_err(|e| e.to_string()))
-            }
-            Edit::Off => self.remembered(None, "control off", |settings| {
+            Edit::Nudge(key, delta) => self.remembered(Some(*key), &format!("{key}"), "nudged", |s| {
+                s.nudge(*key, *delta).map_err(|e| e.to_string())
+            }),
+            Edit::Set(key, value) => self.remembered(None, &format!("{key} = {value}"), "typed", |s| {
+                s.set(*key, *value).map_err(|e| e.to_string())
+            }),
+            Edit::Off => self.remembered(None, "control off", "control off", |settings| {
                 settings.feedback = settings.feedback.off();
                 Ok(())
             }),
@@ -160,9 +160,10 @@ impl<C: Carrier> Clerk<C> {
         &mut self,
         nudged: Option<Key>,
         what: &str,
+        why: &str,
         change: impl Fn(&mut Settings) -> Result<(), String>,
     ) -> Result<Outcome, String> {
-        let (before, after, answer) = self.apply(change)?;
+        let (before, after, answer) = self.apply(why, change)?;
         let now = Instant::now();
         let mut step = Step { before, after, nudged: nudged.map(|key| (key, now)) };
         if let (Some(key), Some(last)) = (nudged, self.done.last())
@@ -179,11 +180,11 @@ impl<C: Carrier> Clerk<C> {
 
     /// Goes from `from` to `to` over one step of a stack, leaving alone what others have changed since.
     fn again(&mut self, step: Step, from: &Settings, to: &Settings, word: &str) -> Result<Outcome, String> {
-        let applied = self.apply(|settings| {
+        let back = word == "undone";
+        let applied = self.apply(if back { "undo" } else { "redo" }, |settings| {
             carry_over(from, to, settings);
             Ok(())
         });
-        let back = word == "undone";
         match applied {
             Ok((.., answer)) => {
                 if back { &mut self.undone } else { &mut self.done }.push(step);
@@ -199,6 +200,7 @@ impl<C: Carrier> Clerk<C> {
     /// Changes the newest settings and has the result put in force. Returns what was, what is, and the answer.
     fn apply(
         &mut self,
+        why: &str,
         change: impl Fn(&mut Settings) -> Result<(), String>,
     ) -> Result<(Settings, Settings, Answer), String> {
         let mut refusal = String::from("no settings are known yet");
@@ -206,7 +208,7 @@ impl<C: Carrier> Clerk<C> {
             let Some((run_id, revision, before)) = self.known.clone() else { break };
             let mut after = before.clone();
             change(&mut after)?;
-            let answer = self.ask(&Change::Settings { base_revision: revision, settings: after.clone() })?;
+            let answer = self.ask(&Change::Settings { base_revision: revision, settings: after.clone() }, why)?;
             if answer.is_accepted() {
                 self.known = Some((run_id, answer.revision, after.clone()));
                 return Ok((before, after, answer));
@@ -231,8 +233,8 @@ impl<C: Carrier> Clerk<C> {
         }
     }
 
-    fn ask(&mut self, change: &Change) -> Result<Answer, String> {
-        let asked = self.try_ask(change);
+    fn ask(&mut self, change: &Change, why: &str) -> Result<Answer, String> {
+        let asked = self.try_ask(change, why);
         if asked.is_err() {
             // The next edit starts with a fresh port: the simulation may have been replaced.
             self.commander = None;
@@ -240,12 +242,12 @@ impl<C: Carrier> Clerk<C> {
         asked.map_err(|error| error.to_string())
     }
 
-    fn try_ask(&mut self, change: &Change) -> Result<Answer, WireError> {
+    fn try_ask(&mut self, change: &Change, why: &str) -> Result<Answer, WireError> {
         let commander = match &mut self.commander {
             Some(commander) => commander,
             none => none.insert(self.carrier.command(&self.bench)?),
         };
-        commander.ask(&*change.request(&self.who)?, PATIENCE)
+        commander.ask(&*change.request(&self.who, why)?, PATIENCE)
     }
 }
 
@@ -322,9 +324,9 @@ mod tests {
                         Change::Settings { .. } => {
                             current.settings = request.settings;
                             current.revision += 1;
-                            Answer::accepted(current.revision, 42)
+                            Answer::accepted(current.revision, 42, 0.42)
                         }
-                        _ => Answer::accepted(current.revision, 43),
+                        _ => Answer::accepted(current.revision, 43, 0.43),
                     })
                     .unwrap();
                 if let Ok(outcome) = outcomes.try_recv() {

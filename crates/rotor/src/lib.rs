@@ -22,6 +22,7 @@ pub mod builtin;
 pub mod circular;
 mod closed_loop;
 mod crossing;
+mod difference;
 mod eigen;
 mod family;
 mod feedback;
@@ -40,6 +41,7 @@ mod trace;
 
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
 pub use closed_loop::ClosedLoop;
+pub use difference::Difference;
 pub use eigen::{PoleError, eigenvalues};
 pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
 pub use influence::{Influence, PBH_LIMIT, influence};

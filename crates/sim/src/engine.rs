@@ -22,15 +22,17 @@ pub(crate) enum Order {
     Impulse { mass: usize, velocity: C64 },
     /// Back to rest; a trip is reset.
     Restart,
+    /// Nothing: only the step and the time are wanted.
+    Mark,
 }
 
 /// What the stepping thread has done.
 #[derive(Debug)]
 pub(crate) enum Notice {
-    /// An order, given back, and the first step made with it.
-    Done { order: Box<Order>, step: u64 },
-    /// The machine has tripped.
-    Tripped(Trip),
+    /// An order, given back, the first step made with it, and the time when it was carried out.
+    Done { order: Box<Order>, step: u64, tau: f64 },
+    /// The machine has tripped, at this time.
+    Tripped { trip: Trip, tau: f64 },
 }
 
 /// Lateness of a wake-up and cost of a step in it, in nanoseconds.
@@ -55,10 +57,13 @@ pub(crate) struct Counters {
     pub(crate) steps: AtomicU64,
     pub(crate) late: AtomicU64,
     pub(crate) missed: AtomicU64,
+    /// Time of the rotor after the last wake-up: the bits of an `f64`.
+    pub(crate) tau_bits: AtomicU64,
 }
 
 impl Counters {
-    pub(crate) fn count(&self, wake: &Wake) {
+    pub(crate) fn count(&self, wake: &Wake, tau: f64) {
+        self.tau_bits.store(tau.to_bits(), Ordering::Relaxed);
         self.steps.fetch_add(u64::from(wake.steps), Ordering::Relaxed);
         if wake.is_late {
             self.late.fetch_add(u64::from(wake.steps), Ordering::Relaxed);
@@ -86,8 +91,8 @@ impl Exchange {
     }
 
     /// The state's flags tell of a trip as well, so that a full queue loses only its cause.
-    pub(crate) fn report_trip(&self, trip: Trip) {
-        let _ = self.notices.push(Notice::Tripped(trip));
+    pub(crate) fn report_trip(&self, trip: Trip, tau: f64) {
+        let _ = self.notices.push(Notice::Tripped { trip, tau });
     }
 }
 
@@ -141,9 +146,10 @@ impl Engine {
                     self.stepper.rest();
                     self.tripped = false;
                 }
+                Order::Mark => {}
             }
             // There is room: the intake has no more orders under way than the queue holds.
-            let _ = exchange.notices.push(Notice::Done { order, step: self.seq });
+            let _ = exchange.notices.push(Notice::Done { order, step: self.seq, tau: self.tau() });
             any = true;
         }
         any
@@ -176,6 +182,11 @@ impl Engine {
             self.tripped = true;
             Some(self.trip(2))
         }
+    }
+
+    /// Time of the rotor now.
+    pub(crate) fn tau(&self) -> f64 {
+        self.stepper.motion().tau
     }
 
     fn trip(&self, cause: u32) -> Trip {

@@ -1,15 +1,18 @@
-//! The intake thread: checks requests, hands them over, computes poles, and publishes bulletins.
+//! The intake thread: checks requests, hands them over, computes poles, and publishes bulletins and events.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rotor::{Rotor, Settings, Spectrum};
 use wire::message::{Analysis, Health, Request, Trip};
-use wire::{Answer, Bulletin, BulletinSender, Change, Host, Inbox, SettingsMessage, Text, WireError};
+use wire::{
+    Answer, Bulletin, BulletinSender, Change, EventSender, Happening, Host, Inbox, SettingsMessage, Text, WireError,
+};
 
 use crate::Options;
 use crate::engine::{Exchange, Notice, Order};
 use crate::health::Gauge;
+use crate::log::{Lateness, Log, When};
 
 /// How often a bulletin goes out when nothing changes.
 const HEARTBEAT: Duration = Duration::from_millis(100);
@@ -24,6 +27,8 @@ pub(crate) struct Intake<'a> {
     bulletin: Box<Bulletin>,
     exchange: &'a Exchange,
     gauge: Gauge,
+    log: Log,
+    lateness: Lateness,
     period: Duration,
     /// Something has changed that readers have not been told.
     news: bool,
@@ -50,13 +55,16 @@ impl<'a> Intake<'a> {
             ..Bulletin::default()
         });
         bulletin.set_rotor(rotor);
+        let period = Duration::from_secs_f64(1.0 / options.rate_hz);
         Self {
             rotor,
             settings,
             bulletin,
             exchange,
             gauge: Gauge::new(),
-            period: Duration::from_secs_f64(1.0 / options.rate_hz),
+            log: Log::default(),
+            lateness: Lateness::new(period),
+            period,
             news: true,
         }
     }
@@ -65,15 +73,20 @@ impl<'a> Intake<'a> {
     pub(crate) fn run<H: Host>(mut self, host: &H, stop: &AtomicBool) -> Result<(Health, Trip), WireError> {
         let mut inbox = host.inbox()?;
         let mut bulletins = host.bulletins()?;
+        let mut events = host.events()?;
         self.bulletin.settings = SettingsMessage::pack(&self.settings)?;
         self.analyse();
+        self.log.note(&Happening::Started, When { step: 0, tau: 0.0 }, &self.bulletin);
         let mut beat = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
                 self.gauge.gather(self.exchange);
                 self.publish(&mut bulletins, host.listeners())?;
+                events.welcome()?;
+                self.watch_pace();
                 beat = Instant::now();
             }
+            self.log.send(&mut events)?;
             let patience = HEARTBEAT.saturating_sub(beat.elapsed());
             inbox.serve(patience, |request| self.answer(request))?;
             while let Some(notice) = self.exchange.notices.pop() {
@@ -81,6 +94,8 @@ impl<'a> Intake<'a> {
             }
         }
         self.gauge.gather(self.exchange);
+        self.log.note(&Happening::Ended, When::now(self.exchange), &self.bulletin);
+        self.log.send(&mut events)?;
         Ok((self.gauge.health(self.exchange, host.listeners()), self.bulletin.trip))
     }
 
@@ -92,68 +107,97 @@ impl<'a> Intake<'a> {
         bulletins.send(&self.bulletin)
     }
 
+    /// Notes that the simulation has fallen behind, if it has.
+    fn watch_pace(&mut self) {
+        let counters = &self.exchange.counters;
+        let (late, missed) = (counters.late.load(Ordering::Relaxed), counters.missed.load(Ordering::Relaxed));
+        if let Some(behind) = self.lateness.look(late, missed, Instant::now()) {
+            self.log.note(&behind, When::now(self.exchange), &self.bulletin);
+        }
+    }
+
     /// Checks a request whole, has it carried out between two steps, and says with which step.
     fn answer(&mut self, request: &Request) -> Answer {
         let revision = self.bulletin.revision;
-        let Some(change) = Change::of(request) else {
-            return Answer::refused(revision, &format!("unknown request {}", request.kind));
-        };
-        let order = match &change {
-            Change::Settings { base_revision, .. } if *base_revision != revision => {
-                let why = format!(
-                    "the settings were changed meanwhile by {} (revision {revision}, yours was {base_revision})",
-                    self.bulletin.changed_by.as_str()
-                );
-                return Answer { outdated: 1, ..Answer::refused(revision, &why) };
+        if request.asks_for_settings() && request.base_revision != revision {
+            // No event: whoever asked looks again and asks again.
+            let why = format!(
+                "the settings were changed meanwhile by {} (revision {revision}, yours was {})",
+                self.bulletin.changed_by.as_str(),
+                request.base_revision
+            );
+            return Answer { outdated: 1, ..Answer::refused(revision, &why) };
+        }
+        let carried = self.order(request).and_then(|(change, order)| {
+            let behind = || String::from("the simulation is too far behind to take changes");
+            Ok((change, self.carry_out(order).ok_or_else(behind)?))
+        });
+        let (change, when) = match carried {
+            Ok(done) => done,
+            Err(reason) => {
+                let answer = Answer::refused(revision, &reason);
+                let refused = Happening::Refused { asked: Change::kind_name(request.kind), reason };
+                self.log.note_request(&refused, When::now(self.exchange), &self.bulletin, request);
+                return answer;
             }
-            Change::Settings { settings, .. } => {
-                if let Err(error) = settings.check(self.rotor) {
-                    return Answer::refused(revision, &error.to_string());
-                }
-                let closed_loop = settings.closed_loop(self.rotor);
-                Order::Settings { closed_loop, trip_limit: settings.trip, revision: revision + 1 }
-            }
-            Change::Impulse { mass, velocity } => {
-                let size = velocity.norm();
-                if *mass >= self.rotor.len() {
-                    let masses = self.rotor.len();
-                    return Answer::refused(revision, &format!("no mass {}: there are {masses}", mass + 1));
-                }
-                if size.is_nan() || size > 1e6 {
-                    return Answer::refused(revision, "an impulse must be finite and at most 1000000");
-                }
-                Order::Impulse { mass: *mass, velocity: *velocity }
-            }
-            Change::Restart => Order::Restart,
         };
-        let Some(step) = self.carry_out(order) else {
-            return Answer::refused(revision, "the simulation is too far behind to take changes");
-        };
-        match change {
+        let happened = match change {
             Change::Settings { settings, .. } => {
                 // What has been unpacked from one message fits into another.
                 self.bulletin.settings = request.settings;
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
-                self.bulletin.applied_at_step = step;
+                self.bulletin.applied_at_step = when.step;
                 self.bulletin.changed_by = request.who;
                 self.analyse();
+                Happening::Settings
             }
-            Change::Restart => self.bulletin.trip = Trip::default(),
-            Change::Impulse { .. } => {}
-        }
+            Change::Restart => {
+                self.bulletin.trip = Trip::default();
+                Happening::Restarted
+            }
+            Change::Impulse { mass, velocity } => Happening::Impulse { mass, velocity },
+            Change::Note { text } => Happening::Note(text),
+        };
+        self.log.note_request(&happened, when, &self.bulletin, request);
         self.news = true;
-        Answer::accepted(self.bulletin.revision, step)
+        Answer::accepted(self.bulletin.revision, when.step, when.tau)
     }
 
-    /// Hands an order to the stepping thread and waits until it has been carried out. Returns the step.
-    fn carry_out(&mut self, order: Order) -> Option<u64> {
+    /// Checks a request, and makes the order that carries it out; or says why not.
+    fn order(&self, request: &Request) -> Result<(Change, Order), String> {
+        let change = Change::of(request).ok_or_else(|| format!("unknown request {}", request.kind))?;
+        let order = match &change {
+            Change::Settings { settings, .. } => {
+                settings.check(self.rotor).map_err(|error| error.to_string())?;
+                let closed_loop = settings.closed_loop(self.rotor);
+                Order::Settings { closed_loop, trip_limit: settings.trip, revision: self.bulletin.revision + 1 }
+            }
+            Change::Impulse { mass, velocity } => {
+                let size = velocity.norm();
+                if *mass >= self.rotor.len() {
+                    return Err(format!("no mass {}: there are {}", mass + 1, self.rotor.len()));
+                }
+                if size.is_nan() || size > 1e6 {
+                    return Err("an impulse must be finite and at most 1000000".into());
+                }
+                Order::Impulse { mass: *mass, velocity: *velocity }
+            }
+            Change::Restart => Order::Restart,
+            Change::Note { text } if text.trim().is_empty() => return Err("a note must say something".into()),
+            Change::Note { .. } => Order::Mark,
+        };
+        Ok((change, order))
+    }
+
+    /// Hands an order to the stepping thread and waits until it has been carried out. Says when that was.
+    fn carry_out(&mut self, order: Order) -> Option<When> {
         self.exchange.orders.push(Box::new(order)).ok()?;
         let deadline = Instant::now() + self.period + HANDOVER;
         loop {
             while let Some(notice) = self.exchange.notices.pop() {
-                if let Some(step) = self.note(notice) {
-                    return Some(step);
+                if let Some(when) = self.note(notice) {
+                    return Some(when);
                 }
             }
             let left = deadline.saturating_duration_since(Instant::now());
@@ -166,27 +210,28 @@ impl<'a> Intake<'a> {
     }
 
     /// The order was picked up at the last moment: its notice follows within the step.
-    fn late_notice(&mut self) -> Option<u64> {
+    fn late_notice(&mut self) -> Option<When> {
         let deadline = Instant::now() + HANDOVER;
         while Instant::now() < deadline {
-            if let Some(step) = self.exchange.notices.pop().and_then(|notice| self.note(notice)) {
-                return Some(step);
+            if let Some(when) = self.exchange.notices.pop().and_then(|notice| self.note(notice)) {
+                return Some(when);
             }
             std::thread::park_timeout(Duration::from_millis(1));
         }
         None
     }
 
-    /// Takes note of what the stepping thread has done. Returns the step of an order that was carried out.
-    fn note(&mut self, notice: Notice) -> Option<u64> {
+    /// Takes note of what the stepping thread has done. Says when an order was carried out.
+    fn note(&mut self, notice: Notice) -> Option<When> {
         match notice {
             // Here, not on the stepping thread, the order's memory is freed.
-            Notice::Done { order, step } => {
+            Notice::Done { order, step, tau } => {
                 drop(order);
-                Some(step)
+                Some(When { step, tau })
             }
-            Notice::Tripped(trip) => {
+            Notice::Tripped { trip, tau } => {
                 self.bulletin.trip = trip;
+                self.log.note(&Happening::Tripped(trip), When { step: trip.step, tau }, &self.bulletin);
                 self.news = true;
                 None
             }

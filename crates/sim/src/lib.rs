@@ -13,6 +13,7 @@ mod clock;
 mod engine;
 mod health;
 mod intake;
+mod log;
 pub mod pacer;
 
 use std::fmt;
@@ -191,11 +192,11 @@ fn step_until(
             let due_ns = started_ns + wake.due_ns(step);
             states.send(|state| engine.fill(state, due_ns, wake.is_late))?;
             if let Some(trip) = tripped {
-                exchange.report_trip(trip);
+                exchange.report_trip(trip, engine.tau());
                 clerk.unpark();
             }
         }
-        exchange.counters.count(&wake);
+        exchange.counters.count(&wake, engine.tau());
         exchange.measure(wake.lateness_ns, (clock.now_ns() - begun) / u64::from(wake.steps));
     }
     Ok(())

@@ -9,7 +9,9 @@ use std::time::{Duration, Instant};
 use rotor::{C64, Settings, Spectrum, builtin};
 use sim::{Options, Summary};
 use wire::message::Flags;
-use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Listener, Memory, State, WireError};
+use wire::{
+    Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, Happening, Listener, Memory, State, WireError,
+};
 
 const PATIENCE: Duration = Duration::from_secs(10);
 
@@ -17,8 +19,10 @@ const PATIENCE: Duration = Duration::from_secs(10);
 struct Bench {
     listener: <Memory as Carrier>::Listener,
     commander: <Memory as Carrier>::Commander,
+    carrier: Memory,
     bulletin: Option<Box<Bulletin>>,
     states: Vec<State>,
+    events: Vec<Event>,
 }
 
 impl Bench {
@@ -39,8 +43,29 @@ impl Bench {
         }
     }
 
+    /// Reads on until there are `count` events beside those of lost pace, and returns them.
+    fn events(&mut self, count: usize) -> Vec<Event> {
+        let start = Instant::now();
+        loop {
+            let events = &mut self.events;
+            self.listener.events(|event| events.push(*event)).unwrap();
+            let told: Vec<Event> =
+                events.iter().filter(|e| !matches!(e.happening(), Some(Happening::Late { .. }))).copied().collect();
+            if told.len() >= count {
+                return told;
+            }
+            assert!(start.elapsed() < PATIENCE, "{count} events did not come: {}", told.len());
+            thread::sleep(Duration::from_millis(1));
+        }
+    }
+
+    /// Another listener, which comes late.
+    fn again(&self) -> <Memory as Carrier>::Listener {
+        self.carrier.listen(&BenchName::default()).unwrap()
+    }
+
     fn ask(&mut self, change: &Change) -> Answer {
-        self.commander.ask(&change.request("test").unwrap(), PATIENCE).unwrap()
+        self.commander.ask(&change.request("test", "to see").unwrap(), PATIENCE).unwrap()
     }
 }
 
@@ -61,7 +86,14 @@ fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) 
             }
         };
         let commander = carrier.command(&options.bench).unwrap();
-        let mut bench = Bench { listener, commander, bulletin: None, states: Vec::new() };
+        let mut bench = Bench {
+            listener,
+            commander,
+            carrier: carrier.clone(),
+            bulletin: None,
+            states: Vec::new(),
+            events: Vec::new(),
+        };
         // A failed assertion must end the simulation too, or the scope would wait for it for ever.
         let acted = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| act(&mut bench, settings.clone())));
         stop.store(true, Ordering::Relaxed);
@@ -161,6 +193,85 @@ fn an_unstable_rotor_trips_holds_and_restarts() {
         assert_eq!((again.tau, again.flags.has(Flags::TRIPPED)), (0.01, false));
     });
     assert!(!summary.trip.is_tripped() || summary.trip.cause == 1);
+}
+
+#[test]
+fn what_happens_is_told_in_order_with_who_and_why_and_the_settings_after_it() {
+    beside("composite", 1000.0, |bench, settings| {
+        let faster = Settings { speed: 3.0, ..settings.clone() };
+        let changed = bench.ask(&Change::Settings { base_revision: 1, settings: faster.clone() });
+        let bad = Settings { speed: -1.0, ..settings.clone() };
+        assert!(!bench.ask(&Change::Settings { base_revision: 2, settings: bad }).is_accepted());
+        let outdated = bench.ask(&Change::Settings { base_revision: 1, settings: settings.clone() });
+        assert_eq!(outdated.outdated, 1);
+        let kick = Change::Impulse { mass: 2, velocity: C64::new(0.5, -0.25) };
+        let kicked = bench.ask(&kick);
+        let noted = bench.ask(&Change::Note { text: "here it begins".into() });
+        assert!(!bench.ask(&Change::Note { text: "  ".into() }).is_accepted());
+        let restarted = bench.ask(&Change::Restart);
+        let told = bench.events(7);
+        let happened: Vec<_> = told.iter().map(|event| event.happening().unwrap()).collect();
+        let reason = "speed = -1: expected a number from 0 to 1000".to_owned();
+        assert_eq!(
+            happened,
+            [
+                Happening::Started,
+                Happening::Settings,
+                Happening::Refused { asked: "settings", reason },
+                Happening::Impulse { mass: 2, velocity: C64::new(0.5, -0.25) },
+                Happening::Note("here it begins".into()),
+                Happening::Refused { asked: "note", reason: "a note must say something".into() },
+                Happening::Restarted,
+            ]
+        );
+        // Numbers without a gap, over all events.
+        assert_eq!(
+            bench.events.iter().map(|e| e.number).collect::<Vec<_>>(),
+            (1..=bench.events.len() as u64).collect::<Vec<_>>()
+        );
+        assert_eq!((told[0].who.as_str(), told[0].seq, told[0].tau, told[0].revision), ("sim", 0, 0.0, 1));
+        assert!(told[1..].iter().all(|e| e.who.as_str() == "test" && e.why.as_str() == "to see"));
+        // Steps and times are those of the answers, and times those of the step before.
+        bench.wait("the restart", |_, states| states.iter().find(|s| s.seq == restarted.applied_at_step).map(drop));
+        for (event, answer) in [(1, changed), (3, kicked), (4, noted), (6, restarted)] {
+            assert_eq!((told[event].seq, told[event].tau), (answer.applied_at_step, answer.tau));
+            let before = bench.states.iter().find(|s| s.seq + 1 == answer.applied_at_step);
+            assert!(event == 6 || before.is_none_or(|before| before.tau == answer.tau), "{before:?}, {answer:?}");
+        }
+        assert_eq!(restarted.tau, 0.0);
+        assert_eq!(told[0].settings.unpack(), settings);
+        assert!(told[1..].iter().all(|event| event.settings.unpack() == faster && event.revision == 2));
+        assert!(told.windows(2).all(|pair| pair[1].wall_ns >= pair[0].wall_ns && pair[1].seq >= pair[0].seq));
+    });
+}
+
+#[test]
+fn a_trip_is_told_with_its_cause_and_who_comes_late_hears_of_it() {
+    let mut late = None;
+    beside("off", 20_000.0, |bench, mut settings| {
+        settings.trip = 5.0;
+        bench.ask(&Change::Settings { base_revision: 1, settings });
+        bench.ask(&Change::Impulse { mass: 1, velocity: C64::new(1.0, 0.0) });
+        let trip = bench.wait("the trip", |b, _| b.trip.is_tripped().then_some(b.trip));
+        let told = bench.events(4);
+        assert_eq!(told[3].happening(), Some(Happening::Tripped(trip)));
+        assert_eq!((told[3].who.as_str(), told[3].seq), ("sim", trip.step));
+        let at = bench.wait("the step", |_, states| states.iter().find(|s| s.seq == trip.step).copied());
+        assert_eq!(told[3].tau, at.tau);
+        // A note on a held machine has a step, and the time at which it is held.
+        let noted = bench.ask(&Change::Note { text: "so that is how it goes".into() });
+        assert!(noted.applied_at_step > trip.step && noted.tau == at.tau, "{noted:?}");
+        bench.events(5);
+        let numbers = |events: &[Event]| events.iter().map(|event| event.number).collect::<Vec<_>>();
+        let mut listener = bench.again();
+        let mut heard = Vec::new();
+        listener.events(|event| heard.push(*event)).unwrap();
+        assert_eq!(numbers(&heard[..5]), numbers(&bench.events[..5]));
+        late = Some(listener);
+    });
+    let mut last = None;
+    late.unwrap().events(|event| last = event.happening()).unwrap();
+    assert_eq!(last, Some(Happening::Ended));
 }
 
 #[test]

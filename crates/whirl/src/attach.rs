@@ -89,7 +89,7 @@ impl From<WireError> for Failure {
         let words = error.to_string();
         match error {
             WireError::BenchName(_) | WireError::Root { .. } => Self::Usage(words),
-            WireError::NoBench(_) | WireError::Taken(_) => Self::Bench(words),
+            WireError::NoBench(_) | WireError::Taken(_) | WireError::Recorded(_) => Self::Bench(words),
             WireError::Version { .. }
             | WireError::Full { .. }
             | WireError::LeftBehind { .. }

@@ -31,10 +31,12 @@ pub(crate) enum Command {
     Sim(commands::sim::SimArgs),
     /// Show a dashboard on a running simulation
     Dash(commands::dash::DashArgs),
-    /// Print live telemetry
+    /// Print live telemetry, or what happens
     Tail(commands::tail::TailArgs),
     /// Change gains, speed, deadband ... of a running simulation
     Set(commands::set::SetArgs),
+    /// Mark the present step of a running simulation with a note
+    Note(commands::note::NoteArgs),
     /// List running benches: rates, lateness, losses, who is attached
     Status(commands::status::StatusArgs),
     /// Remove what crashed processes left behind; never touches a live bench

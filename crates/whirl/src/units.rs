@@ -4,6 +4,7 @@
 
 use rotor::{Key, Rotor, Scales, Settings, SettingsError};
 use serde::Serialize;
+use wire::message::Trip;
 
 use crate::failure::Failure;
 use crate::output::rounded;
@@ -148,6 +149,26 @@ impl Units {
     #[must_use]
     pub(crate) fn document(self) -> UnitsDocument {
         UnitsDocument { units: self.0.map(|_| "si"), scales: self.0 }
+    }
+
+    /// A setting as shown, of the unit that its row in [`rotor::PARAMETERS`] has.
+    #[must_use]
+    pub(crate) fn value(self, unit: &str, value: f64) -> f64 {
+        match unit {
+            "w0" => self.speed(value),
+            "e_t" => self.length(value),
+            _ => value,
+        }
+    }
+
+    /// What tripped, with lengths in the units of the machine.
+    #[must_use]
+    pub(crate) fn trip_text(self, trip: &Trip) -> String {
+        if self.0.is_none() || trip.cause != 1 {
+            return trip.to_string();
+        }
+        let [radius, limit] = [trip.radius, trip.limit].map(|length| rounded(self.length(length)));
+        format!("orbit of mass {} reached {radius} m, past the limit of {limit} m", trip.mass)
     }
 
     /// Sets `key` to a number as typed: rpm and m for an SI rotor, gains as they are.

@@ -16,6 +16,9 @@ pub enum WireError {
     /// Somebody else simulates under this name.
     #[error("bench '{0}' is taken by a running simulation: choose another with --bench NAME, or see `whirl status`")]
     Taken(BenchName),
+    /// Somebody else records this bench.
+    #[error("bench '{0}' is being recorded already: see `whirl status`")]
+    Recorded(BenchName),
     /// The bench speaks another schema version, or another version of iceoryx2.
     #[error("bench '{bench}' was started by another version of whirl ({detail}): use the same version on both sides")]
     Version {

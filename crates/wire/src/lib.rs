@@ -4,33 +4,44 @@
 //! field by field in [`message`]; the ports are traits ([`Carrier`] and its family) with two implementations under one
 //! contract suite: [`SharedMemory`], which is iceoryx2, and [`Memory`], which is a map of queues for tests.
 //!
-//! A bench called `NAME` is four iceoryx2 services:
+//! A bench called `NAME` is six iceoryx2 services:
 //!
 //! | service | pattern | what |
 //! |---|---|---|
 //! | `whirl/NAME/state` | publish-subscribe of [`State`] | every step, in order, oldest dropped if a reader sleeps |
 //! | `whirl/NAME/bulletin` | publish-subscribe of [`Bulletin`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
+//! | `whirl/NAME/event` | publish-subscribe of [`Event`] | what happens, numbered, with the settings in force after it; the last [`EVENTS_KEPT`] reach late readers |
+//! | `whirl/NAME/recorder` | publish-subscribe of [`RecorderStatus`] | from the recorder, if there is one: file, size, losses; at least once a second |
 //! | `whirl/NAME/command` | request-response of [`Request`] and [`Answer`] | changes, answered with the step that took them |
 //! | `whirl/NAME/wake` | event | tells the simulation that a request waits |
 
 mod bench_name;
 mod census;
 mod error;
+mod event;
 mod memory;
 pub mod message;
 mod ports;
+mod recorder;
 mod root;
 mod settings_message;
 mod shared_memory;
+mod shared_news;
 mod text;
 
 pub use bench_name::BenchName;
 pub use census::{BenchEntry, Party, clean};
 pub use error::WireError;
+pub use event::{EVENTS_KEPT, Event, Happening};
 pub use memory::Memory;
 pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
-pub use ports::{BulletinSender, Carrier, Change, Commander, Host, HostState, Inbox, Listener, StateSender};
+pub use ports::{
+    BulletinSender, Carrier, Change, Commander, EventSender, Host, HostState, Inbox, Listener, RecorderSender,
+    StateSender,
+};
+pub use recorder::{Keeping, RecorderState, RecorderStatus};
 pub use root::Root;
 pub use settings_message::{MAX_KNOTS, SettingsMessage};
 pub use shared_memory::{SharedListener, SharedMemory};
+pub use shared_news::SharedRecorder;
 pub use text::Text;

@@ -7,8 +7,8 @@ use std::time::{Duration, Instant};
 
 use crate::message::Request;
 use crate::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Host, HostState, Inbox, Listener, State,
-    StateSender, WireError,
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, EVENTS_KEPT, Event, EventSender, Host, HostState,
+    Inbox, Listener, RecorderSender, RecorderStatus, State, StateSender, WireError,
 };
 
 /// How many states a sleeping listener keeps: the oldest are dropped beyond that.
@@ -21,6 +21,7 @@ pub struct Memory {
 }
 
 type Mailbox = Mutex<VecDeque<State>>;
+type EventBox = Mutex<VecDeque<Arc<Event>>>;
 type Envelope = (Box<Request>, mpsc::Sender<Answer>);
 
 /// What outlives a host, so that listeners hear the next one.
@@ -29,7 +30,25 @@ struct Bench {
     host: Mutex<Weak<()>>,
     mailboxes: Mutex<Vec<Weak<Mailbox>>>,
     bulletin: Mutex<(u64, Box<Bulletin>)>,
+    events: Mutex<EventLog>,
+    recorder: Mutex<Weak<()>>,
+    recorder_status: Mutex<(u64, Box<RecorderStatus>)>,
     requests: Mutex<Option<mpsc::Sender<Envelope>>>,
+}
+
+/// The last events, and the readers of further ones.
+#[derive(Debug, Default)]
+struct EventLog {
+    kept: VecDeque<Arc<Event>>,
+    mailboxes: Vec<Weak<EventBox>>,
+}
+
+/// Adds to a queue of events, whose oldest one goes if it is full.
+fn keep(queue: &mut VecDeque<Arc<Event>>, event: &Arc<Event>) {
+    if queue.len() == EVENTS_KEPT {
+        queue.pop_front();
+    }
+    queue.push_back(event.clone());
 }
 
 /// A poisoned lock means a test has already failed elsewhere: the data is still whole.
@@ -48,6 +67,7 @@ impl Carrier for Memory {
     type Host = MemoryHost;
     type Listener = MemoryListener;
     type Commander = MemoryCommander;
+    type Recorder = MemoryRecorder;
 
     fn host(&self, name: &BenchName) -> Result<MemoryHost, WireError> {
         let bench = lock(&self.benches).entry(name.clone()).or_default().clone();
@@ -59,6 +79,7 @@ impl Carrier for Memory {
         *holder = Arc::downgrade(&claim);
         drop(holder);
         lock(&bench.bulletin).0 = 0;
+        lock(&bench.events).kept.clear();
         Ok(MemoryHost { bench, claim })
     }
 
@@ -66,11 +87,30 @@ impl Carrier for Memory {
         let bench = self.existing(name)?;
         let mailbox = Arc::new(Mailbox::default());
         lock(&bench.mailboxes).push(Arc::downgrade(&mailbox));
-        Ok(MemoryListener { bench, mailbox, seen: 0 })
+        let mut log = lock(&bench.events);
+        let events = Arc::new(EventBox::new(log.kept.clone()));
+        log.mailboxes.push(Arc::downgrade(&events));
+        drop(log);
+        // The last word of a recorder that has left before us is not told.
+        let recorded = lock(&bench.recorder).strong_count() > 0;
+        let heard = if recorded { 0 } else { lock(&bench.recorder_status).0 };
+        Ok(MemoryListener { bench, mailbox, seen: 0, events, heard, recorder: None })
     }
 
     fn command(&self, name: &BenchName) -> Result<MemoryCommander, WireError> {
         Ok(MemoryCommander { bench: self.existing(name)?, name: name.clone() })
+    }
+
+    fn recorder(&self, name: &BenchName) -> Result<MemoryRecorder, WireError> {
+        let bench = self.existing(name)?;
+        let mut holder = lock(&bench.recorder);
+        if holder.strong_count() > 0 {
+            return Err(WireError::Recorded(name.clone()));
+        }
+        let claim = Arc::new(());
+        *holder = Arc::downgrade(&claim);
+        drop(holder);
+        Ok(MemoryRecorder { bench, _claim: claim })
     }
 }
 
@@ -84,6 +124,7 @@ pub struct MemoryHost {
 impl Host for MemoryHost {
     type States = MemoryStates;
     type Bulletins = MemoryBulletins;
+    type Events = MemoryEvents;
     type Inbox = MemoryInbox;
 
     fn states(&self) -> Result<MemoryStates, WireError> {
@@ -92,6 +133,10 @@ impl Host for MemoryHost {
 
     fn bulletins(&self) -> Result<MemoryBulletins, WireError> {
         Ok(MemoryBulletins { bench: self.bench.clone(), _claim: self.claim.clone() })
+    }
+
+    fn events(&self) -> Result<MemoryEvents, WireError> {
+        Ok(MemoryEvents { bench: self.bench.clone(), _claim: self.claim.clone() })
     }
 
     fn inbox(&self) -> Result<MemoryInbox, WireError> {
@@ -147,6 +192,49 @@ impl BulletinSender for MemoryBulletins {
 
 /// See [`Memory`].
 #[derive(Debug)]
+pub struct MemoryEvents {
+    bench: Arc<Bench>,
+    _claim: Arc<()>,
+}
+
+impl EventSender for MemoryEvents {
+    fn send(&mut self, event: &Event) -> Result<(), WireError> {
+        let event = Arc::new(*event);
+        let mut log = lock(&self.bench.events);
+        keep(&mut log.kept, &event);
+        log.mailboxes.retain(|mailbox| {
+            let Some(mailbox) = mailbox.upgrade() else { return false };
+            keep(&mut lock(&mailbox), &event);
+            true
+        });
+        Ok(())
+    }
+
+    fn welcome(&mut self) -> Result<(), WireError> {
+        // Here listeners help themselves when they come.
+        Ok(())
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryRecorder {
+    bench: Arc<Bench>,
+    _claim: Arc<()>,
+}
+
+impl RecorderSender for MemoryRecorder {
+    fn send(&mut self, status: &mut RecorderStatus) -> Result<(), WireError> {
+        status.stamp();
+        let mut last = lock(&self.bench.recorder_status);
+        last.0 += 1;
+        *last.1 = *status;
+        Ok(())
+    }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
 pub struct MemoryInbox {
     receiver: mpsc::Receiver<Envelope>,
     _claim: Arc<()>,
@@ -172,6 +260,10 @@ pub struct MemoryListener {
     bench: Arc<Bench>,
     mailbox: Arc<Mailbox>,
     seen: u64,
+    events: Arc<EventBox>,
+    /// The number of the recorder's last status that we know, and that status.
+    heard: u64,
+    recorder: Option<Box<RecorderStatus>>,
 }
 
 impl Listener for MemoryListener {
@@ -186,6 +278,23 @@ impl Listener for MemoryListener {
         let fresh = last.0 != self.seen && last.0 > 0;
         self.seen = last.0;
         Ok(fresh.then(|| last.1.clone()))
+    }
+
+    fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
+        let arrived = std::mem::take(&mut *lock(&self.events));
+        arrived.iter().for_each(|event| visit(event));
+        Ok(arrived.len())
+    }
+
+    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
+        let last = lock(&self.bench.recorder_status);
+        if last.0 != self.heard {
+            self.heard = last.0;
+            self.recorder = Some(last.1.clone());
+        }
+        drop(last);
+        let alive = lock(&self.bench.recorder).strong_count() > 0;
+        Ok(self.recorder.as_ref().map(|status| Box::new(status.seen(alive))))
     }
 
     fn host(&self) -> HostState {

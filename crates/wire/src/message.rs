@@ -12,7 +12,7 @@ use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError, Scales};
 use crate::{SettingsMessage, Text};
 
 /// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// One step of the simulation, sent at the full rate.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
@@ -334,7 +334,7 @@ impl fmt::Display for Trip {
 #[type_name("whirl.Request")]
 #[repr(C)]
 pub struct Request {
-    /// 1 settings, 2 impulse, 3 restart.
+    /// 1 settings, 2 impulse, 3 restart, 4 note.
     pub kind: u32,
     /// Impulse: the mass, counted from 0.
     pub mass: u32,
@@ -342,10 +342,22 @@ pub struct Request {
     pub base_revision: u64,
     /// Who asks.
     pub who: Text<32>,
+    /// Why, as it shall stand in the log: `undo`, `typed`, a reason that a person gave; may be empty.
+    pub why: Text<120>,
+    /// Note: what it says.
+    pub text: Text<240>,
     /// Impulse: change of velocity `[vy, vz]`.
     pub impulse: [f64; 2],
     /// Settings: the new ones, whole.
     pub settings: SettingsMessage,
+}
+
+impl Request {
+    /// Whether it asks for new settings.
+    #[must_use]
+    pub fn asks_for_settings(&self) -> bool {
+        self.kind == 1
+    }
 }
 
 /// What became of a request.
@@ -361,15 +373,17 @@ pub struct Answer {
     pub revision: u64,
     /// Accepted: the first step made with the change.
     pub applied_at_step: u64,
+    /// Accepted: time of the rotor when it took effect, as in [`crate::Event::tau`].
+    pub tau: f64,
     /// Refused: why.
     pub reason: Text<240>,
 }
 
 impl Answer {
-    /// The request took effect with step `step`.
+    /// The request took effect with step `step`, when the rotor's time was `tau`.
     #[must_use]
-    pub fn accepted(revision: u64, step: u64) -> Self {
-        Self { accepted: 1, revision, applied_at_step: step, ..Self::default() }
+    pub fn accepted(revision: u64, step: u64, tau: f64) -> Self {
+        Self { accepted: 1, revision, applied_at_step: step, tau, ..Self::default() }
     }
 
     /// The request was refused.

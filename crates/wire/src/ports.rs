@@ -7,7 +7,7 @@ use std::time::Duration;
 use rotor::{C64, Settings};
 
 use crate::message::Request;
-use crate::{Answer, BenchName, Bulletin, SettingsMessage, State, Text, WireError};
+use crate::{Answer, BenchName, Bulletin, Event, RecorderStatus, SettingsMessage, State, Text, WireError};
 
 /// A way to carry messages between a simulation and its readers.
 pub trait Carrier: Clone + Send + Sync + 'static {
@@ -17,6 +17,8 @@ pub trait Carrier: Clone + Send + Sync + 'static {
     type Listener: Listener;
     /// A reader's side, for requests.
     type Commander: Commander;
+    /// A recorder's side, for its status.
+    type Recorder: RecorderSender;
 
     /// Takes the name `bench` for a simulation in this process.
     ///
@@ -35,6 +37,12 @@ pub trait Carrier: Clone + Send + Sync + 'static {
     /// # Errors
     /// No such bench, another version, or no room.
     fn command(&self, bench: &BenchName) -> Result<Self::Commander, WireError>;
+
+    /// Claims `bench` for the one recorder that it can have.
+    ///
+    /// # Errors
+    /// Somebody records it already, no such bench, another version, or no room.
+    fn recorder(&self, bench: &BenchName) -> Result<Self::Recorder, WireError>;
 }
 
 /// A name held for a simulation. Dropping it, and the ports made from it, gives the name back.
@@ -43,6 +51,8 @@ pub trait Host: Send + Sync {
     type States: StateSender;
     /// See [`BulletinSender`].
     type Bulletins: BulletinSender;
+    /// See [`EventSender`].
+    type Events: EventSender;
     /// See [`Inbox`].
     type Inbox: Inbox;
 
@@ -57,6 +67,12 @@ pub trait Host: Send + Sync {
     /// # Errors
     /// It cannot be made.
     fn bulletins(&self) -> Result<Self::Bulletins, WireError>;
+
+    /// The port for events; there is one.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    fn events(&self) -> Result<Self::Events, WireError>;
 
     /// The port for requests; there is one.
     ///
@@ -84,6 +100,31 @@ pub trait BulletinSender {
     /// # Errors
     /// There is no memory for it, or the carrier fails.
     fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError>;
+}
+
+/// Sends events. The last [`crate::EVENTS_KEPT`] also reach readers that come later.
+pub trait EventSender {
+    /// Sends `event`.
+    ///
+    /// # Errors
+    /// There is no memory for it, or the carrier fails.
+    fn send(&mut self, event: &Event) -> Result<(), WireError>;
+
+    /// Tells readers that have come since the last call what they have missed; to be called a few times a second.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn welcome(&mut self) -> Result<(), WireError>;
+}
+
+/// Sends the status of a recorder. Dropping it gives the bench free for the next one.
+pub trait RecorderSender {
+    /// Sends `status`, which is stamped with the present time; to be called at least once a second, and at the end with
+    /// a state that says how it ended.
+    ///
+    /// # Errors
+    /// There is no memory for it, or the carrier fails.
+    fn send(&mut self, status: &mut RecorderStatus) -> Result<(), WireError>;
 }
 
 /// Receives requests and answers each.
@@ -118,6 +159,20 @@ pub trait Listener {
     /// The carrier fails.
     fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError>;
 
+    /// Visits every event that has arrived, oldest first; the first call after attaching, or soon after it, has those
+    /// that happened before. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn events(&mut self, visit: impl FnMut(&Event)) -> Result<usize, WireError>;
+
+    /// The latest that has been heard of a recorder; `None` if nothing has. One that has gone without a word is
+    /// [`crate::RecorderState::Died`]. Takes up to a millisecond: not for every turn of a loop.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError>;
+
     /// Whether the simulation is there. Takes up to a millisecond: not for every turn of a loop.
     fn host(&self) -> HostState;
 }
@@ -150,15 +205,26 @@ pub enum Change {
     },
     /// Back to rest at `tau = 0`; a trip is reset.
     Restart,
+    /// A marker with a note: it changes nothing, and stands in the log of events.
+    Note {
+        /// What it says: one line, at most [`Change::MAX_NOTE`] bytes.
+        text: String,
+    },
 }
 
+/// The kinds of [`Request::kind`] by name, from 1.
+const KINDS: [&str; 4] = ["settings", "impulse", "restart", "note"];
+
 impl Change {
-    /// The message that asks for this, in the name of `who`.
+    /// The longest note, in bytes.
+    pub const MAX_NOTE: usize = 240;
+
+    /// The message that asks for this, in the name of `who`, for the reason `why`, which may be empty.
     ///
     /// # Errors
-    /// Settings that do not fit in a message.
-    pub fn request(&self, who: &str) -> Result<Box<Request>, WireError> {
-        let mut request = Box::new(Request { who: Text::new(who), ..Request::default() });
+    /// Settings, or a note, that do not fit in a message.
+    pub fn request(&self, who: &str, why: &str) -> Result<Box<Request>, WireError> {
+        let mut request = Box::new(Request { who: Text::new(who), why: Text::new(why), ..Request::default() });
         match self {
             Self::Settings { base_revision, settings } => {
                 request.kind = 1;
@@ -171,6 +237,14 @@ impl Change {
                 request.impulse = [velocity.re, velocity.im];
             }
             Self::Restart => request.kind = 3,
+            Self::Note { text } => {
+                if text.len() > Self::MAX_NOTE {
+                    let told = format!("a note of {} bytes: expected at most {}", text.len(), Self::MAX_NOTE);
+                    return Err(WireError::DoesNotFit(told));
+                }
+                request.kind = 4;
+                request.text = Text::new(text);
+            }
         }
         Ok(request)
     }
@@ -185,7 +259,19 @@ impl Change {
                 velocity: C64::new(request.impulse[0], request.impulse[1]),
             }),
             3 => Some(Self::Restart),
+            4 => Some(Self::Note { text: request.text.as_str().to_owned() }),
             _ => None,
         }
+    }
+
+    /// What a request of this kind asks for, in a word.
+    #[must_use]
+    pub fn kind_name(kind: u32) -> &'static str {
+        (kind as usize).checked_sub(1).and_then(|at| KINDS.get(at)).copied().unwrap_or("unknown request")
+    }
+
+    /// The kind that has this name; 0 if none has.
+    pub(crate) fn kind_of_name(name: &str) -> u32 {
+        KINDS.iter().position(|kind| *kind == name).map_or(0, |at| at as u32 + 1)
     }
 }

@@ -19,9 +19,10 @@ use iceoryx2::service::builder::Builder;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 
 use crate::message::Request;
+use crate::shared_news::{self, EventService, RecorderService, SharedEvents, SharedRecorder};
 use crate::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Host, HostState, Inbox, Listener, Root, SCHEMA,
-    State, StateSender, WireError,
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Event, Host, HostState, Inbox, Listener,
+    RecorderStatus, Root, SCHEMA, State, StateSender, WireError,
 };
 
 /// The flavour of iceoryx2: between processes, ports bound to their thread, no locks.
@@ -32,7 +33,7 @@ const STATES_BUFFERED: usize = 16_384;
 /// Bulletins a reader may fall behind by.
 const BULLETINS_BUFFERED: usize = 32;
 /// Readers of one bench, and as many clients.
-const MAX_READERS: usize = 16;
+pub(crate) const MAX_READERS: usize = 16;
 
 /// The node name of a simulation; readers are called by their role.
 pub(crate) const HOST_ROLE: &str = "sim";
@@ -84,7 +85,7 @@ impl SharedMemory {
     }
 
     /// The builder of one of a bench's services.
-    fn service(node: &Node<Ipc>, bench: &BenchName, topic: &str) -> Result<Builder<Ipc>, WireError> {
+    pub(crate) fn service(node: &Node<Ipc>, bench: &BenchName, topic: &str) -> Result<Builder<Ipc>, WireError> {
         let name = ServiceName::new(&format!("whirl/{bench}/{topic}")).map_err(internal)?;
         Ok(node.service_builder(&name))
     }
@@ -107,13 +108,13 @@ type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
 type CommandService = request_response::PortFactory<Ipc, Request, (), Answer, ()>;
 type WakeService = event::PortFactory<Ipc>;
 
-fn internal(error: impl Debug) -> WireError {
+pub(crate) fn internal(error: impl Debug) -> WireError {
     WireError::Internal(format!("{error:?}"))
 }
 
 /// iceoryx2's reasons for not opening or creating a service, in words for people. They are told apart by name, because
 /// each pattern has its own error type with the same variants.
-fn opened(bench: &BenchName, error: impl Debug) -> WireError {
+pub(crate) fn opened(bench: &BenchName, error: impl Debug) -> WireError {
     let detail = format!("{error:?}");
     let says = |words: &[&str]| words.iter().any(|word| detail.contains(word));
     if says(&["DoesNotExist", "IsMarkedForDestruction"]) {
@@ -130,7 +131,7 @@ fn opened(bench: &BenchName, error: impl Debug) -> WireError {
     }
 }
 
-fn full(bench: &BenchName, what: &'static str) -> impl FnOnce(String) -> WireError {
+pub(crate) fn full(bench: &BenchName, what: &'static str) -> impl FnOnce(String) -> WireError {
     let bench = bench.clone();
     move |detail| {
         if detail.contains("ExceedsMax") { WireError::Full { bench, what } } else { WireError::Internal(detail) }
@@ -171,6 +172,7 @@ impl Carrier for SharedMemory {
     type Host = SharedHost;
     type Listener = SharedListener;
     type Commander = SharedCommander;
+    type Recorder = SharedRecorder;
 
     fn host(&self, bench: &BenchName) -> Result<SharedHost, WireError> {
         // Creating a node also clears away what dead ones left.
@@ -212,8 +214,9 @@ impl Carrier for SharedMemory {
             .max_nodes(4 * MAX_READERS)
             .open_or_create()
             .map_err(|error| opened(bench, error))?;
+        let events = shared_news::event_service(&node, bench)?;
         let (commands, wake) = command_services(&node, bench)?;
-        Ok(SharedHost { states, bulletins, commands, wake, bench: bench.clone(), _root: self.root.clone() })
+        Ok(SharedHost { states, bulletins, events, commands, wake, bench: bench.clone(), _root: self.root.clone() })
     }
 
     fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
@@ -226,7 +229,25 @@ impl Carrier for SharedMemory {
             .map_err(|error| opened(bench, error))?;
         let bulletins =
             bulletins.subscriber_builder().create().map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
-        Ok(SharedListener { states, bulletins, service, _root: self.root.clone() })
+        let events = shared_news::event_service(&node, bench)?
+            .subscriber_builder()
+            .create()
+            .map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
+        let recorder_service = shared_news::recorder_service(&node, bench)?;
+        let recorders = recorder_service
+            .subscriber_builder()
+            .create()
+            .map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
+        Ok(SharedListener {
+            states,
+            bulletins,
+            events,
+            recorders,
+            recorder: None,
+            service,
+            recorder_service,
+            _root: self.root.clone(),
+        })
     }
 
     fn command(&self, bench: &BenchName) -> Result<SharedCommander, WireError> {
@@ -235,6 +256,12 @@ impl Carrier for SharedMemory {
         let client = commands.client_builder().create().map_err(|error| full(bench, "client")(format!("{error:?}")))?;
         let bell = wake.notifier_builder().create().map_err(|error| full(bench, "client")(format!("{error:?}")))?;
         Ok(SharedCommander { client, bell, bench: bench.clone(), _root: self.root.clone() })
+    }
+
+    fn recorder(&self, bench: &BenchName) -> Result<SharedRecorder, WireError> {
+        // The bench must be there, and of our version.
+        drop(self.attach(bench)?);
+        SharedRecorder::claim(self, bench)
     }
 }
 
@@ -265,6 +292,7 @@ fn command_services(node: &Node<Ipc>, bench: &BenchName) -> Result<(CommandServi
 pub struct SharedHost {
     states: StateService,
     bulletins: BulletinService,
+    events: EventService,
     commands: CommandService,
     wake: WakeService,
     bench: BenchName,
@@ -275,6 +303,7 @@ pub struct SharedHost {
 impl Host for SharedHost {
     type States = SharedStates;
     type Bulletins = SharedBulletins;
+    type Events = SharedEvents;
     type Inbox = SharedInbox;
 
     fn states(&self) -> Result<SharedStates, WireError> {
@@ -291,6 +320,10 @@ impl Host for SharedHost {
     fn bulletins(&self) -> Result<SharedBulletins, WireError> {
         let publisher = self.bulletins.publisher_builder().max_loaned_samples(1).create().map_err(internal)?;
         Ok(SharedBulletins { publisher })
+    }
+
+    fn events(&self) -> Result<SharedEvents, WireError> {
+        SharedEvents::new(&self.events)
     }
 
     fn inbox(&self) -> Result<SharedInbox, WireError> {
@@ -372,7 +405,12 @@ impl Inbox for SharedInbox {
 pub struct SharedListener {
     states: Subscriber<Ipc, State, ()>,
     bulletins: Subscriber<Ipc, Bulletin, ()>,
+    events: Subscriber<Ipc, Event, ()>,
+    recorders: Subscriber<Ipc, RecorderStatus, ()>,
+    /// The last that was heard of a recorder.
+    recorder: Option<Box<RecorderStatus>>,
     service: StateService,
+    recorder_service: RecorderService,
     _root: Root,
 }
 
@@ -392,6 +430,24 @@ impl Listener for SharedListener {
             latest = Some(sample);
         }
         Ok(latest.map(|sample| Box::new(*sample.payload())))
+    }
+
+    fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
+        let mut count = 0;
+        while let Some(sample) = self.events.receive().map_err(internal)? {
+            visit(sample.payload());
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
+        while let Some(sample) = self.recorders.receive().map_err(internal)? {
+            self.recorder = Some(Box::new(*sample.payload()));
+        }
+        let alive = self.recorder.as_ref().is_some_and(|last| last.is_recording())
+            && shared_news::has_recorder(&self.recorder_service);
+        Ok(self.recorder.as_ref().map(|last| Box::new(last.seen(alive))))
     }
 
     fn host(&self) -> HostState {

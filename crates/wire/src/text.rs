@@ -2,7 +2,8 @@
 
 use iceoryx2::prelude::ZeroCopySend;
 
-/// Up to `N` bytes of UTF-8, padded with zeros. What does not fit is cut at a character.
+/// One line of up to `N` bytes of UTF-8, padded with zeros. What does not fit is cut at a character, and control
+/// characters, which could disturb a terminal, become spaces.
 #[derive(Clone, Copy, PartialEq, Eq, ZeroCopySend)]
 #[repr(C)]
 pub struct Text<const N: usize> {
@@ -19,6 +20,8 @@ impl<const N: usize> Text<N> {
         }
         let mut bytes = [0; N];
         bytes[..end].copy_from_slice(&text.as_bytes()[..end]);
+        // Those of one byte, that is; in UTF-8 they are never a part of another character.
+        bytes[..end].iter_mut().filter(|byte| byte.is_ascii_control()).for_each(|byte| *byte = b' ');
         Self { bytes }
     }
 
@@ -54,6 +57,7 @@ mod tests {
         assert_eq!(Text::<8>::new("whirl").as_str(), "whirl");
         assert_eq!(Text::<4>::new("abcé").as_str(), "abc");
         assert_eq!(Text::<5>::new("abcé").as_str(), "abcé");
+        assert_eq!(Text::<8>::new("a\nb\u{1b}[").as_str(), "a b [");
         assert_eq!(Text::<3> { bytes: [b'a', 0xff, b'b'] }.as_str(), "a");
     }
 }

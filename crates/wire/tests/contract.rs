@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 
 use rotor::{C64, Settings, builtin};
 use wire::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, Host, HostState, Inbox, Listener, State,
-    StateSender, WireError,
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, EVENTS_KEPT, EventSender, Happening, Host,
+    HostState, Inbox, Keeping, Listener, RecorderSender, RecorderState, RecorderStatus, State, StateSender, WireError,
 };
 
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -49,8 +49,30 @@ fn wait_for<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
     }
 }
 
+/// All events that have arrived, by number.
+fn events(listener: &mut impl Listener) -> Vec<u64> {
+    let mut seen = Vec::new();
+    listener
+        .events(|event| {
+            assert_eq!(event.happening(), Some(Happening::Note(format!("number {}", event.number))));
+            assert_eq!((event.settings.speed, event.who.as_str()), (event.number as f64, "somebody"));
+            seen.push(event.number);
+        })
+        .unwrap();
+    seen
+}
+
+fn tell(sender: &mut impl EventSender, number: u64) {
+    let mut event = Happening::Note(format!("number {number}")).event();
+    event.number = number;
+    event.who = wire::Text::new("somebody");
+    event.settings.speed = number as f64;
+    sender.send(&event).unwrap();
+}
+
 fn nobody_home(carrier: &impl Carrier) {
     let missing = bench("missing");
+    assert_eq!(carrier.recorder(&missing).err(), Some(WireError::NoBench(missing.clone())));
     assert_eq!(carrier.listen(&missing).err(), Some(WireError::NoBench(missing.clone())));
     assert_eq!(carrier.command(&missing).err(), Some(WireError::NoBench(missing)));
 }
@@ -114,6 +136,99 @@ fn the_last_bulletin_reaches_who_comes_later(carrier: &impl Carrier) {
     assert!(listener.bulletin().unwrap().is_none());
 }
 
+fn every_event_in_order_and_the_last_ones_for_who_comes_later(carrier: &impl Carrier) {
+    let name = bench("events");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let mut sender = host.events().unwrap();
+    let mut early = carrier.listen(&name).unwrap();
+    let kept = EVENTS_KEPT as u64;
+    (1..=kept).for_each(|number| tell(&mut sender, number));
+    assert_eq!(events(&mut early), (1..=kept).collect::<Vec<_>>());
+    (kept + 1..=kept + 10).for_each(|number| tell(&mut sender, number));
+    let mut late = carrier.listen(&name).unwrap();
+    // Without anything happening, what has happened comes.
+    sender.welcome().unwrap();
+    assert_eq!(events(&mut late), (11..=kept + 10).collect::<Vec<_>>());
+    tell(&mut sender, kept + 11);
+    assert_eq!(events(&mut late), [kept + 11]);
+    assert_eq!(events(&mut early), (kept + 1..=kept + 11).collect::<Vec<_>>());
+    // A sleeper loses the oldest, which the numbers show.
+    (1000..2000).for_each(|number| tell(&mut sender, number));
+    assert_eq!(events(&mut early), (2000 - kept..2000).collect::<Vec<_>>());
+}
+
+fn the_events_of_the_last_run_are_not_told_in_the_next(carrier: &impl Carrier) {
+    let name = bench("runs");
+    let host = carrier.host(&name).unwrap();
+    let states = host.states().unwrap();
+    let mut sender = host.events().unwrap();
+    let mut listener = carrier.listen(&name).unwrap();
+    tell(&mut sender, 1);
+    drop((sender, states, host));
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let mut sender = host.events().unwrap();
+    tell(&mut sender, 7);
+    let mut late = carrier.listen(&name).unwrap();
+    sender.welcome().unwrap();
+    assert_eq!(events(&mut late), [7]);
+    assert_eq!(events(&mut listener), [1, 7], "who was there hears both");
+}
+
+fn one_recorder_a_bench_and_its_latest_status_for_all(carrier: &impl Carrier) {
+    let name = bench("recorded");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let mut early = carrier.listen(&name).unwrap();
+    assert_eq!(early.recorder().unwrap(), None);
+    let mut recorder = carrier.recorder(&name).unwrap();
+    assert_eq!(carrier.recorder(&name).err(), Some(WireError::Recorded(name.clone())));
+    let mut status = RecorderStatus { rows: 1, path: wire::Text::new("/tmp/a.rrd"), ..RecorderStatus::default() };
+    status.set_state(RecorderState::Recording);
+    status.set_keeping(Keeping::Last(600.0));
+    for rows in 1..=10 {
+        status.rows = rows;
+        recorder.send(&mut status).unwrap();
+    }
+    assert_eq!(early.recorder().unwrap().as_deref(), Some(&status));
+    assert_eq!(early.recorder().unwrap().as_deref(), Some(&status), "it stays known");
+    let mut late = carrier.listen(&name).unwrap();
+    recorder.send(&mut status).unwrap();
+    assert_eq!(late.recorder().unwrap().as_deref(), Some(&status));
+    assert!(status.wall_ns > 0);
+    // It fails, says so, and is remembered by who has heard it; the place is free.
+    status.set_state(RecorderState::Failed);
+    status.error = wire::Text::new("disk full");
+    recorder.send(&mut status).unwrap();
+    drop(recorder);
+    let failed = early.recorder().unwrap().unwrap();
+    assert_eq!((failed.state(), failed.error.as_str()), (RecorderState::Failed, "disk full"));
+    assert_eq!(carrier.listen(&name).unwrap().recorder().unwrap(), None, "who comes later hears of no recorder");
+    carrier.recorder(&name).unwrap();
+}
+
+fn a_recorder_that_goes_without_a_word_has_died(carrier: &impl Carrier) {
+    let name = bench("lost");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let mut listener = carrier.listen(&name).unwrap();
+    let mut recorder = carrier.recorder(&name).unwrap();
+    let mut status = RecorderStatus::default();
+    status.set_state(RecorderState::Recording);
+    recorder.send(&mut status).unwrap();
+    assert!(listener.recorder().unwrap().unwrap().is_recording());
+    drop(recorder);
+    wait_for("its death", || {
+        let told = listener.recorder().unwrap().unwrap();
+        (told.state() == RecorderState::Died).then_some(())
+    });
+    // A next one is heard by the same listener.
+    let mut recorder = carrier.recorder(&name).unwrap();
+    recorder.send(&mut status).unwrap();
+    assert!(listener.recorder().unwrap().unwrap().is_recording());
+}
+
 fn requests_are_answered(carrier: &impl Carrier) {
     let name = bench("answers");
     let host = carrier.host(&name).unwrap();
@@ -127,6 +242,7 @@ fn requests_are_answered(carrier: &impl Carrier) {
         Change::Settings { base_revision: 7, settings },
         Change::Impulse { mass: 2, velocity: C64::new(0.5, -0.25) },
         Change::Restart,
+        Change::Note { text: "here it begins".into() },
     ];
     let done = AtomicBool::new(false);
     thread::scope(|scope| {
@@ -137,20 +253,26 @@ fn requests_are_answered(carrier: &impl Carrier) {
             while !done.load(Ordering::Relaxed) && start.elapsed() < PATIENCE {
                 inbox
                     .serve(Duration::from_millis(20), |request| {
-                        asked.push((request.who.as_str().to_owned(), Change::of(request).unwrap()));
+                        let said = |text: &str| text.to_owned();
+                        asked.push((
+                            said(request.who.as_str()),
+                            said(request.why.as_str()),
+                            Change::of(request).unwrap(),
+                        ));
                         if asked.len() == 2 {
                             Answer::refused(9, "no")
                         } else {
-                            Answer::accepted(8, 1000 + asked.len() as u64)
+                            Answer::accepted(8, 1000 + asked.len() as u64, 2.5)
                         }
                     })
                     .unwrap();
             }
-            assert_eq!(asked, changes.clone().map(|change| ("me".to_owned(), change)));
+            assert_eq!(asked, changes.clone().map(|change| ("me".to_owned(), "why not".to_owned(), change)));
         });
         let mut commander = carrier.command(&name).unwrap();
-        let answers = changes.clone().map(|change| commander.ask(&change.request("me").unwrap(), PATIENCE).unwrap());
-        assert_eq!(answers[0], Answer::accepted(8, 1001));
+        let answers =
+            changes.clone().map(|change| commander.ask(&change.request("me", "why not").unwrap(), PATIENCE).unwrap());
+        assert_eq!(answers[0], Answer::accepted(8, 1001, 2.5));
         assert_eq!((answers[1].is_accepted(), answers[1].reason.as_str()), (false, "no"));
         assert_eq!(answers[2].applied_at_step, 1003);
         done.store(true, Ordering::Relaxed);
@@ -163,7 +285,7 @@ fn a_silent_simulation_does_not_hang_its_readers(carrier: &impl Carrier) {
     let _states = host.states().unwrap();
     let _inbox = host.inbox().unwrap();
     let mut commander = carrier.command(&name).unwrap();
-    let request = Change::Restart.request("me").unwrap();
+    let request = Change::Restart.request("me", "why not").unwrap();
     for _ in 0..4 {
         let start = Instant::now();
         assert_eq!(commander.ask(&request, Duration::from_millis(20)), Err(WireError::NoAnswer(name.clone())));
@@ -181,7 +303,7 @@ fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
     assert_eq!(listener.host(), HostState::Alive);
     drop((states, host));
     wait_for("the end", || (listener.host() == HostState::Gone).then_some(()));
-    assert!(commander.ask(&Change::Restart.request("me").unwrap(), Duration::from_millis(20)).is_err());
+    assert!(commander.ask(&Change::Restart.request("me", "why not").unwrap(), Duration::from_millis(20)).is_err());
     let host = carrier.host(&name).unwrap();
     let mut states = host.states().unwrap();
     assert_eq!(listener.host(), HostState::Alive);
@@ -191,11 +313,11 @@ fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
         scope.spawn(|| {
             let mut inbox = host.inbox().unwrap();
             let start = Instant::now();
-            while inbox.serve(Duration::from_millis(20), |_| Answer::accepted(1, 2)).unwrap() == 0 {
+            while inbox.serve(Duration::from_millis(20), |_| Answer::accepted(1, 2, 0.5)).unwrap() == 0 {
                 assert!(start.elapsed() < PATIENCE, "the request did not come");
             }
         });
-        let answer = commander.ask(&Change::Restart.request("me").unwrap(), PATIENCE).unwrap();
+        let answer = commander.ask(&Change::Restart.request("me", "why not").unwrap(), PATIENCE).unwrap();
         assert_eq!(answer.applied_at_step, 2);
     });
 }
@@ -221,6 +343,10 @@ macro_rules! on {
             every_state_in_order
             a_sleeping_reader_loses_the_oldest_and_holds_nobody_up
             the_last_bulletin_reaches_who_comes_later
+            every_event_in_order_and_the_last_ones_for_who_comes_later
+            the_events_of_the_last_run_are_not_told_in_the_next
+            one_recorder_a_bench_and_its_latest_status_for_all
+            a_recorder_that_goes_without_a_word_has_died
             requests_are_answered
             a_silent_simulation_does_not_hang_its_readers
             a_listener_hears_the_next_simulation_of_the_name
@@ -241,6 +367,52 @@ fn in_shared_memory(root: &wire::Root) -> usize {
     std::fs::read_dir("/dev/shm").map_or(0, |entries| {
         entries.flatten().filter(|entry| entry.file_name().to_string_lossy().starts_with(root.prefix())).count()
     })
+}
+
+/// Where the recorder that shall be killed finds its root.
+const RECORDER_ROOT: &str = "WHIRL_TEST_RECORDER_ROOT";
+
+/// Not a test but the recorder that the next one kills: this binary, started again.
+#[test]
+fn recorder_to_be_killed() {
+    let Some(root) = std::env::var_os(RECORDER_ROOT) else { return };
+    let root = wire::Root::at(std::path::Path::new(&root)).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "record").unwrap();
+    let mut recorder = carrier.recorder(&bench("killed")).unwrap();
+    let mut status = RecorderStatus { pid: std::process::id(), ..RecorderStatus::default() };
+    status.set_state(RecorderState::Recording);
+    let start = Instant::now();
+    while start.elapsed() < Duration::from_secs(60) {
+        recorder.send(&mut status).unwrap();
+        thread::sleep(Duration::from_millis(5));
+    }
+}
+
+#[test]
+fn a_killed_recorder_has_died_and_the_next_one_takes_its_place() {
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    let name = bench("killed");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states().unwrap();
+    let mut listener = carrier.listen(&name).unwrap();
+    let mut child = std::process::Command::new(std::env::current_exe().unwrap())
+        .args(["--exact", "recorder_to_be_killed"])
+        .env(RECORDER_ROOT, dir.path())
+        .stdout(std::process::Stdio::null())
+        .spawn()
+        .unwrap();
+    let recording = wait_for("the recorder", || listener.recorder().unwrap());
+    assert_eq!((recording.state(), recording.pid), (RecorderState::Recording, child.id()));
+    assert_eq!(carrier.recorder(&name).err(), Some(WireError::Recorded(name.clone())));
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let told = listener.recorder().unwrap().unwrap();
+    assert_eq!((told.state(), told.pid), (RecorderState::Died, recording.pid));
+    let mut late = carrier.listen(&name).unwrap();
+    assert_eq!(late.recorder().unwrap(), None);
+    carrier.recorder(&name).unwrap();
 }
 
 /// A bench as another version of whirl would make it: the same services, another schema.

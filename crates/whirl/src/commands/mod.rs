@@ -7,6 +7,7 @@ pub(crate) mod dash;
 pub(crate) mod force;
 mod linear;
 pub(crate) mod modes;
+pub(crate) mod note;
 mod orbits;
 pub(crate) mod poles;
 pub(crate) mod report;
@@ -35,6 +36,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Dash(args) => dash::run(&args),
         Command::Tail(args) => tail::run(&args),
         Command::Set(args) => set::run(&args),
+        Command::Note(args) => note::run(&args),
         Command::Status(args) => status::run(&args),
         Command::Clean(args) => clean::run(&args),
         Command::Poles(args) => poles::run(&args),

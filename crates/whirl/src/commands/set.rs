@@ -24,6 +24,9 @@ pub(crate) struct SetArgs {
     assignments: Vec<String>,
     #[command(flatten)]
     bench: BenchArgs,
+    /// Why, for the log of events: `whirl tail --events` shows it
+    #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
+    why: String,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -77,7 +80,7 @@ fn change(args: &SetArgs) -> Result<Answer, Failure> {
             catalog::assign(&rotor, units, &mut settings, assignment)?;
         }
         settings.check(&rotor)?;
-        let request = Change::Settings { base_revision: bulletin.revision, settings }.request(&who)?;
+        let request = Change::Settings { base_revision: bulletin.revision, settings }.request(&who, &args.why)?;
         let answer = commander.ask(&request, PATIENCE)?;
         if answer.is_accepted() {
             return Ok(answer);

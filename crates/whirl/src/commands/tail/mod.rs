@@ -1,4 +1,6 @@
-//! `whirl tail`: prints live telemetry, one line a step.
+//! `whirl tail`: prints live telemetry, one line a step; or what happens, one line an event.
+
+mod events;
 
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -7,12 +9,13 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use wire::message::Flags;
-use wire::{HostState, Listener, State, WireError};
+use wire::{HostState, Listener, SharedListener, State, WireError};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::rounded;
+use crate::units::Units;
 
 /// Silence after which we look whether the simulation still lives.
 const SILENCE: Duration = Duration::from_millis(300);
@@ -22,6 +25,9 @@ const SILENCE: Duration = Duration::from_millis(300);
 pub(crate) struct TailArgs {
     #[command(flatten)]
     bench: BenchArgs,
+    /// Print what happens instead, who did it and why: first what has happened so far (the last 64), then what comes
+    #[arg(long, conflicts_with = "every")]
+    events: bool,
     /// Print every Nth step
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
@@ -100,38 +106,25 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
     let stop = interrupt::flag()?;
     let mut listener = attach::listen(&attach::carrier("tail")?, &bench)?;
+    let mut printer: Box<dyn Printer> = if args.events {
+        let units = Units::with(attach::first_bulletin(&mut listener, &bench)?.scales());
+        Box::new(Happenings { teller: events::Teller::default(), units, json: args.json })
+    } else {
+        Box::new(Steps { every: args.every, json: args.json, last: None, lost: 0 })
+    };
     let mut left = args.count.unwrap_or(u64::MAX);
     let mut lines = String::new();
     let mut heard = Instant::now();
-    let mut last: Option<(u64, u64)> = None;
-    let mut lost = 0;
     while left > 0 {
         if stop.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted);
         }
         lines.clear();
-        let drained = listener.drain(|state| {
-            if let Some((run_id, seq)) = last
-                && run_id == state.run_id
-            {
-                lost += state.seq.saturating_sub(seq + 1);
-            }
-            last = Some((state.run_id, state.seq));
-            if left > 0 && state.seq % args.every == 0 {
-                left -= 1;
-                if args.json {
-                    // A line of plain numbers and words always serialises.
-                    lines += &serde_json::to_string(&Line::from(state)).unwrap_or_default();
-                } else {
-                    lines += &for_people(state);
-                }
-                lines.push('\n');
-            }
-        })?;
+        let came = printer.print(&mut listener, &mut left, &mut lines)?;
         let mut stdout = std::io::stdout().lock();
         stdout.write_all(lines.as_bytes())?;
         stdout.flush()?;
-        if drained > 0 {
+        if came {
             heard = Instant::now();
         } else if heard.elapsed() > SILENCE {
             if listener.host() == HostState::Gone {
@@ -141,8 +134,73 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    if lost > 0 {
-        return Err(Failure::Work(format!("{lost} steps were lost: the output was read too slowly")));
+    printer.losses().map_or(Ok(()), |lost| Err(Failure::Work(format!("{lost}: the output was read too slowly"))))
+}
+
+/// What is printed of a bench.
+trait Printer {
+    /// Puts what has arrived in `lines`, at most `left` of them. Returns whether anything has.
+    fn print(&mut self, listener: &mut SharedListener, left: &mut u64, lines: &mut String) -> Result<bool, WireError>;
+    /// What did not reach us, in words.
+    fn losses(&self) -> Option<String>;
+}
+
+struct Steps {
+    every: u64,
+    json: bool,
+    last: Option<(u64, u64)>,
+    lost: u64,
+}
+
+impl Printer for Steps {
+    fn print(&mut self, listener: &mut SharedListener, left: &mut u64, lines: &mut String) -> Result<bool, WireError> {
+        let drained = listener.drain(|state| {
+            if let Some((run_id, seq)) = self.last
+                && run_id == state.run_id
+            {
+                self.lost += state.seq.saturating_sub(seq + 1);
+            }
+            self.last = Some((state.run_id, state.seq));
+            if *left > 0 && state.seq % self.every == 0 {
+                *left -= 1;
+                if self.json {
+                    // A line of plain numbers and words always serialises.
+                    *lines += &serde_json::to_string(&Line::from(state)).unwrap_or_default();
+                } else {
+                    *lines += &for_people(state);
+                }
+                lines.push('\n');
+            }
+        })?;
+        Ok(drained > 0)
     }
-    Ok(())
+
+    fn losses(&self) -> Option<String> {
+        (self.lost > 0).then(|| format!("{} steps were lost", self.lost))
+    }
+}
+
+struct Happenings {
+    teller: events::Teller,
+    units: Units,
+    json: bool,
+}
+
+impl Printer for Happenings {
+    fn print(&mut self, listener: &mut SharedListener, left: &mut u64, lines: &mut String) -> Result<bool, WireError> {
+        let came = listener.events(|event| {
+            if *left > 0 {
+                *left -= 1;
+                *lines += &self.teller.line(event, self.units, self.json);
+                lines.push('\n');
+            }
+        })?;
+        // The steps go on meanwhile, and must not pile up.
+        let steps = listener.drain(|_| ())?;
+        Ok(came + steps > 0)
+    }
+
+    fn losses(&self) -> Option<String> {
+        (self.teller.lost > 0).then(|| format!("{} events were lost", self.teller.lost))
+    }
 }

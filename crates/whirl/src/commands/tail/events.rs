@@ -1,0 +1,143 @@
+//! `whirl tail --events`: what has happened on a bench, and what happens, one line an event.
+
+use rotor::{Difference, Settings};
+use serde::Serialize;
+use serde_json::{Map, Value};
+use wire::message::Trip;
+use wire::{Event, Happening};
+
+use crate::output::rounded;
+use crate::units::Units;
+
+/// One JSON line.
+#[derive(Debug, Serialize)]
+struct Line<'a> {
+    number: u64,
+    event: &'static str,
+    seq: u64,
+    tau: f64,
+    wall_ns: u64,
+    who: &'a str,
+    why: &'a str,
+    text: String,
+    #[serde(flatten)]
+    detail: Detail,
+    revision: u64,
+    settings: Map<String, Value>,
+    run_id: String,
+}
+
+/// What only some events have.
+#[derive(Debug, Serialize)]
+#[serde(untagged)]
+enum Detail {
+    Plain {},
+    Settings { changed: Option<Vec<String>> },
+    Impulse { mass: usize, vy: f64, vz: f64 },
+    Tripped { cause: &'static str, mass: u32, radius: f64, limit: f64 },
+    Late { late: u64, missed: u64 },
+}
+
+/// Puts events in words. It remembers the settings after the last one, to say what the next one changes.
+#[derive(Debug, Default)]
+pub(super) struct Teller {
+    last: Option<(u64, u64, Settings)>,
+    /// Events whose numbers are missing.
+    pub(super) lost: u64,
+}
+
+impl Teller {
+    /// The line of one event, without its end.
+    pub(super) fn line(&mut self, event: &Event, units: Units, json: bool) -> String {
+        let settings = event.settings.unpack();
+        let known = self.last.take().filter(|(run_id, ..)| *run_id == event.run_id);
+        if let Some((_, number, _)) = &known {
+            self.lost += event.number.saturating_sub(number + 1);
+        }
+        let changed = known.map(|(.., before)| Difference::between(&before, &settings));
+        let happening = event.happening();
+        let line = if json {
+            let line = document(event, happening.as_ref(), changed.as_ref(), &settings);
+            // A line of plain numbers and words always serialises.
+            serde_json::to_string(&line).unwrap_or_default()
+        } else {
+            for_people(event, happening.as_ref(), changed.as_ref(), units)
+        };
+        self.last = Some((event.run_id, event.number, settings));
+        line
+    }
+}
+
+/// `speed 2.5 -> 3`, in the units of the machine.
+fn words(difference: &Difference, units: Units) -> Vec<String> {
+    let values = difference.values.iter();
+    let values = values.map(|(key, was, is)| {
+        let [was, is] = [*was, *is].map(|value| units.value(key.parameter.unit, value));
+        format!("{key} {} -> {}", plain(was), plain(is))
+    });
+    values.chain(difference.law.then(|| "another feedback".to_owned())).collect()
+}
+
+/// A number as it was typed; conversion leaves dust behind the sixth digit.
+fn plain(number: f64) -> String {
+    let short = number.to_string();
+    if short.len() <= 10 { short } else { rounded(number) }
+}
+
+fn for_people(event: &Event, happening: Option<&Happening>, changed: Option<&Difference>, units: Units) -> String {
+    let mut words_of = match (happening, changed) {
+        (Some(Happening::Settings), Some(changed)) if !changed.is_empty() => words(changed, units).join(", "),
+        (Some(Happening::Tripped(trip)), _) => format!("tripped: {}", units.trip_text(trip)),
+        (Some(happening), _) => happening.to_string(),
+        (None, _) => format!("unknown event {}", event.kind),
+    };
+    let why = event.why.as_str();
+    if !why.is_empty() {
+        words_of += &format!(" ({why})");
+    }
+    let Event { number, seq, tau, .. } = event;
+    format!("{number:>4}  step {seq:>9}  tau {tau:>10.3}  {:<12}  {words_of}", event.who.as_str())
+}
+
+fn document<'a>(
+    event: &'a Event,
+    happening: Option<&Happening>,
+    changed: Option<&Difference>,
+    settings: &Settings,
+) -> Line<'a> {
+    let number = |key| Value::from(settings.get(key).ok());
+    let values = settings.keys().into_iter().map(|key| (key.to_string(), number(key)));
+    Line {
+        number: event.number,
+        event: happening.map_or("unknown", Happening::name),
+        seq: event.seq,
+        tau: event.tau,
+        wall_ns: event.wall_ns,
+        who: event.who.as_str(),
+        why: event.why.as_str(),
+        text: match happening {
+            Some(Happening::Note(text)) => text.clone(),
+            Some(happening) => happening.to_string(),
+            None => String::new(),
+        },
+        detail: match happening {
+            Some(Happening::Settings) => {
+                Detail::Settings { changed: changed.map(|changed| words(changed, Units::with(None))) }
+            }
+            Some(Happening::Impulse { mass, velocity }) => {
+                Detail::Impulse { mass: mass + 1, vy: velocity.re, vz: velocity.im }
+            }
+            Some(Happening::Tripped(Trip { cause, mass, radius, limit, .. })) => Detail::Tripped {
+                cause: if *cause == 1 { "limit" } else { "not finite" },
+                mass: *mass,
+                radius: *radius,
+                limit: *limit,
+            },
+            Some(Happening::Late { late, missed }) => Detail::Late { late: *late, missed: *missed },
+            _ => Detail::Plain {},
+        },
+        revision: event.revision,
+        settings: values.collect(),
+        run_id: format!("{:016x}", event.run_id),
+    }
+}

@@ -1,0 +1,215 @@
+//! What happens on a bench, one message each: who changed what and why, trips, notes, restarts, lost pace.
+//!
+//! Events are numbered, so that a loss shows, and the last [`EVENTS_KEPT`] of them reach readers that come later. Each
+//! carries the whole settings in force after it: whoever reads them can put any earlier ones back.
+
+use std::fmt;
+
+use iceoryx2::prelude::ZeroCopySend;
+use rotor::C64;
+
+use crate::message::Trip;
+use crate::{Change, SettingsMessage, Text};
+
+/// How many events a reader that comes late is told, and how many wait for one that sleeps.
+pub const EVENTS_KEPT: usize = 64;
+
+/// Something that has happened, with the settings in force after it. [`Event::happening`] says what.
+#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
+#[type_name("whirl.Event")]
+#[repr(C)]
+pub struct Event {
+    /// Which run of which process: as in [`crate::State::run_id`].
+    pub run_id: u64,
+    /// Number of this event in its run: 1 is the start, and each further one is up by 1.
+    pub number: u64,
+    /// The first step made with it; for a trip the step that tripped; for what is no order (a refusal, lost pace, the
+    /// end) the next step to be made when it was noticed.
+    pub seq: u64,
+    /// Time of the rotor when it happened: for an order that of the step before `seq`, 0 after a restart.
+    pub tau: f64,
+    /// Wall clock when it was noted, nanoseconds since 1970.
+    pub wall_ns: u64,
+    /// Revision of `settings`.
+    pub revision: u64,
+    /// 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended.
+    pub kind: u32,
+    /// Impulse: the mass, counted from 0. Refused: the kind of the request (see [`crate::Request::kind`]).
+    pub detail: u32,
+    /// Impulse: change of velocity `[vy, vz]`.
+    pub impulse: [f64; 2],
+    /// Tripped: what tripped.
+    pub trip: Trip,
+    /// Late: steps sent late, and deadlines given up, since the last such event.
+    pub late: [u64; 2],
+    /// Who did it; `sim` for what the simulation did by itself.
+    pub who: Text<32>,
+    /// Why, in the words of who asked: `undo`, `typed`, or a reason that a person gave. May be empty.
+    pub why: Text<120>,
+    /// Note: what it says. Refused: the reason.
+    pub text: Text<240>,
+    /// The settings in force after it.
+    pub settings: SettingsMessage,
+}
+
+/// What has happened, as people think of it; [`Happening::event`] packs it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Happening {
+    /// The simulation began.
+    Started,
+    /// New settings came into force.
+    Settings,
+    /// A request was refused. (One based on settings that had changed meanwhile is asked anew, and makes no event.)
+    Refused {
+        /// What was asked for: settings, an impulse ...
+        asked: &'static str,
+        /// Why it was refused.
+        reason: String,
+    },
+    /// A change of velocity of one mass.
+    Impulse {
+        /// The mass, counted from 0.
+        mass: usize,
+        /// The change, in `e_t` per unit of `tau`.
+        velocity: C64,
+    },
+    /// Back to rest at `tau = 0`.
+    Restarted,
+    /// The machine tripped, and is held since.
+    Tripped(Trip),
+    /// The simulation fell behind its pace. Told once a burst: at once, then ever more seldom while it goes on.
+    Late {
+        /// Steps sent late since the last such event.
+        late: u64,
+        /// Deadlines given up since then.
+        missed: u64,
+    },
+    /// A marker with a note.
+    Note(String),
+    /// The simulation ended in good order.
+    Ended,
+}
+
+impl Event {
+    /// What has happened; `None` for a kind that this version does not know.
+    #[must_use]
+    pub fn happening(&self) -> Option<Happening> {
+        let text = || self.text.as_str().to_owned();
+        Some(match self.kind {
+            1 => Happening::Started,
+            2 => Happening::Settings,
+            3 => Happening::Refused { asked: Change::kind_name(self.detail), reason: text() },
+            4 => {
+                Happening::Impulse { mass: self.detail as usize, velocity: C64::new(self.impulse[0], self.impulse[1]) }
+            }
+            5 => Happening::Restarted,
+            6 => Happening::Tripped(self.trip),
+            7 => Happening::Late { late: self.late[0], missed: self.late[1] },
+            8 => Happening::Note(text()),
+            9 => Happening::Ended,
+            _ => return None,
+        })
+    }
+}
+
+impl Happening {
+    /// The message that tells of this; where, when, who and the settings are still to be filled in.
+    #[must_use]
+    pub fn event(&self) -> Box<Event> {
+        let mut event = Box::<Event>::default();
+        event.kind = match self {
+            Self::Started => 1,
+            Self::Settings => 2,
+            Self::Refused { asked, reason } => {
+                event.detail = Change::kind_of_name(asked);
+                event.text = Text::new(reason);
+                3
+            }
+            Self::Impulse { mass, velocity } => {
+                event.detail = *mass as u32;
+                event.impulse = [velocity.re, velocity.im];
+                4
+            }
+            Self::Restarted => 5,
+            Self::Tripped(trip) => {
+                event.trip = *trip;
+                6
+            }
+            Self::Late { late, missed } => {
+                event.late = [*late, *missed];
+                7
+            }
+            Self::Note(text) => {
+                event.text = Text::new(text);
+                8
+            }
+            Self::Ended => 9,
+        };
+        event
+    }
+
+    /// One word for it, as scripts read it: `started`, `settings`, `refused`, `impulse`, `restarted`, `tripped`, `late`,
+    /// `note`, `ended`.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Started => "started",
+            Self::Settings => "settings",
+            Self::Refused { .. } => "refused",
+            Self::Impulse { .. } => "impulse",
+            Self::Restarted => "restarted",
+            Self::Tripped(_) => "tripped",
+            Self::Late { .. } => "late",
+            Self::Note(_) => "note",
+            Self::Ended => "ended",
+        }
+    }
+}
+
+impl fmt::Display for Happening {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Started => f.write_str("started"),
+            Self::Settings => f.write_str("settings changed"),
+            Self::Refused { asked, reason } => write!(f, "{asked} refused: {reason}"),
+            Self::Impulse { mass, velocity } => {
+                write!(f, "impulse on mass {}: vy {}, vz {}", mass + 1, velocity.re, velocity.im)
+            }
+            Self::Restarted => f.write_str("restarted from rest"),
+            Self::Tripped(trip) => write!(f, "tripped: {trip}"),
+            Self::Late { late, missed } => write!(f, "fell behind: {late} steps late, {missed} deadlines given up"),
+            Self::Note(text) => write!(f, "note: {text}"),
+            Self::Ended => f.write_str("ended"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_happening_survives_the_journey() {
+        let trip = Trip { cause: 1, mass: 2, step: 77, radius: 5.25, limit: 5.0 };
+        let all = [
+            Happening::Started,
+            Happening::Settings,
+            Happening::Refused { asked: "impulse", reason: "no mass 4".into() },
+            Happening::Impulse { mass: 2, velocity: C64::new(0.5, -0.25) },
+            Happening::Restarted,
+            Happening::Tripped(trip),
+            Happening::Late { late: 120, missed: 7 },
+            Happening::Note("here it begins".into()),
+            Happening::Ended,
+        ];
+        let mut kinds = Vec::new();
+        for happening in all {
+            let event = happening.event();
+            kinds.push(event.kind);
+            assert_eq!(event.happening().as_ref(), Some(&happening));
+        }
+        assert_eq!(kinds, (1..=9).collect::<Vec<_>>());
+        let foreign = |kind| Event { kind, ..Event::default() }.happening();
+        assert_eq!((foreign(0), foreign(10)), (None, None));
+    }
+}
