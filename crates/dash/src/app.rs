@@ -10,7 +10,7 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use rotor::{C64, Key};
 
 use crate::clerk::{Edit, Outcome};
-use crate::feed::{Contact, Picture};
+use crate::feed::Contact;
 use crate::input::Input;
 use crate::keymap::{self, Action};
 use crate::link::{Shared, lock};
@@ -19,6 +19,7 @@ use crate::panels::status::Message;
 use crate::screen::{self, View};
 use crate::session::{DashError, Ended, Keeper};
 use crate::terminal::Screen;
+use crate::view_time::ViewTime;
 
 /// Time between two frames while everything moves: 30 a second.
 const FRAME: Duration = Duration::from_millis(33);
@@ -51,9 +52,9 @@ pub(crate) struct App<'a> {
     cursor: Cursor,
     message: (Message, Instant),
     help: bool,
-    /// The picture at the time of the pause, while there is one.
-    frozen: Option<Picture>,
-    /// Told to the reader while the picture is paused.
+    /// Which moment is looked at.
+    time: ViewTime,
+    /// Told to the reader while the newest steps are not looked at.
     idle: Arc<AtomicBool>,
     told_end: bool,
     quit: Option<Ended>,
@@ -76,7 +77,7 @@ impl<'a> App<'a> {
             cursor: Cursor::default(),
             message: (Message::Hints, Instant::now()),
             help: false,
-            frozen: None,
+            time: ViewTime::LIVE,
             idle,
             told_end: false,
             quit: None,
@@ -96,7 +97,7 @@ impl<'a> App<'a> {
                 self.draw(&mut screen)?;
                 drawn = Drawn { at: Some(now), changes, stale: false };
             }
-            let tick = channel::after(if self.frozen.is_some() { PAUSED_FRAME } else { FRAME });
+            let tick = channel::after(if self.time.is_live() { FRAME } else { PAUSED_FRAME });
             select_biased! {
                 recv(streams.inputs) -> input => {
                     self.take(input.unwrap_or(Input::Closed));
@@ -131,7 +132,7 @@ impl<'a> App<'a> {
         if drawn.stale {
             return true;
         }
-        if self.frozen.is_some() {
+        if !self.time.is_live() {
             return false;
         }
         let age = now.saturating_duration_since(at);
@@ -141,21 +142,11 @@ impl<'a> App<'a> {
     }
 
     fn draw(&mut self, screen: &mut Screen) -> io::Result<()> {
-        let live = lock(&self.feed).picture(Instant::now());
-        let picture = match &self.frozen {
-            None => live,
-            // The motion stands still; settings, poles and how things stand go on.
-            Some(frozen) => Picture {
-                track: frozen.track.clone(),
-                damping: frozen.damping.clone(),
-                peak_force: frozen.peak_force,
-                ..live
-            },
-        };
+        let picture = lock(&self.feed).picture(&self.time, Instant::now());
         let view = View {
             picture: &picture,
+            time: &self.time,
             bench: &self.bench,
-            paused: self.frozen.is_some(),
             cursor: &self.cursor,
             message: &self.message.0,
             help: self.help,
@@ -178,12 +169,6 @@ impl<'a> App<'a> {
             lock(&self.feed).stand(Contact::Gone);
             self.tell(Message::Bad(format!("the simulation has ended ({how}): R starts it again")));
             shows = true;
-        }
-        // While paused, only a change in how things stand is worth a frame.
-        if let Some(frozen) = &mut self.frozen {
-            let contact = lock(&self.feed).contact().clone();
-            shows |= frozen.contact != contact;
-            frozen.contact = contact;
         }
         shows
     }
@@ -289,14 +274,38 @@ impl<'a> App<'a> {
                 }
             }
             Action::Pause => {
-                self.frozen = match self.frozen.take() {
-                    Some(_) => None,
-                    None => Some(lock(&self.feed).picture(Instant::now())),
-                };
-                self.idle.store(self.frozen.is_some(), Ordering::Relaxed);
+                if self.time.is_live() {
+                    self.time.pause(&self.kept().0);
+                } else {
+                    self.time.resume();
+                }
+                self.look();
             }
+            Action::Seek(by) => {
+                let (kept, seconds) = self.kept();
+                self.time.seek(by, &kept, seconds);
+                self.look();
+            }
+            Action::Step(by) => {
+                let (kept, seconds) = self.kept();
+                self.time.step(by, &kept, seconds);
+                self.look();
+            }
+            Action::Zoom(factor) => self.time.zoom(factor, self.kept().1),
+            Action::ZoomReset => self.time.reset_span(self.kept().1),
             Action::Restart => self.restart(),
         }
+    }
+
+    /// The steps that are kept, and the seconds between them.
+    fn kept(&self) -> (std::ops::Range<u64>, f64) {
+        let feed = lock(&self.feed);
+        (feed.history().places(), feed.seconds())
+    }
+
+    /// Lets the reader know whether anybody watches the newest steps.
+    fn look(&self) {
+        self.idle.store(!self.time.is_live(), Ordering::Relaxed);
     }
 
     /// Restarts the rotor; or the simulation, if that has ended and was ours.

@@ -1,60 +1,20 @@
-//! What has been heard from the simulation: a bounded history, and the picture of it that one frame is drawn from.
+//! What has been heard from the simulation: the history, how things stand, and the picture of them that one frame is
+//! drawn from.
 
-use std::collections::VecDeque;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use rotor::{Rotor, Settings};
-use wire::message::{Flags, Trip};
 use wire::{Bulletin, State};
 
-/// Steps kept: 32 s at 1000 steps a second, and at most 9.4 MB (16 masses).
-const STEPS_KEPT: usize = 32_768;
-/// Steps in a picture: enough for a dozen turns at the default step.
-const STEPS_SHOWN: usize = 8192;
-/// Minimum damping is kept for two minutes of bulletins.
-const DAMPING_KEPT: usize = 1200;
+use crate::history::History;
+use crate::picture::Picture;
+use crate::view_time::ViewTime;
 
-/// Columns of a step before those of its masses: `tau`, `angle`, `u_y`, `u_z`.
-const HEAD: usize = 4;
-
-/// Steps as rows of numbers, oldest first.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Track {
-    masses: usize,
-    rows: Vec<f64>,
-}
-
-impl Track {
-    fn width(&self) -> usize {
-        HEAD + 2 * self.masses
-    }
-
-    /// How many steps there are.
-    pub(crate) fn len(&self) -> usize {
-        if self.rows.is_empty() { 0 } else { self.rows.len() / self.width() }
-    }
-
-    fn row(&self, step: usize) -> &[f64] {
-        &self.rows[step * self.width()..(step + 1) * self.width()]
-    }
-
-    /// Spin angle at step `step`, in radians.
-    pub(crate) fn angle(&self, step: usize) -> f64 {
-        self.row(step)[1]
-    }
-
-    /// Control `[y, z]` at step `step`.
-    pub(crate) fn force(&self, step: usize) -> [f64; 2] {
-        [self.row(step)[2], self.row(step)[3]]
-    }
-
-    /// Displacement `[y, z]` of a mass at step `step`.
-    pub(crate) fn place(&self, step: usize, mass: usize) -> [f64; 2] {
-        let row = &self.row(step)[HEAD + 2 * mass..];
-        [row[0], row[1]]
-    }
-}
+/// Steps before the cursor that a picture has in any case: all that an orbit shows.
+const BEFORE: u64 = 10_240;
+/// Seconds that an overview shows at least.
+const OVERVIEW: f64 = 60.0;
 
 /// How things stand between us and the simulation.
 #[derive(Clone, Debug, PartialEq)]
@@ -72,91 +32,49 @@ pub(crate) enum Contact {
 /// All that has been heard, in bounded memory. The reader thread writes it, the drawing thread takes pictures.
 #[derive(Debug)]
 pub(crate) struct Feed {
-    masses: usize,
-    rows: VecDeque<f64>,
-    run_id: u64,
-    last_seq: u64,
-    lost: u64,
+    history: History,
     heard: Option<Instant>,
-    tripped: bool,
-    peak_force: f64,
-    revision: u64,
     pace: Pace,
     rotor: Option<Arc<Rotor>>,
     bulletin: Option<Arc<Bulletin>>,
-    damping: VecDeque<f64>,
     contact: Contact,
     changes: u64,
 }
 
 impl Feed {
+    /// A feed that has heard nothing, and why.
+    #[cfg(test)]
     pub(crate) fn new(why: &str) -> Self {
+        Self::with_bound(why, crate::history::BOUND)
+    }
+
+    /// A feed that has heard nothing, and why; its steps take at most `bound` bytes.
+    pub(crate) fn with_bound(why: &str, bound: usize) -> Self {
         Self {
-            masses: 0,
-            rows: VecDeque::new(),
-            run_id: 0,
-            last_seq: 0,
-            lost: 0,
+            history: History::new(bound),
             heard: None,
-            tripped: false,
-            peak_force: 0.0,
-            revision: 0,
             pace: Pace::default(),
             rotor: None,
             bulletin: None,
-            damping: VecDeque::new(),
             contact: Contact::Waiting(why.to_owned()),
             changes: 0,
         }
     }
 
-    /// Takes in one state. A new run clears the track; a gap in the numbers is a loss.
+    /// Takes in one state.
     pub(crate) fn hear(&mut self, state: &State, now: Instant) {
-        let masses = state.points().len();
-        if state.run_id != self.run_id || masses != self.masses {
-            *self = Self { bulletin: self.bulletin.take(), rotor: self.rotor.take(), ..Self::new("") };
-            self.run_id = state.run_id;
-            self.masses = masses;
-        } else {
-            self.lost += state.seq.saturating_sub(self.last_seq + 1);
-        }
-        self.last_seq = state.seq;
+        self.history.push(state);
         self.heard = Some(now);
         self.pace.count(now);
         self.contact = Contact::Live;
         self.changes += 1;
-        let tripped = state.flags.has(Flags::TRIPPED);
-        // A machine that is held would push what tripped it out of the picture.
-        if tripped && self.tripped {
-            return;
-        }
-        let restarted = self.tripped && !tripped;
-        if restarted || state.revision != self.revision {
-            self.peak_force = 0.0;
-        }
-        self.tripped = tripped;
-        self.revision = state.revision;
-        let [u_y, u_z] = state.force_delivered;
-        self.peak_force = self.peak_force.max(u_y.hypot(u_z));
-        let width = HEAD + 2 * masses;
-        if self.rows.len() >= STEPS_KEPT * width {
-            self.rows.drain(..width);
-        }
-        self.rows.extend([state.tau, state.angle, u_y, u_z]);
-        self.rows.extend(state.points().iter().flat_map(|point| [point.y, point.z]));
     }
 
     /// Takes in one bulletin.
     pub(crate) fn read(&mut self, bulletin: Box<Bulletin>) {
+        self.history.note_bulletin(&bulletin);
         if self.bulletin.as_ref().is_none_or(|last| last.run_id != bulletin.run_id) {
-            self.damping.clear();
-            self.rotor = bulletin.rotor().ok().map(Arc::new);
-        }
-        if self.damping.len() == DAMPING_KEPT {
-            self.damping.pop_front();
-        }
-        if bulletin.analysis.count > 0 {
-            self.damping.push_back(bulletin.analysis.min_damping);
+            self.rotor = self.history.newest_era().and_then(|era| era.rotor.clone());
         }
         self.bulletin = Some(Arc::from(bulletin));
         self.changes += 1;
@@ -185,73 +103,52 @@ impl Feed {
         self.bulletin.as_ref().map(|bulletin| bulletin.settings.unpack())
     }
 
+    /// What has happened.
+    pub(crate) fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Seconds from step to step, as the simulation means it; 0 while unknown.
+    pub(crate) fn seconds(&self) -> f64 {
+        self.bulletin.as_ref().map(|bulletin| bulletin.rate_hz).filter(|rate| *rate > 0.0).map_or(0.0, f64::recip)
+    }
+
     /// Rises with everything that is taken in: a picture of the same count shows nothing new.
     pub(crate) fn changes(&self) -> u64 {
         self.changes
     }
 
-    /// A copy of what one frame shows.
-    pub(crate) fn picture(&self, now: Instant) -> Picture {
-        let width = HEAD + 2 * self.masses;
-        let from = self.rows.len().saturating_sub(STEPS_SHOWN * width);
+    /// What one frame shows. Shares the steps with the history, copies little.
+    pub(crate) fn picture(&self, time: &ViewTime, now: Instant) -> Picture {
+        let (kept, seconds) = (self.history.places(), self.seconds());
+        let view = time.resolve(&kept, seconds);
+        let minute = ViewTime::steps_of(OVERVIEW, seconds);
+        let overview = view.window.start.min(view.window.end.saturating_sub(minute))..view.window.end;
+        let before = view.now.map_or(kept.end, |now| now.saturating_sub(BEFORE));
+        let overview = overview.start.max(kept.start)..overview.end;
+        let around = overview.start.min(before).max(kept.start)..view.window.end;
+        let place = |place: u64| (place - around.start) as usize;
+        let era = |at: u64| if time.is_live() { self.history.newest_era() } else { self.history.era_at(at) };
         Picture {
-            track: Track { masses: self.masses, rows: self.rows.range(from..).copied().collect() },
+            track: self.history.track(&around),
+            window: place(view.window.start)..place(view.window.end),
+            overview: place(overview.start)..place(overview.end),
+            now: view.now.map(place),
+            era: view.now.map_or_else(|| self.history.newest_era(), era).cloned(),
+            eras: self.history.eras(&overview).into_iter().map(|(at, era)| (place(at), era)).collect(),
+            marks: self.history.marks(&overview).map(|(at, mark)| (place(*at), mark.clone())).collect(),
+            peak_force: view.now.map_or(0.0, |now| self.history.peak_force(now)),
+            seconds,
             settings: self.settings(),
             rotor: self.rotor.clone(),
             bulletin: self.bulletin.clone(),
-            damping: self.damping.iter().copied().collect(),
-            lost: self.lost,
+            lost: self.history.lost(),
             rate: self.pace.rate(now),
             age: self.heard.map(|heard| now.saturating_duration_since(heard)),
             contact: self.contact.clone(),
-            tripped: self.tripped,
-            peak_force: self.peak_force,
+            tripped: self.history.is_tripped(),
+            behind: view.now.map_or(0, |now| kept.end - 1 - now),
         }
-    }
-}
-
-/// What one frame is drawn from.
-#[derive(Clone, Debug)]
-pub(crate) struct Picture {
-    /// The latest steps.
-    pub(crate) track: Track,
-    /// The settings in force, once they are known.
-    pub(crate) settings: Option<Settings>,
-    /// The rotor, once it is known.
-    pub(crate) rotor: Option<Arc<Rotor>>,
-    /// The latest bulletin.
-    pub(crate) bulletin: Option<Arc<Bulletin>>,
-    /// Minimum damping, ten values a second, oldest first.
-    pub(crate) damping: Vec<f64>,
-    /// Steps that were sent and did not reach us.
-    pub(crate) lost: u64,
-    /// Steps a second that reach us.
-    pub(crate) rate: f64,
-    /// Age of the latest step.
-    pub(crate) age: Option<Duration>,
-    /// How things stand.
-    pub(crate) contact: Contact,
-    /// Whether the machine has tripped.
-    pub(crate) tripped: bool,
-    /// The largest control since the settings last changed or the rotor restarted.
-    pub(crate) peak_force: f64,
-}
-
-impl Picture {
-    /// How many masses have been heard of.
-    pub(crate) fn masses(&self) -> usize {
-        self.track.masses
-    }
-
-    /// The minimum damping and the poles, least damped first, if they are known.
-    pub(crate) fn poles(&self) -> Option<(f64, Vec<rotor::C64>)> {
-        let analysis = &self.bulletin.as_ref()?.analysis;
-        (analysis.count > 0).then(|| (analysis.min_damping, analysis.poles().collect()))
-    }
-
-    /// The trip, while there is one.
-    pub(crate) fn trip(&self) -> Option<Trip> {
-        self.bulletin.as_ref().map(|bulletin| bulletin.trip).filter(Trip::is_tripped)
     }
 }
 
@@ -348,55 +245,42 @@ pub(crate) mod tests {
         let mut feed = Feed::new("");
         feed.read(bulletin("three-mass", "composite"));
         (0..3000).for_each(|seq| feed.hear(&state(3, seq), now));
-        feed.picture(now)
+        feed.picture(&ViewTime::default(), now)
     }
 
     #[test]
-    fn history_is_bounded_and_keeps_the_latest() {
-        let now = Instant::now();
-        let mut feed = Feed::new("");
-        (0..STEPS_KEPT as u64 + 100).for_each(|seq| feed.hear(&state(3, seq), now));
-        assert_eq!(feed.rows.len(), STEPS_KEPT * 10);
-        let picture = feed.picture(now);
-        assert_eq!((picture.track.len(), picture.lost), (STEPS_SHOWN, 0));
-        let last = state(3, STEPS_KEPT as u64 + 99);
-        assert_eq!(picture.track.angle(STEPS_SHOWN - 1), last.angle);
-        assert_eq!(picture.track.place(STEPS_SHOWN - 1, 2), [last.masses[2].y, last.masses[2].z]);
+    fn a_live_picture_shows_the_newest_steps_and_says_how_things_stand() {
+        let picture = picture();
+        assert_eq!((picture.window.clone(), picture.now, picture.behind), (0..3000, Some(2999), 0));
+        assert_eq!((picture.masses(), picture.lost, picture.tripped), (3, 0, false));
+        assert_eq!((picture.contact.clone(), picture.seconds), (Contact::Live, 1e-3));
+        assert_eq!(picture.track.force(2999), state(3, 2999).force_delivered);
+        assert_eq!(picture.least_damping(&picture.overview), picture.era.as_ref().map(|era| era.min_damping));
     }
 
     #[test]
-    fn gaps_are_losses_and_a_new_run_starts_clean() {
+    fn a_picture_of_the_past_is_whole_while_settings_stay_live() {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        [0, 1, 5, 6].into_iter().for_each(|seq| feed.hear(&state(1, seq), now));
-        assert_eq!(feed.picture(now).lost, 3);
-        feed.hear(&State { run_id: 8, ..state(3, 0) }, now);
-        let picture = feed.picture(now);
-        assert_eq!((picture.lost, picture.track.len(), picture.masses()), (0, 1, 3));
-    }
-
-    #[test]
-    fn a_held_machine_keeps_the_picture_of_what_tripped_it() {
-        let now = Instant::now();
-        let mut feed = Feed::new("");
-        (0..10).for_each(|seq| feed.hear(&state(1, seq), now));
-        let held = |seq| State { flags: Flags::TRIPPED, ..state(1, seq) };
-        (10..500).for_each(|seq| feed.hear(&held(seq), now));
-        let picture = feed.picture(now);
-        assert_eq!((picture.track.len(), picture.tripped, picture.lost), (11, true, 0));
-        feed.hear(&state(1, 500), now);
-        assert_eq!(feed.picture(now).track.len(), 12);
-    }
-
-    #[test]
-    fn the_peak_force_starts_anew_with_every_change() {
-        let now = Instant::now();
-        let mut feed = Feed::new("");
-        let with = |seq, force, revision| State { force_delivered: [force, 0.0], revision, ..state(1, seq) };
-        feed.hear(&with(0, 5.0, 1), now);
-        feed.hear(&with(1, 1.0, 1), now);
-        assert_eq!(feed.picture(now).peak_force, 5.0);
-        feed.hear(&with(2, 2.0, 2), now);
-        assert_eq!(feed.picture(now).peak_force, 2.0);
+        feed.read(bulletin("three-mass", "composite"));
+        (0..70_000).for_each(|seq| feed.hear(&state(3, seq), now));
+        let mut off = bulletin("three-mass", "off");
+        off.revision = 2;
+        feed.read(off);
+        (70_000..90_000).for_each(|seq| feed.hear(&State { revision: 2, ..state(3, seq) }, now));
+        let mut time = ViewTime::default();
+        time.at(69_990, &feed.history().places(), feed.seconds());
+        let past = feed.picture(&time, now);
+        assert_eq!(past.now.map(|now| past.track.tau(now)), Some(699.9));
+        assert_eq!(past.behind, 90_000 - 1 - 69_990);
+        assert_eq!(past.window.len(), 4000);
+        assert_eq!(past.overview.len(), 60_000);
+        assert_eq!(past.era.as_ref().map(|era| era.revision), Some(1));
+        let then = past.poles().unwrap().0;
+        let live = feed.picture(&ViewTime::default(), now);
+        assert!(then > 0.0 && live.poles().unwrap().0 < 0.0);
+        assert_eq!(past.settings, live.settings, "what can be changed is what is in force now");
+        assert_eq!(live.least_damping(&live.overview), live.poles().map(|(least, _)| least), "the least of both");
+        assert_eq!(live.eras.len(), 2);
     }
 }

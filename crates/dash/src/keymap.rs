@@ -21,6 +21,14 @@ pub(crate) enum Action {
     Impulse,
     /// Stop and go on with the picture.
     Pause,
+    /// Move the cursor by so many seconds.
+    Seek(f64),
+    /// Move the cursor by so many steps.
+    Step(i64),
+    /// Show so many times as much time.
+    Zoom(f64),
+    /// Show as much time as at the start.
+    ZoomReset,
     /// Restart from rest, or bring back a simulation that has ended.
     Restart,
     /// Show and hide the help.
@@ -50,7 +58,7 @@ const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 use KeyCode::{Char, Down, Enter, Esc, Left, Right, Up};
 
 /// Every key, in the order of the help screen. A shifted letter is its capital.
-pub(crate) const BINDINGS: [Binding; 13] = [
+pub(crate) const BINDINGS: [Binding; 16] = [
     Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
     Binding {
         keys: "q, ctrl-c",
@@ -124,9 +132,36 @@ pub(crate) const BINDINGS: [Binding; 13] = [
     },
     Binding {
         keys: "space",
-        meaning: "pause the picture; data go on",
+        meaning: "pause the picture and go on; data always go on",
         hint: Some("pause"),
         chords: &[(Char(' '), NONE, Action::Pause)],
+    },
+    Binding {
+        keys: "[ ], { }",
+        meaning: "look 1 s or 10 s back and forward; space returns to live",
+        hint: Some("time"),
+        chords: &[
+            (Char('['), NONE, Action::Seek(-1.0)),
+            (Char(']'), NONE, Action::Seek(1.0)),
+            (Char('{'), NONE, Action::Seek(-10.0)),
+            (Char('}'), NONE, Action::Seek(10.0)),
+        ],
+    },
+    Binding {
+        keys: "< >",
+        meaning: "look one step back and forward",
+        hint: None,
+        chords: &[(Char('<'), NONE, Action::Step(-1)), (Char('>'), NONE, Action::Step(1))],
+    },
+    Binding {
+        keys: "+ _ =",
+        meaning: "show less time, more, as at the start",
+        hint: None,
+        chords: &[
+            (Char('+'), NONE, Action::Zoom(0.5)),
+            (Char('_'), NONE, Action::Zoom(2.0)),
+            (Char('='), NONE, Action::ZoomReset),
+        ],
     },
     Binding {
         keys: "R",

@@ -3,23 +3,26 @@
 //! Three threads beside the one that draws. The **reader** ([`link`]) drains states and bulletins into a bounded
 //! [`feed`]; the **clerk** ([`clerk`]) carries edits to the simulation and keeps the undo stacks; the **keyboard**
 //! ([`input`]) turns terminal events and signals into messages. The loop in [`app`] takes input first, then answers,
-//! then the clock, and draws a [`feed::Picture`], which is a copy: pausing stops the picture, never the data.
+//! then the clock, and draws a [`picture::Picture`], made from the [`history`] and the [`view_time`]: pausing stops the view, never the data.
 //!
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
 
 mod app;
 mod clerk;
 mod feed;
+mod history;
 mod input;
 mod keymap;
 mod link;
 mod looks;
 mod panels;
+mod picture;
 mod plot;
 mod screen;
 mod session;
 mod terminal;
 mod theme;
+mod view_time;
 
 pub use looks::{ThemeName, UnknownTheme, Wishes};
-pub use session::{DashError, Ended, Keeper, run};
+pub use session::{DashError, Ended, Keeper, Options, run};

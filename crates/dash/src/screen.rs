@@ -14,11 +14,12 @@ use ratatui::layout::{Constraint, Flex, Layout, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
-use crate::feed::Picture;
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
 use crate::panels::{damping, force, help, orbits, poles, settings, status, strips};
+use crate::picture::Picture;
 use crate::theme;
+use crate::view_time::ViewTime;
 
 /// The smallest screen that the panels fit on.
 pub(crate) const SMALLEST: (u16, u16) = (60, 16);
@@ -27,8 +28,8 @@ pub(crate) const SMALLEST: (u16, u16) = (60, 16);
 #[derive(Debug)]
 pub(crate) struct View<'a> {
     pub(crate) picture: &'a Picture,
+    pub(crate) time: &'a ViewTime,
     pub(crate) bench: &'a str,
-    pub(crate) paused: bool,
     pub(crate) cursor: &'a Cursor,
     pub(crate) message: &'a Message,
     pub(crate) help: bool,
@@ -46,7 +47,6 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         line.render(middle, buffer);
         return;
     }
-    let picture = view.picture;
     let [top, body, foot] =
         Layout::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).areas(area);
     let side = |percent: u16, least: u16, most: u16| (area.width * percent / 100).clamp(least, most);
@@ -62,13 +62,13 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let [upper_middle, lower_middle] = Layout::vertical([Constraint::Fill(3), Constraint::Fill(2)]).areas(middle);
     let [upper_right, lower_right] = Layout::vertical([Constraint::Min(0), Constraint::Length(4)]).areas(right);
 
-    status::draw_top(picture, view.bench, view.paused, top, buffer);
-    poles::draw(picture, upper_left, buffer);
-    damping::draw(picture, lower_left, buffer);
-    orbits::draw(picture, upper_middle, buffer);
-    strips::draw(picture, lower_middle, buffer);
-    settings::draw(picture, view.cursor, upper_right, buffer);
-    force::draw(picture, lower_right, buffer);
+    status::draw_top(view, top, buffer);
+    poles::draw(view, upper_left, buffer);
+    damping::draw(view, lower_left, buffer);
+    orbits::draw(view, upper_middle, buffer);
+    strips::draw(view, lower_middle, buffer);
+    settings::draw(view, upper_right, buffer);
+    force::draw(view, lower_right, buffer);
     status::draw_foot(view.message, foot, buffer);
     if view.help {
         help::draw(area, buffer);
@@ -76,17 +76,24 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::feed::{Contact, Feed, tests};
     use crate::panels::tests::text;
 
+    static CURSOR: Cursor = Cursor { row: 0, typed: None };
+    static HINTS: Message = Message::Hints;
+    static LIVE: ViewTime = ViewTime::LIVE;
+
+    /// A view of `picture` by somebody who has pressed nothing yet.
+    pub(crate) fn view(picture: &Picture) -> View<'_> {
+        View { picture, time: &LIVE, bench: "default", cursor: &CURSOR, message: &HINTS, help: false }
+    }
+
     fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {
         let area = Rect::new(0, 0, width, height);
         let mut buffer = Buffer::empty(area);
-        let cursor = Cursor::default();
-        let view = View { picture, bench: "default", paused: false, cursor: &cursor, message: &Message::Hints, help };
-        draw(&view, area, &mut buffer);
+        draw(&View { help, ..view(picture) }, area, &mut buffer);
         text(&buffer)
     }
 
@@ -118,7 +125,7 @@ mod tests {
 
     #[test]
     fn no_size_and_no_state_of_the_feed_breaks_a_frame() {
-        let waiting = Feed::new("waiting for bench 'x'").picture(std::time::Instant::now());
+        let waiting = Feed::new("waiting for bench 'x'").picture(&ViewTime::LIVE, std::time::Instant::now());
         let mut gone = tests::picture();
         gone.contact = Contact::Gone;
         for picture in [&waiting, &gone, &tests::picture()] {
@@ -150,7 +157,7 @@ mod tests {
             bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
             feed.read(bulletin);
             (0..300).for_each(|seq| feed.hear(&tests::state(masses, seq), now));
-            let drawn = frame(&feed.picture(now), 160, 50, false);
+            let drawn = frame(&feed.picture(&ViewTime::LIVE, now), 160, 50, false);
             assert!(drawn.contains(&format!("{masses}")) && drawn.contains("orbits"), "{drawn}");
         }
     }

@@ -10,6 +10,7 @@ use wire::{BenchName, Carrier};
 use crate::app::{App, Streams};
 use crate::clerk;
 use crate::feed::Feed;
+use crate::history::BOUND;
 use crate::input;
 use crate::link::{self, Shared, Wires};
 use crate::looks::{Look, Wishes};
@@ -44,6 +45,19 @@ pub enum Ended {
     Interrupted,
 }
 
+/// How the dashboard shall be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// Bytes that the steps it keeps may take; a few thousand steps are kept in any case.
+    pub history: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self { history: BOUND }
+    }
+}
+
 /// Whoever started the simulation, if it was us.
 pub trait Keeper {
     /// How the simulation ended, once it has.
@@ -59,12 +73,18 @@ pub trait Keeper {
 ///
 /// # Errors
 /// No terminal, or one that fails.
-pub fn run<C: Carrier>(carrier: C, bench: &BenchName, keeper: Option<&mut dyn Keeper>) -> Result<Ended, DashError> {
+pub fn run<C: Carrier>(
+    carrier: C,
+    bench: &BenchName,
+    keeper: Option<&mut dyn Keeper>,
+    options: &Options,
+) -> Result<Ended, DashError> {
     if !Screen::is_possible() {
         return Err(DashError::NoTerminal);
     }
     let stop = Arc::new(AtomicBool::new(false));
-    let feed: Shared = Arc::new(Mutex::new(Feed::new(&format!("waiting for bench '{bench}'"))));
+    let why = format!("waiting for bench '{bench}'");
+    let feed: Shared = Arc::new(Mutex::new(Feed::with_bound(&why, options.history)));
     let (send_bulletin, bulletins) = channel::bounded(64);
     let (edits, take_edits) = channel::bounded(EDITS_WAITING);
     let (send_outcome, outcomes) = channel::unbounded();

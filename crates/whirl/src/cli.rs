@@ -26,7 +26,7 @@ impl Cli {
 #[derive(Debug, Subcommand)]
 pub(crate) enum Command {
     /// Start a simulation and a dashboard on it; quitting the dashboard ends both
-    Up(commands::sim::LiveArgs),
+    Up(commands::up::UpArgs),
     /// Run the simulation process alone
     Sim(commands::sim::SimArgs),
     /// Show a dashboard on a running simulation

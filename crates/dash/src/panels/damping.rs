@@ -17,18 +17,15 @@ use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
 
 use super::{framed, write, write_right};
-use crate::feed::Picture;
 use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::screen::View;
 use crate::theme;
 
-/// Values a second.
-const PER_SECOND: usize = 10;
-/// Values that the history shows, about: a minute.
-const WINDOW: usize = 60 * PER_SECOND;
 /// Height of the large digits, and width of each, in cells.
 const DIGITS: (u16, u16) = (4, 4);
 
-pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
     let inner = framed(Line::from(" minimum damping "), area, buffer);
     let Some((min_damping, poles)) = picture.poles() else { return };
     let (color, word) = theme::verdict(min_damping);
@@ -63,40 +60,39 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
     } else {
         write(buffer, head, head.left(), head.top(), &format!("{number} {word}"), theme::loud(color));
     }
-    draw_history(&picture.damping, history, buffer);
+    draw_history(view, history, buffer);
 }
 
-fn draw_history(damping: &[f64], area: Rect, buffer: &mut Buffer) {
+fn draw_history(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
-    // The newest at the right edge; a column of dots shows the least of its values, so that no dip is lost.
+    let picture = view.picture;
+    // The end of the window at the right edge; a column of dots shows the least of its values, so that no dip is lost.
     let columns = usize::from(area.width) * 2;
-    let per_column = WINDOW.div_ceil(columns);
-    let shown: Vec<f64> = damping
-        .rchunks(per_column)
-        .take(columns)
-        .map(|values| values.iter().copied().fold(f64::INFINITY, f64::min))
-        .collect();
-    let shown: Vec<f64> = shown.into_iter().rev().collect();
+    let steps: Vec<_> = picture.track.columns(picture.overview.clone(), columns).collect();
+    let shown: Vec<f64> = steps.iter().map(|steps| picture.least_damping(steps).unwrap_or(f64::NAN)).collect();
     let top = nice_ceiling(shown.iter().copied().fold(0.0, f64::max) * 1.05);
     let bottom = shown.iter().copied().fold(0.0, f64::min);
     let bottom = if bottom < 0.0 { -nice_ceiling(-bottom * 1.05) } else { -0.15 * top };
-    let mut plot = Plot::new(area, Window { x: [0.0, columns as f64], y: [bottom, top] });
-    plot.line([0.0, 0.0], [columns as f64, 0.0], theme::GRID);
-    let offset = (columns - shown.len()) as f64 + 0.5;
-    for (at, pair) in shown.windows(2).enumerate() {
-        let x = offset + at as f64;
+    let [left, right] = [picture.overview.start as f64, picture.overview.end as f64];
+    let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
+    plot.line([left, 0.0], [right, 0.0], theme::GRID);
+    if let Some(now) = picture.now.filter(|_| !view.time.is_live()) {
+        plot.line([now as f64 + 0.5, bottom], [now as f64 + 0.5, top], theme::WARN);
+    }
+    for (steps, pair) in steps.windows(2).zip(shown.windows(2)) {
+        let [x, next] = [0, 1].map(|at| 0.5 * (steps[at].start + steps[at].end) as f64);
         let color = theme::verdict(pair[1]).0;
-        plot.line([x, pair[0]], [x + 1.0, pair[1]], color);
+        plot.line([x, pair[0]], [next, pair[1]], color);
     }
     plot.paint(buffer);
     write(buffer, area, area.left(), area.top(), &short(top, 3), theme::quiet());
     if bottom < -0.2 * top {
         write(buffer, area, area.left(), area.bottom() - 1, &short(bottom, 3), theme::quiet());
     }
-    let seconds = columns * per_column / PER_SECOND;
-    if area.height > 2 {
+    let seconds = short(picture.overview.len() as f64 * picture.seconds, 2);
+    if area.height > 2 && !picture.overview.is_empty() {
         write_right(buffer, area, area.bottom() - 1, &format!("{seconds} s"), theme::quiet());
     }
 }
@@ -105,25 +101,30 @@ fn draw_history(damping: &[f64], area: Rect, buffer: &mut Buffer) {
 mod tests {
     use super::*;
     use crate::feed::tests;
+    use crate::history::Era;
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
 
     #[test]
     fn a_stable_rotor_shows_its_damping_large() {
         let mut picture = tests::picture();
-        picture.damping = (0..100).map(|i| if i < 50 { 0.03 } else { 0.05 }).collect();
-        insta::assert_snapshot!("damping", drawn(44, 12, |area, buffer| draw(&picture, area, buffer)));
+        let (first, era) = picture.eras[0].clone();
+        let lower = Era { min_damping: 0.03, ..(*era).clone() };
+        picture.eras = vec![(first, std::sync::Arc::new(lower)), (1500, era)];
+        insta::assert_snapshot!("damping", drawn(44, 12, |area, buffer| draw(&view(&picture), area, buffer)));
     }
 
     #[test]
     fn an_unstable_rotor_says_so_in_words() {
         let mut picture = tests::picture();
-        picture.bulletin = Some(std::sync::Arc::from(tests::bulletin("three-mass", "off")));
-        picture.damping = vec![0.05, -0.0306];
+        let era = std::sync::Arc::new(Era::of(&tests::bulletin("three-mass", "off"), None));
+        picture.eras.push((2000, era.clone()));
+        picture.era = Some(era);
         for (width, height) in [(44, 12), (26, 7), (20, 3)] {
-            let frame = drawn(width, height, |area, buffer| draw(&picture, area, buffer));
+            let frame = drawn(width, height, |area, buffer| draw(&view(&picture), area, buffer));
             assert!(frame.contains("UNSTABLE"), "{frame}");
         }
-        let small = drawn(20, 3, |area, buffer| draw(&picture, area, buffer));
+        let small = drawn(20, 3, |area, buffer| draw(&view(&picture), area, buffer));
         assert!(small.contains("-0.0306"), "{small}");
     }
 }

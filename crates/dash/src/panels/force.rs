@@ -12,17 +12,18 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 
 use super::{framed, write};
-use crate::feed::Picture;
 use crate::plot::short;
+use crate::screen::View;
 use crate::theme;
 
 /// Width of a label and its number.
 const HEAD: u16 = 13;
 
-pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
     let inner = framed(Line::from(" control force  m_b w0² e_t "), area, buffer);
-    let Some(last) = picture.track.len().checked_sub(1) else { return };
-    let [y, z] = picture.track.force(last);
+    let Some(at) = picture.now else { return };
+    let [y, z] = picture.track.force(at);
     let (now, peak) = (y.hypot(z), picture.peak_force);
     write(buffer, inner, inner.left(), inner.top(), &format!("now {:>8}", short(now, 5)), theme::loud(theme::FORCE));
     if inner.width > HEAD {
@@ -40,7 +41,7 @@ pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
         &format!("max {:>8}", short(peak, 5)),
         theme::loud(theme::FORCE),
     );
-    let since = picture.bulletin.as_ref().map_or_else(String::new, |b| format!("since revision {}", b.revision));
+    let since = picture.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
     write(buffer, inner, inner.left() + HEAD, inner.top() + 1, &since, theme::quiet());
 }
 
@@ -49,11 +50,12 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
 
     #[test]
     fn shows_the_force_now_and_at_most() {
         let picture = tests::picture();
-        let frame = drawn(40, 4, |area, buffer| draw(&picture, area, buffer));
+        let frame = drawn(40, 4, |area, buffer| draw(&view(&picture), area, buffer));
         assert!(frame.contains("now   0.8000") && frame.contains("max   0.8000"), "{frame}");
         assert!(frame.contains("since revision 1"), "{frame}");
     }

@@ -15,8 +15,9 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 
 use super::{framed, write};
-use crate::feed::{Picture, Track};
+use crate::picture::{Picture, Track};
 use crate::plot::{Plot, nice_ceiling, short};
+use crate::screen::View;
 use crate::theme;
 
 /// Turns of the rotor that an orbit shows.
@@ -24,11 +25,12 @@ const TURNS: f64 = 8.0;
 /// Turns that are drawn in colour.
 const FRESH: f64 = 2.0;
 /// Steps that an orbit shows at low speed, where that many turns take too long.
-const MOST_STEPS: usize = 6000;
+const MOST_STEPS: usize = 10_000;
 
-pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
     let track = &picture.track;
-    let shown = shown_steps(track);
+    let shown = shown_steps(track, picture.now);
     let reach = (shown.clone())
         .flat_map(|step| (0..picture.masses()).map(move |mass| radius(track.place(step, mass))))
         .fold(0.0, f64::max);
@@ -61,12 +63,13 @@ fn draw_one(
     let color = theme::TRACES[mass % theme::TRACES.len()];
     let latest = shown.clone().last().map_or(0.0, |last| turn(track.angle(last)));
     let mut turns = Vec::new();
+    let mut before = shown.clone().next().map(|first| (track.place(first, mass), turn(track.angle(first))));
     for step in shown.clone().skip(1) {
-        let (from, to) = (track.place(step - 1, mass), track.place(step, mass));
+        let (to, turned) = (track.place(step, mass), turn(track.angle(step)));
+        let (from, earlier) = before.replace((to, turned)).unwrap_or((to, turned));
         // What is older than a turn or two fades, so that the eye finds where the mass goes.
-        let fresh = turn(track.angle(step)) > latest - FRESH;
-        plot.line(from, to, if fresh { color } else { theme::GRID });
-        if turn(track.angle(step)) > turn(track.angle(step - 1)) {
+        plot.line(from, to, if turned > latest - FRESH { color } else { theme::GRID });
+        if turned > earlier {
             turns.push(to);
         }
     }
@@ -83,7 +86,7 @@ fn draw_one(
     if let Some(now) = shown.clone().last() {
         mark(track.place(now, mass), "◉", color);
     }
-    let carries = picture.settings.as_ref().is_some_and(|settings| settings.feedback.bearing == mass);
+    let carries = picture.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
     write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color));
     if let Some(last) = shown.last() {
@@ -96,11 +99,13 @@ fn draw_one(
 
 /// The clearance of every mass that has a support bearing and a deadband in it.
 fn clearances(picture: &Picture) -> Vec<Option<f64>> {
-    let (Some(rotor), Some(settings)) = (&picture.rotor, &picture.settings) else { return Vec::new() };
+    let Some((era, rotor)) = picture.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref()?))) else {
+        return Vec::new();
+    };
     rotor
         .masses()
         .iter()
-        .zip(&settings.deadband)
+        .zip(&era.settings.deadband)
         .map(|(mass, g)| (mass.bearing_stiffness > 0.0 && *g > 0.0).then_some(*g))
         .collect()
 }
@@ -114,18 +119,21 @@ fn radius([y, z]: [f64; 2]) -> f64 {
     y.hypot(z)
 }
 
-/// The steps of the last few turns.
-fn shown_steps(track: &Track) -> std::ops::Range<usize> {
-    let end = track.len();
-    let most = end.saturating_sub(MOST_STEPS);
-    let Some(last) = end.checked_sub(1) else { return 0..0 };
+/// The steps of the last few turns before the one under the cursor, with that.
+fn shown_steps(track: &Track, now: Option<usize>) -> std::ops::Range<usize> {
+    let Some(last) = now else { return 0..0 };
+    let most = (last + 1).saturating_sub(MOST_STEPS);
     let from = track.angle(last) - TURNS * std::f64::consts::TAU;
     // The angle rises with time, but falls to zero at a restart: what was before is another motion.
-    let mut start = last;
-    while start > most && track.angle(start - 1) <= track.angle(start) && track.angle(start - 1) >= from {
-        start -= 1;
+    let (mut start, mut angle) = (last, track.angle(last));
+    while start > most {
+        let earlier = track.angle(start - 1);
+        if earlier > angle || earlier < from {
+            break;
+        }
+        (start, angle) = (start - 1, earlier);
     }
-    start..end
+    start..last + 1
 }
 
 /// Divides an area into `count` cells, in the number of columns that makes the largest round plot.
@@ -144,11 +152,13 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+    use crate::view_time::ViewTime;
 
     #[test]
     fn every_mass_has_its_orbit_on_one_scale() {
         let picture = tests::picture();
-        let frame = drawn(72, 14, |area, buffer| draw(&picture, area, buffer));
+        let frame = drawn(72, 14, |area, buffer| draw(&view(&picture), area, buffer));
         assert!(frame.contains("±4.0 e_t"), "{frame}");
         assert!(frame.contains("1 ⊕"), "{frame}");
         insta::assert_snapshot!("orbits", frame);
@@ -157,7 +167,7 @@ mod tests {
     #[test]
     fn eight_turns_are_shown_and_a_restart_cuts_them() {
         let picture = tests::picture();
-        let shown = shown_steps(&picture.track);
+        let shown = shown_steps(&picture.track, picture.now);
         // 8 turns at R = 2.5 and 0.01 a step.
         assert_eq!(shown.len(), (8.0 * std::f64::consts::TAU / 0.025).floor() as usize + 1);
         let now = std::time::Instant::now();
@@ -167,7 +177,9 @@ mod tests {
             let fresh = tests::state(3, seq - 500);
             feed.hear(&wire::State { seq, ..fresh }, now);
         });
-        assert_eq!(shown_steps(&feed.picture(now).track), 500..600);
+        let picture = feed.picture(&ViewTime::LIVE, now);
+        assert_eq!(shown_steps(&picture.track, picture.now), 500..600);
+        assert_eq!(shown_steps(&picture.track, Some(499)), 0..500, "the motion before, with the cursor there");
     }
 
     #[test]

@@ -17,8 +17,8 @@ use ratatui::text::Line;
 use rotor::{C64, Whirl, damping_ratio};
 
 use super::{framed, write, write_right};
-use crate::feed::Picture;
 use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::screen::View;
 use crate::theme;
 
 /// Damping ratios that get a ray.
@@ -27,9 +27,9 @@ const RAYS: [f64; 4] = [0.05, 0.1, 0.2, 0.5];
 /// What the right side is called.
 const UNSTABLE: &str = "unstable";
 
-pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let inner = framed(Line::from(" poles ▲forward ▼backward "), area, buffer);
-    let Some((_, poles)) = picture.poles() else { return };
+    let Some((_, poles)) = view.picture.poles() else { return };
     let reach = |part: fn(&C64) -> f64| poles.iter().map(part).fold(0.0, f64::max);
     let top = nice_ceiling(reach(|p| p.im.abs()) * 1.05);
     let left = nice_ceiling(reach(|p| -p.re) * 1.05);
@@ -101,11 +101,13 @@ mod tests {
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+    use crate::view_time::ViewTime;
 
     #[test]
     fn every_pole_has_its_sign_and_the_least_damped_is_marked() {
         let picture = tests::picture();
-        let frame = drawn(60, 20, |area, buffer| draw(&picture, area, buffer));
+        let frame = drawn(60, 20, |area, buffer| draw(&view(&picture), area, buffer));
         // Six poles: three backward, two forward, and the least damped one; the title, which also has them, is left out.
         let count = |sign| frame.lines().skip(1).map(|line| line.matches(sign).count()).sum::<usize>();
         assert!((2..=3).contains(&count('▼')), "{frame}");
@@ -117,8 +119,8 @@ mod tests {
 
     #[test]
     fn nothing_known_is_an_empty_frame() {
-        let empty = Feed::new("waiting").picture(std::time::Instant::now());
-        let frame = drawn(30, 4, |area, buffer| draw(&empty, area, buffer));
+        let empty = Feed::new("waiting").picture(&ViewTime::LIVE, std::time::Instant::now());
+        let frame = drawn(30, 4, |area, buffer| draw(&view(&empty), area, buffer));
         assert_eq!(frame.lines().nth(1), Some(&*format!("│{}│", " ".repeat(28))));
     }
 }

@@ -16,7 +16,7 @@ use ratatui::text::Line;
 use rotor::{Gain, Key, Scope, Settings};
 
 use super::{framed, write, write_right};
-use crate::feed::Picture;
+use crate::screen::View;
 use crate::theme;
 
 /// What a person is doing with the settings.
@@ -42,7 +42,8 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
     rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
 }
 
-pub(crate) fn draw(picture: &Picture, cursor: &Cursor, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let (picture, cursor) = (view.picture, view.cursor);
     let title = match &picture.bulletin {
         Some(bulletin) => format!(" settings  rev {} by {} ", bulletin.revision, bulletin.changed_by.as_str()),
         None => " settings ".to_owned(),
@@ -100,15 +101,16 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
 
     #[test]
     fn values_steps_and_selection_are_shown() {
         let picture = tests::picture();
         let cursor = Cursor { row: 3, typed: None };
-        let frame = drawn(36, 10, |area, buffer| draw(&picture, &cursor, area, buffer));
+        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
         insta::assert_snapshot!("settings", frame);
         let typing = Cursor { row: 3, typed: Some("-0.4".into()) };
-        let frame = drawn(36, 10, |area, buffer| draw(&picture, &typing, area, buffer));
+        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &typing, ..view(&picture) }, area, buffer));
         assert!(frame.contains("▶ kd") && frame.contains("-0.4_"), "{frame}");
     }
 
@@ -117,9 +119,9 @@ mod tests {
         let mut picture = tests::picture();
         picture.settings = Some(tests::bulletin("three-mass", "individual").settings.unpack());
         let cursor = Cursor { row: 10, typed: None };
-        let frame = drawn(36, 5, |area, buffer| draw(&picture, &cursor, area, buffer));
+        let frame = drawn(36, 5, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
         assert!(frame.contains("▶ cc.2"), "{frame}");
-        let first = drawn(36, 5, |area, buffer| draw(&picture, &Cursor::default(), area, buffer));
+        let first = drawn(36, 5, |area, buffer| draw(&view(&picture), area, buffer));
         assert!(first.contains("▶ speed") && first.contains('▼'), "{first}");
     }
 

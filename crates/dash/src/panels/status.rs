@@ -11,8 +11,11 @@ use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
 
-use crate::feed::{Contact, Picture};
+use crate::feed::Contact;
 use crate::keymap::BINDINGS;
+use crate::picture::Picture;
+use crate::plot::short;
+use crate::screen::View;
 use crate::theme;
 
 /// How things stand, in one word and its colour.
@@ -27,8 +30,9 @@ pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color
     }
 }
 
-pub(crate) fn draw_top(picture: &Picture, bench: &str, paused: bool, area: Rect, buffer: &mut Buffer) {
-    let (word, color) = run_state(picture, paused);
+pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
+    let (word, color) = run_state(picture, !view.time.is_live());
     let mut line = vec![Span::styled(format!(" {word} "), theme::badge(color))];
     let mut add = |text: String, style: Style| line.push(Span::styled(format!("  {text}"), style));
     let plain = Style::new();
@@ -39,7 +43,13 @@ pub(crate) fn draw_top(picture: &Picture, bench: &str, paused: bool, area: Rect,
     if let Contact::Waiting(why) = &picture.contact {
         add(why.clone(), theme::loud(theme::WARN));
     }
-    add(bench.to_owned(), plain.bold());
+    if !view.time.is_live()
+        && let Some(now) = picture.now
+    {
+        let (ago, tau) = (picture.ago().as_secs_f64(), picture.track.tau(now));
+        add(format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
+    }
+    add(view.bench.to_owned(), plain.bold());
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
         add(bulletin.rotor_name.as_str().to_owned(), plain);
         let rpm =
@@ -106,9 +116,15 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+    use crate::view_time::ViewTime;
 
     fn top(picture: &Picture, paused: bool) -> String {
-        drawn(120, 1, |area, buffer| draw_top(picture, "default", paused, area, buffer))
+        let mut time = ViewTime::LIVE;
+        if paused {
+            time.pause(&(0..3000));
+        }
+        drawn(120, 1, |area, buffer| draw_top(&View { time: &time, ..view(picture) }, area, buffer))
     }
 
     #[test]
@@ -119,7 +135,11 @@ mod tests {
             top(&picture, false),
             " RUNNING   default  three-mass  R 2.5  1000/s  late 50/120 us  lost 0  age 3 ms\n"
         );
-        assert!(top(&picture, true).starts_with(" PAUSED "));
+        assert!(
+            top(&picture, true).starts_with(" PAUSED   -0.000 s  tau 29.9900  default "),
+            "{}",
+            top(&picture, true)
+        );
     }
 
     #[test]

@@ -1,12 +1,14 @@
-//! Strips of y, z and control over the latest steps.
+//! Strips of y, z and control over the window of time, with what they are under the cursor.
 //!
 //! ```text
 //! ┌ last 41 tau  1 2 3 ─────────────┐
 //! │y ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±5 │
 //! │z ⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈     ±5 │
 //! │u ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±1 │
-//! └─────────────────────────────────┘
+//! └ 4.1 s ──────────────────────────┘
 //! ```
+
+use std::ops::Range;
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Rect};
@@ -14,77 +16,104 @@ use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 
 use super::{framed, write, write_right};
-use crate::feed::Picture;
+use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::screen::View;
 use crate::theme;
 
-/// Steps that the strips show.
-const STEPS: usize = 4096;
+/// One line of a strip.
+type Trace = (Color, Channel);
+/// The middle of a column of dots, in steps, and the range of a quantity over it.
+type Column = (f64, [f64; 2]);
 
-/// One line of a strip: its colour, and its value at a step.
-type Trace<'a> = (Color, Box<dyn Fn(usize) -> f64 + 'a>);
-
-pub(crate) fn draw(picture: &Picture, area: Rect, buffer: &mut Buffer) {
-    let track = &picture.track;
-    let end = track.len();
-    let start = end.saturating_sub(STEPS);
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
+    let window = picture.window.clone();
     // A strip of more masses than colours would be a tangle: the first few stand for all.
     let masses = picture.masses().min(theme::TRACES.len());
     let dtau = picture.bulletin.as_ref().map_or(0.0, |bulletin| bulletin.dtau);
-    let mut title = vec![Span::raw(format!(" last {} tau  mass ", short((end - start) as f64 * dtau, 3)))];
+    let tau = short(window.len() as f64 * dtau, 3);
+    let which = if view.time.is_live() { "last " } else { "" };
+    let mut title = vec![Span::raw(format!(" {which}{tau} tau  mass "))];
     title.extend((0..masses).map(|mass| Span::styled(format!("{} ", mass + 1), theme::loud(theme::TRACES[mass]))));
     let inner = framed(Line::from(title), area, buffer);
-    if start == end {
+    if window.is_empty() {
         return;
     }
-    let of_masses = |axis: usize| -> Vec<Trace<'_>> {
-        let trace = |mass| -> Trace<'_> { (theme::TRACES[mass], Box::new(move |step| track.place(step, mass)[axis])) };
-        (0..masses).map(trace).collect()
+    if area.height > 1 {
+        let label = format!(" {} s ", short(window.len() as f64 * picture.seconds, 3));
+        let edge = Rect { width: area.width.saturating_sub(2), ..area };
+        write(buffer, edge, area.left() + 1, area.bottom() - 1, &label, theme::quiet());
+    }
+    let of_masses = |channel: fn(usize) -> Channel| -> Vec<Trace> {
+        (0..masses).map(|mass| (theme::TRACES[mass], channel(mass))).collect()
     };
-    let force: Vec<Trace<'_>> = vec![
-        (theme::BACKWARD, Box::new(|step| track.force(step)[1])),
-        (theme::FORCE, Box::new(|step| track.force(step)[0])),
-    ];
+    let force = vec![(theme::BACKWARD, Channel::ForceZ), (theme::FORCE, Channel::ForceY)];
     let rows = Layout::vertical([Constraint::Fill(1); 3]).split(inner);
-    for ((name, traces), row) in [("y", of_masses(0)), ("z", of_masses(1)), ("u", force)].into_iter().zip(rows.iter()) {
-        strip(name, &traces, start..end, *row, buffer);
+    let strips = [("y", of_masses(Channel::Y)), ("z", of_masses(Channel::Z)), ("u", force)];
+    for ((name, traces), row) in strips.into_iter().zip(rows.iter()) {
+        strip(name, &traces, view, *row, buffer);
     }
 }
 
-fn strip(name: &str, traces: &[Trace<'_>], steps: std::ops::Range<usize>, area: Rect, buffer: &mut Buffer) {
+fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
     let columns = usize::from(area.width) * 2;
     if columns == 0 {
         return;
     }
     // Every column of dots shows the range of its steps, so that no peak falls between two columns.
-    let per_column = steps.len().div_ceil(columns).max(1);
-    let ranges: Vec<(Color, Vec<[f64; 2]>)> = traces
+    let steps = picture.track.columns(picture.window.clone(), columns);
+    let ranges: Vec<(Color, Vec<Column>)> = traces
         .iter()
-        .map(|(color, value)| {
-            let columns = steps.clone().step_by(per_column).map(|from| {
-                let values = (from..(from + per_column).min(steps.end)).map(value);
-                values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
-            });
-            (*color, columns.collect())
+        .map(|(color, channel)| {
+            let range = |steps: Range<usize>| {
+                let middle = 0.5 * (steps.start + steps.end) as f64;
+                (middle, picture.track.range(*channel, steps).unwrap_or([0.0, 0.0]))
+            };
+            (*color, steps.clone().map(range).collect())
         })
         .collect();
-    let reach =
-        ranges.iter().flat_map(|(_, columns)| columns).fold(0.0, |reach: f64, [low, high]| reach.max(-low).max(*high));
+    let all = ranges.iter().flat_map(|(_, columns)| columns);
+    let reach = all.fold(0.0, |reach: f64, (_, [low, high])| reach.max(-low).max(*high));
     let scale = nice_ceiling(reach);
-    let mut plot = Plot::new(area, Window { x: [0.0, columns as f64], y: [-scale, scale] });
-    plot.line([0.0, 0.0], [columns as f64, 0.0], theme::GRID);
+    let [left, right] = [picture.window.start as f64, picture.window.end as f64];
+    let mut plot = Plot::new(area, Window { x: [left, right], y: [-scale, scale] });
+    plot.line([left, 0.0], [right, 0.0], theme::GRID);
+    let mut upright = |step: usize, color| {
+        let x = step as f64 + 0.5;
+        plot.line([x, -scale], [x, scale], color);
+    };
+    for (step, mark) in &picture.marks {
+        match mark {
+            Mark::Lost(_) | Mark::Trip => upright(*step, theme::BAD),
+            Mark::NewRun | Mark::Restart => upright(*step, theme::WARN),
+            Mark::Settings(_) => {}
+        }
+    }
+    let cursor = picture.now.filter(|_| !view.time.is_live());
+    if let Some(now) = cursor {
+        upright(now, theme::WARN);
+    }
     for (color, columns) in &ranges {
-        for (at, [low, high]) in columns.iter().enumerate() {
-            let x = at as f64 + 0.5;
-            plot.line([x, *low], [x, *high], *color);
-            if let Some([next, _]) = columns.get(at + 1) {
-                plot.line([x, *high], [x + 1.0, *next], *color);
+        for (at, (x, [low, high])) in columns.iter().enumerate() {
+            plot.line([*x, *low], [*x, *high], *color);
+            if let Some((next, [bottom, _])) = columns.get(at + 1) {
+                plot.line([*x, *high], [*next, *bottom], *color);
             }
         }
     }
     plot.paint(buffer);
     write(buffer, area, area.left(), area.top(), name, theme::quiet());
     write_right(buffer, area, area.top(), &format!("±{}", short(scale, 1)), theme::quiet());
+    if let Some(now) = cursor {
+        let mut x = area.left() + 2;
+        for (color, channel) in traces {
+            let text = short(picture.track.value(*channel, now), 4);
+            write(buffer, area, x, area.top(), &text, theme::loud(*color));
+            x += text.chars().count() as u16 + 1;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -92,15 +121,35 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+    use crate::view_time::ViewTime;
 
     #[test]
     fn y_z_and_control_each_have_a_strip() {
         let picture = tests::picture();
-        let frame = drawn(60, 11, |area, buffer| draw(&picture, area, buffer));
+        let frame = drawn(60, 11, |area, buffer| draw(&view(&picture), area, buffer));
         for sign in ["│y", "│z", "│u", "last 30.0 tau"] {
             assert!(frame.contains(sign), "{sign}:\n{frame}");
         }
         insta::assert_snapshot!("strips", frame);
+    }
+
+    #[test]
+    fn the_cursor_reads_what_was_and_losses_are_marked() {
+        let now = std::time::Instant::now();
+        let mut feed = crate::feed::Feed::new("");
+        feed.read(tests::bulletin("three-mass", "composite"));
+        (0..2000).chain(2100..4000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        let mut time = ViewTime::LIVE;
+        time.at(1000, &feed.history().places(), feed.seconds());
+        let picture = feed.picture(&time, now);
+        let seen = View { time: &time, ..view(&picture) };
+        let frame = drawn(60, 11, |area, buffer| draw(&seen, area, buffer));
+        let at = tests::state(3, 1000);
+        for value in [at.masses[0].y, at.masses[2].z, at.force_delivered[0]] {
+            assert!(frame.contains(&short(value, 4)), "{value}:\n{frame}");
+        }
+        insta::assert_snapshot!("strips_with_cursor", frame);
     }
 
     #[test]
@@ -112,8 +161,8 @@ mod tests {
             state.masses[0].y = if seq == 2222 { 4.9 } else { 0.0 };
             feed.hear(&state, now);
         }
-        let picture = feed.picture(now);
-        let frame = drawn(40, 14, |area, buffer| draw(&picture, area, buffer));
+        let picture = feed.picture(&ViewTime::LIVE, now);
+        let frame = drawn(40, 14, |area, buffer| draw(&view(&picture), area, buffer));
         assert!(frame.contains("±5"), "{frame}");
     }
 }

@@ -8,6 +8,23 @@ use crate::failure::Failure;
 pub(crate) struct DashArgs {
     #[command(flatten)]
     bench: BenchArgs,
+    #[command(flatten)]
+    screen: ScreenArgs,
+}
+
+/// How the dashboard shall be, for every command that shows one.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ScreenArgs {
+    /// Megabytes that the steps kept for looking back may take
+    #[arg(long, value_name = "MB", default_value = "128", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    history: u32,
+}
+
+impl ScreenArgs {
+    /// As the dashboard takes it.
+    pub(crate) fn options(&self) -> dash::Options {
+        dash::Options { history: self.history as usize * 1_000_000 }
+    }
 }
 
 impl From<dash::DashError> for Failure {
@@ -36,5 +53,5 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
     drop(attach::listen(&carrier, &bench)?);
-    ended(dash::run(carrier, &bench, None)?)
+    ended(dash::run(carrier, &bench, None, &args.screen.options())?)
 }

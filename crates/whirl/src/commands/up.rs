@@ -8,24 +8,34 @@ use std::time::{Duration, Instant};
 use dash::Keeper;
 
 use crate::attach;
-use crate::commands::dash::ended;
+use crate::commands::dash::{ScreenArgs, ended};
 use crate::commands::sim::{LiveArgs, READY};
 use crate::failure::Failure;
 
 /// How long a simulation may take to end before it is killed.
 const FAREWELL: Duration = Duration::from_secs(2);
 
+/// Options of `whirl up`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct UpArgs {
+    #[command(flatten)]
+    live: LiveArgs,
+    #[command(flatten)]
+    screen: ScreenArgs,
+}
+
 /// Starts the simulation, shows it, and ends it.
 ///
 /// # Errors
 /// A machine that cannot be made, a bench that is taken, or no terminal.
-pub(crate) fn run(args: &LiveArgs) -> Result<(), Failure> {
+pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
+    let UpArgs { live: args, screen } = args;
     // What is wrong with the command line is said here, not by the child.
     args.machine()?;
     let bench = args.options()?.bench;
     let carrier = attach::dashboard_carrier()?;
     let mut simulation = Simulation::start(args.to_arguments())?;
-    let shown = dash::run(carrier, &bench, Some(&mut simulation));
+    let shown = dash::run(carrier, &bench, Some(&mut simulation), &screen.options());
     simulation.end()?;
     ended(shown?)
 }

@@ -1,0 +1,68 @@
+//! What a stretch of steps has in common: the settings in force with their poles; and what divides the steps.
+
+use std::sync::Arc;
+
+use rotor::{C64, Rotor, Settings};
+use wire::Bulletin;
+use wire::message::Analysis;
+
+/// Settings that were in force over some steps, and what follows from them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Era {
+    /// Which run of which process.
+    pub(crate) run_id: u64,
+    /// Revision of the settings.
+    pub(crate) revision: u64,
+    /// Who put them in force.
+    pub(crate) who: String,
+    /// The rotor, if it is one.
+    pub(crate) rotor: Option<Arc<Rotor>>,
+    /// The settings.
+    pub(crate) settings: Settings,
+    /// The poles, least damped first; none if they are not known.
+    pub(crate) poles: Vec<C64>,
+    /// The smallest damping ratio; 0 without poles.
+    pub(crate) min_damping: f64,
+}
+
+impl Era {
+    /// What a bulletin tells of. The rotor of a run never changes: `rotor` is the one known from an earlier bulletin.
+    pub(crate) fn of(bulletin: &Bulletin, rotor: Option<Arc<Rotor>>) -> Self {
+        Self {
+            run_id: bulletin.run_id,
+            revision: bulletin.revision,
+            who: bulletin.changed_by.as_str().to_owned(),
+            rotor: rotor.or_else(|| bulletin.rotor().ok().map(Arc::new)),
+            settings: bulletin.settings.unpack(),
+            poles: bulletin.analysis.poles().collect(),
+            min_damping: bulletin.analysis.min_damping,
+        }
+    }
+
+    /// Whether an analysis tells nothing new.
+    pub(crate) fn has_same_poles(&self, analysis: &Analysis) -> bool {
+        self.min_damping == analysis.min_damping && self.poles.iter().copied().eq(analysis.poles())
+    }
+}
+
+/// What happened between a step and the one before it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Mark {
+    /// So many steps were sent and did not reach us.
+    Lost(u64),
+    /// The rotor started again from rest.
+    Restart,
+    /// Another run: the simulation was started again.
+    NewRun,
+    /// The machine tripped with this step.
+    Trip,
+    /// Settings of this revision came into force.
+    Settings(u64),
+}
+
+impl Mark {
+    /// Whether what was largest before it counts no longer.
+    pub(crate) fn starts_anew(&self) -> bool {
+        matches!(self, Self::Restart | Self::NewRun | Self::Settings(_))
+    }
+}
