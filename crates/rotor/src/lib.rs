@@ -47,6 +47,7 @@ pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
 pub use influence::{Influence, PBH_LIMIT, influence};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
+pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
 pub use stepper::{Motion, Stepper, stepper};

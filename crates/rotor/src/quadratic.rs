@@ -5,11 +5,12 @@
 //! instead of `2n`.
 
 use crate::eigen::{PoleError, eigenvalues_in_place};
-use crate::{C64, ClosedLoop, MAX_MASSES};
+use crate::{C64, ClosedLoop, ControlRow, MAX_MASSES};
 
-/// `K` and `D` of `p'' = K p + D p'`, row by row.
+/// `K` and `D` of `p'' = K p + D p'`, row by row: the linear rotor for those who need more than its poles, such as what
+/// a pole does when a gain changes.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Quadratic {
+pub struct Quadratic {
     masses: usize,
     stiffness: Vec<C64>,
     damping: Vec<C64>,
@@ -17,7 +18,8 @@ pub(crate) struct Quadratic {
 
 impl Quadratic {
     /// The equations of `closed_loop`, every support bearing at its full stiffness.
-    pub(crate) fn of(closed_loop: &ClosedLoop) -> Self {
+    #[must_use]
+    pub fn of(closed_loop: &ClosedLoop) -> Self {
         let n = closed_loop.masses;
         let mut made = Self { masses: n, stiffness: vec![C64::ZERO; n * n], damping: vec![C64::ZERO; n * n] };
         for i in 0..n {
@@ -30,12 +32,34 @@ impl Quadratic {
                 made.stiffness[i * n + i + 1] = closed_loop.right[i].into();
             }
         }
-        let control = &closed_loop.control;
-        for k in 0..n {
-            made.stiffness[control.bearing * n + k] -= control.displacement[k];
-            made.damping[control.bearing * n + k] -= control.velocity[k];
-        }
+        made.control(&closed_loop.control);
         made
+    }
+
+    /// Closes a loop more: adds the force of `control` to the row of the mass that carries its bearing.
+    ///
+    /// # Panics
+    /// If that mass does not exist.
+    pub fn control(&mut self, control: &ControlRow) {
+        let row = control.bearing * self.masses..(control.bearing + 1) * self.masses;
+        for (k, gain) in self.stiffness[row.clone()].iter_mut().zip(&control.displacement) {
+            *k -= gain;
+        }
+        for (d, gain) in self.damping[row].iter_mut().zip(&control.velocity) {
+            *d -= gain;
+        }
+    }
+
+    /// `K`, row by row, `n x n`.
+    #[must_use]
+    pub fn stiffness(&self) -> &[C64] {
+        &self.stiffness
+    }
+
+    /// `D`, row by row, `n x n`.
+    #[must_use]
+    pub fn damping(&self) -> &[C64] {
+        &self.damping
     }
 
     /// `self + factor * other`, entry by entry.
@@ -55,12 +79,16 @@ impl Quadratic {
     }
 
     /// How many masses there are; there are twice as many poles.
-    pub(crate) fn masses(&self) -> usize {
+    #[must_use]
+    pub fn masses(&self) -> usize {
         self.masses
     }
 
-    /// `A = [0 I; K D]`, row by row, into `rows`.
-    pub(crate) fn state_rows(&self, rows: &mut [C64]) {
+    /// `A = [0 I; K D]`, row by row, into the `2n x 2n` of `rows`.
+    ///
+    /// # Panics
+    /// If `rows` is shorter.
+    pub fn state_rows(&self, rows: &mut [C64]) {
         let (n, size) = (self.masses, 2 * self.masses);
         rows.fill(C64::ZERO);
         for i in 0..n {
@@ -71,11 +99,11 @@ impl Quadratic {
         }
     }
 
-    /// The eigenvalues of `A`, in no particular order.
+    /// The eigenvalues of `A`, `2n` of them, in no particular order.
     ///
     /// # Errors
     /// Coefficients that are not finite, or an iteration that does not converge.
-    pub(crate) fn poles(&self) -> Result<Vec<C64>, PoleError> {
+    pub fn poles(&self) -> Result<Vec<C64>, PoleError> {
         let size = 2 * self.masses;
         let mut values = vec![C64::ZERO; size];
         // Small rotors are swept over by the thousand: their matrix stays on the stack.
@@ -109,7 +137,7 @@ impl Quadratic {
     }
 
     /// `row D`, into `out`.
-    pub(crate) fn row_times_damping(&self, row: &[C64], out: &mut [C64]) {
+    pub fn row_times_damping(&self, row: &[C64], out: &mut [C64]) {
         out.fill(C64::ZERO);
         for (line, r) in self.damping.chunks_exact(self.masses).zip(row) {
             for (o, d) in out.iter_mut().zip(line) {
@@ -118,9 +146,30 @@ impl Quadratic {
         }
     }
 
+    /// The displacements under harmonic accelerations, `x` of `(s^2 I - s D - K) x = b`, in place of `b`.
+    ///
+    /// At a pole there are none: then they come out as large as rounding lets them.
+    ///
+    /// # Panics
+    /// If `b` has not one place a mass.
+    pub fn respond(&self, s: C64, b: &mut [C64]) {
+        let n = self.masses;
+        let mut rows: Vec<C64> = self.stiffness.iter().zip(&self.damping).map(|(k, d)| -(k + d * s)).collect();
+        for i in 0..n {
+            rows[i * n + i] += s * s;
+        }
+        Factors::of(&mut rows, n).solve(&mut b[..n]);
+    }
+
     /// The shape `p` of the mode of `pole`, `Q(pole) p = 0`, in Euclidean norm 1, into `right`; and unless `left` is empty
-    /// the row `q` with `q Q(pole) = 0` into `left` (not conjugated).
-    pub(crate) fn vectors(&self, pole: C64, right: &mut [C64], left: &mut [C64]) {
+    /// the row `q` with `q Q(pole) = 0` into `left` (not conjugated), in norm 1 too.
+    ///
+    /// A pole moves with a parameter `x` of `K` and `D` by
+    /// `d lambda / dx = q (dK/dx + lambda dD/dx) p / (q (2 lambda I - D) p)`.
+    ///
+    /// # Panics
+    /// If a vector has not one place a mass.
+    pub fn vectors(&self, pole: C64, right: &mut [C64], left: &mut [C64]) {
         let n = self.masses;
         if n == 1 {
             right.fill(C64::ONE);

@@ -1,0 +1,77 @@
+//! Which conditions a search must look at: a coarse grid to start with, and then whichever turn out to be the worst.
+
+use crate::evaluate::worst_at;
+use crate::{Family, Problem};
+
+/// Points along each coordinate of a grid of about `total` points, more along the speed than along the others.
+pub(crate) fn counts(family: &Family, total: usize) -> Vec<usize> {
+    let varying = family.varying().count();
+    let mut counts = vec![1; family.axes().len()];
+    let has_speed = family.varying().next() == Some(0);
+    // With s points of speed and s / 2 of the rest: s^d / 2^(d - 1) = total.
+    let others = varying - usize::from(has_speed);
+    let side = if varying == 0 { 1.0 } else { (total as f64 * 2.0_f64.powi(others as i32)).powf(1.0 / varying as f64) };
+    for axis in family.varying() {
+        let wanted = if axis == 0 { side } else { 0.5 * side };
+        counts[axis] = (wanted.round() as usize).max(2);
+    }
+    counts
+}
+
+/// The worst places of the family for `gains`: local minima of a grid with `counts`, refined, worst first; at most `most`.
+pub(crate) fn worst_places(problem: &Problem, gains: &[f64], counts: &[usize], most: usize) -> Vec<(f64, Vec<f64>)> {
+    let family = &problem.family;
+    let points = family.grid(counts);
+    let values: Vec<f64> = points.iter().map(|point| worst_at(problem, gains, point).0).collect();
+    let sides: Vec<usize> = (0..counts.len())
+        .map(|axis| if family.ends(axis)[0] < family.ends(axis)[1] { counts[axis].max(2) } else { 1 })
+        .collect();
+    // The last coordinate runs fastest.
+    let strides: Vec<usize> = (0..sides.len()).map(|axis| sides[axis + 1..].iter().product()).collect();
+    let mut places: Vec<usize> = (0..points.len())
+        .filter(|&at| {
+            sides.iter().zip(&strides).all(|(&side, &stride)| {
+                let place = at / stride % side;
+                (place == 0 || values[at] <= values[at - stride]) && (place + 1 == side || values[at] < values[at + stride])
+            })
+        })
+        .collect();
+    places.sort_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
+    places.truncate(most);
+    let steps: Vec<f64> = sides
+        .iter()
+        .enumerate()
+        .map(|(axis, &side)| (family.ends(axis)[1] - family.ends(axis)[0]) / side.max(2).saturating_sub(1) as f64)
+        .collect();
+    let mut made: Vec<(f64, Vec<f64>)> =
+        places.into_iter().map(|at| refine(problem, gains, values[at], points[at].clone(), &steps)).collect();
+    made.sort_by(|a, b| a.0.total_cmp(&b.0));
+    made
+}
+
+/// Walks downhill along the coordinates with ever shorter steps, inside the family.
+fn refine(problem: &Problem, gains: &[f64], value: f64, point: Vec<f64>, steps: &[f64]) -> (f64, Vec<f64>) {
+    let axes: Vec<usize> = problem.family.varying().collect();
+    let (mut value, mut point) = (value, point);
+    let mut scale = 0.5;
+    while scale > 1e-4 {
+        let mut moved = false;
+        for &axis in &axes {
+            let [from, to] = problem.family.ends(axis);
+            for step in [scale * steps[axis], -scale * steps[axis]] {
+                let old = point[axis];
+                point[axis] = (old + step).clamp(from, to);
+                let there = if point[axis] == old { value } else { worst_at(problem, gains, &point).0 };
+                if there < value {
+                    (value, moved) = (there, true);
+                    break;
+                }
+                point[axis] = old;
+            }
+        }
+        if !moved {
+            scale *= 0.4;
+        }
+    }
+    (value, point)
+}

@@ -1,0 +1,290 @@
+//! The end phase: sequential convex steps over all modes and conditions near the minimum.
+//!
+//! Near the best gains several modes at several conditions are equally bad, and no smooth model sees that corner. So each
+//! step maximises the smallest of their linear models together, with the curvature of their Lagrangian:
+//!
+//! ```text
+//! max_{d, t}  t - 1/2 d' H d   such that  f_k + g_k d >= t  for all k that can become the worst within the step,
+//!                                         |x + d| <= bound,  |d| <= radius,  every constraint to first order
+//! ```
+//!
+//! (sequential quadratic programming for minimax problems, Han 1981, in a trust region). It converges quadratically both to
+//! corners, where as many values meet as there are directions, and to points with fewer, where curvature decides. What the
+//! rows of such a step are is the business of [`crate::rows`].
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use crate::evaluate::Evaluator;
+use crate::least_norm::least_norm;
+use crate::quadratic_program::Program;
+use crate::rows::{Kind, Row, Rows};
+use crate::stop::Stop;
+
+const STEPS: usize = 100;
+/// A step that promises less than this, relative to the worst value, is not worth taking.
+const NEGLIGIBLE: f64 = 1e-8;
+/// Price of a violated constraint, in worth per unit: above any multiplier that one has in practice.
+pub(crate) const EXCESS: f64 = 10.0;
+
+/// Improves `gains`, in place; they never get worse. Ends when the trust radius falls below `last_radius` or a step promises
+/// nothing worth having. Poles of one condition nearer each other than `merge`, relative to their size, are treated as a
+/// pair about to merge, see [`crate::rows`].
+pub(crate) fn polish(
+    evaluator: &mut Evaluator,
+    gains: &mut Vec<f64>,
+    [first_radius, last_radius]: [f64; 2],
+    merge: f64,
+    stop: &Stop,
+) {
+    let bound = evaluator.problem.bound;
+    let mut radius = first_radius;
+    let mut held: Vec<(Row, f64)> = Vec::new();
+    let mut best = (evaluator.merit(gains), gains.clone());
+    if best.0 == f64::NEG_INFINITY {
+        return;
+    }
+    let negligible = NEGLIGIBLE * best.0.abs().max(1e-3);
+    for _ in 0..STEPS {
+        if stop.is_set() || radius < last_radius {
+            break;
+        }
+        let rows = Rows::near(evaluator, gains, radius, merge);
+        let hessian = curvature(evaluator, gains, &held);
+        let Some(step) = Step::of(&rows, gains, bound, radius, &hessian) else {
+            radius *= 0.25;
+            evaluator.judge(gains);
+            continue;
+        };
+        if step.rise < negligible {
+            break;
+        }
+        let length = step.by.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
+        let before = rows.merit();
+        let mut there = Trial::of(evaluator, &rows, gains, &step.by);
+        if there.rows.merit() - before < 0.7 * step.rise
+            && let Some(corrected) = Step::of(&rows.bent(&there.rows, &step.by), gains, bound, radius, &hessian)
+        {
+            // Where the rows curve, the first step misses the corner that it aims at: aim again, with the miss known.
+            let other = Trial::of(evaluator, &rows, gains, &corrected.by);
+            if other.rows.merit() > there.rows.merit() {
+                there = other;
+            } else {
+                evaluator.judge(&there.gains);
+            }
+        }
+        held = step.held;
+        let gained = there.rows.merit() - before;
+        if std::env::var("DBG").is_ok() { eprintln!("m {merge} r {radius:.2e} len {length:.2e} rise {:.3e} got {gained:.3e} merit {:.9} rows {} held {} {:?}", step.rise, best.0, rows.rows.len(), held.len(), held.iter().map(|(r, m)| (r.condition(), (m*1e3).round()/1e3, format!("{:?}", r.kind).chars().next().unwrap())).collect::<Vec<_>>()); }
+        if gained > 0.05 * step.rise {
+            *gains = there.gains;
+            if gained > 0.7 * step.rise && length > 0.9 * radius {
+                radius *= 2.5;
+            }
+            if there.merit > best.0 {
+                best = (there.merit, gains.clone());
+            }
+        } else {
+            radius = 0.3 * length.min(radius);
+            evaluator.judge(gains);
+        }
+    }
+    *gains = best.1;
+}
+
+/// Gains after a step, and what they are like.
+struct Trial {
+    gains: Vec<f64>,
+    /// The rows of the step, read there.
+    rows: Rows,
+    /// What they really are worth.
+    merit: f64,
+}
+
+impl Trial {
+    fn of(evaluator: &mut Evaluator, rows: &Rows, gains: &[f64], by: &[f64]) -> Self {
+        let bound = evaluator.problem.bound;
+        let gains: Vec<f64> = gains.iter().zip(by).map(|(x, d)| (x + d).clamp(-bound, bound)).collect();
+        let merit = evaluator.merit(&gains);
+        let rows = rows.again(evaluator, &gains);
+        Self { gains, rows, merit }
+    }
+}
+
+/// One step and what it promises.
+struct Step {
+    by: Vec<f64>,
+    rise: f64,
+    /// The rows that hold it, each with its multiplier.
+    held: Vec<(Row, f64)>,
+}
+
+impl Step {
+    fn of(rows: &Rows, gains: &[f64], bound: f64, radius: f64, hessian: &[f64]) -> Option<Self> {
+        let n = gains.len();
+        // Variables: the step, in units of the radius; the rise; and how much any constraint may stay violated. In units of
+        // a typical rise, so that a program is of ordinary size whatever the scale of the step.
+        let size = n + 2;
+        let steepness = |row: &Row| row.slope.iter().map(|s| s.abs()).sum::<f64>();
+        let unit = rows.rows.iter().filter(|row| row.kind == Kind::Worth).map(steepness).fold(1e-300, f64::max) * radius;
+        let mut program = Program::new(size);
+        for i in 0..n {
+            for j in 0..n {
+                program.hessian[i * size + j] = hessian[i * n + j] * radius * radius / unit;
+            }
+        }
+        program.hessian[(n + 1) * size + n + 1] = 1e-8;
+        program.linear[n] = -1.0;
+        program.linear[n + 1] = EXCESS;
+        let mut places = Vec::with_capacity(rows.rows.len());
+        for row in &rows.rows {
+            let mut add = |limit: f64, sign: f64, extra: usize, by: f64| {
+                program.at_most(limit, |line| {
+                    line.iter_mut().zip(&row.slope).for_each(|(l, s)| *l = sign * s * radius / unit);
+                    line[extra] = by;
+                });
+            };
+            places.push(match row.kind {
+                Kind::Worth => {
+                    add((row.value - rows.worst) / unit, -1.0, n, 1.0);
+                    1
+                }
+                Kind::AtLeastZero => {
+                    add(row.value / unit, -1.0, n + 1, -1.0);
+                    1
+                }
+                Kind::Zero => {
+                    add(row.value / unit, -1.0, n + 1, -1.0);
+                    add(-row.value / unit, 1.0, n + 1, -1.0);
+                    2
+                }
+            });
+        }
+        for (i, gain) in gains.iter().enumerate() {
+            program.at_most(((bound - gain) / radius).min(1.0), |line| line[i] = 1.0);
+            program.at_most(((bound + gain) / radius).min(1.0), |line| line[i] = -1.0);
+        }
+        program.at_most(0.0, |line| line[n + 1] = -1.0);
+        let solution = program.solve()?;
+        let by: Vec<f64> = solution.point[..n].iter().map(|d| d * radius).collect();
+        let rise = rows.merit_after(&by) - rows.merit();
+        let mut multipliers = solution.multipliers.iter();
+        let mut held = Vec::new();
+        for (row, places) in rows.rows.iter().zip(places) {
+            let each: Vec<f64> = multipliers.by_ref().take(places).copied().collect();
+            let multiplier = each[0] - each.get(1).copied().unwrap_or(0.0);
+            if multiplier.abs() > 1e-6 {
+                held.push((row.clone(), multiplier));
+            }
+        }
+        Some(Self { by, rise, held })
+    }
+}
+
+/// The Hessian of `- sum_k m_k f_k` by differences of its slope, made positive definite where it has to be.
+fn curvature(evaluator: &mut Evaluator, gains: &[f64], held: &[(Row, f64)]) -> Vec<f64> {
+    let n = gains.len();
+    let mut hessian = vec![0.0; n * n];
+    if held.is_empty() {
+        return hessian;
+    }
+    let mut conditions: Vec<usize> = held.iter().map(|(row, _)| row.condition()).collect();
+    conditions.sort_unstable();
+    conditions.dedup();
+    let here = lagrangian(evaluator, gains, held, &conditions);
+    for i in 0..n {
+        let h = 1e-6 * (1.0 + gains[i].abs());
+        let mut there = gains.to_vec();
+        there[i] += h;
+        let after = lagrangian(evaluator, &there, held, &conditions);
+        for j in 0..n {
+            let second = -(after[j] - here[j]) / h;
+            hessian[i * n + j] += 0.5 * second;
+            hessian[j * n + i] += 0.5 * second;
+        }
+    }
+    make_convex(&hessian, n)
+}
+
+/// The slope of the Lagrangian at `gains`.
+fn lagrangian(evaluator: &mut Evaluator, gains: &[f64], held: &[(Row, f64)], conditions: &[usize]) -> Vec<f64> {
+    let mut sum = vec![0.0; gains.len()];
+    if !evaluator.judge_some(conditions, gains) {
+        return sum;
+    }
+    for (row, multiplier) in held {
+        let there = row.again(evaluator, gains);
+        there.slope.iter().zip(&mut sum).for_each(|(d, s)| *s += multiplier * d);
+    }
+    sum
+}
+
+/// The nearest positive semidefinite matrix. Where the Lagrangian curves the other way the linear model stands alone, and
+/// the trust radius holds the step.
+fn make_convex(hessian: &[f64], n: usize) -> Vec<f64> {
+    if hessian.iter().any(|h| !h.is_finite()) {
+        return vec![0.0; n * n];
+    }
+    let Some(eigen) = SymmetricEigen::try_new(DMatrix::from_row_slice(n, n, hessian), f64::EPSILON, 1000) else {
+        return vec![0.0; n * n];
+    };
+    let mut made = vec![0.0; n * n];
+    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).filter(|(value, _)| **value > 0.0) {
+        for i in 0..n {
+            for j in 0..n {
+                made[i * n + j] += value * vector[i] * vector[j];
+            }
+        }
+    }
+    made
+}
+
+/// How far gains are from a local optimum.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Stationarity {
+    /// The norm of the smallest convex combination of the slopes of all values near the worst, less what bounds and other
+    /// constraints hold: the rate, to first order, at which the worst value can still be raised. 0 at a local optimum.
+    pub norm: f64,
+    /// How near the worst a value counts.
+    pub within: f64,
+    /// How many values that is; a pair of merging poles counts as one.
+    pub active: usize,
+    /// How many pairs of poles are about to merge.
+    pub merging: usize,
+    /// How many gains are held by their bound.
+    pub at_bound: usize,
+}
+
+/// The certificate of local optimality for `gains` over the conditions of `evaluator`.
+pub(crate) fn stationarity(evaluator: &mut Evaluator, gains: &[f64], within: f64, merge: f64) -> Stationarity {
+    let n = gains.len();
+    evaluator.judge(gains);
+    let bound = evaluator.problem.bound;
+    let rows = Rows::within(evaluator, gains, within, merge);
+    let at_bound = |gain: f64| gain.abs() >= bound * (1.0 - 1e-9);
+    // Columns: slopes of values, whose weights sum to 1; and normals of constraints, of any weight.
+    let mut hull: Vec<Vec<f64>> = Vec::new();
+    let mut cone: Vec<Vec<f64>> = Vec::new();
+    for row in &rows.rows {
+        let negative = || row.slope.iter().map(|s| -s).collect();
+        match row.kind {
+            Kind::Worth => hull.push(row.slope.clone()),
+            // What does not bind yet does not hold anything.
+            Kind::AtLeastZero if row.value > row.slack => {}
+            Kind::AtLeastZero => cone.push(row.slope.clone()),
+            Kind::Zero => cone.extend([row.slope.clone(), negative()]),
+        }
+    }
+    for (i, gain) in gains.iter().enumerate().filter(|(_, gain)| at_bound(**gain)) {
+        let mut normal = vec![0.0; n];
+        normal[i] = -gain.signum();
+        cone.push(normal);
+    }
+    let norm = least_norm(&hull, &cone);
+    Stationarity {
+        norm,
+        within,
+        active: rows.rows.iter().filter(|row| row.kind == Kind::Worth).count(),
+        merging: rows.rows.iter().filter(|row| row.kind == Kind::Zero).count(),
+        at_bound: gains.iter().filter(|gain| at_bound(**gain)).count(),
+    }
+}

@@ -1,0 +1,335 @@
+//! Multistart: many climbs from random gains, the best of them polished, checked and proven.
+
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
+
+use rayon::prelude::*;
+use rotor::Feedback;
+
+use crate::certify::{self, Certificate, certify};
+use crate::conditions::{counts, worst_places};
+use crate::evaluate::{Evaluator, worst_at};
+use crate::minimax::{Stationarity, polish, stationarity};
+use crate::stop::Stop;
+use crate::{Problem, ProblemError, powell, smooth};
+
+/// How a climb goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Method {
+    /// Smoothing continuation with slopes, then sequential convex steps: see [`crate::smooth`] and [`crate::minimax`].
+    #[default]
+    Nonsmooth,
+    /// Powell's direction sets, as in the report.
+    Powell,
+}
+
+/// How much is searched.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Options {
+    /// How a climb goes.
+    pub method: Method,
+    /// How many climbs; at least 1.
+    pub starts: usize,
+    /// What random numbers start from. The same seed gives the same answer, whatever the number of threads.
+    pub seed: u64,
+    /// Random gains are drawn evenly from `-spread` to `spread`, never beyond the bound.
+    pub spread: f64,
+    /// How sharply the worst over a continuous family is to be bounded, see [`Certificate::tolerance`].
+    pub tolerance: f64,
+    /// Gains to start from beside the random ones: the first climbs.
+    pub first: Vec<Vec<f64>>,
+    /// Whether the worst is to be proven; otherwise the answer has the worst that was found.
+    pub prove: bool,
+}
+
+impl Options {
+    /// What suits a problem: more starts and wider ones the more there is to get wrong.
+    #[must_use]
+    pub fn for_problem(problem: &Problem) -> Self {
+        let conditions = problem.family.varying().count();
+        let starts = match (conditions, problem.structure.variables()) {
+            (0, 0..=4) => 8,
+            (0, _) => 24,
+            (1, 0..=4) => 8,
+            (1, _) => 32,
+            _ => 16,
+        };
+        let spread = if problem.structure.variables() <= 4 { 1.0 } else { problem.bound.min(5.0) };
+        Self { method: Method::Nonsmooth, starts, seed: 1, spread, tolerance: 1e-4, first: Vec::new(), prove: true }
+    }
+}
+
+/// How a search is going.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// Climbs that have ended.
+    pub done: usize,
+    /// Climbs in all.
+    pub starts: usize,
+    /// The best worst value so far.
+    pub best: f64,
+    /// Since the search began.
+    pub elapsed: Duration,
+}
+
+impl Progress {
+    /// How long the rest will take if it goes on like this.
+    #[must_use]
+    pub fn left(&self) -> Option<Duration> {
+        (self.done > 0).then(|| self.elapsed.mul_f64((self.starts - self.done) as f64 / self.done as f64))
+    }
+}
+
+/// What a search found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuned {
+    /// The gains: the variables of the structure.
+    pub gains: Vec<f64>,
+    /// The feedback with those gains.
+    pub feedback: Feedback,
+    /// The worst over the family: what, where, and whether that is proven.
+    pub worst: Certificate,
+    /// How near to a local optimum they are.
+    pub stationarity: Stationarity,
+    /// The modes that hold the value, at their conditions.
+    pub active: Vec<Active>,
+    /// What every climb ended with, best first.
+    pub values: Vec<f64>,
+    /// How many eigenvalue problems were solved.
+    pub evaluations: u64,
+    /// How long it took.
+    pub elapsed: Duration,
+    /// Whether it was stopped before its end.
+    pub interrupted: bool,
+}
+
+/// A mode near the worst value.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Active {
+    /// The condition, in the coordinates of the family's axes.
+    pub point: Vec<f64>,
+    /// The pole.
+    pub pole: rotor::C64,
+    /// What it is worth.
+    pub value: f64,
+}
+
+/// Points of the first grid, of the scan for what it has missed, and of the last scan.
+const COARSE: usize = 30;
+const FINE: usize = 300;
+const FINEST: usize = 4000;
+/// Rounds of adding conditions that turned out to be worse.
+const ROUNDS: usize = 8;
+/// Poles nearer than this, relative to their size, are treated as a merging pair.
+const MERGE: f64 = 0.02;
+/// How near the worst, relative to it, a value counts as active.
+const ACTIVE: f64 = 1e-6;
+
+/// One climb: what it ended with.
+struct Climb {
+    value: f64,
+    gains: Vec<f64>,
+    points: Vec<Vec<f64>>,
+}
+
+/// Searches.
+///
+/// # Errors
+/// A problem that makes no sense.
+pub fn tune(problem: &Problem, options: &Options, progress: &(dyn Fn(&Progress) + Sync), stop: Stop) -> Result<Tuned, ProblemError> {
+    problem.check()?;
+    let begun = Instant::now();
+    let evaluations = AtomicU64::new(0);
+    let so_far = Mutex::new(Progress { done: 0, starts: options.starts, best: f64::NEG_INFINITY, elapsed: Duration::ZERO });
+    let climb = |start: usize| {
+        // Once stopped, only the first climb still counts: there must be an answer.
+        if stop.is_set() && start > 0 {
+            return None;
+        }
+        let climb = climb(problem, options, start, &evaluations, &stop);
+        if let Ok(mut so_far) = so_far.lock() {
+            so_far.done += 1;
+            so_far.best = so_far.best.max(climb.value);
+            so_far.elapsed = begun.elapsed();
+            progress(&so_far);
+        }
+        Some(climb)
+    };
+    // In place on one thread: a single climb is not worth waking others for.
+    let mut climbs: Vec<Climb> = if options.starts == 1 {
+        climb(0).into_iter().collect()
+    } else {
+        (0..options.starts).into_par_iter().map(climb).collect::<Vec<_>>().into_iter().flatten().collect()
+    };
+    climbs.sort_by(|a, b| b.value.total_cmp(&a.value));
+    let values = climbs.iter().map(|climb| climb.value).collect();
+    let best = climbs.swap_remove(0);
+    let mut tuned = finish(problem, options, best, &evaluations, &stop);
+    tuned.values = values;
+    tuned.evaluations = evaluations.into_inner();
+    tuned.elapsed = begun.elapsed();
+    Ok(tuned)
+}
+
+/// Judges given gains as if a search had found them: the worst over the family, and how near to an optimum they are.
+///
+/// # Errors
+/// A problem that makes no sense.
+pub fn judge(problem: &Problem, options: &Options, gains: &[f64], stop: Stop) -> Result<Tuned, ProblemError> {
+    problem.check()?;
+    let begun = Instant::now();
+    let evaluations = AtomicU64::new(0);
+    let points = problem.family.grid(&counts(&problem.family, COARSE));
+    let climb = Climb { value: 0.0, gains: gains.to_vec(), points };
+    let mut tuned = prove(problem, options, climb, &evaluations, &stop, false);
+    tuned.evaluations = evaluations.into_inner();
+    tuned.elapsed = begun.elapsed();
+    Ok(tuned)
+}
+
+/// The gains that climb `start` begins with.
+fn first_gains(problem: &Problem, options: &Options, start: usize) -> Vec<f64> {
+    if let Some(gains) = options.first.get(start) {
+        return gains.clone();
+    }
+    // Each climb has a stream of its own, so that it does not matter who runs it.
+    let mut random = fastrand::Rng::with_seed(options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(start as u64));
+    let spread = options.spread.min(problem.bound);
+    // Every knot of a gain begins alike: a schedule departs from constant gains.
+    let knots = problem.structure.schedule().knots();
+    let gains = problem.structure.variables() / knots;
+    (0..gains).flat_map(|_| vec![spread * (2.0 * random.f64() - 1.0); knots]).collect()
+}
+
+fn climb(problem: &Problem, options: &Options, start: usize, evaluations: &AtomicU64, stop: &Stop) -> Climb {
+    let mut gains = first_gains(problem, options, start);
+    let family = &problem.family;
+    let mut points = family.grid(&counts(family, COARSE));
+    let mut evaluator = Evaluator::new(problem, &points);
+    match options.method {
+        Method::Powell => powell::climb(&mut evaluator, &mut gains, stop),
+        Method::Nonsmooth => {
+            smooth::climb(&mut evaluator, &mut gains, stop);
+            improve(&mut evaluator, &mut gains, 0.05, stop);
+        }
+    }
+    let fine = counts(family, FINE);
+    let mut value = exchange(&mut evaluator, &mut points, &mut gains, &fine, options.method, stop);
+    if family.varying().next().is_none() {
+        value = value.min(evaluator.merit(&gains));
+    }
+    evaluations.fetch_add(evaluator.evaluations, Ordering::Relaxed);
+    Climb { value, gains, points }
+}
+
+/// The end phase: plain, then with merging pairs.
+fn improve(evaluator: &mut Evaluator, gains: &mut Vec<f64>, radius: f64, stop: &Stop) {
+    polish(evaluator, gains, [radius, 1e-6], 0.0, stop);
+    polish(evaluator, gains, [0.2 * radius, 1e-11], MERGE, stop);
+}
+
+/// Adds the worst places between the conditions and improves the gains at all, until there are no worse places. Gives the
+/// worst value over the scan.
+fn exchange(
+    evaluator: &mut Evaluator,
+    points: &mut Vec<Vec<f64>>,
+    gains: &mut Vec<f64>,
+    scan: &[usize],
+    method: Method,
+    stop: &Stop,
+) -> f64 {
+    let problem = evaluator.problem;
+    if problem.family.varying().next().is_none() {
+        return f64::INFINITY;
+    }
+    let mut best = (f64::NEG_INFINITY, gains.clone());
+    for round in 0..ROUNDS {
+        let known = evaluator.merit(gains);
+        let places = worst_places(problem, gains, scan, 6);
+        evaluator.evaluations += scan.iter().product::<usize>() as u64;
+        let value = places.first().map_or(known, |(value, _)| value.min(known));
+        if value > best.0 {
+            best = (value, gains.clone());
+        }
+        let missed: Vec<Vec<f64>> = places
+            .into_iter()
+            .filter(|(value, _)| *value < known - 1e-6 * known.abs() - 1e-9)
+            .map(|(_, point)| point)
+            .collect();
+        if missed.is_empty() || stop.is_set() || method == Method::Powell || round + 1 == ROUNDS {
+            break;
+        }
+        for point in missed {
+            evaluator.push(&point);
+            points.push(point);
+        }
+        improve(evaluator, gains, 0.02, stop);
+    }
+    *gains = best.1;
+    best.0
+}
+
+fn finish(problem: &Problem, options: &Options, best: Climb, evaluations: &AtomicU64, stop: &Stop) -> Tuned {
+    prove(problem, options, best, evaluations, stop, options.method == Method::Nonsmooth)
+}
+
+/// Bounds the worst, improving the gains wherever the proof shows a place that was missed if `improving`.
+fn prove(problem: &Problem, options: &Options, best: Climb, evaluations: &AtomicU64, stop: &Stop, improving: bool) -> Tuned {
+    let Climb { mut gains, mut points, .. } = best;
+    let mut evaluator = Evaluator::new(problem, &points);
+    let family = &problem.family;
+    let varies = family.varying().next().is_some();
+    let finest = counts(family, FINEST);
+    if improving && varies && !stop.is_set() {
+        exchange(&mut evaluator, &mut points, &mut gains, &finest, options.method, stop);
+    }
+    let mut kept: Option<(Certificate, Vec<f64>)> = None;
+    for _ in 0..4 {
+        let known = worst_places(problem, &gains, &finest, 3).into_iter().next();
+        evaluator.evaluations += finest.iter().product::<usize>() as u64;
+        let point = known.map_or_else(|| points[0].clone(), |(_, point)| point);
+        let budget = if options.prove { certify::BUDGET } else { 0 };
+        let found = certify(problem, &gains, &point, options.tolerance, budget, stop);
+        evaluator.evaluations += found.boxes;
+        let before = worst_at(problem, &gains, &point).0;
+        let missed = found.value < before - options.tolerance;
+        let place = found.point.clone();
+        if kept.as_ref().is_none_or(|(kept, _)| found.value > kept.value) {
+            kept = Some((found, gains.clone()));
+        }
+        if !(missed && improving) || stop.is_set() {
+            break;
+        }
+        evaluator.push(&place);
+        points.push(place);
+        improve(&mut evaluator, &mut gains, 0.02, stop);
+    }
+    let (worst, gains) = kept.expect("at least one round");
+    if varies {
+        evaluator.push(&worst.point);
+    }
+    let within = ACTIVE * worst.value.abs().max(1e-3);
+    let stationarity = stationarity(&mut evaluator, &gains, within, MERGE);
+    evaluator.judge(&gains);
+    let mut active: Vec<Active> = evaluator
+        .readings
+        .iter()
+        .filter(|reading| reading.value <= worst.value + within)
+        .map(|r| Active { point: evaluator.conditions[r.condition].point.clone(), pole: r.pole, value: r.value })
+        .collect();
+    active.sort_by(|a, b| a.value.total_cmp(&b.value));
+    evaluations.fetch_add(evaluator.evaluations, Ordering::Relaxed);
+    Tuned {
+        feedback: problem.structure.feedback(&gains),
+        gains,
+        worst,
+        stationarity,
+        active,
+        values: Vec::new(),
+        evaluations: 0,
+        elapsed: Duration::ZERO,
+        interrupted: stop.is_set(),
+    }
+}

@@ -1,0 +1,226 @@
+//! What may be searched: which signals there are, and how each of their gains depends on speed.
+//!
+//! A *variable* is the value of one gain at one knot; between knots a gain is linear in speed. So every gain at every
+//! speed is linear in the variables, and a bound on the variables bounds the gains over the whole range.
+
+use rotor::{C64, ControlRow, Feedback, FeedbackError, Gain, GainKind, Rotor, Signal};
+
+/// How gains depend on speed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Schedule {
+    /// The same at every speed.
+    Fixed,
+    /// Linear in speed, given by its values at the two ends of a range.
+    Linear {
+        /// Lower end.
+        from: f64,
+        /// Upper end, above the lower.
+        to: f64,
+    },
+    /// Piecewise linear through values at these speeds, strictly rising, at least two; constant beyond them.
+    Table(Vec<f64>),
+}
+
+impl Schedule {
+    /// A table with `points` knots, at least two, spread evenly over a range.
+    #[must_use]
+    pub fn table(from: f64, to: f64, points: usize) -> Self {
+        let last = points.max(2) - 1;
+        Self::Table((0..=last).map(|i| from + (to - from) * i as f64 / last as f64).collect())
+    }
+
+    /// How many variables a gain has.
+    #[must_use]
+    pub fn knots(&self) -> usize {
+        match self {
+            Self::Fixed => 1,
+            Self::Linear { .. } => 2,
+            Self::Table(speeds) => speeds.len(),
+        }
+    }
+
+    /// Speeds at which the dependence on speed is not smooth: between them it is linear.
+    pub(crate) fn corners(&self) -> &[f64] {
+        if let Self::Table(speeds) = self { speeds } else { &[] }
+    }
+
+    /// The two knots that matter at `speed`, each with its weight.
+    pub(crate) fn weights(&self, speed: f64) -> [(usize, f64); 2] {
+        match self {
+            Self::Fixed => [(0, 1.0), (0, 0.0)],
+            Self::Linear { from, to } => {
+                let part = (speed - from) / (to - from);
+                [(0, 1.0 - part), (1, part)]
+            }
+            Self::Table(speeds) => {
+                let after = speeds.partition_point(|&s| s <= speed);
+                if after == 0 || after == speeds.len() {
+                    return [(after.saturating_sub(1), 1.0), (0, 0.0)];
+                }
+                let part = (speed - speeds[after - 1]) / (speeds[after] - speeds[after - 1]);
+                [(after - 1, 1.0 - part), (after, part)]
+            }
+        }
+    }
+}
+
+/// The feedback that is searched: everything about it but the values of its gains.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Structure {
+    /// The signals, their gains meaningless.
+    template: Feedback,
+    schedule: Schedule,
+    masses: usize,
+}
+
+impl Structure {
+    /// The structure of `template` for `rotor`: its bearing and the weights of its signals.
+    ///
+    /// # Errors
+    /// A template that does not fit the rotor.
+    pub fn new(rotor: &Rotor, template: &Feedback, schedule: Schedule) -> Result<Self, FeedbackError> {
+        let template = template.off();
+        template.check(rotor.len())?;
+        Ok(Self { template, schedule, masses: rotor.len() })
+    }
+
+    /// One signal that sums `sensors` (masses counted from 0) with weight 1: the report's composite output (4.26).
+    #[must_use]
+    pub fn composite(masses: usize, bearing: usize, sensors: &[usize]) -> Feedback {
+        let weights: Vec<f64> = (0..masses).map(|i| f64::from(u8::from(sensors.contains(&i)))).collect();
+        Feedback { bearing, signals: vec![Signal::composite(&weights, [0.0; 4])] }
+    }
+
+    /// A signal for every one of `sensors` (masses counted from 0).
+    #[must_use]
+    pub fn individual(masses: usize, bearing: usize, sensors: &[usize]) -> Feedback {
+        Feedback { bearing, signals: sensors.iter().map(|&mass| Signal::at_mass(mass, masses, [0.0; 4])).collect() }
+    }
+
+    /// How its gains depend on speed.
+    #[must_use]
+    pub fn schedule(&self) -> &Schedule {
+        &self.schedule
+    }
+
+    /// The mass that carries the control bearing, counted from 0.
+    #[must_use]
+    pub fn bearing(&self) -> usize {
+        self.template.bearing
+    }
+
+    /// How many masses the rotor has that it is for.
+    #[must_use]
+    pub fn masses(&self) -> usize {
+        self.masses
+    }
+
+    /// How many variables there are: signals x 4 gains x knots, in this order, the knot running fastest.
+    #[must_use]
+    pub fn variables(&self) -> usize {
+        self.template.signals.len() * 4 * self.schedule.knots()
+    }
+
+    /// The feedback with the gains `variables`.
+    ///
+    /// # Panics
+    /// If there are too few.
+    #[must_use]
+    pub fn feedback(&self, variables: &[f64]) -> Feedback {
+        let mut made = self.template.clone();
+        let mut values = variables.chunks_exact(self.schedule.knots());
+        for gain in made.signals.iter_mut().flat_map(|signal| &mut signal.gains) {
+            let values = values.next().expect("a value for every knot of every gain");
+            *gain = match &self.schedule {
+                Schedule::Fixed => Gain::Constant(values[0]),
+                Schedule::Linear { from, to } => {
+                    let slope = (values[1] - values[0]) / (to - from);
+                    Gain::Linear { at_zero: values[0] - slope * from, slope }
+                }
+                Schedule::Table(speeds) => Gain::Table(speeds.iter().copied().zip(values.iter().copied()).collect()),
+            };
+        }
+        made
+    }
+
+    /// The variables that come nearest to `feedback`, which has the same signals: its gains at the knots.
+    #[must_use]
+    pub fn variables_of(&self, feedback: &Feedback) -> Vec<f64> {
+        let speeds: Vec<f64> = match &self.schedule {
+            Schedule::Fixed => vec![0.0],
+            Schedule::Linear { from, to } => vec![*from, *to],
+            Schedule::Table(speeds) => speeds.clone(),
+        };
+        let gains = feedback.signals.iter().flat_map(|signal| &signal.gains);
+        gains.flat_map(|gain| speeds.iter().map(|&speed| gain.at(speed))).collect()
+    }
+
+    /// The control law at one speed, with the gains `variables`.
+    pub(crate) fn row(&self, variables: &[f64], speed: f64) -> ControlRow {
+        let mut row = ControlRow { bearing: self.template.bearing, ..ControlRow::default() };
+        let (knots, [(i, at_i), (j, at_j)]) = (self.schedule.knots(), self.schedule.weights(speed));
+        for (signal, values) in self.template.signals.iter().zip(variables.chunks_exact(4 * knots)) {
+            let gain = |kind: GainKind| {
+                let own = &values[kind as usize * knots..];
+                own[i] * at_i + own[j] * at_j
+            };
+            let on_displacement = C64::new(gain(GainKind::Kd), -gain(GainKind::Kc));
+            let on_velocity = C64::new(gain(GainKind::Cd), -gain(GainKind::Cc));
+            for (place, weight) in row.displacement.iter_mut().zip(&signal.displacement) {
+                *place += on_displacement * weight;
+            }
+            for (place, weight) in row.velocity.iter_mut().zip(&signal.velocity) {
+                *place += on_velocity * weight;
+            }
+        }
+        row
+    }
+
+    /// What `u` changes by with each variable at one speed, for whirl `p exp(lambda tau)`: `- d u / d variable`, into `out`.
+    pub(crate) fn sensitivities(&self, speed: f64, shape: &[C64], lambda: C64, out: &mut [C64]) {
+        let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
+        out.fill(C64::ZERO);
+        for (signal, out) in self.template.signals.iter().zip(out.chunks_exact_mut(4 * knots)) {
+            let sum = |weights: &[f64]| weights.iter().zip(shape).map(|(w, p)| p * w).sum::<C64>();
+            let displacement = sum(&signal.displacement);
+            let velocity = sum(&signal.velocity) * lambda;
+            let turned = |z: C64| C64::new(z.im, -z.re);
+            for (kind, value) in [
+                (GainKind::Kd, displacement),
+                (GainKind::Cd, velocity),
+                (GainKind::Kc, turned(displacement)),
+                (GainKind::Cc, turned(velocity)),
+            ] {
+                for (knot, weight) in near {
+                    out[kind as usize * knots + knot] += value * weight;
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fast_row_is_the_row_of_the_feedback() {
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        for schedule in [Schedule::Fixed, Schedule::Linear { from: 1.0, to: 5.0 }, Schedule::table(0.0, 6.0, 4)] {
+            let template = Structure::individual(3, 1, &[0, 2]);
+            let structure = Structure::new(&rotor, &template, schedule).unwrap();
+            let variables: Vec<f64> = (0..structure.variables()).map(|i| (i as f64 * 1.7).sin()).collect();
+            let feedback = structure.feedback(&variables);
+            for (a, b) in structure.variables_of(&feedback).iter().zip(&variables) {
+                assert!((a - b).abs() < 1e-14);
+            }
+            for speed in [0.0, 1.0, 2.0, 3.7, 6.0] {
+                let (fast, slow) = (structure.row(&variables, speed), feedback.at(speed));
+                for k in 0..3 {
+                    assert!((fast.displacement[k] - slow.displacement[k]).norm() < 1e-14);
+                    assert!((fast.velocity[k] - slow.velocity[k]).norm() < 1e-14);
+                }
+            }
+        }
+    }
+}
