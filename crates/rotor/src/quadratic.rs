@@ -121,7 +121,8 @@ impl Quadratic {
     }
 
     /// `q (K + s D) x` for a row `q` (not conjugated) and a column `x`.
-    pub(crate) fn form(&self, row: &[C64], x: &[C64], s: C64) -> C64 {
+    #[must_use]
+    pub fn form(&self, row: &[C64], x: &[C64], s: C64) -> C64 {
         let n = self.masses;
         let line = |i: usize| -> C64 {
             let (k, d) = (&self.stiffness[i * n..(i + 1) * n], &self.damping[i * n..(i + 1) * n]);

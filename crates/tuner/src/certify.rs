@@ -49,7 +49,14 @@ enum Seen {
 }
 
 /// Bounds the worst over `problem`'s family for `gains`. Starts from the worst already known, at `point`.
-pub(crate) fn certify(problem: &Problem, gains: &[f64], point: &[f64], tolerance: f64, budget: u64, stop: &Stop) -> Certificate {
+pub(crate) fn certify(
+    problem: &Problem,
+    gains: &[f64],
+    point: &[f64],
+    tolerance: f64,
+    budget: u64,
+    stop: &Stop,
+) -> Certificate {
     let (value, pole) = worst_at(problem, gains, point);
     let mut found = Certificate { point: point.to_vec(), value, pole, tolerance, proven: false, boxes: 0 };
     if problem.family.has_delay() || !value.is_finite() {
@@ -82,7 +89,8 @@ pub(crate) fn certify(problem: &Problem, gains: &[f64], point: &[f64], tolerance
 fn start(problem: &Problem) -> Vec<Cell> {
     let axes = problem.family.axes().len();
     let (from, to): (Vec<f64>, Vec<f64>) = (0..axes).map(|axis| problem.family.ends(axis).into()).unzip();
-    let corners = problem.structure.schedule().corners().iter().copied().filter(|c| (from[0]..to[0]).contains(c) && *c > from[0]);
+    let corners =
+        problem.structure.schedule().corners().iter().copied().filter(|c| (from[0]..to[0]).contains(c) && *c > from[0]);
     let mut at = from[0];
     let mut cells = Vec::new();
     for corner in corners.chain([to[0]]) {
@@ -103,7 +111,8 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) ->
         closed
     };
     let axes: Vec<usize> = (0..middle.len()).filter(|&i| cell.from[i] < cell.to[i]).collect();
-    let widest = || axes.iter().copied().max_by(|&a, &b| (cell.to[a] - cell.from[a]).total_cmp(&(cell.to[b] - cell.from[b])));
+    let widest =
+        || axes.iter().copied().max_by(|&a, &b| (cell.to[a] - cell.from[a]).total_cmp(&(cell.to[b] - cell.from[b])));
     let cut = |axis: Option<usize>| {
         let Some(axis) = axis.or_else(widest) else { return Seen::Proven };
         let (mut low, mut high) = (cell.clone(), cell.clone());
@@ -114,7 +123,8 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) ->
     let centre = closed(&middle);
     let Ok(poles) = centre.poles() else { return (cut(None), f64::NEG_INFINITY, C64::ZERO, middle) };
     let each = poles.iter().map(|&pole| (problem.measure.of(pole), pole));
-    let (value, pole) = each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst });
+    let (value, pole) =
+        each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst });
     let Some(basis) = Basis::of(&centre, &poles) else { return (cut(None), value, pole, middle) };
     // Every corner; the first bit is the first axis that varies.
     let corner = |bits: usize| {
@@ -133,7 +143,8 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) ->
         return (Seen::Proven, value, pole, middle);
     }
     // The axis along which the matrix changes most.
-    let change = |bit: usize| -> f64 { corners[0].iter().zip(&corners[1 << bit]).map(|(a, b)| (a - b).norm_sqr()).sum() };
+    let change =
+        |bit: usize| -> f64 { corners[0].iter().zip(&corners[1 << bit]).map(|(a, b)| (a - b).norm_sqr()).sum() };
     let axis = (0..axes.len()).max_by(|&a, &b| change(a).total_cmp(&change(b))).map(|bit| axes[bit]);
     (cut(axis), value, pole, middle)
 }
@@ -222,8 +233,7 @@ fn is_inside(matrix: &[C64], size: usize, (turn, shift): (C64, f64)) -> bool {
     for j in 0..size {
         let known: f64 = (0..j).map(|k| work[j * size + k].norm_sqr()).sum();
         let pivot = work[j * size + j].re - known;
-        // Also where it is not a number.
-        if !(pivot > 0.0) {
+        if pivot.is_nan() || pivot <= 0.0 {
             return false;
         }
         let root = pivot.sqrt();

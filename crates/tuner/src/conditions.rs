@@ -1,6 +1,6 @@
 //! Which conditions a search must look at: a coarse grid to start with, and then whichever turn out to be the worst.
 
-use crate::evaluate::worst_at;
+use crate::evaluate::{force_at, worst_at};
 use crate::{Family, Problem};
 
 /// Points along each coordinate of a grid of about `total` points, more along the speed than along the others.
@@ -18,11 +18,26 @@ pub(crate) fn counts(family: &Family, total: usize) -> Vec<usize> {
     counts
 }
 
-/// The worst places of the family for `gains`: local minima of a grid with `counts`, refined, worst first; at most `most`.
+/// Places where the worst mode is worst for `gains`, worst first, with what it is worth; at most `most`.
 pub(crate) fn worst_places(problem: &Problem, gains: &[f64], counts: &[usize], most: usize) -> Vec<(f64, Vec<f64>)> {
-    let family = &problem.family;
+    lowest_places(&problem.family, counts, most, &|point| worst_at(problem, gains, point).0)
+}
+
+/// Places where the steady control force is largest, largest first; at most `most`.
+pub(crate) fn hardest_places(problem: &Problem, gains: &[f64], counts: &[usize], most: usize) -> Vec<(f64, Vec<f64>)> {
+    let places = lowest_places(&problem.family, counts, most, &|point| -force_at(problem, gains, point));
+    places.into_iter().map(|(value, point)| (-value, point)).collect()
+}
+
+/// Local minima of `value` on a grid with `counts`, refined, lowest first.
+fn lowest_places(
+    family: &Family,
+    counts: &[usize],
+    most: usize,
+    value: &dyn Fn(&[f64]) -> f64,
+) -> Vec<(f64, Vec<f64>)> {
     let points = family.grid(counts);
-    let values: Vec<f64> = points.iter().map(|point| worst_at(problem, gains, point).0).collect();
+    let values: Vec<f64> = points.iter().map(|point| value(point)).collect();
     let sides: Vec<usize> = (0..counts.len())
         .map(|axis| if family.ends(axis)[0] < family.ends(axis)[1] { counts[axis].max(2) } else { 1 })
         .collect();
@@ -32,7 +47,8 @@ pub(crate) fn worst_places(problem: &Problem, gains: &[f64], counts: &[usize], m
         .filter(|&at| {
             sides.iter().zip(&strides).all(|(&side, &stride)| {
                 let place = at / stride % side;
-                (place == 0 || values[at] <= values[at - stride]) && (place + 1 == side || values[at] < values[at + stride])
+                (place == 0 || values[at] <= values[at - stride])
+                    && (place + 1 == side || values[at] < values[at + stride])
             })
         })
         .collect();
@@ -44,24 +60,29 @@ pub(crate) fn worst_places(problem: &Problem, gains: &[f64], counts: &[usize], m
         .map(|(axis, &side)| (family.ends(axis)[1] - family.ends(axis)[0]) / side.max(2).saturating_sub(1) as f64)
         .collect();
     let mut made: Vec<(f64, Vec<f64>)> =
-        places.into_iter().map(|at| refine(problem, gains, values[at], points[at].clone(), &steps)).collect();
+        places.into_iter().map(|at| refine(family, value, values[at], points[at].clone(), &steps)).collect();
     made.sort_by(|a, b| a.0.total_cmp(&b.0));
     made
 }
 
 /// Walks downhill along the coordinates with ever shorter steps, inside the family.
-fn refine(problem: &Problem, gains: &[f64], value: f64, point: Vec<f64>, steps: &[f64]) -> (f64, Vec<f64>) {
-    let axes: Vec<usize> = problem.family.varying().collect();
-    let (mut value, mut point) = (value, point);
+fn refine(
+    family: &Family,
+    of: &dyn Fn(&[f64]) -> f64,
+    mut value: f64,
+    mut point: Vec<f64>,
+    steps: &[f64],
+) -> (f64, Vec<f64>) {
+    let axes: Vec<usize> = family.varying().collect();
     let mut scale = 0.5;
     while scale > 1e-4 {
         let mut moved = false;
         for &axis in &axes {
-            let [from, to] = problem.family.ends(axis);
+            let [from, to] = family.ends(axis);
             for step in [scale * steps[axis], -scale * steps[axis]] {
                 let old = point[axis];
                 point[axis] = (old + step).clamp(from, to);
-                let there = if point[axis] == old { value } else { worst_at(problem, gains, &point).0 };
+                let there = if point[axis] == old { value } else { of(&point) };
                 if there < value {
                     (value, moved) = (there, true);
                     break;

@@ -2,9 +2,10 @@
 
 use rotor::{C64, ControlRow, MAX_MASSES, Quadratic};
 
+use crate::Problem;
+use crate::delay::Delayed;
 use crate::force::Synchronous;
 use crate::minimax::EXCESS;
-use crate::{Measure, Problem};
 
 /// A condition with its equations of motion at hand.
 #[derive(Clone, Debug)]
@@ -12,6 +13,7 @@ pub(crate) struct Operating {
     /// Where it is in the family.
     pub(crate) point: Vec<f64>,
     speed: f64,
+    delay: f64,
     /// Control off.
     open: Quadratic,
     /// Where a force limit is to be kept.
@@ -23,17 +25,32 @@ impl Operating {
     pub(crate) fn at(problem: &Problem, point: &[f64]) -> Self {
         let speed = point[0];
         let open = problem.family.open(point);
+        let delay = problem.family.delay(point);
         let synchronous = problem.force_limit.map(|_| {
-            Synchronous::new(&open, &problem.family.unbalance(point), problem.structure.bearing(), speed)
+            Synchronous::new(&open, &problem.family.unbalance(point), problem.structure.bearing(), speed, delay)
         });
-        Self { point: point.to_vec(), speed, open, synchronous }
+        Self { point: point.to_vec(), speed, delay, open, synchronous }
     }
 
-    fn closed(&self, row: &ControlRow) -> Quadratic {
+    /// The loop closed, with its poles; with a delay, what closes it depends on the pole.
+    fn close(&self, row: &ControlRow) -> Option<(Closed, Vec<C64>)> {
+        if self.delay > 0.0 {
+            let poles = Delayed { open: &self.open, row, delay: self.delay }.poles()?;
+            return Some((Closed::Late(Box::new(*row)), poles));
+        }
         let mut closed = self.open.clone();
         closed.control(row);
-        closed
+        let poles = closed.poles().ok()?;
+        Some((Closed::AtOnce(closed), poles))
     }
+}
+
+/// A closed loop.
+#[derive(Clone, Debug)]
+enum Closed {
+    AtOnce(Quadratic),
+    /// With a delay: the control law.
+    Late(Box<ControlRow>),
 }
 
 /// One mode at one condition.
@@ -55,10 +72,12 @@ pub(crate) struct Evaluator<'p> {
     /// Every mode of every condition for the gains last judged.
     pub(crate) readings: Vec<Reading>,
     /// One a condition; stale where it was not judged.
-    closed: Vec<Quadratic>,
+    closed: Vec<Option<Closed>>,
     /// How many eigenvalue problems were solved.
     pub(crate) evaluations: u64,
     sensitivities: Vec<C64>,
+    /// Gains that these are to stay near, and the price of the square of the distance.
+    pub(crate) tether: Option<(Vec<f64>, f64)>,
 }
 
 impl<'p> Evaluator<'p> {
@@ -72,6 +91,7 @@ impl<'p> Evaluator<'p> {
             closed: Vec::new(),
             evaluations: 0,
             sensitivities: vec![C64::ZERO; problem.structure.variables()],
+            tether: None,
         }
     }
 
@@ -103,19 +123,17 @@ impl<'p> Evaluator<'p> {
 
     fn judge_at(&mut self, condition: usize, gains: &[f64]) -> f64 {
         let operating = &self.conditions[condition];
-        let closed = operating.closed(&self.problem.structure.row(gains, operating.speed));
         self.evaluations += 1;
-        let Ok(poles) = closed.poles() else { return f64::NEG_INFINITY };
+        let row = self.problem.structure.row(gains, operating.speed);
+        let Some((closed, poles)) = operating.close(&row) else { return f64::NEG_INFINITY };
         let mut worst = f64::INFINITY;
         for pole in poles {
             let value = self.problem.measure.of(pole);
             worst = worst.min(value);
             self.readings.push(Reading { condition, pole, value });
         }
-        while self.closed.len() <= condition {
-            self.closed.push(self.conditions[self.closed.len()].open.clone());
-        }
-        self.closed[condition] = closed;
+        self.closed.resize(self.conditions.len(), None);
+        self.closed[condition] = Some(closed);
         worst
     }
 
@@ -130,25 +148,42 @@ impl<'p> Evaluator<'p> {
     /// What the pole of a reading of the gains last judged moves by with each variable.
     pub(crate) fn pole_slope(&mut self, reading: Reading) -> &[C64] {
         let Reading { condition, pole, .. } = reading;
-        let (operating, closed) = (&self.conditions[condition], &self.closed[condition]);
-        let n = closed.masses();
-        let (mut right, mut left, mut moved) = ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]);
+        let operating = &self.conditions[condition];
+        let n = operating.open.masses();
+        let (mut right, mut left, mut moved) =
+            ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]);
+        let seen;
+        let (closed, late) = match self.closed.get(condition) {
+            Some(Some(Closed::AtOnce(closed))) => (closed, None),
+            Some(Some(Closed::Late(row))) => {
+                let late = Delayed { open: &operating.open, row, delay: operating.delay };
+                seen = late.seen_at(pole);
+                (&seen, Some(late))
+            }
+            _ => (&operating.open, None),
+        };
         closed.vectors(pole, &mut right[..n], &mut left[..n]);
         closed.row_times_damping(&left[..n], &mut moved[..n]);
         // q (2 lambda I - D) p: what the equation of motion gives way by as the pole moves.
-        let stiffness: C64 = (0..n).map(|i| (left[i] * (pole * 2.0) - moved[i]) * right[i]).sum();
+        let mut stiffness: C64 = (0..n).map(|i| (left[i] * (pole * 2.0) - moved[i]) * right[i]).sum();
+        let mut acts = C64::ONE;
+        if let Some(late) = late {
+            stiffness += late.slope(pole, &left[..n], &right[..n]);
+            acts = (-pole * operating.delay).exp();
+        }
         self.problem.structure.sensitivities(operating.speed, &right[..n], pole, &mut self.sensitivities);
         // At a defective pole the slope is infinite: large and finite keeps a search going.
         let floor = 1e-12 * pole.norm().max(1e-12);
         let stiffness = if stiffness.norm() < floor { C64::from(floor) } else { stiffness };
-        let per_force = -left[self.problem.structure.bearing()] / stiffness;
+        let per_force = -acts * left[self.problem.structure.bearing()] / stiffness;
         self.sensitivities.iter_mut().for_each(|s| *s *= per_force);
         &self.sensitivities
     }
 
     /// The control force at condition `condition` over the limit, with its slope if there is room for it; 0 without a limit.
     pub(crate) fn relative_force(&self, condition: usize, gains: &[f64], slope: &mut [f64]) -> f64 {
-        let (Some(limit), Some(synchronous)) = (self.problem.force_limit, &self.conditions[condition].synchronous) else {
+        let (Some(limit), Some(synchronous)) = (self.problem.force_limit, &self.conditions[condition].synchronous)
+        else {
             slope.fill(0.0);
             return 0.0;
         };
@@ -187,21 +222,157 @@ impl<'p> Evaluator<'p> {
     /// What counts when gains are compared: the worth of the worst mode, less the price of constraints that are violated.
     pub(crate) fn merit(&mut self, gains: &[f64]) -> f64 {
         let worst = self.judge(gains);
-        let lacking = self.readings.iter().filter_map(|r| self.problem.measure.in_hand(r.pole)).map(|(value, _)| -value);
+        let lacking =
+            self.readings.iter().filter_map(|r| self.problem.measure.in_hand(r.pole)).map(|(value, _)| -value);
         let excess = self.largest_relative_force(gains) - 1.0;
-        worst - EXCESS * lacking.fold(excess.max(0.0), f64::max)
+        worst - EXCESS * lacking.fold(excess.max(0.0), f64::max) - self.pull(gains)
+    }
+
+    /// The price of the distance from where the tether holds.
+    pub(crate) fn pull(&self, gains: &[f64]) -> f64 {
+        let Some((at, price)) = &self.tether else { return 0.0 };
+        price * gains.iter().zip(at).map(|(x, a)| (x - a) * (x - a)).sum::<f64>()
     }
 }
 
-/// The worth of the worst mode at one condition, and its pole.
-pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> (f64, C64) {
-    let mut closed = problem.family.open(point);
-    closed.control(&problem.structure.row(gains, point[0]));
-    let Ok(poles) = closed.poles() else { return (f64::NEG_INFINITY, C64::ZERO) };
-    worst_of(problem.measure, &poles)
+/// The steady control force at one condition, in `w0^2 e_t`.
+pub(crate) fn force_at(problem: &Problem, gains: &[f64], point: &[f64]) -> f64 {
+    let (family, structure, speed) = (&problem.family, &problem.structure, point[0]);
+    let (open, unbalance) = (family.open(point), family.unbalance(point));
+    let synchronous = Synchronous::new(&open, &unbalance, structure.bearing(), speed, family.delay(point));
+    synchronous.force(structure, &structure.row(gains, speed), &mut [])
 }
 
-fn worst_of(measure: Measure, poles: &[C64]) -> (f64, C64) {
-    let each = poles.iter().map(|&pole| (measure.of(pole), pole));
+/// The worth of the worst mode at one condition, and its pole; `-inf` if it cannot be had.
+pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> (f64, C64) {
+    let operating = Operating {
+        point: Vec::new(),
+        speed: point[0],
+        delay: problem.family.delay(point),
+        open: problem.family.open(point),
+        synchronous: None,
+    };
+    let closed = operating.close(&problem.structure.row(gains, point[0]));
+    let Some((_, poles)) = closed else { return (f64::NEG_INFINITY, C64::ZERO) };
+    let each = poles.iter().map(|&pole| (problem.measure.of(pole), pole));
     each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst })
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::{Axis, Family, Quantity, Schedule, Structure};
+
+    fn problem(delay: f64, individual: bool) -> Problem {
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        let mut family = Family::new(&rotor, 0.0, 7.0).unwrap();
+        family.any_deadband(true).unwrap();
+        if delay > 0.0 {
+            family.push(Axis { quantity: Quantity::Delay, from: delay, to: delay }).unwrap();
+        }
+        let template =
+            if individual { Structure::individual(3, 0, &[0, 1]) } else { Structure::composite(3, 0, &[0, 1]) };
+        let structure = Structure::new(&rotor, &template, Schedule::table(0.0, 7.0, 3)).unwrap();
+        Problem { force_limit: Some(2.0), ..Problem::new(family, structure, 20.0) }
+    }
+
+    /// Slopes of poles and force are those of differences, with and without delay, for every gain at every knot.
+    fn slopes_agree(problem: &Problem, gains: &[f64], point: &[f64]) -> Result<(), TestCaseError> {
+        let mut evaluator = Evaluator::new(problem, &[point.to_vec()]);
+        evaluator.judge(gains);
+        let readings = evaluator.readings.clone();
+        let mut force_slope = vec![0.0; gains.len()];
+        evaluator.relative_force(0, gains, &mut force_slope);
+        let slopes: Vec<Vec<C64>> = readings.iter().map(|r| evaluator.pole_slope(*r).to_vec()).collect();
+        for i in 0..gains.len() {
+            let h = 1e-6;
+            let shifted = |by: f64| {
+                let mut there = gains.to_vec();
+                there[i] += by;
+                there
+            };
+            let mut poles_at = |by: f64| {
+                evaluator.judge(&shifted(by));
+                evaluator.readings.iter().map(|r| r.pole).collect::<Vec<_>>()
+            };
+            let (after, before) = (poles_at(h), poles_at(-h));
+            for (reading, slope) in readings.iter().zip(&slopes) {
+                let gap = readings
+                    .iter()
+                    .filter(|r| r != &reading)
+                    .map(|r| (r.pole - reading.pole).norm())
+                    .fold(1.0, f64::min);
+                if gap < 0.05 || reading.pole.norm() > 20.0 {
+                    continue; // Slopes change fast near a merger, and differences say little.
+                }
+                let near = |poles: &[C64]| {
+                    poles
+                        .iter()
+                        .copied()
+                        .min_by(|a, b| (a - reading.pole).norm().total_cmp(&(b - reading.pole).norm()))
+                        .unwrap()
+                };
+                let difference = (near(&after) - near(&before)) / (2.0 * h);
+                prop_assert!(
+                    (difference - slope[i]).norm() < 1e-3 * (1.0 + slope[i].norm() / gap),
+                    "{difference} {}",
+                    slope[i]
+                );
+            }
+            let difference = (evaluator.relative_force(0, &shifted(h), &mut [])
+                - evaluator.relative_force(0, &shifted(-h), &mut []))
+                / (2.0 * h);
+            prop_assert!(
+                (difference - force_slope[i]).abs() < 1e-4 * (1.0 + force_slope[i].abs()),
+                "{difference} {}",
+                force_slope[i]
+            );
+        }
+        Ok(())
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(48))]
+        #[test]
+        fn slopes_are_those_of_differences(
+            seed in prop::collection::vec(-2.0..2.0f64, 24),
+            speed in 0.5..6.5f64,
+            factors in (0.1..1.0f64, 0.1..1.0f64),
+            delay in prop_oneof![Just(0.0), 0.01..0.3f64],
+            individual in any::<bool>(),
+        ) {
+            let problem = problem(delay, individual);
+            let gains = &seed[..problem.structure.variables()];
+            let mut point = vec![speed, factors.0, factors.1];
+            if delay > 0.0 {
+                point.push(delay);
+            }
+            slopes_agree(&problem, gains, &point)?;
+        }
+    }
+
+    /// A scalar loop with delay, `p'' = -p - c p'(tau - T)`: its roots solve `s^2 + 1 + c s exp(-s T) = 0`.
+    #[test]
+    fn val_poles_with_delay_solve_the_transcendental_equation() {
+        let problem = problem(0.2, false);
+        let gains: Vec<f64> = (0..problem.structure.variables()).map(|i| 0.3 * (i as f64).cos()).collect();
+        let point = [5.0, 1.0, 1.0, 0.2];
+        let operating = Operating::at(&problem, &point);
+        let row = problem.structure.row(&gains, 5.0);
+        let (_, poles) = operating.close(&row).unwrap();
+        assert!(poles.len() >= 6, "{poles:?}");
+        for s in poles {
+            let seen = Delayed { open: &operating.open, row: &row, delay: 0.2 }.seen_at(s);
+            // det(s^2 I - s D - K) by cofactors.
+            let q = |i: usize, j: usize| {
+                let own = if i == j { s * s } else { C64::ZERO };
+                own - seen.stiffness()[3 * i + j] - s * seen.damping()[3 * i + j]
+            };
+            let minor = |a: usize, b: usize| q(1, a) * q(2, b) - q(1, b) * q(2, a);
+            let det = q(0, 0) * minor(1, 2) - q(0, 1) * minor(0, 2) + q(0, 2) * minor(0, 1);
+            assert!(det.norm() < 1e-9 * (1.0 + s.norm()).powi(6), "{s} {det}");
+        }
+    }
 }

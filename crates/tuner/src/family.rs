@@ -163,7 +163,8 @@ impl Family {
     pub fn any_deadband(&mut self, each_by_itself: bool) -> Result<(), FamilyError> {
         let with_bearing = |(i, mass): (usize, &Mass)| (mass.bearing_stiffness > 0.0).then_some(i);
         let bearings: Vec<usize> = self.rotor.masses().iter().enumerate().filter_map(with_bearing).collect();
-        let groups: Vec<Vec<usize>> = if each_by_itself { bearings.into_iter().map(|i| vec![i]).collect() } else { vec![bearings] };
+        let groups: Vec<Vec<usize>> =
+            if each_by_itself { bearings.into_iter().map(|i| vec![i]).collect() } else { vec![bearings] };
         for group in groups.into_iter().filter(|group| !group.is_empty()) {
             self.push(Axis { quantity: Quantity::Stiffness(group), from: 0.0, to: 1.0 })?;
         }
@@ -191,8 +192,13 @@ impl Family {
     /// The same family at one speed alone.
     #[must_use]
     pub fn at_speed(&self, speed: f64) -> Self {
+        self.over_speeds(speed, speed)
+    }
+
+    /// The same family over other speeds.
+    pub(crate) fn over_speeds(&self, from: f64, to: f64) -> Self {
         let mut made = self.clone();
-        (made.axes[0].from, made.axes[0].to) = (speed, speed);
+        (made.axes[0].from, made.axes[0].to) = (from, to);
         made
     }
 
@@ -272,10 +278,7 @@ impl Family {
             let [from, to] = self.ends(i);
             let count = if from < to { count.max(2) } else { 1 };
             let at = |k: usize| if k + 1 == count { to } else { from + (to - from) * k as f64 / (count - 1) as f64 };
-            points = points
-                .iter()
-                .flat_map(|point| (0..count).map(|k| [&point[..], &[at(k)]].concat()))
-                .collect();
+            points = points.iter().flat_map(|point| (0..count).map(|k| [&point[..], &[at(k)]].concat())).collect();
         }
         points
     }

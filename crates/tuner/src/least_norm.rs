@@ -11,9 +11,8 @@ pub(crate) fn least_norm(hull: &[Vec<f64>], cone: &[Vec<f64>]) -> f64 {
     let Some(n) = hull.first().map(Vec::len) else { return f64::NAN };
     // The slopes' own scale, so that neither term drowns the other; a cone has no scale.
     let scale = hull.iter().map(|g| dot(g, g).sqrt()).fold(0.0, f64::max).max(1e-300);
-    let column = |vector: &[f64], by: f64, one: f64| -> Vec<f64> {
-        vector.iter().map(|v| v * by).chain([one]).collect()
-    };
+    let column =
+        |vector: &[f64], by: f64, one: f64| -> Vec<f64> { vector.iter().map(|v| v * by).chain([one]).collect() };
     let columns: Vec<Vec<f64>> = hull
         .iter()
         .map(|g| column(g, 1.0 / scale, 1.0))

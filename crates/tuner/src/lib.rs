@@ -1,12 +1,31 @@
-//! Gain search.
+//! Gain search: the gains that damp the worst mode best, over a whole family of operating conditions, and how good they are.
+//!
+//! The report's gains came from Powell's method, one speed at a time. Its objective, the smallest of several damping ratios,
+//! has kinks where the least damped mode changes, and Powell's method stops at them. Here:
+//!
+//! * a [`Problem`] asks about a [`Family`] of conditions (speeds, deadband states, delays, boxes of parameters) and a
+//!   [`Structure`] (bearing, signals, gains fixed or scheduled over speed), with a [`Measure`], a bound on gains and one on
+//!   the control force;
+//! * [`tune()`] climbs from many random starts, each by smoothing ([`smooth`]) and by sequential convex steps on the modes
+//!   that matter ([`minimax`]), also where poles merge ([`rows`]); adds the conditions that turn out to be worst
+//!   ([`conditions`]); proves the worst over the whole family ([`Certificate`]); and says how near a local optimum it is
+//!   ([`Stationarity`]). The same seed gives the same answer, whatever the number of threads;
+//! * [`track()`] follows gains over speed, [`pareto()`] trades damping for force or gain, [`rank()`] compares places for
+//!   bearing and sensors.
+//!
+//! Pure but for a thread pool: no files, no terminal.
+
 mod certify;
 mod conditions;
+mod delay;
 mod evaluate;
 mod family;
 mod force;
 mod least_norm;
 mod measure;
 mod minimax;
+mod pareto;
+mod place;
 mod powell;
 mod problem;
 mod quadratic_program;
@@ -15,12 +34,16 @@ mod search;
 mod smooth;
 mod stop;
 mod structure;
+mod track;
 
 pub use certify::Certificate;
 pub use family::{Axis, Family, FamilyError, Quantity};
 pub use measure::Measure;
 pub use minimax::Stationarity;
+pub use pareto::{Point, Price, pareto};
+pub use place::{Place, Question, choices, rank};
 pub use problem::{Problem, ProblemError};
 pub use search::{Active, Method, Options, Progress, Tuned, judge, tune};
 pub use stop::Stop;
 pub use structure::{Schedule, Structure};
+pub use track::{Tracked, track};

@@ -71,7 +71,7 @@ impl Measure {
         match self {
             Self::Decay => Some(vec![(C64::ONE, level)]),
             Self::Ratio { forward, backward } => {
-                let angles = [level * forward, -level * backward].map(f64::asin);
+                let angles = [-level * forward, level * backward].map(f64::asin);
                 // A sector around the negative real axis: one edge bounds forward whirl, the other backward.
                 (level >= 0.0 && angles.iter().all(|a| a.is_finite()))
                     .then(|| angles.map(|angle| (C64::cis(angle), 0.0)).to_vec())

@@ -50,7 +50,8 @@ pub(crate) fn polish(
         }
         let rows = Rows::near(evaluator, gains, radius, merge);
         let hessian = curvature(evaluator, gains, &held);
-        let Some(step) = Step::of(&rows, gains, bound, radius, &hessian) else {
+        let pull = evaluator.tether.clone();
+        let Some(step) = Step::of(&rows, gains, bound, radius, &hessian, pull.as_ref()) else {
             radius *= 0.25;
             evaluator.judge(gains);
             continue;
@@ -59,22 +60,22 @@ pub(crate) fn polish(
             break;
         }
         let length = step.by.iter().fold(0.0, |a: f64, d| a.max(d.abs()));
-        let before = rows.merit();
+        let before = rows.merit() - evaluator.pull(gains);
         let mut there = Trial::of(evaluator, &rows, gains, &step.by);
-        if there.rows.merit() - before < 0.7 * step.rise
-            && let Some(corrected) = Step::of(&rows.bent(&there.rows, &step.by), gains, bound, radius, &hessian)
+        if there.aim - before < 0.7 * step.rise
+            && let Some(corrected) =
+                Step::of(&rows.bent(&there.rows, &step.by), gains, bound, radius, &hessian, pull.as_ref())
         {
             // Where the rows curve, the first step misses the corner that it aims at: aim again, with the miss known.
             let other = Trial::of(evaluator, &rows, gains, &corrected.by);
-            if other.rows.merit() > there.rows.merit() {
+            if other.aim > there.aim {
                 there = other;
             } else {
                 evaluator.judge(&there.gains);
             }
         }
         held = step.held;
-        let gained = there.rows.merit() - before;
-        if std::env::var("DBG").is_ok() { eprintln!("m {merge} r {radius:.2e} len {length:.2e} rise {:.3e} got {gained:.3e} merit {:.9} rows {} held {} {:?}", step.rise, best.0, rows.rows.len(), held.len(), held.iter().map(|(r, m)| (r.condition(), (m*1e3).round()/1e3, format!("{:?}", r.kind).chars().next().unwrap())).collect::<Vec<_>>()); }
+        let gained = there.aim - before;
         if gained > 0.05 * step.rise {
             *gains = there.gains;
             if gained > 0.7 * step.rise && length > 0.9 * radius {
@@ -96,6 +97,8 @@ struct Trial {
     gains: Vec<f64>,
     /// The rows of the step, read there.
     rows: Rows,
+    /// What the step aims at: the merit in terms of those rows.
+    aim: f64,
     /// What they really are worth.
     merit: f64,
 }
@@ -106,7 +109,8 @@ impl Trial {
         let gains: Vec<f64> = gains.iter().zip(by).map(|(x, d)| (x + d).clamp(-bound, bound)).collect();
         let merit = evaluator.merit(&gains);
         let rows = rows.again(evaluator, &gains);
-        Self { gains, rows, merit }
+        let aim = rows.merit() - evaluator.pull(&gains);
+        Self { gains, rows, aim, merit }
     }
 }
 
@@ -119,13 +123,21 @@ struct Step {
 }
 
 impl Step {
-    fn of(rows: &Rows, gains: &[f64], bound: f64, radius: f64, hessian: &[f64]) -> Option<Self> {
+    fn of(
+        rows: &Rows,
+        gains: &[f64],
+        bound: f64,
+        radius: f64,
+        hessian: &[f64],
+        tether: Option<&(Vec<f64>, f64)>,
+    ) -> Option<Self> {
         let n = gains.len();
         // Variables: the step, in units of the radius; the rise; and how much any constraint may stay violated. In units of
         // a typical rise, so that a program is of ordinary size whatever the scale of the step.
         let size = n + 2;
         let steepness = |row: &Row| row.slope.iter().map(|s| s.abs()).sum::<f64>();
-        let unit = rows.rows.iter().filter(|row| row.kind == Kind::Worth).map(steepness).fold(1e-300, f64::max) * radius;
+        let unit =
+            rows.rows.iter().filter(|row| row.kind == Kind::Worth).map(steepness).fold(1e-300, f64::max) * radius;
         let mut program = Program::new(size);
         for i in 0..n {
             for j in 0..n {
@@ -135,6 +147,12 @@ impl Step {
         program.hessian[(n + 1) * size + n + 1] = 1e-8;
         program.linear[n] = -1.0;
         program.linear[n + 1] = EXCESS;
+        if let Some((at, price)) = tether {
+            for i in 0..n {
+                program.hessian[i * size + i] += 2.0 * price * radius * radius / unit;
+                program.linear[i] = 2.0 * price * (gains[i] - at[i]) * radius / unit;
+            }
+        }
         let mut places = Vec::with_capacity(rows.rows.len());
         for row in &rows.rows {
             let mut add = |limit: f64, sign: f64, extra: usize, by: f64| {
@@ -166,7 +184,11 @@ impl Step {
         program.at_most(0.0, |line| line[n + 1] = -1.0);
         let solution = program.solve()?;
         let by: Vec<f64> = solution.point[..n].iter().map(|d| d * radius).collect();
-        let rise = rows.merit_after(&by) - rows.merit();
+        let pulled = |by: &[f64]| {
+            let Some((at, price)) = tether else { return 0.0 };
+            price * gains.iter().zip(at).zip(by).map(|((x, a), d)| (x + d - a).powi(2)).sum::<f64>()
+        };
+        let rise = rows.merit_after(&by) - pulled(&by) - (rows.merit() - pulled(&vec![0.0; n]));
         let mut multipliers = solution.multipliers.iter();
         let mut held = Vec::new();
         for (row, places) in rows.rows.iter().zip(places) {
@@ -228,7 +250,9 @@ fn make_convex(hessian: &[f64], n: usize) -> Vec<f64> {
         return vec![0.0; n * n];
     };
     let mut made = vec![0.0; n * n];
-    for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).filter(|(value, _)| **value > 0.0) {
+    for (value, vector) in
+        eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()).filter(|(value, _)| **value > 0.0)
+    {
         for i in 0..n {
             for j in 0..n {
                 made[i * n + j] += value * vector[i] * vector[j];

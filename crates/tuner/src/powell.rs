@@ -13,15 +13,14 @@ const TOLERANCE: f64 = 1e-8;
 const GOLDEN: f64 = 0.381_966_011_250_105;
 
 /// Raises the worst value from `gains`, in place, inside the bounds.
-pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut Vec<f64>, stop: &Stop) {
+pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut [f64], stop: &Stop) {
     let n = gains.len();
     let bound = evaluator.problem.bound;
     gains.iter_mut().for_each(|gain| *gain = gain.clamp(-bound, bound));
-    let mut directions: Vec<Vec<f64>> =
-        (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
+    let mut directions: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
     let mut value = -evaluator.merit(gains);
     for _ in 0..ROUNDS {
-        let (start, first) = (gains.clone(), value);
+        let (start, first) = (gains.to_vec(), value);
         let (mut most, mut best) = (0.0, 0);
         for (k, direction) in directions.iter().enumerate() {
             let before = value;
@@ -51,7 +50,7 @@ pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut Vec<f64>, stop: &Stop
 }
 
 /// The least value along a direction: a bracket, then parabolas and golden sections (Brent 1973, ch. 5).
-fn line(evaluator: &mut Evaluator, gains: &mut Vec<f64>, direction: &[f64], value: f64) -> f64 {
+fn line(evaluator: &mut Evaluator, gains: &mut [f64], direction: &[f64], value: f64) -> f64 {
     let bound = evaluator.problem.bound;
     // How far the bounds let it go either way.
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
@@ -63,7 +62,7 @@ fn line(evaluator: &mut Evaluator, gains: &mut Vec<f64>, direction: &[f64], valu
     if low > high || !low.is_finite() {
         return value;
     }
-    let from = gains.clone();
+    let from = gains.to_vec();
     let mut at = |t: f64| {
         let there: Vec<f64> = from.iter().zip(direction).map(|(x, d)| (x + t * d).clamp(-bound, bound)).collect();
         -evaluator.merit(&there)
@@ -97,10 +96,18 @@ fn line(evaluator: &mut Evaluator, gains: &mut Vec<f64>, direction: &[f64], valu
         let u = x + if step.abs() >= close { step } else { close.copysign(step) };
         let fu = at(u);
         if fu <= fx {
-            if u >= x { a = x } else { c = x }
+            if u >= x {
+                a = x;
+            } else {
+                c = x;
+            }
             (v, fv, w, fw, x, fx) = (w, fw, x, fx, u, fu);
         } else {
-            if u < x { a = u } else { c = u }
+            if u < x {
+                a = u;
+            } else {
+                c = u;
+            }
             if fu <= fw || w == x {
                 (v, fv, w, fw) = (w, fw, u, fu);
             } else if fu <= fv || v == x || v == w {

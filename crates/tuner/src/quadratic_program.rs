@@ -95,7 +95,8 @@ impl Program {
             (0..m).for_each(|k| target[k] = slack[k] * dual[k]);
             newton(&target, &mut d_slack, &mut d_dual, &mut direction);
             let (a, b) = (reach(&slack, &d_slack, 1.0), reach(&dual, &d_dual, 1.0));
-            let after: f64 = (0..m).map(|k| (slack[k] + a * d_slack[k]) * (dual[k] + b * d_dual[k])).sum::<f64>() / m.max(1) as f64;
+            let after: f64 =
+                (0..m).map(|k| (slack[k] + a * d_slack[k]) * (dual[k] + b * d_dual[k])).sum::<f64>() / m.max(1) as f64;
             let centring = (after / gap).powi(3);
             // Corrector: with the curvature that the predictor showed.
             (0..m).for_each(|k| target[k] = slack[k] * dual[k] + d_slack[k] * d_dual[k] - centring * gap);

@@ -204,14 +204,17 @@ impl Rows {
             if (rows.len() > 3 || radius == 0.0) && reading.value - lowest > window(steepest) || rows.len() >= MOST {
                 break;
             }
-            let partner = (i + 1..order.len()).filter(|&j| !merged[j] && is_pair(reading, order[j], merge)).min_by(|&j, &k| {
-                let distance = |j: usize| (order[j].pole - reading.pole).norm_sqr();
-                distance(j).total_cmp(&distance(k))
-            });
+            let partner =
+                (i + 1..order.len()).filter(|&j| !merged[j] && is_pair(reading, order[j], merge)).min_by(|&j, &k| {
+                    let distance = |j: usize| (order[j].pole - reading.pole).norm_sqr();
+                    distance(j).total_cmp(&distance(k))
+                });
             if let Some(j) = partner {
                 merged[j] = true;
                 let both = (reading, order[j]);
-                for source in [Source::Mean(both.0, both.1), Source::Skew(both.0, both.1), Source::Spread(both.0, both.1)] {
+                for source in
+                    [Source::Mean(both.0, both.1), Source::Skew(both.0, both.1), Source::Spread(both.0, both.1)]
+                {
                     rows.push(Row::of(source, evaluator, gains));
                 }
                 let mean = &rows[rows.len() - 3];

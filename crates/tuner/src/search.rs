@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use rotor::Feedback;
 
 use crate::certify::{self, Certificate, certify};
-use crate::conditions::{counts, worst_places};
+use crate::conditions::{counts, hardest_places, worst_places};
 use crate::evaluate::{Evaluator, worst_at};
-use crate::minimax::{Stationarity, polish, stationarity};
+use crate::minimax::{EXCESS, Stationarity, polish, stationarity};
 use crate::stop::Stop;
 use crate::{Problem, ProblemError, powell, smooth};
 
@@ -91,6 +91,10 @@ pub struct Tuned {
     pub feedback: Feedback,
     /// The worst over the family: what, where, and whether that is proven.
     pub worst: Certificate,
+    /// The largest steady control force of the linear rotor under its unbalance found in the family, in `w0^2 e_t`.
+    pub force: f64,
+    /// Where it is, in the coordinates of the family's axes.
+    pub force_at: Vec<f64>,
     /// How near to a local optimum they are.
     pub stationarity: Stationarity,
     /// The modes that hold the value, at their conditions.
@@ -117,8 +121,8 @@ pub struct Active {
 }
 
 /// Points of the first grid, of the scan for what it has missed, and of the last scan.
-const COARSE: usize = 30;
-const FINE: usize = 300;
+pub(crate) const COARSE: usize = 30;
+pub(crate) const FINE: usize = 300;
 const FINEST: usize = 4000;
 /// Rounds of adding conditions that turned out to be worse.
 const ROUNDS: usize = 8;
@@ -138,11 +142,17 @@ struct Climb {
 ///
 /// # Errors
 /// A problem that makes no sense.
-pub fn tune(problem: &Problem, options: &Options, progress: &(dyn Fn(&Progress) + Sync), stop: Stop) -> Result<Tuned, ProblemError> {
+pub fn tune(
+    problem: &Problem,
+    options: &Options,
+    progress: &(dyn Fn(&Progress) + Sync),
+    stop: Stop,
+) -> Result<Tuned, ProblemError> {
     problem.check()?;
     let begun = Instant::now();
     let evaluations = AtomicU64::new(0);
-    let so_far = Mutex::new(Progress { done: 0, starts: options.starts, best: f64::NEG_INFINITY, elapsed: Duration::ZERO });
+    let so_far =
+        Mutex::new(Progress { done: 0, starts: options.starts, best: f64::NEG_INFINITY, elapsed: Duration::ZERO });
     let climb = |start: usize| {
         // Once stopped, only the first climb still counts: there must be an answer.
         if stop.is_set() && start > 0 {
@@ -195,7 +205,8 @@ fn first_gains(problem: &Problem, options: &Options, start: usize) -> Vec<f64> {
         return gains.clone();
     }
     // Each climb has a stream of its own, so that it does not matter who runs it.
-    let mut random = fastrand::Rng::with_seed(options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(start as u64));
+    let mut random =
+        fastrand::Rng::with_seed(options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15).wrapping_add(start as u64));
     let spread = options.spread.min(problem.bound);
     // Every knot of a gain begins alike: a schedule departs from constant gains.
     let knots = problem.structure.schedule().knots();
@@ -225,14 +236,14 @@ fn climb(problem: &Problem, options: &Options, start: usize, evaluations: &Atomi
 }
 
 /// The end phase: plain, then with merging pairs.
-fn improve(evaluator: &mut Evaluator, gains: &mut Vec<f64>, radius: f64, stop: &Stop) {
+pub(crate) fn improve(evaluator: &mut Evaluator, gains: &mut Vec<f64>, radius: f64, stop: &Stop) {
     polish(evaluator, gains, [radius, 1e-6], 0.0, stop);
     polish(evaluator, gains, [0.2 * radius, 1e-11], MERGE, stop);
 }
 
 /// Adds the worst places between the conditions and improves the gains at all, until there are no worse places. Gives the
 /// worst value over the scan.
-fn exchange(
+pub(crate) fn exchange(
     evaluator: &mut Evaluator,
     points: &mut Vec<Vec<f64>>,
     gains: &mut Vec<f64>,
@@ -249,15 +260,24 @@ fn exchange(
         let known = evaluator.merit(gains);
         let places = worst_places(problem, gains, scan, 6);
         evaluator.evaluations += scan.iter().product::<usize>() as u64;
-        let value = places.first().map_or(known, |(value, _)| value.min(known));
+        let mut value = places.first().map_or(known, |(value, _)| value.min(known));
+        if let (Some(limit), Some((force, _))) = (problem.force_limit, hardest_places(problem, gains, scan, 1).first())
+        {
+            value -= EXCESS * (force / limit - 1.0 - 1e-6).max(0.0);
+        }
         if value > best.0 {
             best = (value, gains.clone());
         }
-        let missed: Vec<Vec<f64>> = places
+        let mut missed: Vec<Vec<f64>> = places
             .into_iter()
             .filter(|(value, _)| *value < known - 1e-6 * known.abs() - 1e-9)
             .map(|(_, point)| point)
             .collect();
+        if let Some(limit) = problem.force_limit {
+            let hardest = hardest_places(problem, gains, scan, 3).into_iter();
+            let over = evaluator.largest_relative_force(gains).max(1.0) * limit * (1.0 + 1e-6);
+            missed.extend(hardest.filter(|(force, _)| *force > over).map(|(_, point)| point));
+        }
         if missed.is_empty() || stop.is_set() || method == Method::Powell || round + 1 == ROUNDS {
             break;
         }
@@ -276,7 +296,14 @@ fn finish(problem: &Problem, options: &Options, best: Climb, evaluations: &Atomi
 }
 
 /// Bounds the worst, improving the gains wherever the proof shows a place that was missed if `improving`.
-fn prove(problem: &Problem, options: &Options, best: Climb, evaluations: &AtomicU64, stop: &Stop, improving: bool) -> Tuned {
+fn prove(
+    problem: &Problem,
+    options: &Options,
+    best: Climb,
+    evaluations: &AtomicU64,
+    stop: &Stop,
+    improving: bool,
+) -> Tuned {
     let Climb { mut gains, mut points, .. } = best;
     let mut evaluator = Evaluator::new(problem, &points);
     let family = &problem.family;
@@ -320,8 +347,12 @@ fn prove(problem: &Problem, options: &Options, best: Climb, evaluations: &Atomic
         .map(|r| Active { point: evaluator.conditions[r.condition].point.clone(), pole: r.pole, value: r.value })
         .collect();
     active.sort_by(|a, b| a.value.total_cmp(&b.value));
+    let hardest = hardest_places(problem, &gains, &finest, 1).into_iter().next();
+    let (force, force_at) = hardest.unwrap_or((f64::NAN, Vec::new()));
     evaluations.fetch_add(evaluator.evaluations, Ordering::Relaxed);
     Tuned {
+        force,
+        force_at,
         feedback: problem.structure.feedback(&gains),
         gains,
         worst,

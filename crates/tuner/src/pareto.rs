@@ -1,0 +1,108 @@
+//! What damping costs: the best worst mode for a row of limits on control force, or on gains.
+
+use crate::{Options, Problem, ProblemError, Progress, Stop, Tuned, tune};
+
+/// What is limited.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Price {
+    /// The steady control force of the linear rotor.
+    Force,
+    /// The largest gain.
+    Gain,
+}
+
+/// One point of the front.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Point {
+    /// The limit.
+    pub limit: f64,
+    /// What was found within it.
+    pub tuned: Tuned,
+}
+
+impl Price {
+    /// What given gains cost.
+    fn of(self, tuned: &Tuned) -> f64 {
+        match self {
+            Self::Force => tuned.force,
+            Self::Gain => tuned.gains.iter().fold(0.0, |most, gain| gain.abs().max(most)),
+        }
+    }
+
+    fn limited(self, problem: &Problem, limit: f64) -> Problem {
+        match self {
+            Self::Force => Problem { force_limit: Some(limit), ..problem.clone() },
+            Self::Gain => Problem { bound: limit, ..problem.clone() },
+        }
+    }
+}
+
+/// How far below the cost of the best gains limits are tried.
+const HALVINGS: i32 = 12;
+
+/// The front of `problem` with `points` points, at least two, dearest first: from the best there is down to the tightest
+/// limit, found by halving it, that still leaves every mode decaying. Limits between are spread evenly in their logarithm.
+/// Every search also starts from the gains of its dearer neighbour.
+///
+/// # Errors
+/// A problem that makes no sense.
+pub fn pareto(
+    problem: &Problem,
+    price: Price,
+    points: usize,
+    options: &Options,
+    progress: &(dyn Fn(&Progress) + Sync),
+    stop: Stop,
+) -> Result<Vec<Point>, ProblemError> {
+    let best = tune(problem, options, progress, stop)?;
+    let top = price.of(&best);
+    let mut front = vec![Point { limit: top, tuned: best }];
+    if !(top > 0.0 && front[0].tuned.worst.value > 0.0) {
+        return Ok(front);
+    }
+    let at = |limit: f64, from: &Tuned| {
+        let mut options = options.clone();
+        let scale = if price == Price::Gain { limit / price.of(from).max(limit) } else { 1.0 };
+        options.first = vec![from.gains.iter().map(|gain| gain * scale).collect()];
+        tune(&price.limited(problem, limit), &options, progress, stop)
+    };
+    let within = |tuned: &Tuned, limit: f64| tuned.worst.value > 0.0 && price.of(tuned) <= limit * (1.0 + 1e-3);
+    // The tightest limit, to a factor of two, then of the fourth root of two.
+    let (mut low, mut high) = (top * 0.5_f64.powi(HALVINGS), top);
+    let mut tightest = front[0].tuned.clone();
+    for k in 1..=HALVINGS {
+        let limit = top * 0.5_f64.powi(k);
+        let tuned = at(limit, &tightest)?;
+        if stop.is_set() || !within(&tuned, limit) {
+            low = limit;
+            break;
+        }
+        (high, tightest) = (limit, tuned);
+    }
+    for _ in 0..2 {
+        let limit = (low * high).sqrt();
+        let tuned = at(limit, &tightest)?;
+        if within(&tuned, limit) {
+            (high, tightest) = (limit, tuned);
+        } else {
+            low = limit;
+        }
+    }
+    let last = points.max(2) - 1;
+    for k in 1..=last {
+        if stop.is_set() {
+            break;
+        }
+        let limit = top * (high / top).powf(k as f64 / last as f64);
+        let dearer = &front[front.len() - 1].tuned;
+        let mut tuned = at(limit, dearer)?;
+        if k == last && tightest.worst.value > tuned.worst.value {
+            tuned = tightest.clone();
+        }
+        if within(&tuned, limit) {
+            front.push(Point { limit, tuned });
+        }
+    }
+    Ok(front)
+}

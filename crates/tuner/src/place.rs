@@ -1,0 +1,96 @@
+//! Where the control bearing and the sensors should be: a search for every choice, and their order.
+
+use crate::{Family, Measure, Options, Problem, ProblemError, Progress, Schedule, Stop, Structure, Tuned, tune};
+
+/// One choice.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Place {
+    /// The mass that carries the control bearing, counted from 0.
+    pub bearing: usize,
+    /// The masses with a sensor, counted from 0, rising.
+    pub sensors: Vec<usize>,
+    /// The best gains there.
+    pub tuned: Tuned,
+}
+
+/// What is the same for every choice.
+#[derive(Clone, Debug)]
+pub struct Question<'a> {
+    /// The operating conditions.
+    pub family: &'a Family,
+    /// Whether the sensors are summed to one signal, as in the report.
+    pub composite: bool,
+    /// How gains depend on speed.
+    pub schedule: Schedule,
+    /// What a mode is worth.
+    pub measure: Measure,
+    /// The largest gain.
+    pub bound: f64,
+    /// The largest steady control force.
+    pub force_limit: Option<f64>,
+}
+
+impl Question<'_> {
+    /// The problem for one choice.
+    ///
+    /// # Panics
+    /// If the rotor has no such mass.
+    #[must_use]
+    pub fn at(&self, bearing: usize, sensors: &[usize]) -> Problem {
+        let rotor = self.family.rotor();
+        let make = if self.composite { Structure::composite } else { Structure::individual };
+        let template = make(rotor.len(), bearing, sensors);
+        let structure = Structure::new(rotor, &template, self.schedule.clone()).expect("masses that exist");
+        Problem {
+            family: self.family.clone(),
+            structure,
+            measure: self.measure,
+            bound: self.bound,
+            force_limit: self.force_limit,
+        }
+    }
+}
+
+/// Every choice of `count` out of `masses` masses, in rising order.
+#[must_use]
+pub fn choices(masses: usize, count: usize) -> Vec<Vec<usize>> {
+    let mut made: Vec<Vec<usize>> = vec![vec![]];
+    for _ in 0..count {
+        made = made
+            .iter()
+            .flat_map(|chosen| {
+                let next = chosen.last().map_or(0, |last| last + 1);
+                (next..masses).map(move |mass| [&chosen[..], &[mass]].concat())
+            })
+            .collect();
+    }
+    made
+}
+
+/// Searches every pair of `bearings` and `sensors`; best first, equal ones in the order given. Once stopped, the choices
+/// that were searched.
+///
+/// # Errors
+/// A problem that makes no sense.
+pub fn rank(
+    question: &Question<'_>,
+    bearings: &[usize],
+    sensors: &[Vec<usize>],
+    options: &dyn Fn(&Problem) -> Options,
+    progress: &(dyn Fn(&Progress) + Sync),
+    stop: Stop,
+) -> Result<Vec<Place>, ProblemError> {
+    let mut places = Vec::new();
+    for &bearing in bearings {
+        for sensors in sensors {
+            if stop.is_set() && !places.is_empty() {
+                break;
+            }
+            let problem = question.at(bearing, sensors);
+            let tuned = tune(&problem, &options(&problem), progress, stop)?;
+            places.push(Place { bearing, sensors: sensors.clone(), tuned });
+        }
+    }
+    places.sort_by(|a: &Place, b: &Place| b.tuned.worst.value.total_cmp(&a.tuned.worst.value));
+    Ok(places)
+}
