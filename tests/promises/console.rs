@@ -112,14 +112,14 @@ fn help_pause_typing_undo_and_redo_work() {
     screen.wait_words("undo the last change");
     screen.press("\x1b");
     screen.wait("the help to close", |text| (!text.contains("undo the last change")).then_some(()));
-    screen.press("4.5\r");
+    screen.press("\r4.5\r");
     screen.wait_words("speed = 4.5, from step");
     screen.wait_words("R 4.5");
     screen.press("u");
     screen.wait_words("R 3 ");
     screen.press("\x12");
     screen.wait_words("R 4.5");
-    screen.press("99999\r");
+    screen.press("\r99999\r");
     screen.wait_words("expected a number from 0 to 1000");
     screen.press("i");
     screen.wait_words("impulse -2.5 on mass 1");

@@ -283,3 +283,36 @@ fn list_names_every_built_in_rotor() {
     assert_eq!(dimensionless["masses"][2]["deadband"], 1.0);
     assert!(dimensionless.get("scales").is_none());
 }
+
+#[test]
+fn layouts_are_listed_shown_checked_and_overridden() {
+    let folder = tempfile::tempdir().unwrap();
+    let own = folder.path().join("whirl/layouts");
+    std::fs::create_dir_all(&own).unwrap();
+    let run = |arguments: &[&str]| {
+        let output = promises::whirl().args(arguments).env("XDG_CONFIG_HOME", folder.path()).output().unwrap();
+        let text = |bytes| String::from_utf8(bytes).unwrap();
+        (output.status.code(), text(output.stdout), text(output.stderr))
+    };
+    let (code, shown, _) = run(&["layout", "show", "operator"]);
+    assert_eq!(code, Some(0));
+    let mine = own.join("mine.toml");
+    std::fs::write(&mine, &shown).unwrap();
+    let (code, listed, _) = run(&["layout", "list"]);
+    assert_eq!(code, Some(0));
+    for name in ["overview", "operator", "tuning", "whirl", "replay", "mine"] {
+        assert!(listed.contains(name), "{listed}");
+    }
+    assert_eq!(run(&["layout", "check", mine.to_str().unwrap()]).0, Some(0));
+    std::fs::write(&mine, shown.replacen("damping  orbits", "damping  orbit", 1)).unwrap();
+    let (code, _, complaint) = run(&["layout", "check", mine.to_str().unwrap()]);
+    assert_eq!(code, Some(2));
+    assert!(complaint.contains("mine.toml:8:10: no panel 'orbit': expected one of poles"), "{complaint}");
+    let (code, _, complaint) = run(&["dash", "--layout", "nope"]);
+    assert_eq!(code, Some(2), "a wrong file of one's own is said before anything starts");
+    assert!(complaint.contains("mine.toml:8:10"), "{complaint}");
+    std::fs::remove_file(&mine).unwrap();
+    let (code, _, complaint) = run(&["dash", "--layout", "nope"]);
+    assert_eq!(code, Some(2));
+    assert!(complaint.contains("no layout 'nope': expected one of overview"), "{complaint}");
+}

@@ -13,11 +13,13 @@ use crate::clerk::{Edit, Outcome};
 use crate::feed::Contact;
 use crate::input::Input;
 use crate::keymap::{self, Action};
+use crate::layout::Layout;
 use crate::link::{Shared, lock};
+use crate::panels::registry::Panels;
 use crate::panels::settings::{Cursor, rows};
 use crate::panels::status::Message;
 use crate::screen::{self, View};
-use crate::session::{DashError, Ended, Keeper};
+use crate::session::{DashError, Ended, Keeper, Options};
 use crate::terminal::Screen;
 use crate::view_time::ViewTime;
 
@@ -56,6 +58,10 @@ pub(crate) struct App<'a> {
     time: ViewTime,
     /// Told to the reader while the newest steps are not looked at.
     idle: Arc<AtomicBool>,
+    layouts: Vec<Layout>,
+    /// Which of them is shown.
+    layout: usize,
+    panels: Panels,
     told_end: bool,
     quit: Option<Ended>,
 }
@@ -68,6 +74,7 @@ impl<'a> App<'a> {
         edits: Sender<Edit>,
         keeper: Option<&'a mut dyn Keeper>,
         idle: Arc<AtomicBool>,
+        options: &Options,
     ) -> Self {
         Self {
             bench,
@@ -79,6 +86,9 @@ impl<'a> App<'a> {
             help: false,
             time: ViewTime::LIVE,
             idle,
+            layouts: options.layouts.clone(),
+            layout: options.layout,
+            panels: Panels::new(),
             told_end: false,
             quit: None,
         }
@@ -151,7 +161,8 @@ impl<'a> App<'a> {
             message: &self.message.0,
             help: self.help,
         };
-        screen.draw(|frame| screen::draw(&view, frame.area(), frame.buffer_mut()))
+        let (layout, panels) = (&self.layouts[self.layout], &mut self.panels);
+        screen.draw(|frame| screen::draw(&view, layout, panels, frame.area(), frame.buffer_mut()))
     }
 
     /// What time alone brings. Returns whether it shows.
@@ -187,12 +198,6 @@ impl<'a> App<'a> {
 
     fn press(&mut self, key: KeyEvent) {
         if self.cursor.typed.is_some() && self.typing(key) {
-            return;
-        }
-        if let Some(first) = keymap::starts_number(key)
-            && !self.help
-        {
-            self.cursor.typed = Some(first.to_string());
             return;
         }
         match keymap::action(key) {
@@ -281,6 +286,10 @@ impl<'a> App<'a> {
                 }
                 self.look();
             }
+            Action::Layout(at) => match self.layouts.get(at) {
+                Some(_) => self.layout = at,
+                None => self.tell(Message::Bad(format!("no layout {}: there are {}", at + 1, self.layouts.len()))),
+            },
             Action::Seek(by) => {
                 let (kept, seconds) = self.kept();
                 self.time.seek(by, &kept, seconds);
@@ -348,7 +357,7 @@ mod tests {
         feed.hear(&tests::state(3, 0), Instant::now());
         let (edits, taken) = channel::bounded(64);
         let feed = Arc::new(Mutex::new(feed));
-        let mut app = App::new("default".into(), feed, edits, None, Arc::default());
+        let mut app = App::new("default".into(), feed, edits, None, Arc::default(), &Options::default());
         for code in keys {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }
@@ -377,14 +386,14 @@ mod tests {
 
     #[test]
     fn typing_a_number_sets_the_selected_row() {
-        let (edits, cursor, ..) = pressed(&[Char('3'), Char('.'), Char('5'), Enter]);
+        let (edits, cursor, ..) = pressed(&[Enter, Char('3'), Char('.'), Char('5'), Enter]);
         assert_eq!((edits, cursor.typed), (vec![Edit::Set(key("speed"), 3.5)], None));
-        // A value that begins with 0 follows enter; 0 alone turns control off.
+        // 0 alone turns control off.
         let (edits, ..) = pressed(&[Enter, Char('0'), Char('.'), Char('5'), Enter, Char('0')]);
         assert_eq!(edits, [Edit::Set(key("speed"), 0.5), Edit::Off]);
-        let (edits, cursor, ..) = pressed(&[Char('3'), Char('u'), Esc]);
+        let (edits, cursor, ..) = pressed(&[Enter, Char('3'), Char('u'), Esc]);
         assert_eq!((edits, cursor.typed), (vec![Edit::Undo], None));
-        let (edits, _, message, _) = pressed(&[Char('3'), Char('-'), Enter]);
+        let (edits, _, message, _) = pressed(&[Enter, Char('3'), Char('-'), Enter]);
         assert_eq!((edits.len(), message), (0, Message::Bad("speed = '3-': expected a number".into())));
     }
 

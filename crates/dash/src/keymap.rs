@@ -21,6 +21,8 @@ pub(crate) enum Action {
     Impulse,
     /// Stop and go on with the picture.
     Pause,
+    /// Show the layout of this number, counted from 0.
+    Layout(usize),
     /// Move the cursor by so many seconds.
     Seek(f64),
     /// Move the cursor by so many steps.
@@ -58,7 +60,7 @@ const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 use KeyCode::{Char, Down, Enter, Esc, Left, Right, Up};
 
 /// Every key, in the order of the help screen. A shifted letter is its capital.
-pub(crate) const BINDINGS: [Binding; 16] = [
+pub(crate) const BINDINGS: [Binding; 17] = [
     Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
     Binding {
         keys: "q, ctrl-c",
@@ -106,7 +108,7 @@ pub(crate) const BINDINGS: [Binding; 16] = [
         chords: &[(Left, CTRL, Action::Nudge(-0.1)), (Right, CTRL, Action::Nudge(0.1))],
     },
     Binding {
-        keys: "enter, or - . 1 to 9",
+        keys: "enter",
         meaning: "type a value: enter takes it, esc drops it",
         hint: Some("type"),
         chords: &[(Enter, NONE, Action::Type)],
@@ -137,6 +139,22 @@ pub(crate) const BINDINGS: [Binding; 16] = [
         chords: &[(Char(' '), NONE, Action::Pause)],
     },
     Binding {
+        keys: "1 to 9",
+        meaning: "another layout: overview, operator, tuning, whirl, replay",
+        hint: Some("layout"),
+        chords: &[
+            (Char('1'), NONE, Action::Layout(0)),
+            (Char('2'), NONE, Action::Layout(1)),
+            (Char('3'), NONE, Action::Layout(2)),
+            (Char('4'), NONE, Action::Layout(3)),
+            (Char('5'), NONE, Action::Layout(4)),
+            (Char('6'), NONE, Action::Layout(5)),
+            (Char('7'), NONE, Action::Layout(6)),
+            (Char('8'), NONE, Action::Layout(7)),
+            (Char('9'), NONE, Action::Layout(8)),
+        ],
+    },
+    Binding {
         keys: "[ ], { }",
         meaning: "look 1 s or 10 s back and forward; space returns to live",
         hint: Some("time"),
@@ -154,12 +172,12 @@ pub(crate) const BINDINGS: [Binding; 16] = [
         chords: &[(Char('<'), NONE, Action::Step(-1)), (Char('>'), NONE, Action::Step(1))],
     },
     Binding {
-        keys: "+ _ =",
+        keys: "+ - =",
         meaning: "show less time, more, as at the start",
         hint: None,
         chords: &[
             (Char('+'), NONE, Action::Zoom(0.5)),
-            (Char('_'), NONE, Action::Zoom(2.0)),
+            (Char('-'), NONE, Action::Zoom(2.0)),
             (Char('='), NONE, Action::ZoomReset),
         ],
     },
@@ -182,14 +200,6 @@ pub(crate) fn action(key: KeyEvent) -> Option<Action> {
     chords.copied().find(|(code, with, _)| (*code, *with) == (key.code, modifiers)).map(|(.., action)| action)
 }
 
-/// Whether a key starts a number. `0` does not: alone it turns control off.
-pub(crate) fn starts_number(key: KeyEvent) -> Option<char> {
-    match key.code {
-        Char(c @ ('1'..='9' | '-' | '.')) if !key.modifiers.intersects(CTRL | KeyModifiers::ALT) => Some(c),
-        _ => None,
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -208,8 +218,6 @@ mod tests {
             assert!(!seen.contains(&(code, modifiers)), "{code:?} {modifiers:?}");
             seen.push((code, modifiers));
         }
-        let free = |c| action(KeyEvent::new(Char(c), NONE)).is_none();
-        assert!("123456789-.".chars().all(free), "numbers start to be typed");
     }
 
     #[test]
@@ -222,7 +230,5 @@ mod tests {
         assert_eq!(does(Char('r'), CTRL), Some(Action::Redo));
         assert_eq!(does(Right, SHIFT), Some(Action::Nudge(10.0)));
         assert_eq!(does(Left, CTRL), Some(Action::Nudge(-0.1)));
-        assert_eq!(starts_number(KeyEvent::new(Char('0'), NONE)), None);
-        assert_eq!(starts_number(KeyEvent::new(Char('-'), NONE)), Some('-'));
     }
 }

@@ -13,6 +13,7 @@ mod feed;
 mod history;
 mod input;
 mod keymap;
+mod layout;
 mod link;
 mod looks;
 mod panels;
@@ -24,5 +25,7 @@ mod terminal;
 mod theme;
 mod view_time;
 
+pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
 pub use looks::{ThemeName, UnknownTheme, Wishes};
+pub use panels::registry::panels;
 pub use session::{DashError, Ended, Keeper, Options, run};

@@ -1,22 +1,15 @@
-//! The screen: which panel where.
-//!
-//! ```text
-//!  RUNNING  default  three-mass  R 2.5 ...
-//! ┌ poles ─────────┐┌ orbits ───────────┐┌ settings ──────┐
-//! │                ││                   ││                │
-//! ├ min damping ───┤├ y z u ────────────┤├ control force ─┤
-//! └────────────────┘└───────────────────┘└────────────────┘
-//!  up down select  left right nudge  0 off ...
-//! ```
+//! The screen: a line that says how things stand, the panels of a [`Layout`], a line of hints, and what lies on top.
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Constraint, Flex, Layout, Rect};
+use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
+use crate::layout::Layout;
+use crate::panels::registry::Panels;
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
-use crate::panels::{damping, force, help, orbits, poles, settings, status, strips};
+use crate::panels::{help, status};
 use crate::picture::Picture;
 use crate::theme;
 use crate::view_time::ViewTime;
@@ -36,43 +29,31 @@ pub(crate) struct View<'a> {
 }
 
 /// Draws everything.
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: Rect, buffer: &mut Buffer) {
     if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
         let (width, height) = SMALLEST;
         let needed = format!("needs {width} x {height} (is {} x {}), q quits", area.width, area.height);
-        let [middle] = Layout::vertical([Constraint::Length(1)]).flex(Flex::Center).areas(area);
+        let [middle] = Split::vertical([Constraint::Length(1)]).flex(Flex::Center).areas(area);
         // The size comes first and is the last thing to be cut off.
         let line = Line::styled(needed, theme::loud(theme::WARN));
         let line = if line.width() <= usize::from(area.width) { line.centered() } else { line };
         line.render(middle, buffer);
         return;
     }
-    let [top, body, foot] =
-        Layout::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).areas(area);
-    let side = |percent: u16, least: u16, most: u16| (area.width * percent / 100).clamp(least, most);
-    let [left, middle, right] = Layout::horizontal([
-        Constraint::Length(side(31, 22, 64)),
-        Constraint::Min(0),
-        // From 80 columns on, wide enough for the steps of the settings.
-        Constraint::Length(side(24, if area.width < 80 { 20 } else { 28 }, 40)),
-    ])
-    .areas(body);
-    let [upper_left, lower_left] =
-        Layout::vertical([Constraint::Min(0), Constraint::Length((body.height * 2 / 5).clamp(6, 14))]).areas(left);
-    let [upper_middle, lower_middle] = Layout::vertical([Constraint::Fill(3), Constraint::Fill(2)]).areas(middle);
-    let [upper_right, lower_right] = Layout::vertical([Constraint::Min(0), Constraint::Length(4)]).areas(right);
-
+    let [top, body, foot] = parts(area);
     status::draw_top(view, top, buffer);
-    poles::draw(view, upper_left, buffer);
-    damping::draw(view, lower_left, buffer);
-    orbits::draw(view, upper_middle, buffer);
-    strips::draw(view, lower_middle, buffer);
-    settings::draw(view, upper_right, buffer);
-    force::draw(view, lower_right, buffer);
+    for (kind, place) in layout.places(body) {
+        panels.draw(kind, view, place, buffer);
+    }
     status::draw_foot(view.message, foot, buffer);
     if view.help {
         help::draw(area, buffer);
     }
+}
+
+/// The line at the top, the panels, and the line at the foot.
+fn parts(area: Rect) -> [Rect; 3] {
+    Split::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).areas(area)
 }
 
 #[cfg(test)]
@@ -91,9 +72,15 @@ pub(crate) mod tests {
     }
 
     fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {
+        frame_of("overview", picture, width, height, help)
+    }
+
+    fn frame_of(layout: &str, picture: &Picture, width: u16, height: u16, help: bool) -> String {
         let area = Rect::new(0, 0, width, height);
         let mut buffer = Buffer::empty(area);
-        draw(&View { help, ..view(picture) }, area, &mut buffer);
+        let layouts = crate::layout::built_in();
+        let layout = layouts.iter().find(|built_in| built_in.name() == layout).unwrap();
+        draw(&View { help, ..view(picture) }, layout, &mut Panels::new(), area, &mut buffer);
         text(&buffer)
     }
 
@@ -110,6 +97,19 @@ pub(crate) mod tests {
         insta::assert_snapshot!("screen_80x24", frame(&picture, 80, 24, false));
         insta::assert_snapshot!("screen_200x60", frame(&picture, 200, 60, false));
         insta::assert_snapshot!("screen_60x16", frame(&picture, 60, 16, false));
+    }
+
+    #[test]
+    fn every_layout_has_its_screen() {
+        let picture = tests::picture();
+        for layout in crate::layout::built_in() {
+            for (width, height) in [SMALLEST, (80, 24), (200, 60)] {
+                let name = format!("{}_{width}x{height}", layout.name());
+                if layout.name() != "overview" {
+                    insta::assert_snapshot!(name, frame_of(layout.name(), &picture, width, height, false));
+                }
+            }
+        }
     }
 
     #[test]

@@ -12,6 +12,7 @@ use crate::clerk;
 use crate::feed::Feed;
 use crate::history::BOUND;
 use crate::input;
+use crate::layout::{Layout, built_in};
 use crate::link::{self, Shared, Wires};
 use crate::looks::{Look, Wishes};
 use crate::terminal::Screen;
@@ -50,11 +51,15 @@ pub enum Ended {
 pub struct Options {
     /// Bytes that the steps it keeps may take; a few thousand steps are kept in any case.
     pub history: usize,
+    /// Every layout that can be shown; never empty. A digit shows the one of its number.
+    pub layouts: Vec<Layout>,
+    /// The one that is shown first, by its place among them.
+    pub layout: usize,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { history: BOUND }
+        Self { history: BOUND, layouts: built_in(), layout: 0 }
     }
 }
 
@@ -99,7 +104,7 @@ pub fn run<C: Carrier>(
     let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
     let screen = Screen::take(Look::of_environment(Wishes::default()))?;
     input::keyboard(send_input, stop.clone())?;
-    let mut app = App::new(bench.to_string(), feed, edits, keeper, idle);
+    let mut app = App::new(bench.to_string(), feed, edits, keeper, idle, options);
     let ended = app.run(screen, &Streams { inputs, outcomes, wakes });
     stop.store(true, Ordering::Relaxed);
     signals.close();

@@ -33,6 +33,8 @@ pub(crate) enum Command {
     Dash(commands::dash::DashArgs),
     /// Print live telemetry, or what happens
     Tail(commands::tail::TailArgs),
+    /// List the layouts of the dashboard, show one as a file, or check files
+    Layout(commands::layout::LayoutArgs),
     /// Change gains, speed, deadband ... of a running simulation
     Set(commands::set::SetArgs),
     /// Mark the present step of a running simulation with a note

@@ -4,6 +4,7 @@
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
 //! * [`attach`] finds a running bench.
+//! * [`layouts`] are the screens of the dashboard, built in and a person's own; [`folders`] is where those are.
 //! * [`place`] is where a result goes that is a file.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
@@ -14,7 +15,9 @@ mod catalog;
 mod cli;
 mod commands;
 mod failure;
+mod folders;
 mod interrupt;
+mod layouts;
 mod logging;
 mod output;
 mod place;

@@ -6,6 +6,7 @@ pub(crate) mod force;
 pub(crate) mod help;
 pub(crate) mod orbits;
 pub(crate) mod poles;
+pub(crate) mod registry;
 pub(crate) mod settings;
 pub(crate) mod status;
 pub(crate) mod strips;

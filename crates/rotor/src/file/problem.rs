@@ -15,6 +15,15 @@ pub struct Problem {
     pub expected: String,
 }
 
+impl Problem {
+    /// A problem at the byte `offset` of `text`.
+    #[must_use]
+    pub fn at(text: &str, offset: usize, found: impl Into<String>, expected: impl Into<String>) -> Self {
+        let (line, column) = position(text, offset);
+        Self { line, column, found: found.into(), expected: expected.into() }
+    }
+}
+
 impl fmt::Display for Problem {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { line, column, found, expected } = self;
@@ -31,7 +40,8 @@ impl Problems {
     pub(super) const MOST: usize = 20;
 
     /// These problems, if there are any.
-    pub(super) fn some(found: Vec<Problem>) -> Option<Self> {
+    #[must_use]
+    pub fn some(found: Vec<Problem>) -> Option<Self> {
         (!found.is_empty()).then_some(Self(found))
     }
 

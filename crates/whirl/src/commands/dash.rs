@@ -2,6 +2,7 @@
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
+use crate::layouts;
 
 /// Options of `whirl dash`.
 #[derive(Debug, clap::Args)]
@@ -18,12 +19,19 @@ pub(crate) struct ScreenArgs {
     /// Megabytes that the steps kept for looking back may take
     #[arg(long, value_name = "MB", default_value = "128", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     history: u32,
+    /// The layout to start with: a name (`whirl layout list`), or a TOML file
+    #[arg(long, value_name = "NAME|FILE")]
+    layout: Option<String>,
 }
 
 impl ScreenArgs {
     /// As the dashboard takes it.
-    pub(crate) fn options(&self) -> dash::Options {
-        dash::Options { history: self.history as usize * 1_000_000 }
+    ///
+    /// # Errors
+    /// A layout that is not there or wrong.
+    pub(crate) fn options(&self) -> Result<dash::Options, Failure> {
+        let (layouts, layout) = layouts::choose(self.layout.as_deref())?;
+        Ok(dash::Options { history: self.history as usize * 1_000_000, layouts, layout })
     }
 }
 
@@ -50,8 +58,9 @@ pub(crate) fn ended(how: dash::Ended) -> Result<(), Failure> {
 /// No such bench, or no terminal.
 pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
+    let options = args.screen.options()?;
     let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
     drop(attach::listen(&carrier, &bench)?);
-    ended(dash::run(carrier, &bench, None, &args.screen.options())?)
+    ended(dash::run(carrier, &bench, None, &options)?)
 }

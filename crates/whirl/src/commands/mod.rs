@@ -5,6 +5,7 @@ pub(crate) mod clean;
 pub(crate) mod cycles;
 pub(crate) mod dash;
 pub(crate) mod force;
+pub(crate) mod layout;
 mod linear;
 pub(crate) mod modes;
 pub(crate) mod note;
@@ -34,6 +35,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Up(args) => up::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Dash(args) => dash::run(&args),
+        Command::Layout(args) => layout::run(&args),
         Command::Tail(args) => tail::run(&args),
         Command::Set(args) => set::run(&args),
         Command::Note(args) => note::run(&args),

@@ -32,10 +32,11 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
     let UpArgs { live: args, screen } = args;
     // What is wrong with the command line is said here, not by the child.
     args.machine()?;
+    let screen = screen.options()?;
     let bench = args.options()?.bench;
     let carrier = attach::dashboard_carrier()?;
     let mut simulation = Simulation::start(args.to_arguments())?;
-    let shown = dash::run(carrier, &bench, Some(&mut simulation), &screen.options());
+    let shown = dash::run(carrier, &bench, Some(&mut simulation), &screen);
     simulation.end()?;
     ended(shown?)
 }

@@ -1,0 +1,81 @@
+use super::*;
+use crate::screen::SMALLEST;
+
+fn wrong(text: &str) -> String {
+    Layout::read("x", text).unwrap_err().to_string()
+}
+
+#[test]
+fn every_built_in_layout_is_whole_at_every_size() {
+    for (name, text) in BUILT_IN {
+        let layout = Layout::read(name, text).unwrap_or_else(|problems| panic!("{}", problems.in_file(name)));
+        assert!(!layout.about().is_empty());
+        for (width, height) in [SMALLEST, (80, 24), (100, 30), (140, 45), (200, 60), (400, 100), (61, 90), (300, 17)] {
+            let area = Rect::new(0, 1, width, height - 2);
+            let placed = layout.places(area);
+            assert!(fits(&placed), "{name} at {width} x {height}: {placed:?}");
+            let cells: u32 = placed.iter().map(|(_, area)| area.area()).sum();
+            assert_eq!(cells, area.area(), "{name} at {width} x {height} leaves a hole");
+            for (at, (_, a)) in placed.iter().enumerate() {
+                assert!(placed[at + 1..].iter().all(|(_, b)| !a.intersects(*b)), "{name}: overlap");
+            }
+        }
+        for size in [(0, 0), (1, 1), (7, 0)] {
+            layout.places(Rect::new(0, 0, size.0, size.1));
+        }
+    }
+}
+
+#[test]
+fn small_terminals_get_a_later_screen() {
+    let layout = Layout::read(BUILT_IN[1].0, BUILT_IN[1].1).unwrap();
+    let sizes = layout.sizes();
+    assert!(sizes.windows(2).all(|pair| pair[0].0 >= pair[1].0), "{sizes:?}");
+    assert!(layout.panels(200, 60).contains(&"strips"));
+    assert!(!layout.panels(60, 16).contains(&"strips"));
+}
+
+#[test]
+fn a_block_of_words_is_a_panel() {
+    let text = "about = 'x'\n[[screen]]\ncolumns = '1 =20'\npicture = '''\npoles .\npoles force\n'''";
+    let layout = Layout::read("mine", text).unwrap();
+    let placed = layout.places(Rect::new(0, 0, 100, 20));
+    let named: Vec<_> = placed.into_iter().map(|(kind, area)| (KINDS[kind].name, area)).collect();
+    assert_eq!(named, [("poles", Rect::new(0, 0, 80, 20)), ("force", Rect::new(80, 10, 20, 10))]);
+    assert_eq!((layout.name(), layout.about()), ("mine", "x"));
+}
+
+#[test]
+fn problems_name_line_and_column() {
+    for (text, problem) in [
+        ("", "1:1: no screen: expected [[screen]] with a picture"),
+        ("about = 3", "1:9: '3': expected a text"),
+        ("colour = 1\n[[screen]]\npicture = 'poles'", "1:1: 'colour': expected about or [[screen]]"),
+        ("[[screen]]\nrows = '1'", "1:1: a screen without a picture: expected picture = \"\"\" ... \"\"\""),
+        ("[[screen]]\npicture = '''\npoles force\npoles\n'''", "4:1: 1 words: expected 2, as in the line above"),
+        (
+            "[[screen]]\npicture = '''\npoles\nforce\npoles\n'''",
+            "5:1: 'poles' again: expected one rectangle of a panel's name",
+        ),
+        (
+            "[[screen]]\npicture = '''\npoles poles\npoles force\n'''",
+            "4:7: 'force' within 'poles': expected one rectangle of a panel's name",
+        ),
+        (
+            "[[screen]]\ncolumns = '1 x'\npicture = 'poles force'",
+            "2:14: 'x': expected a share from 1 to 1000, or =CELLS",
+        ),
+        (
+            "[[screen]]\ncolumns = '1'\npicture = 'poles force'",
+            "2:11: 1 sizes: expected one for each of the 2 words of a line",
+        ),
+    ] {
+        assert_eq!(wrong(text), problem, "{text}");
+    }
+    assert!(wrong("[[screen]]\npicture = 'pole'").starts_with("2:12: no panel 'pole': expected one of poles, damping"));
+    assert!(
+        wrong("[[screen]]\ncolumns = '1 1 1 1'\npicture = 'poles force orbits settings'")
+            .contains("the last screen needs a terminal of")
+    );
+    assert!(wrong("[[screen]\n").contains(": expected TOML"));
+}

@@ -1,0 +1,99 @@
+//! The one table of panels: layouts know panels by the names in it.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+
+use super::{damping, force, orbits, poles, settings, strips};
+use crate::screen::View;
+
+/// A part of the screen. It owns its state and draws its own frame.
+pub(crate) trait Panel {
+    /// Draws it; any area must do.
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer);
+}
+
+/// A panel without a state of its own is just its drawing.
+impl<F: FnMut(&View<'_>, Rect, &mut Buffer)> Panel for F {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        self(view, area, buffer);
+    }
+}
+
+/// One row of the table.
+pub(crate) struct Kind {
+    /// As layouts name it.
+    pub(crate) name: &'static str,
+    /// What it shows, in a few words.
+    pub(crate) meaning: &'static str,
+    /// The smallest width and height, with its frame, at which it is of use.
+    pub(crate) least: (u16, u16),
+    /// Makes one.
+    pub(crate) make: fn() -> Box<dyn Panel>,
+}
+
+/// Every panel.
+pub(crate) const KINDS: &[Kind] = &[
+    Kind { name: "poles", meaning: "poles in the complex plane", least: (20, 7), make: || Box::new(poles::draw) },
+    Kind {
+        name: "damping",
+        meaning: "the minimum damping, large, and what it has been",
+        least: (18, 5),
+        make: || Box::new(damping::draw),
+    },
+    Kind { name: "orbits", meaning: "an orbit of every mass", least: (18, 7), make: || Box::new(orbits::draw) },
+    Kind { name: "strips", meaning: "y, z and control over time", least: (18, 4), make: || Box::new(strips::draw) },
+    Kind {
+        name: "settings",
+        meaning: "speed, gains, deadbands and limits, to be changed",
+        least: (20, 5),
+        make: || Box::new(settings::draw),
+    },
+    Kind {
+        name: "force",
+        meaning: "the control force, now and at most",
+        least: (18, 4),
+        make: || Box::new(force::draw),
+    },
+];
+
+/// Name, meaning, and smallest width and height of every panel.
+pub fn panels() -> impl ExactSizeIterator<Item = (&'static str, &'static str, (u16, u16))> {
+    KINDS.iter().map(|kind| (kind.name, kind.meaning, kind.least))
+}
+
+/// The panels of one dashboard, made when they are first shown and kept, with what they remember, while others are.
+pub(crate) struct Panels(Vec<Option<Box<dyn Panel>>>);
+
+impl Panels {
+    /// None has been shown yet.
+    pub(crate) fn new() -> Self {
+        Self(KINDS.iter().map(|_| None).collect())
+    }
+
+    /// Draws the panel in row `kind` of the table.
+    pub(crate) fn draw(&mut self, kind: usize, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        self.0[kind].get_or_insert_with(KINDS[kind].make).draw(view, area, buffer);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::tests;
+    use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+
+    #[test]
+    fn every_panel_draws_at_its_smallest_size_and_at_every_other() {
+        let picture = tests::picture();
+        for (at, kind) in KINDS.iter().enumerate() {
+            let (width, height) = kind.least;
+            let panels = std::cell::RefCell::new(Panels::new());
+            let frame =
+                drawn(width, height, |area, buffer| panels.borrow_mut().draw(at, &view(&picture), area, buffer));
+            assert!(frame.starts_with('┌'), "{}:\n{frame}", kind.name);
+            assert!(KINDS[..at].iter().all(|other| other.name != kind.name), "{} twice", kind.name);
+            assert!(kind.name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{}", kind.name);
+        }
+    }
+}

@@ -1,0 +1,14 @@
+//! Where a person's own files are: the configuration and the data folder of the desktop conventions.
+
+use std::path::PathBuf;
+
+use directories::ProjectDirs;
+
+fn project() -> Option<ProjectDirs> {
+    ProjectDirs::from("", "", "whirl")
+}
+
+/// The folder of `config.toml` and `layouts/`, if this user has a home.
+pub(crate) fn config() -> Option<PathBuf> {
+    project().map(|folders| folders.config_dir().to_owned())
+}
