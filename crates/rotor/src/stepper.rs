@@ -53,6 +53,9 @@ pub trait Stepper: Send {
     fn kick(&mut self, mass: usize, change: C64);
     /// Back to rest at `tau = 0`, angle 0.
     fn rest(&mut self);
+    /// Sets time and angle as if `steps` steps of `dtau` had been made since they were `tau` and `angle`, at the speed that
+    /// is loaded. With the line on which a run was, and [`Stepper::place`], the run goes on from there to the last bit.
+    fn set_clock(&mut self, tau: f64, angle: f64, steps: u64, dtau: f64);
     /// Puts every mass where `displacement` and `velocity` say; missing ones are at rest in the centre.
     fn place(&mut self, displacement: &[C64], velocity: &[C64]);
 }
@@ -115,6 +118,18 @@ impl Clock {
             let half_turn = C64::cis(speed * (0.5 * dtau));
             *self = Self { tau: self.tau(), angle: self.angle(), speed, dtau, steps: 0, half_turn, key: self.key };
         }
+    }
+
+    /// The clock that this one is after `steps` steps of `dtau` from `tau` and `angle`.
+    fn after(self, tau: f64, angle: f64, steps: u64, dtau: f64) -> Self {
+        let half_turn = C64::cis(self.speed * (0.5 * dtau));
+        // From the last step at which the unbalance was put on its angle, and then turned as often as it was.
+        let since = steps % TURNS_BETWEEN;
+        let mut clock = Self { tau, angle, dtau, steps: steps - since, half_turn, ..self };
+        (0..since).for_each(|_| {
+            clock.advance();
+        });
+        clock
     }
 
     /// `exp(j angle)` at the beginning, the middle and the end of the next step, which is then taken.
@@ -339,6 +354,10 @@ impl<const N: usize, const L: usize> Stepper for Chain<N, L> {
     fn rest(&mut self) {
         self.place(&[], &[]);
         self.clock = Clock { tau: 0.0, angle: 0.0, steps: 0, ..self.clock };
+    }
+
+    fn set_clock(&mut self, tau: f64, angle: f64, steps: u64, dtau: f64) {
+        self.clock = self.clock.after(tau, angle, steps, dtau);
     }
 
     fn place(&mut self, displacement: &[C64], velocity: &[C64]) {

@@ -157,6 +157,28 @@ proptest! {
         prop_assert_eq!(run(), run());
     }
 
+    /// A run that is taken up where it was, on the line of time it was on, goes on with the same bits.
+    #[test]
+    fn a_run_goes_on_from_any_step((rotor, feedback) in machine(), seed in plane(12), before in 0u64..100, changed in 1u64..100) {
+        let n = rotor.len();
+        let at = |speed| ClosedLoop::new(&rotor, &feedback, speed, &rotor.deadbands());
+        let mut run = stepper(&at(1.7));
+        run.place(&seed[..n], &[]);
+        (0..before).for_each(|_| run.step(0.01));
+        let line = (run.motion().tau, run.motion().angle);
+        run.load(&at(2.3));
+        (0..changed).for_each(|_| run.step(0.01));
+        let mut again = stepper(&at(2.3));
+        again.place(run.motion().displacement, run.motion().velocity);
+        again.set_clock(line.0, line.1, changed, 0.01);
+        for _ in 0..100 {
+            let bits = |m: rotor::Motion<'_>| [m.tau.to_bits(), m.angle.to_bits(), m.displacement[0].re.to_bits(), m.velocity[n - 1].im.to_bits()];
+            prop_assert_eq!(bits(run.motion()), bits(again.motion()));
+            run.step(0.01);
+            again.step(0.01);
+        }
+    }
+
     /// A matrix with anything in it that is not finite is refused by place, and never iterated on.
     #[test]
     fn what_is_not_finite_is_refused(size in 1usize..12, row in 0usize..12, column in 0usize..12, bad in prop::sample::select(vec![f64::NAN, f64::INFINITY, f64::NEG_INFINITY])) {
