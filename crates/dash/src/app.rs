@@ -1,5 +1,7 @@
 //! The loop: input first, then answers, then the clock; and what each of them does.
 
+mod past;
+
 use std::io;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -18,6 +20,7 @@ use crate::link::{Shared, lock};
 use crate::panels::registry::Panels;
 use crate::panels::settings::{Cursor, rows};
 use crate::panels::status::Message;
+use crate::replay::Player;
 use crate::screen::{self, View};
 use crate::session::{DashError, Ended, Keeper, Options};
 use crate::terminal::Screen;
@@ -64,6 +67,8 @@ pub(crate) struct App<'a> {
     panels: Panels,
     told_end: bool,
     quit: Option<Ended>,
+    /// Moves through a recording, if there is no bench.
+    player: Option<Player>,
 }
 
 impl<'a> App<'a> {
@@ -91,6 +96,7 @@ impl<'a> App<'a> {
             panels: Panels::new(),
             told_end: false,
             quit: None,
+            player: None,
         }
     }
 
@@ -107,7 +113,8 @@ impl<'a> App<'a> {
                 self.draw(&mut screen)?;
                 drawn = Drawn { at: Some(now), changes, stale: false };
             }
-            let tick = channel::after(if self.time.is_live() { FRAME } else { PAUSED_FRAME });
+            let moving = self.player.as_ref().map_or_else(|| self.time.is_live(), Player::is_busy);
+            let tick = channel::after(if moving { FRAME } else { PAUSED_FRAME });
             select_biased! {
                 recv(streams.inputs) -> input => {
                     self.take(input.unwrap_or(Input::Closed));
@@ -152,14 +159,20 @@ impl<'a> App<'a> {
     }
 
     fn draw(&mut self, screen: &mut Screen) -> io::Result<()> {
-        let picture = lock(&self.feed).picture(&self.time, Instant::now());
+        let mut picture = lock(&self.feed).picture(&self.time, Instant::now());
+        if let Some(player) = &self.player {
+            player.finish(&mut picture);
+        }
+        let typed = self.player.as_ref().and_then(|player| player.typed.as_ref());
+        let going = typed.map(|typed| Message::Good(format!("go to tau {typed}_   enter goes, esc does not")));
         let view = View {
             picture: &picture,
             time: &self.time,
             bench: &self.bench,
             cursor: &self.cursor,
-            message: &self.message.0,
+            message: going.as_ref().unwrap_or(&self.message.0),
             help: self.help,
+            replay: self.player.as_ref().map(|player| player.shown(&picture)),
         };
         let (layout, panels) = (&self.layouts[self.layout], &mut self.panels);
         screen.draw(|frame| screen::draw(&view, layout, panels, frame.area(), frame.buffer_mut()))
@@ -167,7 +180,8 @@ impl<'a> App<'a> {
 
     /// What time alone brings. Returns whether it shows.
     fn tick(&mut self) -> bool {
-        let mut shows = false;
+        let now = Instant::now();
+        let mut shows = self.play(|player, feed, time| player.tick(feed, time, now)).unwrap_or(false);
         if self.message.0 != Message::Hints && self.message.1.elapsed() > MESSAGE {
             self.message.0 = Message::Hints;
             shows = true;
@@ -197,6 +211,9 @@ impl<'a> App<'a> {
     }
 
     fn press(&mut self, key: KeyEvent) {
+        if self.typing_time(key) {
+            return;
+        }
         if self.cursor.typed.is_some() && self.typing(key) {
             return;
         }
@@ -245,12 +262,21 @@ impl<'a> App<'a> {
     }
 
     fn edit(&mut self, edit: Edit) {
+        if self.player.is_some() {
+            if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
+                self.tell(Message::Good(words));
+            }
+            return;
+        }
         if self.edits.try_send(edit).is_err() {
             self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
         }
     }
 
     fn act(&mut self, action: Action) {
+        if self.act_on_past(action) {
+            return;
+        }
         match action {
             Action::Quit => self.quit = Some(Ended::Quit),
             Action::Escape => {
@@ -303,6 +329,8 @@ impl<'a> App<'a> {
             Action::Zoom(factor) => self.time.zoom(factor, self.kept().1),
             Action::ZoomReset => self.time.reset_span(self.kept().1),
             Action::Restart => self.restart(),
+            // These are for recordings alone.
+            Action::Speed(_) | Action::Event(_) | Action::Loop | Action::GoTo | Action::End(_) => {}
         }
     }
 

@@ -261,7 +261,7 @@ fn told(answer: &Answer, what: &str) -> Outcome {
 }
 
 /// Makes in `settings` the changes that lead from `from` to `to`, and no others.
-fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
+pub(crate) fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
     if from.speed != to.speed {
         settings.speed = to.speed;
     }

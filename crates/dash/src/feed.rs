@@ -80,6 +80,33 @@ impl Feed {
         self.changes += 1;
     }
 
+    /// Takes in one step of the past: nobody is heard, and no time passes.
+    pub(crate) fn recall(&mut self, state: &State) {
+        self.history.push(state);
+        self.changes += 1;
+    }
+
+    /// Takes in settings of the past, for the steps that were made with them.
+    pub(crate) fn tell(&mut self, bulletin: &Bulletin) {
+        self.history.note_bulletin(bulletin);
+    }
+
+    /// Forgets every step; the next one gets the place `first`.
+    pub(crate) fn forget(&mut self, first: u64) {
+        self.history = self.history.emptied(first);
+        self.changes += 1;
+    }
+
+    /// What is in force at the moment that is looked at, which then stands for the present.
+    pub(crate) fn stand_at(&mut self, bulletin: Box<Bulletin>) {
+        if self.rotor.is_none() {
+            self.rotor = bulletin.rotor().ok().map(Arc::new);
+        }
+        self.bulletin = Some(Arc::from(bulletin));
+        self.contact = Contact::Live;
+        self.changes += 1;
+    }
+
     /// Notes how things stand; what has been heard stays.
     pub(crate) fn stand(&mut self, contact: Contact) {
         if self.contact != contact {

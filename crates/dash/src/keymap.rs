@@ -31,6 +31,16 @@ pub(crate) enum Action {
     Zoom(f64),
     /// Show as much time as at the start.
     ZoomReset,
+    /// A recording: play faster (1) or slower (-1).
+    Speed(isize),
+    /// A recording: to the next event (1) or the one before (-1).
+    Event(isize),
+    /// A recording: begin a loop, end it, drop it.
+    Loop,
+    /// A recording: type a time to go to.
+    GoTo,
+    /// A recording: to its end, or its beginning.
+    End(bool),
     /// Restart from rest, or bring back a simulation that has ended.
     Restart,
     /// Show and hide the help.
@@ -57,10 +67,10 @@ const NONE: KeyModifiers = KeyModifiers::NONE;
 const SHIFT: KeyModifiers = KeyModifiers::SHIFT;
 const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 
-use KeyCode::{Char, Down, Enter, Esc, Left, Right, Up};
+use KeyCode::{Char, Down, End, Enter, Esc, Home, Left, Right, Up};
 
 /// Every key, in the order of the help screen. A shifted letter is its capital.
-pub(crate) const BINDINGS: [Binding; 17] = [
+pub(crate) const BINDINGS: [Binding; 20] = [
     Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
     Binding {
         keys: "q, ctrl-c",
@@ -180,6 +190,29 @@ pub(crate) const BINDINGS: [Binding; 17] = [
             (Char('-'), NONE, Action::Zoom(2.0)),
             (Char('='), NONE, Action::ZoomReset),
         ],
+    },
+    Binding {
+        keys: "( ), n N",
+        meaning: "recording: slower, faster; to the next event, the one before",
+        hint: None,
+        chords: &[
+            (Char('('), NONE, Action::Speed(-1)),
+            (Char(')'), NONE, Action::Speed(1)),
+            (Char('n'), NONE, Action::Event(1)),
+            (Char('N'), NONE, Action::Event(-1)),
+        ],
+    },
+    Binding {
+        keys: "home end, g",
+        meaning: "recording: to its beginning, its end, a tau that is typed",
+        hint: None,
+        chords: &[(Home, NONE, Action::End(false)), (End, NONE, Action::End(true)), (Char('g'), NONE, Action::GoTo)],
+    },
+    Binding {
+        keys: "m",
+        meaning: "recording: a loop begins here, ends here, is dropped",
+        hint: None,
+        chords: &[(Char('m'), NONE, Action::Loop)],
     },
     Binding {
         keys: "R",

@@ -34,6 +34,11 @@ impl Track {
         self.len
     }
 
+    /// The place in the history of the first of them.
+    pub(crate) fn first(&self) -> u64 {
+        self.first
+    }
+
     fn block(&self, step: usize) -> (&Block, usize) {
         let at = self.skipped + step;
         (&self.blocks[at / STEPS], at % STEPS)

@@ -11,6 +11,7 @@ use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
 use crate::panels::{help, status};
 use crate::picture::Picture;
+use crate::replay::{self, Show};
 use crate::theme;
 use crate::view_time::ViewTime;
 
@@ -26,6 +27,8 @@ pub(crate) struct View<'a> {
     pub(crate) cursor: &'a Cursor,
     pub(crate) message: &'a Message,
     pub(crate) help: bool,
+    /// The player, if this is a recording.
+    pub(crate) replay: Option<Show<'a>>,
 }
 
 /// Draws everything.
@@ -40,8 +43,14 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
         line.render(middle, buffer);
         return;
     }
-    let [top, body, foot] = parts(area);
-    status::draw_top(view, top, buffer);
+    let [top, line, body, foot] = parts(area, view.replay.is_some());
+    match &view.replay {
+        None => status::draw_top(view, top, buffer),
+        Some(show) => {
+            replay::draw_top(show, view, top, buffer);
+            replay::draw_time(show, line, buffer);
+        }
+    }
     for (kind, place) in layout.places(body) {
         panels.draw(kind, view, place, buffer);
     }
@@ -51,9 +60,10 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     }
 }
 
-/// The line at the top, the panels, and the line at the foot.
-fn parts(area: Rect) -> [Rect; 3] {
-    Split::vertical([Constraint::Length(1), Constraint::Min(0), Constraint::Length(1)]).areas(area)
+/// The line at the top, the line of time if there is one, the panels, and the line at the foot.
+fn parts(area: Rect, has_line_of_time: bool) -> [Rect; 4] {
+    let heights = [Constraint::Length(1), Constraint::Length(u16::from(has_line_of_time)), Constraint::Min(0)];
+    Split::vertical(heights.into_iter().chain([Constraint::Length(1)])).areas(area)
 }
 
 #[cfg(test)]
@@ -68,7 +78,7 @@ pub(crate) mod tests {
 
     /// A view of `picture` by somebody who has pressed nothing yet.
     pub(crate) fn view(picture: &Picture) -> View<'_> {
-        View { picture, time: &LIVE, bench: "default", cursor: &CURSOR, message: &HINTS, help: false }
+        View { picture, time: &LIVE, bench: "default", cursor: &CURSOR, message: &HINTS, help: false, replay: None }
     }
 
     fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {

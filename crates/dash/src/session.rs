@@ -32,6 +32,9 @@ pub enum DashError {
     /// The terminal failed.
     #[error("the terminal failed: {0}")]
     Terminal(#[from] io::Error),
+    /// A recording cannot be played.
+    #[error("{0}")]
+    Past(String),
     /// A thread panicked; its message is on the terminal.
     #[error("the dashboard failed: the message above says where")]
     Panicked,

@@ -35,6 +35,9 @@ pub(crate) const FORCE: Color = role(8);
 /// Traces of several masses, by mass.
 pub(crate) const TRACES: [Color; 4] = [role(9), role(10), role(11), role(12)];
 
+/// What would be, beside what is.
+pub(crate) const CANDIDATE: Color = role(13);
+
 /// Text that explains.
 pub(crate) fn quiet() -> Style {
     Style::new().fg(GRID)

@@ -107,6 +107,11 @@ impl ViewTime {
         }
     }
 
+    /// Puts the cursor on a step that is kept, at the end of the window.
+    pub(crate) fn jump(&mut self, place: u64) {
+        self.past = Some(Past { cursor: place, end: place + 1 });
+    }
+
     /// Shows `factor` times as much; in the past the cursor stays where it is on the screen.
     pub(crate) fn zoom(&mut self, factor: f64, seconds: f64) {
         let before = self.steps(seconds) as f64;

@@ -69,6 +69,16 @@ impl History {
         }
     }
 
+    /// An empty history of the same bound, whose first step will have the place `first`.
+    pub(crate) fn emptied(&self, first: u64) -> Self {
+        Self { first, ..Self::new(self.bound) }
+    }
+
+    /// How many steps of a rotor of `masses` masses there is room for.
+    pub(crate) fn room_for(&self, masses: usize) -> u64 {
+        ((self.bound / Block::bytes(masses)).saturating_sub(1).max(8) * STEPS) as u64
+    }
+
     /// Takes in one step. A rotor of another number of masses starts the history anew; a gap in the numbers is a loss.
     pub(crate) fn push(&mut self, state: &State) {
         let masses = state.points().len();

@@ -17,6 +17,7 @@ use ratatui::text::Line;
 use super::{framed, write};
 use crate::picture::{Picture, Track};
 use crate::plot::{Plot, nice_ceiling, short};
+use crate::replay::Beside;
 use crate::screen::View;
 use crate::theme;
 
@@ -34,18 +35,27 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let reach = (shown.clone())
         .flat_map(|step| (0..picture.masses()).map(move |mass| radius(track.place(step, mass))))
         .fold(0.0, f64::max);
+    let beside = view.replay.as_ref().and_then(|replay| replay.beside);
+    let other = |step| (0..picture.masses()).filter_map(move |mass| beside?.place(step, mass)).map(radius);
+    // A machine that runs away beside this one must not make a point of it.
+    let reach = reach.max(shown.clone().flat_map(other).fold(0.0, f64::max).min(if reach > 0.0 {
+        4.0 * reach
+    } else {
+        f64::MAX
+    }));
     // A clearance much larger than the orbit would squeeze it to a point: it goes out of view then.
     let clearance = clearances(picture).into_iter().flatten().fold(0.0, f64::max);
     let scale = nice_ceiling(1.02 * reach.max(if clearance < 4.0 * reach || reach == 0.0 { clearance } else { 0.0 }));
     let inner = framed(Line::from(format!(" orbits  ±{} e_t  ◉ now ● once a turn ", short(scale, 2))), area, buffer);
     let cells = grid(inner, picture.masses());
     for (mass, cell) in cells.into_iter().enumerate() {
-        draw_one(picture, mass, shown.clone(), scale, cell, buffer);
+        draw_one(picture, beside, mass, shown.clone(), scale, cell, buffer);
     }
 }
 
 fn draw_one(
     picture: &Picture,
+    beside: Option<Beside<'_>>,
     mass: usize,
     shown: std::ops::Range<usize>,
     scale: f64,
@@ -73,6 +83,8 @@ fn draw_one(
             turns.push(to);
         }
     }
+    let others: Vec<_> = shown.clone().filter_map(|step| beside?.place(step, mass)).collect();
+    others.windows(2).for_each(|pair| plot.line(pair[0], pair[1], theme::CANDIDATE));
     plot.paint(buffer);
     let mut mark = |[y, z]: [f64; 2], sign, color| {
         if let Some((column, row)) = plot.cell(y, z) {
@@ -85,6 +97,9 @@ fn draw_one(
     }
     if let Some(now) = shown.clone().last() {
         mark(track.place(now, mass), "◉", color);
+    }
+    if let Some(place) = others.last() {
+        mark(*place, "◆", theme::CANDIDATE);
     }
     let carries = picture.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });

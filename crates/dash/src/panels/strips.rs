@@ -18,6 +18,7 @@ use ratatui::text::{Line, Span};
 use super::{framed, write, write_right};
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::replay::Beside;
 use crate::screen::View;
 use crate::theme;
 
@@ -76,7 +77,12 @@ fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut
         .collect();
     let all = ranges.iter().flat_map(|(_, columns)| columns);
     let reach = all.fold(0.0, |reach: f64, (_, [low, high])| reach.max(-low).max(*high));
-    let scale = nice_ceiling(reach);
+    let beside = view.replay.as_ref().and_then(|replay| replay.beside);
+    let others: Vec<Vec<Column>> =
+        traces.iter().filter_map(|(_, channel)| Some(beside_columns(&beside?, *channel, steps.clone()))).collect();
+    let other = others.iter().flatten().fold(0.0, |reach: f64, (_, [low, high])| reach.max(-low).max(*high));
+    // A machine that runs away beside this one must not make a line of it.
+    let scale = nice_ceiling(if reach > 0.0 { reach.max(other.min(4.0 * reach)) } else { other });
     let [left, right] = [picture.window.start as f64, picture.window.end as f64];
     let mut plot = Plot::new(area, Window { x: [left, right], y: [-scale, scale] });
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
@@ -95,11 +101,12 @@ fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut
     if let Some(now) = cursor {
         upright(now, theme::WARN);
     }
-    for (color, columns) in &ranges {
+    let recorded = ranges.iter().map(|(color, columns)| (*color, columns));
+    for (color, columns) in others.iter().map(|columns| (theme::CANDIDATE, columns)).chain(recorded) {
         for (at, (x, [low, high])) in columns.iter().enumerate() {
-            plot.line([*x, *low], [*x, *high], *color);
+            plot.line([*x, *low], [*x, *high], color);
             if let Some((next, [bottom, _])) = columns.get(at + 1) {
-                plot.line([*x, *high], [*next, *bottom], *color);
+                plot.line([*x, *high], [*next, *bottom], color);
             }
         }
     }
@@ -114,6 +121,23 @@ fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut
             x += text.chars().count() as u16 + 1;
         }
     }
+}
+
+/// The range of a quantity of the machine beside, column by column, as far as it has come.
+fn beside_columns(beside: &Beside<'_>, channel: Channel, columns: impl Iterator<Item = Range<usize>>) -> Vec<Column> {
+    let value = |step| match channel {
+        Channel::Y(mass) => beside.place(step, mass).map(|[y, _]| y),
+        Channel::Z(mass) => beside.place(step, mass).map(|[_, z]| z),
+        Channel::ForceY => beside.force(step).map(|[y, _]| y),
+        Channel::ForceZ => beside.force(step).map(|[_, z]| z),
+        _ => None,
+    };
+    let of = |steps: Range<usize>| {
+        let middle = 0.5 * (steps.start + steps.end) as f64;
+        let values = steps.filter_map(value).map(|value| [value, value]);
+        Some((middle, values.reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])?))
+    };
+    columns.filter_map(of).collect()
 }
 
 #[cfg(test)]

@@ -39,7 +39,9 @@ impl From<dash::DashError> for Failure {
     fn from(error: dash::DashError) -> Self {
         match error {
             dash::DashError::NoTerminal => Self::Usage(error.to_string()),
-            dash::DashError::Terminal(_) | dash::DashError::Panicked => Self::Work(error.to_string()),
+            dash::DashError::Terminal(_) | dash::DashError::Past(_) | dash::DashError::Panicked => {
+                Self::Work(error.to_string())
+            }
         }
     }
 }

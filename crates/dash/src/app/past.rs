@@ -1,0 +1,166 @@
+//! What keys do on a recording: the loop's side of the player.
+
+use std::time::Instant;
+
+use crossterm::event::{KeyCode, KeyEvent};
+
+use super::App;
+use crate::feed::Feed;
+use crate::keymap::{self, Action};
+use crate::link::lock;
+use crate::panels::status::Message;
+use crate::replay::Player;
+use crate::view_time::ViewTime;
+
+impl App<'_> {
+    /// The same on a recording, which has filled the feed and stands at `time`.
+    pub(crate) fn playing(mut self, player: Player, time: ViewTime) -> Self {
+        let notices = player.notices();
+        if !notices.is_empty() {
+            self.tell(Message::Bad(notices.join("; ")));
+        }
+        Self { player: Some(player), time, ..self }
+    }
+
+    /// Has the player do something to the feed and the time; says what comes of it.
+    pub(super) fn play<T>(
+        &mut self,
+        what: impl FnOnce(&mut Player, &mut Feed, &mut ViewTime) -> Result<T, String>,
+    ) -> Option<T> {
+        let player = self.player.as_mut()?;
+        let done = what(player, &mut lock(&self.feed), &mut self.time);
+        done.map_err(|why| self.tell(Message::Bad(why))).ok()
+    }
+
+    /// An action on a recording. Returns whether it was one that means something else there than on a bench.
+    pub(super) fn act_on_past(&mut self, action: Action) -> bool {
+        if self.player.is_none() {
+            if matches!(action, Action::Speed(_) | Action::Event(_) | Action::Loop | Action::GoTo | Action::End(_)) {
+                self.tell(Message::Bad("only a recording can be played: `whirl replay FILE.rrd`".into()));
+                return true;
+            }
+            return false;
+        }
+        let now = Instant::now();
+        let told = match action {
+            Action::Pause => self.play(|player, feed, time| player.toggle(feed, time, now)).map(|()| None),
+            Action::Seek(by) => self.play(|player, feed, time| player.seek(by, feed, time)).map(|()| None),
+            Action::Step(by) => self.play(|player, feed, time| player.step(by, feed, time)).map(|()| None),
+            Action::Event(by) => self.play(|player, feed, time| player.go_to_event(by, feed, time)).map(Some),
+            Action::End(last) => {
+                self.play(|player, feed, time| player.go(player.ends()[usize::from(last)], feed, time)).map(|()| None)
+            }
+            Action::Loop => self.play(|player, _, _| Ok(player.mark_loop())).map(|words| Some(words.to_owned())),
+            Action::Speed(by) => self
+                .play(|player, _, _| {
+                    player.change_speed(by);
+                    Ok(Some(format!("{} times as fast as it was", player.speed())))
+                })
+                .map(|words| words),
+            Action::GoTo => self.play(|player, _, _| {
+                player.typed = Some(String::new());
+                Ok(None)
+            }),
+            Action::Escape if !self.help => self
+                .play(|player, feed, time| player.drop_branch(feed, time))
+                .map(|dropped| dropped.then(|| "what if dropped".to_owned())),
+            _ => return false,
+        };
+        if let Some(Some(words)) = told {
+            self.tell(Message::Good(words));
+        }
+        true
+    }
+
+    /// A key while a time to go to is being typed. Returns whether it was part of that.
+    pub(super) fn typing_time(&mut self, key: KeyEvent) -> bool {
+        let Some(typed) = self.player.as_mut().and_then(|player| player.typed.as_mut()) else { return false };
+        match key.code {
+            KeyCode::Char(c @ ('0'..='9' | '.' | '-' | '+' | 'e' | 'E')) if typed.len() < 16 => typed.push(c),
+            KeyCode::Backspace => {
+                typed.pop();
+            }
+            KeyCode::Esc | KeyCode::Enter => {
+                let typed = self.player.as_mut().and_then(|player| player.typed.take()).unwrap_or_default();
+                if key.code == KeyCode::Enter {
+                    match typed.parse::<f64>() {
+                        Ok(tau) if tau.is_finite() => {
+                            self.play(|player, feed, time| player.go_to_tau(tau, feed, time));
+                        }
+                        _ => self.tell(Message::Bad(format!("tau = '{typed}': expected a number"))),
+                    }
+                }
+                return true;
+            }
+            _ => return !matches!(keymap::action(key), Some(Action::Quit)),
+        }
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use crossbeam::channel;
+    use crossterm::event::KeyModifiers;
+
+    use super::*;
+    use crate::replay::tests::session;
+    use crate::session::Options;
+
+    /// Presses keys on a recording; returns where that leads, what is said, and whether there is something beside.
+    fn pressed(keys: &[KeyCode]) -> (u64, bool, Message) {
+        let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
+        let player = Player::new(Box::new(session()), &mut feed, &mut time).unwrap();
+        let (edits, taken) = channel::bounded(8);
+        let feed = Arc::new(Mutex::new(feed));
+        let mut app =
+            App::new("memory".into(), feed, edits, None, Arc::default(), &Options::default()).playing(player, time);
+        for code in keys {
+            app.press(KeyEvent::new(*code, KeyModifiers::NONE));
+        }
+        assert!(taken.is_empty(), "nothing is sent to anybody");
+        let player = app.player.as_ref().unwrap();
+        (player.seq(), player.has_branch(), app.message.0.clone())
+    }
+
+    use KeyCode::{Backspace, Char, End, Enter, Esc, Home};
+
+    #[test]
+    fn keys_move_through_a_recording() {
+        assert_eq!(pressed(&[Char('>'), Char('>'), Char('<')]).0, 1);
+        // A second is 2000 steps, which is more than there are.
+        let (last, ..) = pressed(&[Char(']')]);
+        assert_eq!((last, pressed(&[End]).0), (pressed(&[Char('}')]).0, last));
+        assert_eq!(pressed(&[End, Home]).0, 0);
+        assert_eq!(pressed(&[End, Char('[')]).0, last.saturating_sub(2000));
+        let (first, _, told) = pressed(&[Char('n')]);
+        assert!(first > 100 && matches!(told, Message::Good(words) if words.starts_with("settings changed by test")));
+        assert_eq!(pressed(&[Char('n'), Char('n'), Char('N')]).0, first);
+        assert!(matches!(pressed(&[Char('N')]).2, Message::Bad(words) if words == "no event before this"));
+    }
+
+    #[test]
+    fn a_time_is_typed_and_gone_to() {
+        // tau rises by 0.01 a step, from 0.01 on; the last stretch that reaches 0.5 is that after the last restart.
+        let (there, ..) = pressed(&[Char('g'), Char('0'), Char('.'), Char('5'), Char('7'), Backspace, Enter]);
+        let session = session();
+        assert!((session.states[there as usize].tau - 0.5).abs() < 0.0101);
+        assert_eq!(pressed(&[Char('g'), Char('5'), Esc]).0, 0);
+        assert!(
+            matches!(pressed(&[Char('g'), Char('-'), Enter]).2, Message::Bad(words) if words == "tau = '-': expected a number")
+        );
+        assert_eq!(pressed(&[Char('g'), Char('0'), Char('0')]).1, false, "0 is a digit there and turns nothing off");
+    }
+
+    #[test]
+    fn the_keys_of_a_live_bench_ask_what_if() {
+        for keys in [&[Char('0')][..], &[Char('i')], &[Char('R')], &[KeyCode::Right], &[Char('3'), Enter]] {
+            let (_, beside, told) = pressed(keys);
+            assert!(beside && matches!(&told, Message::Good(words) if words.starts_with("what if ")), "{told:?}");
+            assert!(!pressed(&[keys, &[Esc]].concat()).1);
+        }
+        assert!(!pressed(&[Char('u')]).1);
+    }
+}

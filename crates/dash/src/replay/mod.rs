@@ -1,0 +1,22 @@
+//! The player: the dashboard on a recording instead of a bench.
+//!
+//! The same loop, panels and keys. Where a live dashboard has a reader thread that fills the [`crate::feed`], a
+//! [`Player`] fills it from a [`Past`] around the moment it stands at, and moves on with a clock of its own; where a
+//! live dashboard sends edits to the simulation, the player makes a [`branch`] of them: the machine run on from that
+//! moment with other settings, shown beside what happened.
+//!
+//! Not its job: reading files. Whoever has a recording implements [`Past`]; this crate knows no file format.
+
+mod branch;
+mod loaded;
+mod past;
+mod player;
+mod show;
+mod stage;
+#[cfg(test)]
+pub(crate) mod tests;
+
+pub use past::{Moment, Past, PastEvent};
+pub(crate) use player::Player;
+pub(crate) use show::{Beside, Show, draw_time, draw_top};
+pub use stage::replay;

@@ -1,0 +1,65 @@
+//! A source of the past: what the player needs of a recording, whatever it is kept in.
+
+use std::ops::Range;
+
+use wire::{Bulletin, Happening, State};
+
+/// A point of a session, on its three time scales.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Step number since the simulation started: it only rises.
+    pub seq: u64,
+    /// Dimensionless time since the rotor was last at rest.
+    pub tau: f64,
+    /// Wall clock, nanoseconds since 1970.
+    pub wall_ns: u64,
+}
+
+/// Something that happened, as [`wire::Event`] tells it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PastEvent {
+    /// When; its step is the first made with it.
+    pub at: Moment,
+    /// What.
+    pub happening: Happening,
+    /// Who did it.
+    pub who: String,
+    /// Why; may be empty.
+    pub why: String,
+}
+
+/// Steps of one run, and what is known about them. Errors are in words, for the person at the terminal.
+pub trait Past {
+    /// What it is called: a file's name.
+    fn name(&self) -> String;
+
+    /// Its first step and its last; `None` if there is none.
+    fn span(&self) -> Option<[Moment; 2]>;
+
+    /// Visits every step there is with a number in `range`, in order, bit for bit as it was sent.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String>;
+
+    /// The whole slow picture as it stood at step `seq`: rotor, settings, poles, trip, rate.
+    fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin>;
+
+    /// The first step made with each of the settings, ascending; the first may lie before the span.
+    fn changes(&self) -> Vec<u64>;
+
+    /// What happened, ascending in step.
+    fn events(&self) -> Vec<PastEvent>;
+
+    /// Steps that are missing within the span, ascending.
+    fn missing(&self) -> Vec<Range<u64>>;
+
+    /// What a reader should be told: cut off, damaged, begun late.
+    fn notices(&self) -> Vec<String>;
+
+    /// The last step at or before `tau`, in the latest stretch between two restarts that reaches it.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn at_tau(&mut self, tau: f64) -> Result<u64, String>;
+}
