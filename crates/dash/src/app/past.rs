@@ -51,12 +51,10 @@ impl App<'_> {
                 self.play(|player, feed, time| player.go(player.ends()[usize::from(last)], feed, time)).map(|()| None)
             }
             Action::Loop => self.play(|player, _, _| Ok(player.mark_loop())).map(|words| Some(words.to_owned())),
-            Action::Speed(by) => self
-                .play(|player, _, _| {
-                    player.change_speed(by);
-                    Ok(Some(format!("{} times as fast as it was", player.speed())))
-                })
-                .map(|words| words),
+            Action::Speed(by) => self.play(|player, _, _| {
+                player.change_speed(by);
+                Ok(Some(format!("{} times as fast as it was", player.speed())))
+            }),
             Action::GoTo => self.play(|player, _, _| {
                 player.typed = Some(String::new());
                 Ok(None)
@@ -151,12 +149,12 @@ mod tests {
         assert!(
             matches!(pressed(&[Char('g'), Char('-'), Enter]).2, Message::Bad(words) if words == "tau = '-': expected a number")
         );
-        assert_eq!(pressed(&[Char('g'), Char('0'), Char('0')]).1, false, "0 is a digit there and turns nothing off");
+        assert!(!pressed(&[Char('g'), Char('0'), Char('0')]).1, "0 is a digit there and turns nothing off");
     }
 
     #[test]
     fn the_keys_of_a_live_bench_ask_what_if() {
-        for keys in [&[Char('0')][..], &[Char('i')], &[Char('R')], &[KeyCode::Right], &[Char('3'), Enter]] {
+        for keys in [&[Char('0')][..], &[Char('i')], &[Char('R')], &[KeyCode::Right], &[Enter, Char('3'), Enter]] {
             let (_, beside, told) = pressed(keys);
             assert!(beside && matches!(&told, Message::Good(words) if words.starts_with("what if ")), "{told:?}");
             assert!(!pressed(&[keys, &[Esc]].concat()).1);

@@ -31,8 +31,8 @@ pub(crate) struct Session {
 
 impl Session {
     fn in_force(&self, seq: u64) -> &Event {
-        let changes = self.events.iter().filter(|event| matches!(event.kind, 1 | 2));
-        changes.filter(|event| event.seq <= seq).last().unwrap_or(&self.events[0])
+        let mut newest_first = self.events.iter().rev().filter(|event| matches!(event.kind, 1 | 2));
+        newest_first.find(|event| event.seq <= seq).unwrap_or(&self.events[0])
     }
 
     fn moment(state: &State) -> Moment {
@@ -66,8 +66,8 @@ impl Past for Session {
         for (place, mode) in bulletin.analysis.poles.iter_mut().zip(&spectrum.modes) {
             *place = [mode.pole.re, mode.pole.im];
         }
-        let trips = self.events.iter().filter(|event| matches!(event.kind, 5 | 6) && event.seq <= seq);
-        bulletin.trip = trips.last().map_or_else(Trip::default, |event| event.trip);
+        let mut trips = self.events.iter().rev().filter(|event| matches!(event.kind, 5 | 6));
+        bulletin.trip = trips.find(|event| event.seq <= seq).map_or_else(Trip::default, |event| event.trip);
         bulletin
     }
 
