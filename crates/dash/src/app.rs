@@ -1,6 +1,7 @@
 //! The loop: input first, then answers, then the clock; and what each of them does.
 
 mod past;
+mod recording;
 
 use std::io;
 use std::sync::Arc;
@@ -22,7 +23,7 @@ use crate::panels::settings::{Cursor, rows};
 use crate::panels::status::Message;
 use crate::replay::Player;
 use crate::screen::{self, View};
-use crate::session::{DashError, Ended, Keeper, Options};
+use crate::session::{DashError, Ended, Keeper, Options, Scribe};
 use crate::terminal::Screen;
 use crate::view_time::ViewTime;
 
@@ -69,6 +70,7 @@ pub(crate) struct App<'a> {
     quit: Option<Ended>,
     /// Moves through a recording, if there is no bench.
     player: Option<Player>,
+    scribe: Option<&'a mut dyn Scribe>,
 }
 
 impl<'a> App<'a> {
@@ -97,6 +99,7 @@ impl<'a> App<'a> {
             told_end: false,
             quit: None,
             player: None,
+            scribe: None,
         }
     }
 
@@ -186,6 +189,7 @@ impl<'a> App<'a> {
             self.message.0 = Message::Hints;
             shows = true;
         }
+        shows |= self.watch_scribe();
         if !self.told_end
             && let Some(keeper) = &mut self.keeper
             && let Some(how) = keeper.ended()
@@ -329,6 +333,7 @@ impl<'a> App<'a> {
             Action::Zoom(factor) => self.time.zoom(factor, self.kept().1),
             Action::ZoomReset => self.time.reset_span(self.kept().1),
             Action::Restart => self.restart(),
+            Action::Record => self.record(),
             // These are for recordings alone.
             Action::Speed(_) | Action::Event(_) | Action::Loop | Action::GoTo | Action::End(_) => {}
         }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rotor::{Rotor, Settings};
-use wire::{Bulletin, State};
+use wire::{Bulletin, RecorderStatus, State};
 
 use crate::history::History;
 use crate::picture::Picture;
@@ -38,6 +38,7 @@ pub(crate) struct Feed {
     rotor: Option<Arc<Rotor>>,
     bulletin: Option<Arc<Bulletin>>,
     contact: Contact,
+    recorder: Option<Box<RecorderStatus>>,
     changes: u64,
 }
 
@@ -57,6 +58,7 @@ impl Feed {
             rotor: None,
             bulletin: None,
             contact: Contact::Waiting(why.to_owned()),
+            recorder: None,
             changes: 0,
         }
     }
@@ -105,6 +107,19 @@ impl Feed {
         self.bulletin = Some(Arc::from(bulletin));
         self.contact = Contact::Live;
         self.changes += 1;
+    }
+
+    /// Takes in what is known of a recorder.
+    pub(crate) fn hear_recorder(&mut self, status: Option<Box<RecorderStatus>>) {
+        if self.recorder != status {
+            self.recorder = status;
+            self.changes += 1;
+        }
+    }
+
+    /// What is known of a recorder.
+    pub(crate) fn recorder(&self) -> Option<&RecorderStatus> {
+        self.recorder.as_deref()
     }
 
     /// Notes how things stand; what has been heard stays.
@@ -173,6 +188,7 @@ impl Feed {
             rate: self.pace.rate(now),
             age: self.heard.map(|heard| now.saturating_duration_since(heard)),
             contact: self.contact.clone(),
+            recorder: self.recorder.clone(),
             tripped: self.history.is_tripped(),
             behind: view.now.map_or(0, |now| kept.end - 1 - now),
         }

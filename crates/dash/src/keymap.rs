@@ -31,6 +31,8 @@ pub(crate) enum Action {
     Zoom(f64),
     /// Show as much time as at the start.
     ZoomReset,
+    /// Start to record the bench, or end that.
+    Record,
     /// A recording: play faster (1) or slower (-1).
     Speed(isize),
     /// A recording: to the next event (1) or the one before (-1).
@@ -70,7 +72,7 @@ const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 use KeyCode::{Char, Down, End, Enter, Esc, Home, Left, Right, Up};
 
 /// Every key, in the order of the help screen. A shifted letter is its capital.
-pub(crate) const BINDINGS: [Binding; 20] = [
+pub(crate) const BINDINGS: [Binding; 21] = [
     Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
     Binding {
         keys: "q, ctrl-c",
@@ -190,6 +192,12 @@ pub(crate) const BINDINGS: [Binding; 20] = [
             (Char('-'), NONE, Action::Zoom(2.0)),
             (Char('='), NONE, Action::ZoomReset),
         ],
+    },
+    Binding {
+        keys: "r",
+        meaning: "record the bench; again ends it",
+        hint: Some("record"),
+        chords: &[(Char('r'), NONE, Action::Record)],
     },
     Binding {
         keys: "( ), n N",

@@ -30,4 +30,4 @@ pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
 pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use panels::registry::panels;
 pub use replay::{Moment, Past, PastEvent, replay};
-pub use session::{DashError, Ended, Keeper, Options, run};
+pub use session::{DashError, Ended, Keeper, Options, Scribe, run};

@@ -21,6 +21,9 @@ const SILENCE: Duration = Duration::from_millis(60);
 /// Silence of a living simulation that counts as a stall.
 const STALL: Duration = Duration::from_millis(250);
 
+/// How often we look how a recorder stands: it says so a few times a second.
+const RECORDER: Duration = Duration::from_millis(250);
+
 /// A feed that threads share. A poisoned lock means another thread has panicked: what was heard is still whole.
 pub(crate) type Shared = Arc<Mutex<Feed>>;
 
@@ -74,9 +77,15 @@ pub(crate) fn spawn<C: Carrier>(
 fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(), WireError> {
     let attached = Instant::now();
     let mut told = (0, false);
+    let mut looked = attached;
     while !wires.stop.load(Ordering::Relaxed) {
         let bulletin = listener.bulletin()?;
         let now = Instant::now();
+        if now - looked > RECORDER {
+            looked = now;
+            let status = listener.recorder()?;
+            lock(feed).hear_recorder(status);
+        }
         let drained = {
             let mut feed = lock(feed);
             if let Some(bulletin) = bulletin {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rotor::{C64, Rotor, Settings};
-use wire::Bulletin;
 use wire::message::{Flags, Trip};
+use wire::{Bulletin, RecorderStatus};
 
 use crate::feed::Contact;
 use crate::history::{Block, Channel, Era, Mark, STEPS};
@@ -165,6 +165,8 @@ pub(crate) struct Picture {
     pub(crate) age: Option<Duration>,
     /// Live: how things stand.
     pub(crate) contact: Contact,
+    /// Live: what is known of a recorder.
+    pub(crate) recorder: Option<Box<RecorderStatus>>,
     /// Live: whether the machine has tripped.
     pub(crate) tripped: bool,
     /// Steps from the cursor to the newest one.

@@ -77,14 +77,30 @@ pub trait Keeper {
     fn revive(&mut self) -> Result<(), String>;
 }
 
+/// Whoever can record the bench, in a process of its own.
+pub trait Scribe {
+    /// Starts a recording, and says in which file.
+    ///
+    /// # Errors
+    /// It cannot be started, in words.
+    fn start(&mut self) -> Result<String, String>;
+    /// Asks the recording that was started here to end in good order. Does not wait.
+    fn stop(&mut self);
+    /// Whether a recording that was started here has not ended yet.
+    fn is_at_work(&self) -> bool;
+    /// How the recording ended, once it has: told once.
+    fn ended(&mut self) -> Option<Result<String, String>>;
+}
+
 /// Shows `bench` on the terminal until a person or a signal ends it.
 ///
 /// # Errors
 /// No terminal, or one that fails.
-pub fn run<C: Carrier>(
+pub fn run<'a, C: Carrier>(
     carrier: C,
     bench: &BenchName,
-    keeper: Option<&mut dyn Keeper>,
+    keeper: Option<&'a mut dyn Keeper>,
+    scribe: Option<&'a mut dyn Scribe>,
     options: &Options,
 ) -> Result<Ended, DashError> {
     if !Screen::is_possible() {
@@ -107,7 +123,7 @@ pub fn run<C: Carrier>(
     let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
     let screen = Screen::take(Look::of_environment(Wishes::default()))?;
     input::keyboard(send_input, stop.clone())?;
-    let mut app = App::new(bench.to_string(), feed, edits, keeper, idle, options);
+    let mut app = App::new(bench.to_string(), feed, edits, keeper, idle, options).recording_with(scribe);
     let ended = app.run(screen, &Streams { inputs, outcomes, wakes });
     stop.store(true, Ordering::Relaxed);
     signals.close();

@@ -46,7 +46,7 @@ mod tests {
 
     #[test]
     fn every_key_sign_and_setting_is_explained() {
-        let frame = drawn(100, 38, draw);
+        let frame = drawn(100, 39, draw);
         for binding in &BINDINGS {
             assert!(frame.contains(binding.keys) && frame.contains(binding.meaning), "{}:\n{frame}", binding.keys);
         }

@@ -10,6 +10,7 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
+use wire::{Keeping, RecorderState, RecorderStatus};
 
 use crate::feed::Contact;
 use crate::keymap::BINDINGS;
@@ -39,6 +40,9 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     // A machine that stands still is first told why.
     if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
         add(format!("{trip}: R restarts"), theme::loud(theme::BAD));
+    }
+    if let Some((sign, style)) = picture.recorder.as_deref().and_then(recording) {
+        add(sign, style);
     }
     if let Contact::Waiting(why) = &picture.contact {
         add(why.clone(), theme::loud(theme::WARN));
@@ -75,6 +79,33 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         add(text, style);
     }
     Line::from(line).render(area, buffer);
+}
+
+/// Silence of a living recorder that is worth a word: it shall speak at least once a second.
+const SILENT: u64 = 3_000_000_000;
+
+/// The sign of a recording: red while it runs, with time, size and losses.
+fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+    let red = theme::loud(theme::BAD);
+    let told = match status.state() {
+        RecorderState::Recording if now.saturating_sub(status.wall_ns) > SILENT => {
+            return Some((
+                format!("● REC hangs for {} s", now.saturating_sub(status.wall_ns) / 1_000_000_000),
+                theme::badge(theme::BAD),
+            ));
+        }
+        RecorderState::Recording => {
+            let seconds = status.wall_ns.saturating_sub(status.started_ns) / 1_000_000_000;
+            let held = if matches!(status.keeping(), Keeping::Pretrigger(_)) { " armed" } else { "" };
+            let (minutes, rest, size) = (seconds / 60, seconds % 60, status.bytes as f64 / 1e6);
+            format!("● REC{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost)
+        }
+        RecorderState::Failed => format!("REC FAILED: {}", status.error.as_str()),
+        RecorderState::Died => "REC DIED: what it wrote is there".to_owned(),
+        RecorderState::Stopped => return None,
+    };
+    Some((told, red))
 }
 
 /// What is told at the foot.
@@ -140,6 +171,29 @@ mod tests {
             "{}",
             top(&picture, true)
         );
+    }
+
+    #[test]
+    fn a_recording_has_a_sign_with_time_size_and_losses() {
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
+        let mut status = wire::RecorderStatus { bytes: 3_440_000, lost: 2, ..wire::RecorderStatus::default() };
+        (status.wall_ns, status.started_ns) = (now + 60_000_000_000, now - 12_000_000_000);
+        let mut sign = |state, wall_ns: Option<u64>| {
+            status.set_state(state);
+            status.wall_ns = wall_ns.unwrap_or(status.wall_ns);
+            let mut picture = tests::picture();
+            picture.recorder = Some(Box::new(status));
+            top(&picture, false)
+        };
+        assert!(sign(RecorderState::Recording, None).contains("● REC 01:12 3.4 MB lost 2"));
+        assert!(sign(RecorderState::Died, None).contains("REC DIED"));
+        assert!(!sign(RecorderState::Stopped, None).contains("REC"));
+        assert!(sign(RecorderState::Recording, Some(now - 9_500_000_000)).contains("● REC hangs for "));
+        status.error = wire::Text::new("disk full");
+        status.set_state(RecorderState::Failed);
+        let mut picture = tests::picture();
+        picture.recorder = Some(Box::new(status));
+        assert!(top(&picture, false).contains("REC FAILED: disk full"));
     }
 
     #[test]

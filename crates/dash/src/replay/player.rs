@@ -211,17 +211,19 @@ impl Player {
         seq.clamp(self.ends[0], self.ends[1])
     }
 
-    /// Goes to the next event (1) or the one before (-1), and says which that is.
+    /// Goes to the step of the next event (1) or of the one before (-1), and says what happened there.
     pub(crate) fn go_to_event(&mut self, by: isize, feed: &mut Feed, time: &mut ViewTime) -> Result<String, String> {
         let (here, [first, last]) = (self.seq(), self.ends);
         let mut there = self.events.iter().filter(|event| (first..=last).contains(&event.at.seq));
         let found =
             if by > 0 { there.find(|event| event.at.seq > here) } else { there.rfind(|event| event.at.seq < here) };
-        let Some(event) = found.cloned() else {
+        let Some(seq) = found.map(|event| event.at.seq) else {
             return Err(format!("no event {} this", if by > 0 { "after" } else { "before" }));
         };
-        self.go(event.at.seq, feed, time)?;
-        Ok(super::show::words(&event))
+        self.go(seq, feed, time)?;
+        // Several may have happened before one step.
+        let all = self.events.iter().filter(|event| event.at.seq == seq);
+        Ok(all.map(super::show::words).collect::<Vec<_>>().join("; "))
     }
 
     /// Sets where the loop begins, then where it ends, then ends it; and says so.

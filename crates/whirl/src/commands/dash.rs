@@ -64,5 +64,5 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
     drop(attach::listen(&carrier, &bench)?);
-    ended(dash::run(carrier, &bench, None, &options)?)
+    ended(dash::run(carrier, &bench, None, None, &options)?)
 }

@@ -36,7 +36,7 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
     let bench = args.options()?.bench;
     let carrier = attach::dashboard_carrier()?;
     let mut simulation = Simulation::start(args.to_arguments())?;
-    let shown = dash::run(carrier, &bench, Some(&mut simulation), &screen);
+    let shown = dash::run(carrier, &bench, Some(&mut simulation), None, &screen);
     simulation.end()?;
     ended(shown?)
 }

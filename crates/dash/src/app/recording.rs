@@ -1,0 +1,131 @@
+//! The key that records the bench.
+
+use super::App;
+use crate::link::lock;
+use crate::panels::status::Message;
+use crate::session::Scribe;
+
+impl<'a> App<'a> {
+    /// The same with somebody who can record.
+    pub(crate) fn recording_with(self, scribe: Option<&'a mut dyn Scribe>) -> Self {
+        Self { scribe, ..self }
+    }
+
+    /// Starts a recording, or ends the one that was started here.
+    pub(super) fn record(&mut self) {
+        let others = lock(&self.feed)
+            .recorder()
+            .filter(|status| status.is_recording())
+            .map(|status| format!("recorded already by process {}, in {}", status.pid, status.path.as_str()));
+        let told = match (&mut self.scribe, others) {
+            (None, _) => Message::Bad("this is a recording already".into()),
+            (Some(scribe), _) if scribe.is_at_work() => {
+                scribe.stop();
+                Message::Good("the recording ends: what has been heard is being written".into())
+            }
+            (_, Some(others)) => Message::Bad(others),
+            (Some(scribe), None) => match scribe.start() {
+                Ok(file) => Message::Good(format!("records in {file}: r ends it")),
+                Err(why) => Message::Bad(why),
+            },
+        };
+        self.tell(told);
+    }
+
+    /// Says how a recording ended. Returns whether one has.
+    pub(super) fn watch_scribe(&mut self) -> bool {
+        let Some(how) = self.scribe.as_mut().and_then(|scribe| scribe.ended()) else { return false };
+        self.tell(match how {
+            Ok(words) => Message::Good(words),
+            Err(why) => Message::Bad(format!("the recording failed: {why}")),
+        });
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::{Arc, Mutex};
+
+    use crossbeam::channel;
+    use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+    use wire::{RecorderState, RecorderStatus, Text};
+
+    use super::*;
+    use crate::feed::Feed;
+    use crate::session::Options;
+
+    #[derive(Default)]
+    struct Writer {
+        at_work: bool,
+        asked: bool,
+        refuses: bool,
+    }
+
+    impl Scribe for Writer {
+        fn start(&mut self) -> Result<String, String> {
+            if self.refuses {
+                return Err("recordings need another build".into());
+            }
+            self.at_work = true;
+            Ok("s.rrd".into())
+        }
+
+        fn stop(&mut self) {
+            self.asked = true;
+        }
+
+        fn is_at_work(&self) -> bool {
+            self.at_work
+        }
+
+        fn ended(&mut self) -> Option<Result<String, String>> {
+            let ended = std::mem::take(&mut self.asked);
+            self.at_work &= !ended;
+            ended.then(|| Ok("recorded s.rrd".into()))
+        }
+    }
+
+    /// Presses `r` so many times, with a tick after each; returns what was said last before and after the tick.
+    fn pressed(writer: &mut Writer, times: usize, recorder: Option<RecorderStatus>) -> (Message, Message) {
+        let mut feed = Feed::new("");
+        feed.hear_recorder(recorder.map(Box::new));
+        let (edits, _taken) = channel::bounded(8);
+        let mut app =
+            App::new("default".into(), Arc::new(Mutex::new(feed)), edits, None, Arc::default(), &Options::default())
+                .recording_with(Some(writer));
+        let mut said = None;
+        for _ in 0..times {
+            app.press(KeyEvent::new(KeyCode::Char('r'), KeyModifiers::NONE));
+            let before = app.message.0.clone();
+            app.tick();
+            said = Some((before, app.message.0.clone()));
+        }
+        said.unwrap()
+    }
+
+    #[test]
+    fn a_key_starts_and_ends_a_recording() {
+        let mut writer = Writer::default();
+        assert_eq!(pressed(&mut writer, 1, None).1, Message::Good("records in s.rrd: r ends it".into()));
+        assert!(writer.at_work);
+        let mut writer = Writer::default();
+        let (before, after) = pressed(&mut writer, 2, None);
+        assert!(matches!(before, Message::Good(words) if words.starts_with("the recording ends")));
+        assert_eq!(after, Message::Good("recorded s.rrd".into()));
+        assert!(!writer.at_work);
+    }
+
+    #[test]
+    fn what_stands_in_the_way_is_said() {
+        let mut writer = Writer { refuses: true, ..Writer::default() };
+        assert_eq!(pressed(&mut writer, 1, None).0, Message::Bad("recordings need another build".into()));
+        let mut status = RecorderStatus { pid: 42, path: Text::new("/tmp/x.rrd"), ..RecorderStatus::default() };
+        status.set_state(RecorderState::Recording);
+        let mut writer = Writer::default();
+        let told = pressed(&mut writer, 1, Some(status)).0;
+        assert_eq!(told, Message::Bad("recorded already by process 42, in /tmp/x.rrd".into()));
+        status.set_state(RecorderState::Died);
+        assert!(matches!(pressed(&mut writer, 1, Some(status)).0, Message::Good(_)));
+    }
+}
