@@ -18,7 +18,10 @@ impl<'a> App<'a> {
             .filter(|status| status.is_recording())
             .map(|status| format!("recorded already by process {}, in {}", status.pid, status.path.as_str()));
         let told = match (&mut self.scribe, others) {
-            (None, _) => Message::Bad("this is a recording already".into()),
+            (None, _) if self.player.is_some() => Message::Bad("what is played is recorded already".into()),
+            (None, _) => {
+                Message::Bad("nobody here can record: `whirl record FILE.rrd` does, from another terminal".into())
+            }
             (Some(scribe), _) if scribe.is_at_work() => {
                 scribe.stop();
                 Message::Good("the recording ends: what has been heard is being written".into())
