@@ -12,6 +12,8 @@ use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use rotor::{C64, Key};
 
+use crate::alarms::{Alarms, Limits, Reading};
+use crate::analysis::Desk;
 use crate::clerk::{Edit, Outcome};
 use crate::feed::Contact;
 use crate::input::Input;
@@ -60,6 +62,8 @@ pub(crate) struct App<'a> {
     help: bool,
     /// Which moment is looked at.
     time: ViewTime,
+    desk: Desk,
+    alarms: Alarms,
     /// Told to the reader while the newest steps are not looked at.
     idle: Arc<AtomicBool>,
     layouts: Vec<Layout>,
@@ -80,6 +84,7 @@ impl<'a> App<'a> {
         feed: Shared,
         edits: Sender<Edit>,
         keeper: Option<&'a mut dyn Keeper>,
+        desk: Desk,
         idle: Arc<AtomicBool>,
         options: &Options,
     ) -> Self {
@@ -92,6 +97,8 @@ impl<'a> App<'a> {
             message: (Message::Hints, Instant::now()),
             help: false,
             time: ViewTime::LIVE,
+            desk,
+            alarms: Alarms::new(Limits::default()),
             idle,
             layouts: options.layouts.clone(),
             layout: options.layout,
@@ -162,7 +169,11 @@ impl<'a> App<'a> {
     }
 
     fn draw(&mut self, screen: &mut Screen) -> io::Result<()> {
-        let mut picture = lock(&self.feed).picture(&self.time, Instant::now());
+        let (mut picture, reading) = {
+            let mut feed = lock(&self.feed);
+            (feed.picture(&self.time, Instant::now()), feed.reading())
+        };
+        self.heed(&reading);
         if let Some(player) = &self.player {
             player.finish(&mut picture);
         }
@@ -174,6 +185,8 @@ impl<'a> App<'a> {
             bench: &self.bench,
             cursor: &self.cursor,
             message: going.as_ref().unwrap_or(&self.message.0),
+            desk: &self.desk,
+            alarms: &self.alarms,
             help: self.help,
             replay: self.player.as_ref().map(|player| player.shown(&picture)),
         };
@@ -183,8 +196,11 @@ impl<'a> App<'a> {
 
     /// What time alone brings. Returns whether it shows.
     fn tick(&mut self) -> bool {
+        // Alarms go on while the view stands, and no peak falls between two frames.
+        let reading = lock(&self.feed).reading();
+        let mut shows = self.heed(&reading);
         let now = Instant::now();
-        let mut shows = self.play(|player, feed, time| player.tick(feed, time, now)).unwrap_or(false);
+        shows |= self.play(|player, feed, time| player.tick(feed, time, now)).unwrap_or(false);
         if self.message.0 != Message::Hints && self.message.1.elapsed() > MESSAGE {
             self.message.0 = Message::Hints;
             shows = true;
@@ -200,6 +216,19 @@ impl<'a> App<'a> {
             shows = true;
         }
         shows
+    }
+
+    /// Holds a reading against the limits. Returns whether an alarm rose or fell.
+    fn heed(&mut self, reading: &Reading) -> bool {
+        // What a recording tells is past, and comes in any order.
+        if self.player.is_some() {
+            return false;
+        }
+        let changed = self.alarms.read(reading);
+        if self.alarms.rings() {
+            Screen::ring();
+        }
+        changed
     }
 
     fn tell(&mut self, message: Message) {
@@ -332,6 +361,11 @@ impl<'a> App<'a> {
             }
             Action::Zoom(factor) => self.time.zoom(factor, self.kept().1),
             Action::ZoomReset => self.time.reset_span(self.kept().1),
+            Action::Acknowledge => match self.alarms.acknowledge() {
+                0 => self.tell(Message::Good("no alarm waits to be acknowledged".into())),
+                1 => self.tell(Message::Good("1 alarm acknowledged".into())),
+                count => self.tell(Message::Good(format!("{count} alarms acknowledged"))),
+            },
             Action::Restart => self.restart(),
             Action::Record => self.record(),
             // These are for recordings alone.
@@ -390,7 +424,8 @@ mod tests {
         feed.hear(&tests::state(3, 0), Instant::now());
         let (edits, taken) = channel::bounded(64);
         let feed = Arc::new(Mutex::new(feed));
-        let mut app = App::new("default".into(), feed, edits, None, Arc::default(), &Options::default());
+        let mut app =
+            App::new("default".into(), feed, edits, None, Desk::at_once(), Arc::default(), &Options::default());
         for code in keys {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }

@@ -7,6 +7,7 @@ use std::time::Instant;
 use rotor::{Rotor, Settings};
 use wire::{Bulletin, RecorderStatus, State};
 
+use crate::alarms::{Gauge, Reading};
 use crate::history::History;
 use crate::picture::Picture;
 use crate::view_time::ViewTime;
@@ -35,6 +36,7 @@ pub(crate) struct Feed {
     history: History,
     heard: Option<Instant>,
     pace: Pace,
+    gauge: Gauge,
     rotor: Option<Arc<Rotor>>,
     bulletin: Option<Arc<Bulletin>>,
     contact: Contact,
@@ -55,6 +57,7 @@ impl Feed {
             history: History::new(bound),
             heard: None,
             pace: Pace::default(),
+            gauge: Gauge::default(),
             rotor: None,
             bulletin: None,
             contact: Contact::Waiting(why.to_owned()),
@@ -66,6 +69,7 @@ impl Feed {
     /// Takes in one state.
     pub(crate) fn hear(&mut self, state: &State, now: Instant) {
         self.history.push(state);
+        self.gauge.hear(state);
         self.heard = Some(now);
         self.pace.count(now);
         self.contact = Contact::Live;
@@ -75,6 +79,7 @@ impl Feed {
     /// Takes in one bulletin.
     pub(crate) fn read(&mut self, bulletin: Box<Bulletin>) {
         self.history.note_bulletin(&bulletin);
+        self.gauge.learn(&bulletin, self.history.lost());
         if self.bulletin.as_ref().is_none_or(|last| last.run_id != bulletin.run_id) {
             self.rotor = self.history.newest_era().and_then(|era| era.rotor.clone());
         }
@@ -128,6 +133,11 @@ impl Feed {
             self.contact = contact;
             self.changes += 1;
         }
+    }
+
+    /// What is to be held against the alarms' limits: all that has come in since this was last asked.
+    pub(crate) fn reading(&mut self) -> Reading {
+        self.gauge.take()
     }
 
     /// When the last state came.

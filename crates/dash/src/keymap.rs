@@ -43,6 +43,8 @@ pub(crate) enum Action {
     GoTo,
     /// A recording: to its end, or its beginning.
     End(bool),
+    /// All alarms have been seen.
+    Acknowledge,
     /// Restart from rest, or bring back a simulation that has ended.
     Restart,
     /// Show and hide the help.
@@ -72,7 +74,7 @@ const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 use KeyCode::{Char, Down, End, Enter, Esc, Home, Left, Right, Up};
 
 /// Every key, in the order of the help screen. A shifted letter is its capital.
-pub(crate) const BINDINGS: [Binding; 21] = [
+pub(crate) const BINDINGS: [Binding; 22] = [
     Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
     Binding {
         keys: "q, ctrl-c",
@@ -221,6 +223,12 @@ pub(crate) const BINDINGS: [Binding; 21] = [
         meaning: "recording: a loop begins here, ends here, is dropped",
         hint: None,
         chords: &[(Char('m'), NONE, Action::Loop)],
+    },
+    Binding {
+        keys: "a",
+        meaning: "acknowledge the alarms",
+        hint: Some("alarms"),
+        chords: &[(Char('a'), NONE, Action::Acknowledge)],
     },
     Binding {
         keys: "R",

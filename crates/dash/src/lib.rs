@@ -7,6 +7,8 @@
 //!
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
 
+mod alarms;
+mod analysis;
 mod app;
 mod clerk;
 mod feed;

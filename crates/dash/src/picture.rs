@@ -39,6 +39,11 @@ impl Track {
         self.first
     }
 
+    /// Place of step `step` in the history: never used twice.
+    pub(crate) fn place_of(&self, step: usize) -> u64 {
+        self.first + step as u64
+    }
+
     fn block(&self, step: usize) -> (&Block, usize) {
         let at = self.skipped + step;
         (&self.blocks[at / STEPS], at % STEPS)

@@ -5,6 +5,8 @@ use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
+use crate::alarms::Alarms;
+use crate::analysis::Desk;
 use crate::layout::Layout;
 use crate::panels::registry::Panels;
 use crate::panels::settings::Cursor;
@@ -26,6 +28,9 @@ pub(crate) struct View<'a> {
     pub(crate) bench: &'a str,
     pub(crate) cursor: &'a Cursor,
     pub(crate) message: &'a Message,
+    /// Where to ask for what takes long to compute.
+    pub(crate) desk: &'a Desk,
+    pub(crate) alarms: &'a Alarms,
     pub(crate) help: bool,
     /// The player, if this is a recording.
     pub(crate) replay: Option<Show<'a>>,
@@ -68,6 +73,8 @@ fn parts(area: Rect, has_line_of_time: bool) -> [Rect; 4] {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use std::sync::LazyLock;
+
     use super::*;
     use crate::feed::{Contact, Feed, tests};
     use crate::panels::tests::text;
@@ -75,10 +82,22 @@ pub(crate) mod tests {
     static CURSOR: Cursor = Cursor { row: 0, typed: None };
     static HINTS: Message = Message::Hints;
     static LIVE: ViewTime = ViewTime::LIVE;
+    static DESK: LazyLock<Desk> = LazyLock::new(Desk::at_once);
+    static ALARMS: LazyLock<Alarms> = LazyLock::new(Alarms::default);
 
     /// A view of `picture` by somebody who has pressed nothing yet.
     pub(crate) fn view(picture: &Picture) -> View<'_> {
-        View { picture, time: &LIVE, bench: "default", cursor: &CURSOR, message: &HINTS, help: false, replay: None }
+        View {
+            picture,
+            time: &LIVE,
+            bench: "default",
+            cursor: &CURSOR,
+            message: &HINTS,
+            desk: &DESK,
+            alarms: &ALARMS,
+            help: false,
+            replay: None,
+        }
     }
 
     fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex};
 use crossbeam::channel;
 use wire::{BenchName, Carrier};
 
+use crate::analysis::Desk;
 use crate::app::{App, Streams};
 use crate::clerk;
 use crate::feed::Feed;
@@ -58,11 +59,13 @@ pub struct Options {
     pub layouts: Vec<Layout>,
     /// The one that is shown first, by its place among them.
     pub layout: usize,
+    /// Colours and glyphs.
+    pub wishes: Wishes,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { history: BOUND, layouts: built_in(), layout: 0 }
+        Self { history: BOUND, layouts: built_in(), layout: 0, wishes: Wishes::default() }
     }
 }
 
@@ -118,12 +121,13 @@ pub fn run<'a, C: Carrier>(
     let signals = input::signals(send_input.clone())?;
     let (wake, wakes) = channel::bounded(1);
     let idle = Arc::new(AtomicBool::new(false));
+    let desk = Desk::open(&wake)?;
     let wires = Wires { bulletins: send_bulletin, wake, idle: idle.clone(), stop: stop.clone() };
     let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
     let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
-    let screen = Screen::take(Look::of_environment(Wishes::default()))?;
+    let screen = Screen::take(Look::of_environment(options.wishes))?;
     input::keyboard(send_input, stop.clone())?;
-    let mut app = App::new(bench.to_string(), feed, edits, keeper, idle, options).recording_with(scribe);
+    let mut app = App::new(bench.to_string(), feed, edits, keeper, desk, idle, options).recording_with(scribe);
     let ended = app.run(screen, &Streams { inputs, outcomes, wakes });
     stop.store(true, Ordering::Relaxed);
     signals.close();

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use crossterm::cursor::{Hide, Show};
 use crossterm::execute;
+use crossterm::style::Print;
 use crossterm::terminal::{
     BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
     disable_raw_mode, enable_raw_mode,
@@ -67,6 +68,15 @@ impl Screen {
         let drawn = drawn.map(|_| ());
         execute!(io::stdout(), EndSynchronizedUpdate)?;
         drawn
+    }
+
+    /// Rings the terminal's bell.
+    pub(crate) fn ring() {
+        let _drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
+        if TAKEN.load(Ordering::SeqCst) {
+            // A bell that cannot be rung is no reason to end.
+            let _ = execute!(io::stdout(), Print('\x07'));
+        }
     }
 
     /// Whether some thread has panicked: its message is on the terminal, and drawing on would hide it.

@@ -27,6 +27,8 @@ pub(crate) const BACKWARD: Color = role(4);
 pub(crate) const GRID: Color = role(5);
 /// Deadband circles.
 pub(crate) const CLEARANCE: Color = role(6);
+/// Where poles go over speed.
+pub(crate) const TRAIL: Color = CLEARANCE;
 /// The keyphasor.
 pub(crate) const KEY: Color = role(7);
 /// Control force.
@@ -37,6 +39,11 @@ pub(crate) const TRACES: [Color; 4] = [role(9), role(10), role(11), role(12)];
 
 /// What would be, beside what is.
 pub(crate) const CANDIDATE: Color = role(13);
+/// Where a person points, and the present within a plot.
+pub(crate) const CURSOR: Color = role(14);
+
+/// From little to much: waterfalls.
+pub(crate) const HEAT: [Color; 8] = [role(15), role(16), role(17), role(18), role(19), role(20), role(21), role(22)];
 
 /// Text that explains.
 pub(crate) fn quiet() -> Style {

@@ -104,6 +104,7 @@ mod tests {
     use crossterm::event::KeyModifiers;
 
     use super::*;
+    use crate::analysis::Desk;
     use crate::replay::tests::session;
     use crate::session::Options;
 
@@ -114,7 +115,8 @@ mod tests {
         let (edits, taken) = channel::bounded(8);
         let feed = Arc::new(Mutex::new(feed));
         let mut app =
-            App::new("memory".into(), feed, edits, None, Arc::default(), &Options::default()).playing(player, time);
+            App::new("memory".into(), feed, edits, None, Desk::at_once(), Arc::default(), &Options::default())
+                .playing(player, time);
         for code in keys {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }

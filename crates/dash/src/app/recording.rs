@@ -94,9 +94,16 @@ mod tests {
         let mut feed = Feed::new("");
         feed.hear_recorder(recorder.map(Box::new));
         let (edits, _taken) = channel::bounded(8);
-        let mut app =
-            App::new("default".into(), Arc::new(Mutex::new(feed)), edits, None, Arc::default(), &Options::default())
-                .recording_with(Some(writer));
+        let mut app = App::new(
+            "default".into(),
+            Arc::new(Mutex::new(feed)),
+            edits,
+            None,
+            crate::analysis::Desk::at_once(),
+            Arc::default(),
+            &Options::default(),
+        )
+        .recording_with(Some(writer));
         let mut said = None;
         for _ in 0..times {
             app.press(KeyEvent::new(KeyCode::Char('r'), KeyModifiers::NONE));

@@ -1,15 +1,22 @@
 //! The panels: one file each, one function each from a [`Picture`] and an area to cells of the screen. They keep no
 //! state; what a person has selected or typed comes in as an argument.
 
+pub(crate) mod alarms;
 pub(crate) mod damping;
+pub(crate) mod damping_over_speed;
 pub(crate) mod force;
+pub(crate) mod force_budget;
 pub(crate) mod help;
+pub(crate) mod modes;
 pub(crate) mod orbits;
 pub(crate) mod poles;
+pub(crate) mod raw;
 pub(crate) mod registry;
 pub(crate) mod settings;
+pub(crate) mod spectrum;
 pub(crate) mod status;
 pub(crate) mod strips;
+pub(crate) mod waterfall;
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;

@@ -7,7 +7,7 @@
 //! │    ⠑⡀  ▲ ⡇                     │
 //! │      ⠑⡀  ⡇◆  unstable          │   ◆ the least damped mode; right of the line Re = 0 it grows
 //! │⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⡏⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉│
-//! │     ▼    ⡇                     │   ▼ backward, Im < 0
+//! │     ▼    ⡇                     │   ▼ backward, Im < 0; blue lines: where poles go over speed, from 0 up
 //! └ ◆ -0.1216 +2.2692j ─────────────┘
 //! ```
 
@@ -17,6 +17,7 @@ use ratatui::text::Line;
 use rotor::{C64, Whirl, damping_ratio};
 
 use super::{framed, write, write_right};
+use crate::analysis::Question;
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::screen::View;
 use crate::theme;
@@ -37,6 +38,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let furthest = reach(|p| p.re);
     let right = if furthest > 0.0 { nice_ceiling(furthest * 1.05) } else { 0.0 }.max(0.25 * left);
     let mut plot = Plot::new(inner, Window { x: [-left, right], y: [-top, top] });
+    trail(view, &mut plot);
 
     for zeta in RAYS {
         // Along a ray Re = -zeta |lambda|.
@@ -93,6 +95,18 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             &label,
             style,
         );
+    }
+}
+
+/// Where the poles go over speed for the gains in force, faintly. Nothing where modes cannot be told
+/// apart.
+fn trail(view: &View<'_>, plot: &mut Plot) {
+    let Some(question) = view.picture.era.as_ref().and_then(|era| Question::of(era)) else { return };
+    let Some(over_speed) = view.desk.over_speed(&question) else { return };
+    for branch in &over_speed.branches {
+        for pair in branch.windows(2) {
+            plot.line([pair[0].re, pair[0].im], [pair[1].re, pair[1].im], theme::TRAIL);
+        }
     }
 }
 

@@ -3,7 +3,10 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 
-use super::{damping, force, orbits, poles, settings, strips};
+use super::modes::Modes;
+use super::{
+    alarms, damping, damping_over_speed, force, force_budget, orbits, poles, raw, settings, spectrum, strips, waterfall,
+};
 use crate::screen::View;
 
 /// A part of the screen. It owns its state and draws its own frame.
@@ -54,6 +57,49 @@ pub(crate) const KINDS: &[Kind] = &[
         least: (18, 4),
         make: || Box::new(force::draw),
     },
+    Kind {
+        name: "force-budget",
+        meaning: "the control force by component, by signal and by gain",
+        least: (24, 5),
+        make: || Box::new(force_budget::draw),
+    },
+    Kind {
+        name: "damping-over-speed",
+        meaning: "how far the gains in force carry: minimum damping over speed",
+        least: (28, 6),
+        make: || Box::new(damping_over_speed::draw),
+    },
+    Kind {
+        name: "modes",
+        meaning: "every mode: damping, frequency, sense of whirl and shape, the least damped first",
+        least: (40, 4),
+        make: || Box::<Modes>::default(),
+    },
+    Kind {
+        name: "spectrum",
+        meaning: "full spectrum of the mass with the control bearing, forward and backward",
+        least: (28, 6),
+        make: || Box::new(spectrum::draw),
+    },
+    Kind {
+        name: "waterfall",
+        meaning: "its spectra over time",
+        least: (24, 6),
+        make: || Box::new(waterfall::draw_over_time),
+    },
+    Kind {
+        name: "waterfall-over-speed",
+        meaning: "its spectra over the speeds that were run through",
+        least: (24, 6),
+        make: || Box::new(waterfall::draw_over_speed),
+    },
+    Kind {
+        name: "alarms",
+        meaning: "what is watched, its limits, and what has been past them",
+        least: (30, 4),
+        make: || Box::new(alarms::draw),
+    },
+    Kind { name: "raw", meaning: "every number of one step", least: (40, 5), make: || Box::new(raw::draw) },
 ];
 
 /// Name, meaning, and smallest width and height of every panel.

@@ -12,6 +12,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
 use wire::{Keeping, RecorderState, RecorderStatus};
 
+use crate::alarms::{Alarms, Level};
 use crate::feed::Contact;
 use crate::keymap::BINDINGS;
 use crate::picture::Picture;
@@ -79,6 +80,47 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         add(text, style);
     }
     Line::from(line).render(area, buffer);
+    // At the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
+    let told: Vec<Span<'_>> = alarms_told(view.alarms).collect();
+    let told = Line::from(told);
+    let width = (told.width() as u16).min(area.width);
+    told.render(Rect { x: area.right() - width, width, ..area }, buffer);
+}
+
+/// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit. On a bar
+/// until they are acknowledged.
+fn alarms_told(alarms: &Alarms) -> impl Iterator<Item = Span<'static>> {
+    [Level::Alarm, Level::Warning].into_iter().flat_map(move |level| {
+        [true, false].into_iter().filter_map(move |unseen| {
+            let here = alarms.standings().filter(|(_, standing, _)| standing.shown() == level);
+            let names: Vec<&str> = here
+                .filter(|(_, standing, _)| (standing.unseen == level) == unseen)
+                .map(|(watch, ..)| watch.name())
+                .collect();
+            let text = format!(" {} {} ", level_words(level), names.join(", "));
+            let color = level_color(level);
+            let style = if unseen { theme::badge(color) } else { theme::loud(color) };
+            (!names.is_empty()).then(|| Span::styled(text, style))
+        })
+    })
+}
+
+/// A level as a sign and a word.
+pub(crate) fn level_words(level: Level) -> &'static str {
+    match level {
+        Level::Fine => "ok",
+        Level::Warning => "! WARNING",
+        Level::Alarm => "!! ALARM",
+    }
+}
+
+/// The colour of a level.
+pub(crate) fn level_color(level: Level) -> Color {
+    match level {
+        Level::Fine => theme::GOOD,
+        Level::Warning => theme::WARN,
+        Level::Alarm => theme::BAD,
+    }
 }
 
 /// Silence of a living recorder that is worth a word: it shall speak at least once a second.
@@ -145,6 +187,7 @@ mod tests {
     use wire::message::Trip;
 
     use super::*;
+    use crate::alarms;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
     use crate::screen::tests::view;
@@ -219,6 +262,25 @@ mod tests {
             ),
             "{line}"
         );
+    }
+
+    #[test]
+    fn alarms_are_told_at_the_right_edge_by_sign_and_word_until_they_are_acknowledged() {
+        let picture = tests::picture();
+        let mut alarms = Alarms::default();
+        let told = |alarms: &Alarms| {
+            let frame = drawn(90, 1, |area, buffer| draw_top(&View { alarms, ..view(&picture) }, area, buffer));
+            frame.trim_end().to_owned()
+        };
+        alarms.read(&alarms::tests::damping(1, 0.3));
+        assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
+        alarms.read(&alarms::tests::damping(2, -0.3));
+        alarms.read(&alarms::tests::damping(3, 0.3));
+        assert!(told(&alarms).ends_with(" !! ALARM damping"), "{}", told(&alarms));
+        alarms.acknowledge();
+        assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
+        alarms.read(&alarms::tests::damping(4, 0.01));
+        assert!(told(&alarms).ends_with(" ! WARNING damping"), "{}", told(&alarms));
     }
 
     #[test]

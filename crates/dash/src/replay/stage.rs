@@ -7,11 +7,12 @@ use std::sync::{Arc, Mutex};
 use crossbeam::channel;
 
 use super::{Past, Player};
+use crate::analysis::Desk;
 use crate::app::{App, Streams};
 use crate::feed::Feed;
 use crate::input;
 use crate::link::Shared;
-use crate::looks::{Look, Wishes};
+use crate::looks::Look;
 use crate::session::{DashError, Ended, Options};
 use crate::terminal::Screen;
 
@@ -31,12 +32,14 @@ pub fn replay(past: Box<dyn Past>, options: &Options) -> Result<Ended, DashError
     let stop = Arc::new(AtomicBool::new(false));
     let (send_input, inputs) = channel::unbounded();
     let signals = input::signals(send_input.clone())?;
-    let screen = Screen::take(Look::of_environment(Wishes::default()))?;
+    let screen = Screen::take(Look::of_environment(options.wishes))?;
     input::keyboard(send_input, stop.clone())?;
     // Nobody at the other end of these: edits go to the player, and nothing comes by itself.
     let (edits, _nobody) = channel::bounded(1);
-    let mut app = App::new(name, feed, edits, None, Arc::default(), options).playing(player, time);
-    let ended = app.run(screen, &Streams { inputs, outcomes: channel::never(), wakes: channel::never() });
+    let (wake, wakes) = channel::bounded(1);
+    let desk = Desk::open(&wake)?;
+    let mut app = App::new(name, feed, edits, None, desk, Arc::default(), options).playing(player, time);
+    let ended = app.run(screen, &Streams { inputs, outcomes: channel::never(), wakes });
     stop.store(true, Ordering::Relaxed);
     signals.close();
     drop(app);

@@ -22,6 +22,12 @@ pub(crate) struct ScreenArgs {
     /// The layout to start with: a name (`whirl layout list`), or a TOML file
     #[arg(long, value_name = "NAME|FILE")]
     layout: Option<String>,
+    /// Colours: default (the terminal's own sixteen), full, contrast or colour-blind
+    #[arg(long, value_name = "NAME", default_value_t)]
+    theme: dash::ThemeName,
+    /// Show nothing but ASCII, whatever the locale says
+    #[arg(long)]
+    ascii: bool,
 }
 
 impl ScreenArgs {
@@ -30,8 +36,9 @@ impl ScreenArgs {
     /// # Errors
     /// A layout that is not there or wrong.
     pub(crate) fn options(&self) -> Result<dash::Options, Failure> {
+        let wishes = dash::Wishes { theme: self.theme, ascii: self.ascii };
         let (layouts, layout) = layouts::choose(self.layout.as_deref())?;
-        Ok(dash::Options { history: self.history as usize * 1_000_000, layouts, layout })
+        Ok(dash::Options { history: self.history as usize * 1_000_000, layouts, layout, wishes })
     }
 }
 

@@ -1,0 +1,77 @@
+//! Analysis that the simulation does not send along: poles and damping over speed, spectra. Too long for the drawing thread,
+//! so it is asked for there and computed on a [`Desk`].
+
+mod latest;
+mod over_speed;
+mod spectra;
+
+use std::sync::Arc;
+
+use crossbeam::channel::Sender;
+
+pub(crate) use latest::Latest;
+#[cfg(test)]
+pub(crate) use over_speed::tests;
+pub(crate) use over_speed::{OverSpeed, Question};
+pub(crate) use spectra::{Fall, Orbit, OrbitSpectrum, Over, Row, Waterfall};
+
+/// What is being computed for the panels. Asking never waits: it brings the newest answer there is.
+#[derive(Debug)]
+pub(crate) struct Desk {
+    current: Latest<Question, OverSpeed>,
+    spectrum: Latest<Orbit, OrbitSpectrum>,
+    falls: [Latest<Fall, Waterfall>; 2],
+}
+
+impl Desk {
+    /// A desk with threads of its own, which end with it. Every answer puts a token into `wake`.
+    ///
+    /// # Errors
+    /// No thread can be started.
+    pub(crate) fn open(wake: &Sender<()>) -> std::io::Result<Self> {
+        let wake = {
+            let wake = wake.clone();
+            move || {
+                // A token that still lies there will do.
+                let _ = wake.try_send(());
+            }
+        };
+        Ok(Self {
+            current: Latest::spawn("over-speed", OverSpeed::of, wake.clone())?,
+            spectrum: Latest::spawn("spectrum", OrbitSpectrum::of, wake.clone())?,
+            falls: [
+                Latest::spawn("waterfall", Waterfall::of, wake.clone())?,
+                Latest::spawn("waterfall", Waterfall::of, wake)?,
+            ],
+        })
+    }
+
+    /// A desk that answers at once, on the thread that asks: for pictures and tests.
+    #[cfg(test)]
+    pub(crate) fn at_once() -> Self {
+        Self {
+            current: Latest::inline(OverSpeed::of),
+            spectrum: Latest::inline(OrbitSpectrum::of),
+            falls: [Latest::inline(Waterfall::of), Latest::inline(Waterfall::of)],
+        }
+    }
+
+    /// Poles and damping over speed of the settings in force; for a moment, of those before.
+    pub(crate) fn over_speed(&self, question: &Question) -> Option<Arc<OverSpeed>> {
+        self.current.ask(question)
+    }
+
+    /// The spectrum of an orbit; for a moment, of an earlier one.
+    pub(crate) fn spectrum(&self, orbit: &Orbit) -> Option<Arc<OrbitSpectrum>> {
+        self.spectrum.ask(orbit)
+    }
+
+    /// Rows of spectra; for a moment, earlier ones.
+    pub(crate) fn waterfall(&self, fall: &Fall) -> Option<Arc<Waterfall>> {
+        let [time, speed] = &self.falls;
+        match fall.over {
+            Over::Time => time.ask(fall),
+            Over::Speed => speed.ask(fall),
+        }
+    }
+}

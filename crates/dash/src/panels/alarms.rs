@@ -1,0 +1,154 @@
+//! How everything that is watched stands against its limits, and what has been past them.
+//!
+//! ```text
+//! ┌ alarms  1 not acknowledged: a ─────────────────────────────────┐
+//! │             now  warning    alarm                                │
+//! │ damping  0.0535   0.0159   0.0000  ok                            │
+//! │ orbit     12.30        -        -  no limit                      │
+//! │ lateness  0.012   0.0100   0.1000  ! WARNING                     │
+//! │ 14:03:27 to 14:03:31  !! ALARM damping -0.0306, limit 0  not ack │   the newest first; times are UTC
+//! └─────────────────────────────────────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+
+use super::status::{level_color, level_words};
+use super::{framed, write};
+use crate::alarms::{Entry, Level, Watch};
+use crate::plot::short;
+use crate::screen::View;
+use crate::theme;
+
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let alarms = view.alarms;
+    let mut title = vec![Span::raw(" alarms ")];
+    if alarms.unseen() > 0 {
+        let text = format!(" {} not acknowledged: a ", alarms.unseen());
+        title.push(Span::styled(text, theme::badge(level_color(alarms.shown()))));
+    }
+    let inner = framed(Line::from(title), area, buffer);
+    let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
+    // What has been matters more than what is watched, where there is no room for both.
+    let told = alarms.entries().count();
+    let watched = Watch::ALL.len() + 1;
+    if usize::from(inner.height) > watched.min(told + 2) {
+        draw_standings(view, &mut rows, told.min(3), buffer);
+    }
+    for (row, entry) in rows.by_ref().zip(alarms.entries()) {
+        draw_entry(entry, row, buffer);
+    }
+    if told == 0
+        && let Some(row) = rows.next()
+    {
+        write(buffer, row, row.x, row.y, "nothing has been past its limit", theme::quiet());
+    }
+}
+
+/// A line for each watched thing, but for the last `spared` rows.
+fn draw_standings(view: &View<'_>, rows: &mut impl ExactSizeIterator<Item = Rect>, spared: usize, buffer: &mut Buffer) {
+    let room = rows.len().saturating_sub(spared);
+    let heading = ("", ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
+    let lines = view.alarms.standings().map(|(watch, standing, limit)| {
+        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| short(value, 5));
+        let of = |level| number(limit.map(|limit| limit.at(level)));
+        let [warning, alarm] = [of(Level::Warning), of(Level::Alarm)];
+        let cells = match watch {
+            // It has or it has not.
+            Watch::Trip => {
+                [standing.value.map_or("-", |value| if value > 0.0 { "yes" } else { "no" }), "", ""].map(str::to_owned)
+            }
+            _ => [number(standing.value), warning, alarm],
+        };
+        let state = match (limit, standing.value) {
+            (None, _) => Span::styled("no limit", theme::quiet()),
+            (Some(_), None) => Span::styled("unknown", theme::quiet()),
+            (Some(_), Some(_)) => Span::styled(level_words(standing.at), theme::loud(level_color(standing.at))),
+        };
+        (watch.name(), cells, state)
+    });
+    for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
+        let text = format!("{name:<10}{now:>9}{warning:>9}{alarm:>9}  ");
+        let style = if name.is_empty() { theme::quiet() } else { Style::new() };
+        write(buffer, row, row.x, row.y, &text, style);
+        write(buffer, row, row.x + text.len() as u16, row.y, &state.content, state.style);
+    }
+}
+
+fn draw_entry(entry: &Entry, row: Rect, buffer: &mut Buffer) {
+    let fell = entry.fell_ns.map_or_else(|| "     now".to_owned(), clock);
+    let when = format!("{} to {fell}  ", clock(entry.rose_ns));
+    let what = if entry.cause.is_empty() {
+        format!("{} {}, limit {}", entry.watch.name(), short(entry.worst, 5), short(entry.limit, 5))
+    } else {
+        format!("{}: {}", entry.watch.name(), entry.cause)
+    };
+    let color = level_color(entry.level);
+    write(buffer, row, row.x, row.y, &when, theme::quiet());
+    let x = row.x + when.len() as u16;
+    let words = format!(" {} ", level_words(entry.level));
+    let style = if entry.seen_ns.is_none() { theme::badge(color) } else { theme::loud(color) };
+    write(buffer, row, x, row.y, &words, style);
+    let seen = if entry.seen_ns.is_none() { "  not acknowledged" } else { "" };
+    write(buffer, row, x + words.len() as u16, row.y, &format!(" {what}{seen}"), Style::new());
+}
+
+/// The time of day of nanoseconds since 1970, UTC.
+pub(crate) fn clock(wall_ns: u64) -> String {
+    let second = wall_ns / 1_000_000_000 % 86_400;
+    format!("{:02}:{:02}:{:02}", second / 3600, second / 60 % 60, second % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::alarms::tests::damping;
+    use crate::alarms::{Alarms, Reading};
+    use crate::feed::tests;
+    use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+
+    fn frame(alarms: &Alarms, width: u16, height: u16) -> String {
+        let picture = tests::picture();
+        drawn(width, height, |area, buffer| draw(&View { alarms, ..view(&picture) }, area, buffer))
+    }
+
+    /// Unstable from second 50 607 to 50 611, and tripped since.
+    fn history() -> Alarms {
+        let mut alarms = Alarms::default();
+        alarms.read(&damping(50_600, 0.05));
+        alarms.read(&damping(50_607, -0.0306));
+        alarms.read(&damping(50_611, 0.05));
+        alarms.acknowledge();
+        let cause = "orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t";
+        let trip = Reading { wall_ns: 50_620_000_000_000, trip: Some(cause.into()), ..Reading::default() };
+        alarms.read(&trip);
+        alarms
+    }
+
+    #[test]
+    fn what_fired_is_found_with_its_times_level_and_cause() {
+        let frame_of = |width, height| frame(&history(), width, height);
+        let usual = frame_of(90, 14);
+        for words in [
+            "14:03:27 to 14:03:31   !! ALARM  damping -0.0306, limit 0.0000",
+            "14:03:40 to      now   !! ALARM  trip: orbit of mass 2 reached 1000.5",
+            "1 not acknowledged: a",
+        ] {
+            assert!(usual.contains(words), "{words}:\n{usual}");
+        }
+        insta::assert_snapshot!("alarms", usual);
+        insta::assert_snapshot!("alarms_large", frame_of(120, 20));
+        insta::assert_snapshot!("alarms_small", frame_of(40, 5));
+        assert!(frame_of(40, 5).contains("!! ALARM  trip"), "{}", frame_of(40, 5));
+    }
+
+    #[test]
+    fn nothing_past_is_told_too() {
+        let quiet = frame(&Alarms::default(), 60, 12);
+        assert!(quiet.contains("nothing has been past its limit") && quiet.contains("no limit"), "{quiet}");
+        insta::assert_snapshot!("alarms_quiet", quiet);
+    }
+}

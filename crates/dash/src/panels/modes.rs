@@ -1,0 +1,198 @@
+//! The modes in a table, the least damped first.
+//!
+//! ```text
+//! ┌ modes at R 2.5 ────────────────────────────────────────────┐
+//! │   damping  log dec  frequency      /R  whirl     shape      │
+//! │◆▲  0.0535   0.3363     2.2692   0.908  forward   1.00   0°  │   the largest mass is 1 at 0 degrees
+//! │ ▼  0.0812   0.5117     1.0330   0.413  backward  0.61 -12°  │
+//! └────────────────────────────────────────────────────────────┘
+//! ```
+
+use std::sync::Arc;
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::Style;
+use ratatui::text::Line;
+use rotor::{C64, Mode, Spectrum, Whirl};
+
+use super::damping_over_speed::speed_text;
+use super::registry::Panel;
+use super::{framed, write, write_right};
+use crate::history::Era;
+use crate::plot::short;
+use crate::screen::View;
+use crate::theme;
+
+/// Columns before the shape: heading, and width in cells.
+const COLUMNS: [(&str, u16); 5] = [("damping", 9), ("log dec", 9), ("frequency", 11), ("/R", 8), ("whirl", 10)];
+/// Width of the signs at the left.
+const SIGNS: u16 = 2;
+/// Width of one mass's part of a shape.
+const PART: u16 = 11;
+
+/// The table; it keeps the modes of the settings that it last drew.
+#[derive(Debug, Default)]
+pub(crate) struct Modes {
+    known: Option<(Arc<Era>, Vec<Mode>)>,
+}
+
+impl Panel for Modes {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        let Some(era) = view.picture.era.as_ref().filter(|era| !era.poles.is_empty()) else {
+            framed(Line::from(" modes "), area, buffer);
+            return;
+        };
+        let speed = era.settings.speed;
+        let scales = era.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
+        let unit = if scales.is_some() { "rpm" } else { "R" };
+        let inner = framed(Line::from(format!(" modes at {unit} {} ", speed_text(speed, scales))), area, buffer);
+        if self.known.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, era)) {
+            self.known = Some((era.clone(), modes(era)));
+        }
+        let modes = self.known.as_ref().map_or(&[][..], |(_, modes)| modes);
+        heading(inner, buffer);
+        for (rank, mode) in modes.iter().enumerate() {
+            let y = inner.y + 1 + rank as u16;
+            if y >= inner.bottom() {
+                if inner.height > 1 {
+                    let hidden = modes.len() - rank + 1;
+                    write_right(
+                        buffer,
+                        inner,
+                        inner.bottom() - 1,
+                        &format!(" {hidden} more ▼"),
+                        theme::loud(theme::WARN),
+                    );
+                }
+                break;
+            }
+            row(mode, rank == 0, speed, Rect { y, height: 1, ..inner }, buffer);
+        }
+    }
+}
+
+/// The modes of some settings; only the poles that the simulation sent if their shapes cannot be had.
+fn modes(era: &Era) -> Vec<Mode> {
+    let shaped = era.rotor.as_ref().and_then(|rotor| Spectrum::of(&era.settings.closed_loop(rotor)).ok());
+    let bare = || era.poles.iter().map(|pole| Mode { pole: *pole, shape: Vec::new() }).collect();
+    shaped.map_or_else(bare, |spectrum| spectrum.modes)
+}
+
+fn heading(area: Rect, buffer: &mut Buffer) {
+    let mut x = area.x + SIGNS;
+    for (name, width) in COLUMNS {
+        let text =
+            if name == "whirl" { format!("  {name}") } else { format!("{name:>width$}", width = usize::from(width)) };
+        write(buffer, area, x, area.y, &text, theme::quiet());
+        x += width;
+    }
+    write(buffer, area, x, area.y, "  shape, by mass", theme::quiet());
+}
+
+fn row(mode: &Mode, least: bool, speed: f64, area: Rect, buffer: &mut Buffer) {
+    let (sign, color) = match mode.whirl() {
+        Whirl::Forward => ("▲", theme::FORWARD),
+        Whirl::Backward => ("▼", theme::BACKWARD),
+    };
+    let (verdict, _) = theme::verdict(mode.damping());
+    if least {
+        write(buffer, area, area.x, area.y, "◆", theme::loud(verdict));
+    }
+    write(buffer, area, area.x + 1, area.y, sign, theme::loud(color));
+    let ratio = if speed > 0.0 { short(mode.frequency() / speed, 4) } else { "-".into() };
+    let cells = [
+        format!("{:.4}", mode.damping()),
+        short(mode.log_decrement(), 5),
+        short(mode.frequency(), 5),
+        ratio,
+        format!("  {}", mode.whirl()),
+    ];
+    let plain = if least { theme::loud(verdict) } else { Style::new() };
+    let mut x = area.x + SIGNS;
+    for ((name, width), text) in COLUMNS.into_iter().zip(cells) {
+        let text = if name == "whirl" { text } else { format!("{text:>width$}", width = usize::from(width)) };
+        // What goes wrong is told in its colour even where it is not the worst.
+        let style = if name == "damping" { theme::loud(verdict) } else { plain };
+        write(buffer, area, x, area.y, &text, style);
+        x += width;
+    }
+    for part in &mode.shape {
+        // Half a number would mislead.
+        if x + PART > area.right() {
+            write(buffer, area, x, area.y, " …", theme::quiet());
+            break;
+        }
+        write(buffer, area, x, area.y, &part_text(*part), plain);
+        x += PART;
+    }
+}
+
+/// Size and phase of one mass in a shape.
+fn part_text(part: C64) -> String {
+    let degrees = part.arg().to_degrees().round();
+    // -180 and 180 are the same; so are 0 and -0.
+    let degrees = if degrees <= -180.0 { 180.0 } else { degrees + 0.0 };
+    format!("{:>6.2}{degrees:>4.0}°", part.norm())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::{Feed, tests};
+    use crate::panels::tests::drawn;
+    use crate::picture::Picture;
+    use crate::screen::tests::view;
+    use crate::view_time::ViewTime;
+
+    fn frame(picture: &Picture, width: u16, height: u16) -> String {
+        drawn(width, height, |area, buffer| Modes::default().draw(&view(picture), area, buffer))
+    }
+
+    #[test]
+    fn the_least_damped_mode_is_first_and_marked() {
+        let picture = tests::picture();
+        let frame_of = |width, height| frame(&picture, width, height);
+        let frame = frame_of(96, 10);
+        let rows: Vec<&str> = frame.lines().collect();
+        let least = format!("{:.4}", picture.era.as_ref().unwrap().min_damping);
+        assert!(rows[2].starts_with("│◆") && rows[2].contains(&least), "{frame}");
+        assert_eq!(frame.matches('◆').count(), 1);
+        assert_eq!(frame.matches("forward").count() + frame.matches("backward").count(), 6);
+        insta::assert_snapshot!("modes", frame);
+        insta::assert_snapshot!("modes_small", frame_of(40, 6));
+        insta::assert_snapshot!("modes_large", frame_of(140, 20));
+    }
+
+    /// The report's shapes at the thresholds: bounce, pitch and flexible, section 4.3.
+    #[test]
+    fn val_shapes_are_those_of_the_report() {
+        let shape_at = |speed: f64| {
+            let mut bulletin = tests::bulletin("three-mass", "off");
+            let mut settings = bulletin.settings.unpack();
+            settings.speed = speed;
+            bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
+            let mut feed = Feed::new("");
+            feed.read(bulletin);
+            feed.hear(&tests::state(3, 0), std::time::Instant::now());
+            let picture = feed.picture(&ViewTime::LIVE, std::time::Instant::now());
+            // The mode on its threshold is the one next to zero damping.
+            let modes = modes(picture.era.as_ref().unwrap());
+            let critical = modes.iter().min_by(|a, b| a.damping().abs().total_cmp(&b.damping().abs())).unwrap();
+            [0, 1, 2].map(|mass| critical.shape[mass].re)
+        };
+        for (speed, shape) in
+            [(1.775_522, [0.606, 1.0, 0.606]), (4.101_250, [1.0, 0.0, -1.0]), (4.650_456, [1.0, -0.587, 1.0])]
+        {
+            for (found, expected) in shape_at(speed).into_iter().zip(shape) {
+                assert!((found - expected).abs() < 1e-3, "at {speed}: {found}, not {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn nothing_known_is_an_empty_table() {
+        let empty = Feed::new("waiting").picture(&ViewTime::LIVE, std::time::Instant::now());
+        assert!(frame(&empty, 40, 5).contains(" modes "));
+    }
+}
