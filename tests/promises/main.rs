@@ -10,4 +10,5 @@ mod papers;
 mod poles;
 mod report;
 mod run;
+mod tune;
 mod units;

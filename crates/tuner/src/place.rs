@@ -67,30 +67,27 @@ pub fn choices(masses: usize, count: usize) -> Vec<Vec<usize>> {
     made
 }
 
-/// Searches every pair of `bearings` and `sensors`; best first, equal ones in the order given. Once stopped, the choices
-/// that were searched.
+/// Searches for every one of `places`, a bearing and its sensors each; best first, equal ones in the order given. Once
+/// stopped, those that were searched.
 ///
 /// # Errors
 /// A problem that makes no sense.
 pub fn rank(
     question: &Question<'_>,
-    bearings: &[usize],
-    sensors: &[Vec<usize>],
+    places: &[(usize, Vec<usize>)],
     options: &dyn Fn(&Problem) -> Options,
     progress: &(dyn Fn(&Progress) + Sync),
     stop: Stop,
 ) -> Result<Vec<Place>, ProblemError> {
-    let mut places = Vec::new();
-    for &bearing in bearings {
-        for sensors in sensors {
-            if stop.is_set() && !places.is_empty() {
-                break;
-            }
-            let problem = question.at(bearing, sensors);
-            let tuned = tune(&problem, &options(&problem), progress, stop)?;
-            places.push(Place { bearing, sensors: sensors.clone(), tuned });
+    let mut ranked: Vec<Place> = Vec::new();
+    for (bearing, sensors) in places {
+        if stop.is_set() && !ranked.is_empty() {
+            break;
         }
+        let problem = question.at(*bearing, sensors);
+        let tuned = tune(&problem, &options(&problem), progress, stop)?;
+        ranked.push(Place { bearing: *bearing, sensors: sensors.clone(), tuned });
     }
-    places.sort_by(|a: &Place, b: &Place| b.tuned.worst.value.total_cmp(&a.tuned.worst.value));
-    Ok(places)
+    ranked.sort_by(|a, b| b.tuned.worst.value.total_cmp(&a.tuned.worst.value));
+    Ok(ranked)
 }

@@ -21,6 +21,9 @@ const APART: f64 = 3e-5;
 /// `q` moves with gains a hundredth as fast as poles do: in these units its constraints weigh like the others.
 const UNIT: f64 = 0.01;
 
+/// Part of a force limit that is kept in hand, for speeds between those that are looked at.
+pub(crate) const MARGIN: f64 = 1e-4;
+
 /// What a row asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
@@ -105,7 +108,7 @@ impl Row {
             Source::Force(condition) => {
                 let force = evaluator.relative_force(condition, gains, &mut slope);
                 slope.iter_mut().for_each(|s| *s = -*s);
-                (Kind::AtLeastZero, 1.0 - force, 1e-6)
+                (Kind::AtLeastZero, 1.0 - MARGIN - force, MARGIN)
             }
         };
         Self { kind, source, value, slope, slack }

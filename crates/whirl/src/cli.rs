@@ -59,6 +59,8 @@ pub(crate) enum Command {
     Response(commands::response::ResponseArgs),
     /// Print the exact self-excited limit cycles, all branches
     Cycles(commands::cycles::CyclesArgs),
+    /// Search the gains that damp the worst mode best, over speeds and deadband states
+    Tune(commands::tune::TuneArgs),
     /// Make the NASA report again: every figure, and every printed number beside ours
     Report(commands::report::ReportArgs),
     /// Make feedback that assigns poles, or show which modes each bearing and sensor reaches

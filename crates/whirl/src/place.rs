@@ -31,13 +31,21 @@ pub(crate) fn unfit(path: &Path, error: &io::Error) -> Failure {
 /// # Errors
 /// It is no place for a file, or the disk is full.
 pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
+    write_bytes(path, text.as_bytes())
+}
+
+/// The same for what is no text.
+///
+/// # Errors
+/// As for [`write`].
+pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     check(path)?;
     let mut file = study::trajectory::beside(path).map_err(|error| unfit(path, &error))?;
     let finished = |mut file: NamedTempFile| {
         file.flush()?;
         file.persist(path).map(drop).map_err(|error| error.error)
     };
-    file.write_all(text.as_bytes())
+    file.write_all(bytes)
         .and_then(|()| finished(file))
         .map_err(|error| Failure::Work(format!("cannot write '{}': {error}", path.display())))
 }

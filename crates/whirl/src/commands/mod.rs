@@ -21,6 +21,7 @@ pub(crate) mod status;
 pub(crate) mod tail;
 pub(crate) mod thresholds;
 pub(crate) mod trace;
+pub(crate) mod tune;
 pub(crate) mod up;
 
 use crate::cli::{Cli, Command};
@@ -49,6 +50,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Force(args) => force::run(&args),
         Command::Response(args) => response::run(&args),
         Command::Cycles(args) => cycles::run(&args),
+        Command::Tune(args) => tune::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Assign(args) => assign::run(&args),
         Command::Rotor(args) => rotor::run(&args),

@@ -1,0 +1,285 @@
+//! One answer: the gains, what they are worth, where that is, and how sure it is.
+
+use std::sync::atomic::AtomicBool;
+
+use rotor::file::FeedbackDocument;
+use rotor::{GainKind, damping_ratio};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use tuner::{Measure, Place, Problem, Stationarity, Tuned, judge, rank};
+
+use super::question::Asked;
+use super::{TuneArgs, Watch, stop, write_file};
+use crate::failure::Failure;
+use crate::output::{Cell, Table, rounded};
+use crate::units::{Units, UnitsDocument};
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+pub(super) struct Document<'a> {
+    rotor: &'a str,
+    /// Whether every mode decays at every condition that was asked for.
+    stable: bool,
+    /// The smallest damping ratio over modes and conditions.
+    min_damping: f64,
+    /// The spin speed `R` where that is.
+    worst_speed: f64,
+    /// The condition where the objective is worst, by name, with the pole.
+    worst: Value,
+    /// The worst value of the objective: the damping ratio itself unless weights or decay rates were asked for.
+    objective: f64,
+    /// No condition is worse than `objective` by more than this...
+    tolerance: f64,
+    /// ...if this is true; otherwise none of those that were looked at is worse.
+    proven: bool,
+    /// How many boxes of conditions the proof took.
+    boxes: u64,
+    feedback: FeedbackDocument<'a>,
+    method: tuner::Method,
+    evaluations: u64,
+    seconds: f64,
+    starts: usize,
+    seed: u64,
+    /// How many starts ended within 1 % of the best.
+    starts_within_1_percent: usize,
+    /// What each start ended with, best first.
+    values: &'a [f64],
+    /// The norm of the smallest convex combination of active slopes: 0 at a local optimum.
+    stationarity: &'a Stationarity,
+    /// The modes that hold the worst value, with their conditions.
+    active: Vec<Value>,
+    /// The largest steady control force of the linear rotor, in `w0^2 e_t`, and the condition where it is.
+    max_force: f64,
+    max_force_at: Value,
+    interrupted: bool,
+    /// Every choice of bearing and sensors, best first, if they were to be chosen.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    ranking: Vec<Value>,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+/// Searches, prints and writes.
+pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(), Failure> {
+    let watch = Watch::new();
+    let options = |problem: &Problem| args.options(problem);
+    let places = rank(&asked.question(), &asked.choices(), &options, &|progress| watch.say(progress), stop(flag))?;
+    watch.end();
+    let best = &places[0];
+    let problem = asked.problem(best.bearing, &best.sensors);
+    let document = Document::of(args, asked, &problem, best, &places)?;
+    let mut footer = summary(asked, &problem, &document).join("\n");
+    if places.len() > 1 {
+        footer += &ranking(&places);
+    }
+    if let Some(path) = &args.out
+        && (document.stable || args.write_unstable)
+    {
+        write_file(path, &best.tuned.feedback, &summary(asked, &problem, &document))?;
+    }
+    args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
+    verdict(asked, &best.tuned, document.stable)
+}
+
+impl<'a> Document<'a> {
+    /// What was found at the best of `places`.
+    pub(super) fn of(
+        args: &TuneArgs,
+        asked: &'a Asked,
+        problem: &Problem,
+        best: &'a Place,
+        places: &'a [Place],
+    ) -> Result<Self, Failure> {
+        let tuned = &best.tuned;
+        let (min_damping, worst_speed) = least_damping(args, problem, tuned)?;
+        let options = args.options(problem);
+        let near =
+            tuned.values.iter().filter(|value| **value >= tuned.values[0] - 0.01 * tuned.values[0].abs()).count();
+        Ok(Self {
+            rotor: asked.rotor().name(),
+            stable: tuned.worst.value > 0.0,
+            min_damping,
+            worst_speed,
+            worst: condition(problem, &tuned.worst.point, Some((tuned.worst.pole, tuned.worst.value))),
+            objective: tuned.worst.value,
+            tolerance: tuned.worst.tolerance,
+            proven: tuned.worst.proven,
+            boxes: tuned.worst.boxes,
+            feedback: FeedbackDocument(&tuned.feedback),
+            method: options.method,
+            evaluations: tuned.evaluations,
+            seconds: tuned.elapsed.as_secs_f64(),
+            starts: options.starts,
+            seed: args.seed,
+            starts_within_1_percent: near,
+            values: &tuned.values,
+            stationarity: &tuned.stationarity,
+            active: tuned.active.iter().map(|a| condition(problem, &a.point, Some((a.pole, a.value)))).collect(),
+            max_force: tuned.force,
+            max_force_at: condition(problem, &tuned.force_at, None),
+            interrupted: tuned.interrupted,
+            ranking: if places.len() > 1 { places.iter().map(rank_row).collect() } else { Vec::new() },
+            units: asked.units().document(),
+        })
+    }
+}
+
+/// The smallest damping ratio and its speed: of the answer itself, or judged anew where something else was maximised.
+fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned) -> Result<(f64, f64), Failure> {
+    if problem.measure == Measure::default() {
+        return Ok((tuned.worst.value, tuned.worst.point[0]));
+    }
+    let plain = Problem { measure: Measure::default(), ..problem.clone() };
+    let judged = judge(&plain, &args.options(&plain), &tuned.gains, tuner::Stop::NEVER)?;
+    Ok((judged.worst.value, judged.worst.point[0]))
+}
+
+/// A condition by the names of its coordinates, with a pole if it is about one.
+fn condition(problem: &Problem, point: &[f64], pole: Option<(rotor::C64, f64)>) -> Value {
+    let mut map = Map::new();
+    for (axis, value) in problem.family.axes().iter().zip(problem.family.values(point)) {
+        map.insert(axis.quantity.name(), json!(value));
+    }
+    if let Some((pole, value)) = pole {
+        map.insert("re".into(), json!(pole.re));
+        map.insert("im".into(), json!(pole.im));
+        map.insert("damping".into(), json!(damping_ratio(pole)));
+        map.insert("value".into(), json!(value));
+    }
+    Value::Object(map)
+}
+
+fn rank_row(place: &Place) -> Value {
+    let worst = &place.tuned.worst;
+    json!({
+        "bearing": place.bearing + 1,
+        "sensors": place.sensors.iter().map(|mass| mass + 1).collect::<Vec<_>>(),
+        "objective": worst.value,
+        "worst_speed": worst.point[0],
+        "proven": worst.proven,
+        "max_force": place.tuned.force,
+        "feedback": FeedbackDocument(&place.tuned.feedback),
+    })
+}
+
+fn list(masses: &[usize]) -> String {
+    masses.iter().map(|mass| (mass + 1).to_string()).collect::<Vec<_>>().join(", ")
+}
+
+fn heading(asked: &Asked, best: &Place) -> String {
+    let (rotor, range) = (asked.rotor().name(), &asked.range_text);
+    format!("{rotor}, {range}: bearing at mass {}, sensors at {}", best.bearing + 1, list(&best.sensors))
+}
+
+/// The gains, one a row; a scheduled one as its file says it.
+fn gains(tuned: &Tuned) -> Table {
+    let mut table = Table::new(&["signal", "gain", "value"]);
+    for (k, signal) in tuned.feedback.signals.iter().enumerate() {
+        for kind in GainKind::ALL {
+            let value = match signal.gain(kind) {
+                rotor::Gain::Constant(value) => Cell::from(*value),
+                rotor::Gain::Linear { at_zero, slope } => Cell::from(&format!("{} {:+.6} R", rounded(*at_zero), slope)),
+                rotor::Gain::Table(points) => {
+                    let each: Vec<String> = points.iter().map(|(r, v)| format!("{r}: {}", rounded(*v))).collect();
+                    Cell::from(&each.join("  "))
+                }
+            };
+            table.row([Cell::from(&(k + 1)), Cell::from(&kind.name()), value]);
+        }
+    }
+    table
+}
+
+/// What a person wants to know of the answer, in lines.
+pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>) -> Vec<String> {
+    let units = asked.units();
+    let what = if problem.measure == Measure::default() { "min damping" } else { "objective" };
+    let sure = if document.proven {
+        format!("proven within {:e} over all conditions ({})", document.tolerance, boxes(document.boxes))
+    } else {
+        "the worst of all conditions looked at".to_owned()
+    };
+    let mut lines = vec![format!(
+        "{what} {} at {}{}: {sure}",
+        rounded(document.objective),
+        speed_text(units, document.worst["speed"].as_f64()),
+        others(&document.worst)
+    )];
+    if what == "objective" {
+        lines.push(format!(
+            "min damping {} at {}",
+            rounded(document.min_damping),
+            speed_text(units, Some(document.worst_speed))
+        ));
+    }
+    let mass = asked.rotor().masses()[problem.structure.bearing()].mass;
+    lines.push(format!(
+        "steady control force up to {} {} (linear rotor), at {}{}",
+        rounded(units.force(document.max_force, mass)),
+        units.force_unit(),
+        speed_text(units, document.max_force_at["speed"].as_f64()),
+        others(&document.max_force_at)
+    ));
+    let s = document.stationarity;
+    lines.push(format!(
+        "local optimality {:.1e}: {}, {}, {} at the bound",
+        s.norm,
+        count(s.active, "active mode"),
+        count(s.merging, "merging pair"),
+        count(s.at_bound, "gain")
+    ));
+    lines.push(format!(
+        "{} of {} starts within 1 % of the best; {} eigenvalue problems in {:.3} s; seed {}",
+        document.starts_within_1_percent, document.starts, document.evaluations, document.seconds, document.seed
+    ));
+    if document.interrupted {
+        lines.push("interrupted: the best found until then".to_owned());
+    }
+    lines
+}
+
+/// A speed that was found, not typed: six digits are enough.
+pub(super) fn speed_text(units: Units, speed: Option<f64>) -> String {
+    units.speed_text((speed.unwrap_or(f64::NAN) * 1e6).round() / 1e6)
+}
+
+fn boxes(number: u64) -> String {
+    if number == 1 { "1 box".into() } else { format!("{number} boxes") }
+}
+
+fn count(number: usize, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}
+
+/// The coordinates of a condition beside its speed: `, factor.1 = 0, factor.3 = 1`.
+fn others(condition: &Value) -> String {
+    let known = ["speed", "re", "im", "damping", "value"];
+    let each = condition.as_object().into_iter().flatten().filter(|(name, _)| !known.contains(&name.as_str()));
+    each.map(|(name, value)| format!(", {name} = {}", rounded(value.as_f64().unwrap_or(f64::NAN)))).collect()
+}
+
+fn ranking(places: &[Place]) -> String {
+    let mut text = "\n\nbearing  sensors    worst\n".to_owned();
+    for place in places {
+        text +=
+            &format!("{:>7}  {:<9}  {}\n", place.bearing + 1, list(&place.sensors), rounded(place.tuned.worst.value));
+    }
+    text
+}
+
+/// What the exit code says: gains that do not hold the rotor are no success, nor is half a search.
+pub(super) fn verdict(asked: &Asked, tuned: &Tuned, stable: bool) -> Result<(), Failure> {
+    if tuned.interrupted {
+        return Err(Failure::Interrupted);
+    }
+    if stable {
+        return Ok(());
+    }
+    let units = asked.units();
+    Err(Failure::Work(format!(
+        "no gains were found that hold the rotor at {}: the best leave {} at {}",
+        if asked.family.speeds().0 == asked.family.speeds().1 { "that speed" } else { "every speed of the range" },
+        rounded(tuned.worst.value),
+        speed_text(units, Some(tuned.worst.point[0]))
+    )))
+}

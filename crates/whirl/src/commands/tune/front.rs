@@ -1,0 +1,157 @@
+//! `--pareto`: what damping costs in force or gain, as a table, a picture, and feedback files.
+
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+use rotor::file::FeedbackDocument;
+use serde::Serialize;
+use study::plot::{Axis, Chart, Color, Look, Series, png, svg};
+use tuner::{Point, Price, pareto};
+
+use super::question::Asked;
+use super::{TuneArgs, Watch, stop, write_file};
+use crate::failure::Failure;
+use crate::output::{Cell, Table, rounded};
+use crate::place;
+use crate::units::UnitsDocument;
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    price: Price,
+    /// Dearest first.
+    points: Vec<PointDocument<'a>>,
+    seed: u64,
+    interrupted: bool,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+#[derive(Debug, Serialize)]
+struct PointDocument<'a> {
+    /// The limit on force, in `w0^2 e_t`, or on gains.
+    limit: f64,
+    min_damping: f64,
+    worst_speed: f64,
+    proven: bool,
+    max_force: f64,
+    max_gain: f64,
+    feedback: FeedbackDocument<'a>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    file: Option<String>,
+}
+
+fn max_gain(point: &Point) -> f64 {
+    point.tuned.gains.iter().fold(0.0, |most, gain| gain.abs().max(most))
+}
+
+/// Searches, prints, draws and writes.
+pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(), Failure> {
+    let [(bearing, sensors)] = &asked.choices()[..] else {
+        return Err(Failure::Usage("--pareto is for one place: give --bearing and --sensors by number".into()));
+    };
+    let problem = asked.problem(*bearing, sensors);
+    let price: Price = args.pareto.map_or(Price::Force, Into::into);
+    let watch = Watch::new();
+    let front = pareto(&problem, price, args.points as usize, &args.options(&problem), &|p| watch.say(p), stop(flag))?;
+    watch.end();
+    let units = asked.units();
+    let mass = asked.rotor().masses()[*bearing].mass;
+    let mut table = Table::new(units.pick(
+        &["limit", "min damping", "worst speed", "max force", "max gain"],
+        &["limit", "min damping", "worst speed (rpm)", "max force (N)", "max gain"],
+    ));
+    let mut points = Vec::new();
+    for (k, point) in front.iter().enumerate() {
+        let tuned = &point.tuned;
+        let limit = if price == Price::Force { units.force(point.limit, mass) } else { point.limit };
+        let force = units.force(tuned.force, mass);
+        table
+            .row([limit, tuned.worst.value, units.speed(tuned.worst.point[0]), force, max_gain(point)].map(Cell::from));
+        let mut file = None;
+        if let Some(folder) = &args.out
+            && (tuned.worst.value > 0.0 || args.write_unstable)
+        {
+            std::fs::create_dir_all(folder)
+                .map_err(|error| Failure::Usage(format!("cannot make '{}': {error}", folder.display())))?;
+            let path = folder.join(format!("point-{:02}.toml", k + 1));
+            let about = format!(
+                "point {} of {}: min damping {}, force at most {} w0^2 e_t, gains at most {}",
+                k + 1,
+                front.len(),
+                rounded(tuned.worst.value),
+                rounded(tuned.force),
+                rounded(max_gain(point))
+            );
+            write_file(&path, &tuned.feedback, &[about])?;
+            file = Some(path.display().to_string());
+        }
+        points.push(PointDocument {
+            limit: point.limit,
+            min_damping: tuned.worst.value,
+            worst_speed: tuned.worst.point[0],
+            proven: tuned.worst.proven,
+            max_force: tuned.force,
+            max_gain: max_gain(point),
+            feedback: FeedbackDocument(&tuned.feedback),
+            file,
+        });
+    }
+    if let Some(path) = &args.plot {
+        draw(path, &chart(asked, price, &front))?;
+    }
+    let interrupted = front.iter().any(|point| point.tuned.interrupted);
+    let document =
+        Document { rotor: asked.rotor().name(), price, points, seed: args.seed, interrupted, units: units.document() };
+    let word = if price == Price::Force { "control force" } else { "gain" };
+    let heading = format!("{}, {}: min damping against {word}", asked.rotor().name(), asked.range_text);
+    args.format.print(
+        &document,
+        &heading,
+        &table,
+        if interrupted { "interrupted: what was found until then" } else { "" },
+    )?;
+    let best = &front[0].tuned;
+    if interrupted {
+        return Err(Failure::Interrupted);
+    }
+    super::answer::verdict(asked, best, best.worst.value > 0.0)
+}
+
+fn chart(asked: &Asked, price: Price, front: &[Point]) -> Chart {
+    let cost = |point: &Point| if price == Price::Force { point.tuned.force } else { max_gain(point) };
+    let mut points: Vec<(f64, f64)> = front.iter().map(|point| (cost(point), point.tuned.worst.value)).collect();
+    points.reverse();
+    let (far, high) = points.iter().fold((0.0_f64, 0.0_f64), |(x, y), p| (x.max(p.0), y.max(p.1)));
+    let label = if price == Price::Force { "steady control force, linear rotor, w0^2 e_t" } else { "largest gain" };
+    Chart {
+        title: format!("{}, {}: what damping costs", asked.rotor().name(), asked.range_text),
+        x: Axis::new(label, 0.0, 1.05 * far.max(1e-9)),
+        y: Axis::new("min damping ratio", 0.0, 1.1 * high.max(1e-9)),
+        equal: false,
+        series: vec![
+            Series::new("", Look::Solid, Color::BLUE, points.clone()),
+            Series::new("", Look::Dots, Color::BLUE, points),
+        ],
+        notes: Vec::new(),
+    }
+}
+
+/// Refuses a picture of unknown kind before anything is searched.
+pub(super) fn check_picture(path: &Path) -> Result<(), Failure> {
+    match path.extension().and_then(|end| end.to_str()) {
+        Some("svg" | "png") => place::check(path),
+        _ => Err(Failure::Usage(format!("'{}': expected a picture that ends in .svg or .png", path.display()))),
+    }
+}
+
+/// Draws a chart into a file that ends in `.svg` or `.png`.
+pub(super) fn draw(path: &Path, chart: &Chart) -> Result<(), Failure> {
+    let scene = chart.scene();
+    if path.extension().is_some_and(|end| end == "png") {
+        let bytes = png(&scene).map_err(|error| Failure::Work(format!("cannot draw '{}': {error}", path.display())))?;
+        return place::write_bytes(path, &bytes);
+    }
+    place::write(path, &svg(&scene, &chart.title))
+}

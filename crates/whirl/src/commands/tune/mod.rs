@@ -1,0 +1,247 @@
+//! `whirl tune`: the gains that damp the worst mode best, over a family of operating conditions.
+
+mod answer;
+mod follow;
+mod front;
+mod question;
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use rotor::Feedback;
+use rotor::file::write_feedback;
+use tuner::{Method, Options, Price, Problem, Progress, Stop};
+
+use crate::failure::Failure;
+use crate::output::{Format, rounded};
+use crate::range::Range;
+use crate::{interrupt, place};
+
+use question::{Asked, Gains, MeasureName, Places, Robust, Signal, Span, Varied};
+
+/// Options of `whirl tune`. What it finds is feedback, for `--feedback` and for files.
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("range").required(true).args(["over", "speed"]))]
+pub(crate) struct TuneArgs {
+    /// The rotor: jeffcott, three-mass, or a TOML file
+    #[arg(value_name = "ROTOR", default_value = "three-mass")]
+    rotor: String,
+    /// Every spin speed of a range, both ends included (SI rotors: in rpm)
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    over: Option<Range>,
+    /// One spin speed R alone (SI rotors: in rpm)
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: Option<f64>,
+
+    /// What drives the bearing: the sum of all sensors with four gains, or four gains for each sensor
+    #[arg(long, value_enum, default_value_t = Signal::Composite, help_heading = "Structure")]
+    signal: Signal,
+    /// The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing's and its neighbour's]
+    #[arg(long, value_name = "N,N,..|any:N", help_heading = "Structure")]
+    sensors: Option<Places>,
+    /// The mass that carries the control bearing; or any, to compare all
+    #[arg(long, value_name = "N|any", default_value = "1", help_heading = "Structure")]
+    bearing: Places,
+    /// How gains depend on speed: fixed, linear, or table:N for N values over the range
+    #[arg(long, value_name = "fixed|linear|table:N", default_value = "fixed", help_heading = "Structure")]
+    gains: Gains,
+    /// The largest magnitude of any gain
+    #[arg(long, value_name = "G", default_value_t = 20.0, allow_negative_numbers = true, help_heading = "Structure")]
+    bound: f64,
+    /// The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)
+    #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = "Structure")]
+    force_limit: Option<f64>,
+
+    /// Hold for every stiffness that deadband can leave: of each support bearing by itself, or one factor for all
+    #[arg(long, value_enum, help_heading = "Conditions")]
+    robust: Option<Robust>,
+    /// Hold for a delay between measurement and force, one or a range, in tau (SI rotors: in s)
+    #[arg(long, value_name = "T|A..B", allow_negative_numbers = true, help_heading = "Conditions")]
+    delay: Option<Span>,
+    /// Hold for every value of a parameter: damping.1=0.2..0.3, shaft.2=10%; repeatable, dimensionless
+    #[arg(long, value_name = "KEY=A..B|P%", help_heading = "Conditions")]
+    vary: Vec<Varied>,
+
+    /// What a mode is worth: its damping ratio, or its decay rate
+    #[arg(long, value_enum, default_value_t = MeasureName::Ratio, help_heading = "Objective")]
+    measure: MeasureName,
+    /// Weights of forward and backward whirl: a mode's damping ratio counts divided by its weight
+    #[arg(
+        long,
+        value_name = "F,B",
+        value_delimiter = ',',
+        num_args = 1,
+        allow_negative_numbers = true,
+        help_heading = "Objective"
+    )]
+    mode_weights: Option<Vec<f64>>,
+
+    /// How a climb goes
+    #[arg(long, value_enum, default_value_t = MethodName::Nonsmooth, help_heading = "Search")]
+    method: MethodName,
+    /// How many climbs from random gains [default: 8 to 32, by how much there is to get wrong]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Search")]
+    starts: Option<u32>,
+    /// What random numbers start from; the same seed gives the same answer
+    #[arg(long, value_name = "S", default_value_t = 1, help_heading = "Search")]
+    seed: u64,
+    /// Random gains are drawn from -W to W
+    #[arg(long, value_name = "W", allow_negative_numbers = true, help_heading = "Search")]
+    spread: Option<f64>,
+    /// How sharply the worst over a continuous family is bounded
+    #[arg(long, value_name = "T", default_value_t = 1e-4, allow_negative_numbers = true, help_heading = "Search")]
+    tolerance: f64,
+
+    /// Follow the gains over N speeds of the range: at each as good as can be, from one to the next with a penalty on jumps
+    #[arg(long, value_name = "N", conflicts_with_all = ["speed", "pareto"], value_parser = clap::value_parser!(u32).range(2..=10_000), help_heading = "More than one answer")]
+    track: Option<u32>,
+    /// What a gain that changes by 1 per unit of speed costs, in damping at each speed
+    #[arg(
+        long,
+        value_name = "P",
+        default_value_t = 1e-3,
+        requires = "track",
+        allow_negative_numbers = true,
+        help_heading = "More than one answer"
+    )]
+    stiffness: f64,
+    /// Trade damping for control force, or for the size of gains
+    #[arg(long, value_enum, help_heading = "More than one answer")]
+    pareto: Option<PriceName>,
+    /// How many points the trade has
+    #[arg(long, value_name = "N", default_value_t = 8, requires = "pareto", value_parser = clap::value_parser!(u32).range(2..=1000), help_heading = "More than one answer")]
+    points: u32,
+    /// Draw the trade, or the gains over speed, as .svg or .png
+    #[arg(long, value_name = "FILE", help_heading = "More than one answer")]
+    plot: Option<PathBuf>,
+
+    /// Write the feedback to a file; with --pareto, a file a point into this folder
+    #[arg(long, value_name = "FILE|DIR")]
+    out: Option<PathBuf>,
+    /// Write it even if it does not hold the rotor
+    #[arg(long, requires = "out")]
+    write_unstable: bool,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// [`Method`], for the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum MethodName {
+    /// Smoothing continuation with slopes, then convex steps on the modes that matter, and a proof
+    Nonsmooth,
+    /// Powell's direction sets, as in the report
+    Powell,
+}
+
+/// [`Price`], for the command line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum PriceName {
+    /// Steady control force of the linear rotor under its unbalance
+    Force,
+    /// The largest gain
+    Gain,
+}
+
+impl From<PriceName> for Price {
+    fn from(name: PriceName) -> Self {
+        match name {
+            PriceName::Force => Self::Force,
+            PriceName::Gain => Self::Gain,
+        }
+    }
+}
+
+/// Searches, prints and writes what was found.
+///
+/// # Errors
+/// A question that makes no sense, no gains that hold the rotor, a file that cannot be written, an interrupt.
+pub(crate) fn run(args: &TuneArgs) -> Result<(), Failure> {
+    let asked = Asked::of(args)?;
+    // A search that cannot deliver does not start.
+    match (&args.out, args.pareto) {
+        (Some(path), None) => place::check(path)?,
+        (Some(path), Some(_)) if path.exists() && !path.is_dir() => {
+            return Err(Failure::Usage(format!("'{}' is a file: --pareto writes into a folder", path.display())));
+        }
+        _ => {}
+    }
+    if let Some(path) = &args.plot {
+        if args.track.is_none() && args.pareto.is_none() {
+            return Err(Failure::Usage("--plot draws what --track or --pareto finds".into()));
+        }
+        front::check_picture(path)?;
+    }
+    let stop = interrupt::flag()?;
+    if args.pareto.is_some() {
+        front::run(args, &asked, &stop)
+    } else if args.track.is_some() {
+        follow::run(args, &asked, &stop)
+    } else {
+        answer::run(args, &asked, &stop)
+    }
+}
+
+impl TuneArgs {
+    /// How much is searched for `problem`.
+    fn options(&self, problem: &Problem) -> Options {
+        let mut options = Options::for_problem(problem);
+        options.method = match self.method {
+            MethodName::Nonsmooth => Method::Nonsmooth,
+            MethodName::Powell => Method::Powell,
+        };
+        options.starts = self.starts.map_or(options.starts, |starts| starts as usize);
+        options.spread = self.spread.unwrap_or(options.spread);
+        options.seed = self.seed;
+        options.tolerance = self.tolerance;
+        options
+    }
+}
+
+/// The line on a terminal that says how it goes.
+struct Watch {
+    shown: bool,
+}
+
+impl Watch {
+    fn new() -> Self {
+        Self { shown: std::io::stderr().is_terminal() }
+    }
+
+    /// Says how it goes, if somebody looks.
+    fn say(&self, progress: &Progress) {
+        if self.shown {
+            let left = progress.left().filter(|left| *left > Duration::from_millis(500));
+            let left = left.map_or(String::new(), |left| format!(", {:.0} s left", left.as_secs_f64().ceil()));
+            let Progress { done, starts, best, .. } = progress;
+            // Progress that cannot be shown is not missed.
+            let _ = write!(std::io::stderr(), "\r\x1b[K{done} of {starts} starts, best {}{left}", rounded(*best));
+        }
+    }
+
+    /// Wipes the line.
+    fn end(&self) {
+        if self.shown {
+            let _ = write!(std::io::stderr(), "\r\x1b[K");
+        }
+    }
+}
+
+/// A search that ends early when `flag` is raised.
+fn stop(flag: &AtomicBool) -> Stop<'_> {
+    Stop::when(flag)
+}
+
+/// The text of a feedback file: what was asked, what was found, the feedback.
+fn file_of(feedback: &Feedback, comments: &[String]) -> String {
+    let command: Vec<String> = std::env::args().skip(1).collect();
+    let head = format!("# whirl {}\n", command.join(" "));
+    head + &comments.iter().map(|line| format!("# {line}\n")).collect::<String>() + "\n" + &write_feedback(feedback)
+}
+
+/// Writes a feedback file.
+fn write_file(path: &Path, feedback: &Feedback, comments: &[String]) -> Result<(), Failure> {
+    place::write(path, &file_of(feedback, comments))
+}

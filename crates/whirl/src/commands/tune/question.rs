@@ -1,0 +1,379 @@
+//! What is asked: options into a family, structures and choices of place, each checked and named in the user's terms.
+
+use std::str::FromStr;
+
+use rotor::{FIELDS, Rotor};
+use tuner::{Axis, Family, FamilyError, Measure, Problem, ProblemError, Quantity, Question, Schedule, choices};
+
+use super::TuneArgs;
+use crate::catalog::Machine;
+use crate::cli::MachineArgs;
+use crate::failure::Failure;
+use crate::range::Range;
+use crate::units::Units;
+
+/// What drives the bearing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Signal {
+    /// The sum of all sensors, with four gains: the report's
+    Composite,
+    /// Every sensor by itself, with four gains each
+    Individual,
+}
+
+/// Which deadband states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Robust {
+    /// The factor of each support bearing anywhere from 0 to 1, each by itself
+    Deadband,
+    /// One factor from 0 to 1 for all support bearings
+    DeadbandCommon,
+}
+
+/// What a mode is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum MeasureName {
+    /// Damping ratio, -Re / |lambda|
+    Ratio,
+    /// Decay rate, -Re lambda per tau
+    Decay,
+}
+
+/// Masses, counted from 1, or a choice among all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Places {
+    /// These.
+    These(Vec<usize>),
+    /// Every choice of so many.
+    Any(usize),
+}
+
+impl FromStr for Places {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let expected = || format!("'{typed}': expected masses counted from 1 such as 1,2, or any, or any:2");
+        if let Some(rest) = typed.strip_prefix("any") {
+            let count = if rest.is_empty() { Some(1) } else { rest.strip_prefix(':').and_then(|n| n.parse().ok()) };
+            return count.filter(|&n| n > 0).map(Self::Any).ok_or_else(expected);
+        }
+        let masses: Option<Vec<usize>> =
+            typed.split(',').map(|mass| mass.trim().parse().ok().filter(|&mass: &usize| mass > 0)).collect();
+        let masses = masses.ok_or_else(expected)?;
+        let mut once = masses.clone();
+        once.sort_unstable();
+        once.dedup();
+        if once.len() == masses.len() {
+            Ok(Self::These(once))
+        } else {
+            Err(format!("'{typed}': a mass is named twice"))
+        }
+    }
+}
+
+/// How gains depend on speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gains {
+    /// Not at all.
+    Fixed,
+    /// Linearly.
+    Linear,
+    /// Through so many values.
+    Table(usize),
+}
+
+impl FromStr for Gains {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let table = || typed.strip_prefix("table:")?.parse().ok().filter(|n| (2..=64).contains(n)).map(Self::Table);
+        match typed {
+            "fixed" => Ok(Self::Fixed),
+            "linear" => Ok(Self::Linear),
+            _ => table().ok_or_else(|| format!("'{typed}': expected fixed, linear, or table:N with N from 2 to 64")),
+        }
+    }
+}
+
+/// One number or a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    from: f64,
+    to: f64,
+}
+
+impl FromStr for Span {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        if let Ok(Range { from, to }) = typed.parse() {
+            return Ok(Self { from, to });
+        }
+        let number = typed.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        number.map(|x| Self { from: x, to: x }).ok_or_else(|| format!("'{typed}': expected a number or a range A..B"))
+    }
+}
+
+/// A parameter that varies.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Varied {
+    key: String,
+    by: By,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum By {
+    Range(Range),
+    /// Either way of the rotor's own value.
+    Part(f64),
+}
+
+impl FromStr for Varied {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let expected = || format!("'{typed}': expected KEY=A..B or KEY=P%, such as damping.1=0.2..0.3 or shaft.2=10%");
+        let (key, by) = typed.split_once('=').ok_or_else(expected)?;
+        let percent = |by: &str| by.strip_suffix('%')?.trim().parse().ok().filter(|p: &f64| *p > 0.0 && *p < 100.0);
+        let by = match by.parse() {
+            Ok(range) => By::Range(range),
+            Err(_) => By::Part(percent(by).ok_or_else(expected)? / 100.0),
+        };
+        Ok(Self { key: key.trim().to_owned(), by })
+    }
+}
+
+impl Varied {
+    /// The coordinate that it is for `rotor`.
+    fn axis(&self, rotor: &Rotor) -> Result<Axis, Failure> {
+        let unknown = || {
+            let names: Vec<&str> = FIELDS.iter().map(|field| field.name).filter(|name| *name != "deadband").collect();
+            Failure::Usage(format!(
+                "'{}' is no parameter: expected {} or shaft, a dot, and a number from 1, such as damping.1",
+                self.key,
+                names.join(", ")
+            ))
+        };
+        let (name, number) = self.key.split_once('.').ok_or_else(unknown)?;
+        let number: usize = number.parse().ok().filter(|&n| n > 0).ok_or_else(unknown)?;
+        let missing = || {
+            let (masses, shafts) = (rotor.len(), rotor.shafts().len());
+            Failure::Usage(format!("'{}': {} has {masses} masses and {shafts} shafts", self.key, rotor.name()))
+        };
+        let (quantity, value) = if name == "shaft" {
+            (Quantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
+        } else {
+            // Clearance has no part in the linear rotor: deadband states are what --robust is for.
+            let known = FIELDS.iter().position(|field| field.name == name && name != "deadband");
+            let field = known.ok_or_else(unknown)?;
+            let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
+            (Quantity::Parameter { field, mass: number - 1 }, mass.values()[field])
+        };
+        let (from, to) = match self.by {
+            By::Range(range) => (range.from, range.to),
+            By::Part(part) => {
+                let width = part * value.abs();
+                if width == 0.0 {
+                    return Err(Failure::Usage(format!("'{}' is 0: a part of it is nothing; give a range", self.key)));
+                }
+                (value - width, value + width)
+            }
+        };
+        Ok(Axis { quantity, from, to })
+    }
+}
+
+/// The whole question.
+#[derive(Debug)]
+pub(super) struct Asked {
+    /// The operating conditions.
+    pub(super) family: Family,
+    /// The range as typed, or the speed.
+    pub(super) range_text: String,
+    composite: bool,
+    schedule: Schedule,
+    measure: Measure,
+    bound: f64,
+    force_limit: Option<f64>,
+    /// Masses for the bearing to choose from, counted from 0.
+    pub(super) bearings: Vec<usize>,
+    /// Sensor sets to choose from; empty for the default of each bearing.
+    sensors: Vec<Vec<usize>>,
+}
+
+impl Asked {
+    /// Reads the options.
+    ///
+    /// # Errors
+    /// Whatever makes no sense, with what was expected.
+    pub(super) fn of(args: &TuneArgs) -> Result<Self, Failure> {
+        let machine = MachineArgs { rotor: args.rotor.clone(), feedback: None, deadband: None };
+        let (machine, from, to, range_text) = match (args.over, args.speed) {
+            (Some(over), _) => {
+                let (machine, range) = Machine::open_over(&machine, over)?;
+                let text = machine.units().range_text(over);
+                (machine, range.from, range.to, text)
+            }
+            (None, typed) => {
+                let machine = Machine::open(&machine, typed, crate::catalog::Default::Analysis)?;
+                let speed = machine.settings.speed;
+                let text = machine.units().speed_text(speed);
+                (machine, speed, speed, text)
+            }
+        };
+        let (rotor, units) = (machine.rotor.clone(), machine.units());
+        let mut family = Family::new(&rotor, from, to)?;
+        if let Some(robust) = args.robust {
+            family.any_deadband(robust == Robust::Deadband)?;
+            if family.axes().len() == 1 {
+                let name = rotor.name();
+                return Err(Failure::Usage(format!("--robust: {name} has no support bearing with stiffness")));
+            }
+        }
+        for varied in &args.vary {
+            family.push(varied.axis(&rotor)?)?;
+        }
+        if let Some(Span { from, to }) = args.delay {
+            let second = units.time(1.0);
+            family.push(Axis { quantity: Quantity::Delay, from: from / second, to: to / second })?;
+        }
+        let schedule = match args.gains {
+            Gains::Fixed => Schedule::Fixed,
+            _ if from == to => {
+                return Err(Failure::Usage("--gains: gains that depend on speed need a range, --over A..B".into()));
+            }
+            _ if args.track.is_some() => {
+                return Err(Failure::Usage("--track makes a table of gains by itself: leave --gains out".into()));
+            }
+            Gains::Linear => Schedule::Linear { from, to },
+            Gains::Table(points) => Schedule::table(from, to, points),
+        };
+        if args.pareto.is_some() && args.force_limit.is_some() {
+            return Err(Failure::Usage("--pareto tries one limit after the other: leave --force-limit out".into()));
+        }
+        for (name, value) in
+            [("tolerance", args.tolerance), ("stiffness", args.stiffness), ("spread", args.spread.unwrap_or(1.0))]
+        {
+            if !(value.is_finite() && value > 0.0) {
+                return Err(Failure::Usage(format!("--{name} {value}: expected a finite number above 0")));
+            }
+        }
+        let bearings = masses(&args.bearing, &rotor, "bearing")?;
+        if bearings.iter().any(|chosen| chosen.len() != 1) {
+            return Err(Failure::Usage("--bearing: there is one control bearing: expected one mass, or any".into()));
+        }
+        let mut asked = Self {
+            family,
+            range_text,
+            composite: args.signal == Signal::Composite,
+            schedule,
+            measure: measure(args)?,
+            bound: args.bound,
+            force_limit: None,
+            bearings: bearings.into_iter().flatten().collect(),
+            sensors: args.sensors.as_ref().map_or(Ok(Vec::new()), |typed| masses(typed, &rotor, "sensors"))?,
+        };
+        if let Some(limit) = args.force_limit {
+            let Some(&bearing) = asked.bearings.first().filter(|_| asked.bearings.len() == 1) else {
+                return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
+            };
+            asked.force_limit = Some(limit / units.force(1.0, rotor.masses()[bearing].mass));
+        }
+        let (bearing, sensors) = asked.choices().swap_remove(0);
+        asked.problem(bearing, &sensors).check()?;
+        Ok(asked)
+    }
+
+    /// The rotor.
+    pub(super) fn rotor(&self) -> &Rotor {
+        self.family.rotor()
+    }
+
+    /// Its units.
+    pub(super) fn units(&self) -> Units {
+        Units::of(self.rotor())
+    }
+
+    /// Every choice of bearing and sensors.
+    pub(super) fn choices(&self) -> Vec<(usize, Vec<usize>)> {
+        let of = |&bearing: &usize| {
+            let sensors = if self.sensors.is_empty() {
+                vec![neighbours(bearing, self.rotor().len())]
+            } else {
+                self.sensors.clone()
+            };
+            sensors.into_iter().map(move |sensors| (bearing, sensors))
+        };
+        self.bearings.iter().flat_map(of).collect()
+    }
+
+    /// What is the same for every choice.
+    pub(super) fn question(&self) -> Question<'_> {
+        Question {
+            family: &self.family,
+            composite: self.composite,
+            schedule: self.schedule.clone(),
+            measure: self.measure,
+            bound: self.bound,
+            force_limit: self.force_limit,
+        }
+    }
+
+    /// The problem for one choice.
+    pub(super) fn problem(&self, bearing: usize, sensors: &[usize]) -> Problem {
+        self.question().at(bearing, sensors)
+    }
+}
+
+/// The sensors that are taken if none are named: the bearing's own mass and the next.
+fn neighbours(bearing: usize, masses: usize) -> Vec<usize> {
+    match masses {
+        1 => vec![0],
+        _ if bearing + 1 < masses => vec![bearing, bearing + 1],
+        _ => vec![bearing - 1, bearing],
+    }
+}
+
+/// Every set of masses that `typed` means, counted from 0.
+fn masses(typed: &Places, rotor: &Rotor, option: &str) -> Result<Vec<Vec<usize>>, Failure> {
+    let n = rotor.len();
+    match typed {
+        Places::These(masses) => match masses.iter().find(|&&mass| mass > n) {
+            Some(mass) => {
+                Err(Failure::Usage(format!("--{option}: no mass {mass}: {} has masses 1 to {n}", rotor.name())))
+            }
+            None => Ok(vec![masses.iter().map(|mass| mass - 1).collect()]),
+        },
+        Places::Any(count) if *count > n => {
+            Err(Failure::Usage(format!("--{option} any:{count}: {} has only {n} masses", rotor.name())))
+        }
+        Places::Any(count) => Ok(choices(n, *count)),
+    }
+}
+
+fn measure(args: &TuneArgs) -> Result<Measure, Failure> {
+    match (args.measure, args.mode_weights.as_deref()) {
+        (MeasureName::Decay, None) => Ok(Measure::Decay),
+        (MeasureName::Decay, Some(_)) => {
+            Err(Failure::Usage("--mode-weights are weights of damping ratios: not with --measure decay".into()))
+        }
+        (MeasureName::Ratio, None) => Ok(Measure::default()),
+        (MeasureName::Ratio, Some(&[forward, backward])) => Ok(Measure::Ratio { forward, backward }),
+        (MeasureName::Ratio, Some(other)) => {
+            let count = other.len();
+            Err(Failure::Usage(format!("--mode-weights: expected two, forward and backward, found {count}")))
+        }
+    }
+}
+
+impl From<FamilyError> for Failure {
+    fn from(error: FamilyError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+impl From<ProblemError> for Failure {
+    fn from(error: ProblemError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}

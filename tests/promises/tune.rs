@@ -1,0 +1,276 @@
+//! `whirl tune`: gains as good as promised, proven where they say so, the same from the same seed; and honest refusals.
+
+use std::path::Path;
+
+use promises::{Ran, interrupted, run, whirl};
+use serde_json::Value;
+
+fn number(document: &Value, field: &str) -> f64 {
+    document[field].as_f64().unwrap_or_else(|| panic!("{field} in {document}"))
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("UTF-8")
+}
+
+#[test]
+fn one_speed_is_held_better_than_by_anyone_before() {
+    for (speed, least) in [("7.2", 0.00652), ("6", 0.0291), ("4", 0.0654)] {
+        let document =
+            run(&["tune", "three-mass", "--speed", speed, "--signal", "composite", "--sensors", "1,2", "--json"])
+                .json();
+        assert!(number(&document, "min_damping") >= least, "{document}");
+        assert_eq!(number(&document, "worst_speed"), speed.parse::<f64>().unwrap());
+        assert_eq!(document["stable"], true);
+        assert_eq!(document["proven"], true);
+        assert!(document["stationarity"]["norm"].as_f64().unwrap() < 1e-4, "{document}");
+        let signal = &document["feedback"]["signal"][0];
+        assert_eq!(signal["displacement"], serde_json::json!([1.0, 1.0, 0.0]));
+        assert!(["kd", "cd", "kc", "cc"].iter().all(|gain| signal[gain].is_f64()));
+        let active = document["active"].as_array().unwrap();
+        assert!(!active.is_empty() && active.iter().all(|mode| mode["re"].is_f64() && mode["im"].is_f64()));
+        for field in ["evaluations", "seconds", "starts", "seed", "max_force"] {
+            assert!(document[field].is_number(), "{field}");
+        }
+    }
+}
+
+#[test]
+fn a_range_is_proven_as_a_whole() {
+    let document = run(&["tune", "--over", "0..5", "--sensors", "1,2", "--json"]).json();
+    assert!(number(&document, "min_damping") >= 0.0388, "{document}");
+    assert_eq!(document["proven"], true);
+    assert_eq!(number(&document, "tolerance"), 1e-4);
+}
+
+#[test]
+fn gains_hold_whatever_the_deadband_leaves_and_the_rotor_stays_near_its_centre() {
+    let folder = folder();
+    let file = folder.path().join("robust.toml");
+    let document = run(&[
+        "tune",
+        "three-mass",
+        "--over",
+        "0..6",
+        "--signal",
+        "individual",
+        "--sensors",
+        "1,2",
+        "--bound",
+        "5",
+        "--robust",
+        "deadband",
+        "--out",
+        text(&file),
+        "--json",
+    ])
+    .json();
+    assert!(number(&document, "min_damping") >= 0.054, "{document}");
+    assert_eq!(document["proven"], true);
+    for signal in document["feedback"]["signal"].as_array().unwrap() {
+        assert!(["kd", "cd", "kc", "cc"].iter().all(|gain| signal[gain].as_f64().unwrap().abs() <= 5.0));
+    }
+    let motion = run(&[
+        "run",
+        "three-mass",
+        "--feedback",
+        text(&file),
+        "--speed",
+        "6",
+        "--deadband",
+        "10",
+        "--duration",
+        "3000",
+        "--json",
+    ])
+    .json();
+    assert_eq!(motion["diverged"], false);
+    let largest = motion["max_displacement"].as_array().unwrap().iter().map(|r| r.as_f64().unwrap());
+    assert!(largest.fold(0.0, f64::max) < 3.0, "{motion}");
+    let cycles =
+        run(&["cycles", "three-mass", "--feedback", text(&file), "--deadband", "10", "--over", "1..6", "--json"])
+            .json();
+    for point in cycles["points"].as_array().unwrap() {
+        assert_eq!(point["branches"], serde_json::json!([]), "a self-excited limit cycle: {point}");
+    }
+}
+
+#[test]
+fn the_reports_method_is_there_to_compare() {
+    let powell = run(&["tune", "three-mass", "--speed", "6", "--method", "powell", "--starts", "60", "--json"]).json();
+    assert_eq!((&powell["method"], number(&powell, "starts")), (&"powell".into(), 60.0));
+    assert_eq!(powell["values"].as_array().unwrap().len(), 60);
+    let ours = run(&["tune", "three-mass", "--speed", "6", "--json"]).json();
+    assert!(number(&ours, "min_damping") > number(&powell, "min_damping"));
+    assert!(number(&ours, "evaluations") < number(&powell, "evaluations"));
+}
+
+#[test]
+fn the_same_seed_gives_the_same_answer_on_any_number_of_threads() {
+    let on = |threads: &str, seed: &str| {
+        let arguments = ["tune", "--over", "0..6", "--signal", "individual", "--bound", "5", "--starts", "6"];
+        let output = whirl()
+            .args(arguments)
+            .args(["--seed", seed, "--json"])
+            .env("RAYON_NUM_THREADS", threads)
+            .output()
+            .expect("it runs");
+        let document: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+        ["feedback", "min_damping", "evaluations", "values", "active", "worst"].map(|field| document[field].clone())
+    };
+    assert_eq!(on("1", "7"), on("2", "7"));
+    assert_ne!(on("2", "7")[3], on("2", "8")[3], "another seed climbs from elsewhere");
+}
+
+#[test]
+fn gains_that_do_not_hold_are_shown_and_not_written() {
+    let folder = folder();
+    let file = folder.path().join("no.toml");
+    let ask = ["tune", "--over", "0..7.6", "--starts", "4", "--out", text(&file), "--json"];
+    let ran = run(&ask);
+    assert_eq!(ran.code, Some(1), "{}", ran.stderr);
+    assert!(ran.stderr.contains("no gains were found that hold the rotor"), "{}", ran.stderr);
+    let document: Value = serde_json::from_str(&ran.stdout).expect("the best is printed all the same");
+    assert_eq!(document["stable"], false);
+    assert!(number(&document, "min_damping") < 0.0 && number(&document, "worst_speed") > 5.0);
+    assert!(!file.exists());
+    assert_eq!(run(&[&ask[..], &["--write-unstable"]].concat()).code, Some(1));
+    assert!(file.exists());
+}
+
+#[test]
+fn an_interrupted_search_gives_the_best_until_then() {
+    let folder = folder();
+    let file = folder.path().join("best.toml");
+    let ran: Ran = interrupted(&[
+        "tune",
+        "--over",
+        "0..6",
+        "--signal",
+        "individual",
+        "--starts",
+        "100000",
+        "--out",
+        text(&file),
+        "--json",
+    ]);
+    assert_eq!(ran.code, Some(130), "{}", ran.stderr);
+    let document: Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    assert_eq!(document["interrupted"], true);
+    assert!(document["values"].as_array().unwrap().len() < 100_000);
+    if document["stable"] == true {
+        assert!(std::fs::read_to_string(&file).expect("written").contains("interrupted"));
+    }
+}
+
+#[test]
+fn places_are_ranked() {
+    let document =
+        run(&["tune", "--speed", "5", "--bearing", "any", "--sensors", "any:2", "--starts", "4", "--json"]).json();
+    let ranking = document["ranking"].as_array().unwrap();
+    assert_eq!(ranking.len(), 9);
+    let values: Vec<f64> = ranking.iter().map(|place| number(place, "objective")).collect();
+    assert!(values.windows(2).all(|w| w[0] >= w[1]));
+    // The report's choice by eye: an end mass carries the bearing, and that end and the centre are measured. The rotor is
+    // its own mirror image, so both ends are as good.
+    let mut best: Vec<String> =
+        ranking[..2].iter().map(|place| format!("{} {}", place["bearing"], place["sensors"])).collect();
+    best.sort();
+    assert_eq!(best, ["1 [1,2]", "3 [2,3]"]);
+    assert!((values[0] - values[1]).abs() < 1e-4);
+}
+
+#[test]
+fn gains_follow_the_speed_in_a_file_that_everything_reads() {
+    let folder = folder();
+    let (file, picture) = (folder.path().join("tracked.toml"), folder.path().join("gains.svg"));
+    let document =
+        run(&["tune", "--over", "0..7", "--track", "15", "--out", text(&file), "--plot", text(&picture), "--json"])
+            .json();
+    assert!(number(&document, "min_damping") > 0.0 && document["proven"] == true, "{document}");
+    assert!(number(&document, "steepest") < 2.0);
+    assert_eq!(document["speeds"].as_array().unwrap().len(), 15);
+    let trace = run(&["trace", "--feedback", text(&file), "--over", "0..7", "--points", "141", "--json"]).json();
+    let least = trace["min_damping"].as_array().unwrap().iter().map(|d| d.as_f64().unwrap()).fold(1.0, f64::min);
+    assert!(least >= number(&document, "min_damping") - 1e-4);
+    assert!(std::fs::read_to_string(picture).unwrap().starts_with("<svg"));
+}
+
+#[test]
+fn damping_is_traded_for_force() {
+    let folder = folder();
+    let (files, picture) = (folder.path().join("front"), folder.path().join("front.png"));
+    let document = run(&[
+        "tune",
+        "--over",
+        "0..5",
+        "--pareto",
+        "force",
+        "--points",
+        "4",
+        "--starts",
+        "3",
+        "--out",
+        text(&files),
+        "--plot",
+        text(&picture),
+        "--json",
+    ])
+    .json();
+    let points = document["points"].as_array().unwrap();
+    assert!(points.len() >= 3, "{document}");
+    for pair in points.windows(2) {
+        assert!(number(&pair[0], "limit") > number(&pair[1], "limit"));
+        assert!(number(&pair[0], "min_damping") >= number(&pair[1], "min_damping") - 1e-6, "{document}");
+    }
+    for point in points {
+        assert!(number(point, "max_force") <= number(point, "limit") * 1.001);
+        let file = point["file"].as_str().unwrap();
+        assert_eq!(run(&["rotor", "check", file]).code, Some(0));
+    }
+    assert!(std::fs::read(picture).unwrap().starts_with(b"\x89PNG"));
+}
+
+#[test]
+fn questions_that_make_no_sense_are_refused_with_the_reason() {
+    for (arguments, words) in [
+        (&["--over", "0..6", "--bound", "0"][..], "bound = 0: expected a finite number above 0"),
+        (&["--over", "6..0"], "expected A..B with finite numbers A < B"),
+        (&["--over", "0..6", "--speed", "3"], "cannot be used with"),
+        (&[], "required arguments were not provided"),
+        (&["--speed", "3", "--sensors", "4"], "no mass 4: three-mass has masses 1 to 3"),
+        (&["--speed", "3", "--bearing", "9"], "no mass 9: three-mass has masses 1 to 3"),
+        (&["--speed", "3", "--sensors", "0"], "expected masses counted from 1"),
+        (&["--speed", "3", "--sensors", "1,1"], "a mass is named twice"),
+        (&["--speed", "3", "--sensors", "any:4"], "three-mass has only 3 masses"),
+        (&["--speed", "3", "--gains", "linear"], "gains that depend on speed need a range"),
+        (&["--speed", "3", "--gains", "table:1"], "table:N with N from 2 to 64"),
+        (&["--speed", "3", "--track", "5"], "cannot be used with"),
+        (&["--over", "0..6", "--measure", "decay", "--mode-weights", "1,2"], "not with --measure decay"),
+        (&["--over", "0..6", "--mode-weights", "1,0"], "mode weight 0: expected a finite number above 0"),
+        (&["--over", "0..6", "--force-limit", "0"], "force limit = 0: expected a finite number above 0"),
+        (&["--over", "0..6", "--force-limit", "2", "--pareto", "force"], "leave --force-limit out"),
+        (&["--over", "0..6", "--vary", "colour.1=1..2"], "is no parameter: expected mass, damping"),
+        (&["--over", "0..6", "--vary", "damping.7=10%"], "three-mass has 3 masses and 2 shafts"),
+        (&["--over", "0..6", "--vary", "damping.2=10%"], "a part of it is nothing"),
+        (&["--over", "0..6", "--vary", "damping.1=-1..1"], "expected a finite number, not negative"),
+        (&["--over", "0..6", "--vary", "mass.1=10%", "--vary", "mass.1=5%"], "mass.1 is given twice"),
+        (&["--over", "0..6", "--delay", "-1"], "expected finite numbers, not negative"),
+        (&["--over", "0..6", "--plot", "x.svg"], "--plot draws what --track or --pareto finds"),
+        (&["--over", "0..6", "--pareto", "force", "--plot", "x.jpg"], "ends in .svg or .png"),
+        (&["--over", "0..6", "--out", "/"], "expected a file to write"),
+        (&["--over", "0..6", "--tolerance", "0"], "--tolerance 0: expected a finite number above 0"),
+        (&["--speed", "-1"], "speed"),
+    ] {
+        let ran = run(&[&["tune"], arguments].concat());
+        assert_eq!(ran.code, Some(2), "{arguments:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(words), "{arguments:?}: {}", ran.stderr);
+        assert_eq!(ran.stdout, "", "{arguments:?}");
+    }
+    let ran = run(&["tune", "jeffcott", "--over", "0..2", "--robust", "deadband"]);
+    assert_eq!(ran.code, Some(0), "jeffcott has a bearing with stiffness: {}", ran.stderr);
+}
