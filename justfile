@@ -33,6 +33,10 @@ bench *ARGS:
 report:
     cargo run --release -- report --out out --page docs/report.md
 
+# The README's pictures, of a real bench, into docs/pictures
+screenshots:
+    docs/pictures/make
+
 # Take over changed frames and texts of the snapshot tests, after reading them
 accept:
     INSTA_UPDATE=always cargo test --workspace

@@ -7,6 +7,7 @@ mod files;
 mod linear;
 mod live;
 mod papers;
+mod picture;
 mod poles;
 mod report;
 mod run;

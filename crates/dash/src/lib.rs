@@ -12,6 +12,7 @@ mod analysis;
 mod app;
 mod clerk;
 mod feed;
+mod headless;
 mod history;
 mod input;
 mod keymap;
@@ -28,6 +29,7 @@ mod terminal;
 mod theme;
 mod view_time;
 
+pub use headless::{Frames, Headless, Still, portrait};
 pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
 pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use panels::registry::panels;

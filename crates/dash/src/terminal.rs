@@ -6,12 +6,12 @@ use std::sync::{Mutex, Once, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use crossterm::cursor::{Hide, Show};
-use crossterm::execute;
 use crossterm::style::Print;
 use crossterm::terminal::{
     BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
     disable_raw_mode, enable_raw_mode,
 };
+use crossterm::{execute, queue};
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 
@@ -60,14 +60,7 @@ impl Screen {
         if Self::is_broken() {
             return Ok(());
         }
-        execute!(io::stdout(), BeginSynchronizedUpdate)?;
-        let drawn = self.terminal.draw(|canvas| {
-            frame(canvas);
-            self.look.finish(canvas.buffer_mut());
-        });
-        let drawn = drawn.map(|_| ());
-        execute!(io::stdout(), EndSynchronizedUpdate)?;
-        drawn
+        draw_whole(&mut self.terminal, self.look, frame)
     }
 
     /// Rings the terminal's bell.
@@ -83,6 +76,22 @@ impl Screen {
     pub(crate) fn is_broken() -> bool {
         PANICKED.load(Ordering::SeqCst)
     }
+}
+
+/// Draws one frame as a whole, finished with `look`.
+pub(crate) fn draw_whole<W: Write>(
+    terminal: &mut Terminal<CrosstermBackend<W>>,
+    look: Look,
+    frame: impl FnOnce(&mut ratatui::Frame<'_>),
+) -> io::Result<()> {
+    queue!(terminal.backend_mut(), BeginSynchronizedUpdate)?;
+    let drawn = terminal.draw(|canvas| {
+        frame(canvas);
+        look.finish(canvas.buffer_mut());
+    });
+    let drawn = drawn.map(|_| ());
+    execute!(terminal.backend_mut(), EndSynchronizedUpdate)?;
+    drawn
 }
 
 impl Drop for Screen {

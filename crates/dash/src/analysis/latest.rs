@@ -37,7 +37,6 @@ impl<Q, A> Place<Q, A> {
 
 impl<Q: Clone + PartialEq, A> Latest<Q, A> {
     /// Answers on the thread that asks.
-    #[cfg(test)]
     pub(crate) fn inline(work: fn(&Q) -> A) -> Self {
         let slots = Slots { asked: None, waits: false, answer: None, closed: false };
         Self { place: Arc::new(Place { slots: Mutex::new(slots), news: Condvar::new() }), work, thread: None }

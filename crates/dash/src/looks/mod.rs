@@ -5,6 +5,7 @@
 
 mod ascii;
 mod palette;
+pub(crate) mod still;
 
 use std::fmt;
 use std::str::FromStr;

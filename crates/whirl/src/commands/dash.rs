@@ -1,5 +1,8 @@
 //! `whirl dash`: a dashboard on a running simulation.
 
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
 use crate::layouts;
@@ -11,6 +14,22 @@ pub(crate) struct DashArgs {
     bench: BenchArgs,
     #[command(flatten)]
     screen: ScreenArgs,
+    /// Take a picture of the screen, SVG or plain text, instead of showing it
+    #[arg(long, value_name = "FILE.svg|FILE.txt")]
+    picture: Option<PathBuf>,
+    /// The size of that screen in cells
+    #[arg(long, value_name = "WxH", default_value = "120x40", value_parser = size, requires = "picture")]
+    size: (u16, u16),
+    /// Seconds to listen before the picture is taken
+    #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = clap::value_parser!(u32).range(1..=3600), requires = "picture")]
+    after: u32,
+}
+
+/// Reads `120x40`.
+fn size(typed: &str) -> Result<(u16, u16), String> {
+    let parsed = typed.split_once('x').and_then(|(width, height)| Some((width.parse().ok()?, height.parse().ok()?)));
+    let in_range = |(width, height): &(u16, u16)| (1..=1000).contains(width) && (1..=1000).contains(height);
+    parsed.filter(in_range).ok_or_else(|| format!("found '{typed}', expected WIDTHxHEIGHT, each from 1 to 1000"))
 }
 
 /// How the dashboard shall be, for every command that shows one.
@@ -71,5 +90,28 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
     drop(attach::listen(&carrier, &bench)?);
+    if let Some(file) = &args.picture {
+        return picture(args, file, carrier, &bench, &options);
+    }
     ended(dash::run(carrier, &bench, None, None, &options)?)
+}
+
+/// Takes a picture of what the dashboard shows.
+fn picture<C: wire::Carrier>(
+    args: &DashArgs,
+    file: &Path,
+    carrier: C,
+    bench: &wire::BenchName,
+    options: &dash::Options,
+) -> Result<(), Failure> {
+    let kind = file.extension().and_then(|kind| kind.to_str());
+    let Some(kind @ ("svg" | "txt")) = kind else {
+        let found = file.display();
+        return Err(Failure::Usage(format!("--picture {found}: expected a file that ends in .svg or .txt")));
+    };
+    let after = Duration::from_secs(args.after.into());
+    let still = dash::portrait(carrier, bench, options, args.size, after)?;
+    let still = still.ok_or_else(|| Failure::Bench(format!("bench '{bench}' sent nothing in {} s", args.after)))?;
+    let content = if kind == "svg" { still.svg } else { still.text };
+    std::fs::write(file, content).map_err(|error| Failure::Work(format!("cannot write {}: {error}", file.display())))
 }

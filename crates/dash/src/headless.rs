@@ -1,0 +1,226 @@
+//! The dashboard without a terminal: a picture of a running bench for papers, and frames for whoever measures what they
+//! cost. What it draws is what the screen shows.
+
+use std::io::{self, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
+use std::time::{Duration, Instant};
+
+use crossbeam::channel;
+use ratatui::backend::CrosstermBackend;
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::{Terminal, TerminalOptions, Viewport};
+use wire::{BenchName, Bulletin, Carrier, State};
+
+use crate::alarms::{Alarms, Limits};
+use crate::analysis::Desk;
+use crate::feed::Feed;
+use crate::link::{self, Shared, Wires, lock};
+use crate::looks::{Look, still};
+use crate::panels::registry::Panels;
+use crate::panels::settings::Cursor;
+use crate::panels::status::Message;
+use crate::screen::{self, View};
+use crate::session::Options;
+use crate::terminal;
+use crate::view_time::ViewTime;
+
+/// How often what has come in is held against the alarms' limits.
+const LOOK: Duration = Duration::from_millis(100);
+
+/// A picture of the screen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Still {
+    /// Its characters, a line each row.
+    pub text: String,
+    /// The same as SVG.
+    pub svg: String,
+}
+
+/// Attaches to `bench`, listens for `after`, and takes a picture of what a dashboard of `width` by `height` cells then
+/// shows. `None` if nothing was heard of the bench until then.
+///
+/// # Errors
+/// A thread cannot be started.
+pub fn portrait<C: Carrier>(
+    carrier: C,
+    bench: &BenchName,
+    options: &Options,
+    (width, height): (u16, u16),
+    after: Duration,
+) -> io::Result<Option<Still>> {
+    let mut headless = Headless::new(&bench.to_string(), options);
+    let stop = Arc::new(AtomicBool::new(false));
+    let (bulletins, _nobody) = channel::bounded(1);
+    let (wake, _never) = channel::bounded(1);
+    let wires = Wires { bulletins, wake, idle: Arc::default(), stop: stop.clone() };
+    let reader = link::spawn(carrier, bench.clone(), headless.feed.clone(), wires)?;
+    let start = Instant::now();
+    while start.elapsed() < after {
+        std::thread::sleep(LOOK.min(after.saturating_sub(start.elapsed())));
+        headless.heed();
+    }
+    let heard = lock(&headless.feed).heard().is_some();
+    let still = heard.then(|| headless.still(width, height));
+    stop.store(true, Ordering::Relaxed);
+    // It holds shared memory: it must have let go before we report that we are done.
+    let _ = reader.join();
+    Ok(still)
+}
+
+/// A dashboard without a terminal, and without threads unless [`portrait`] starts one.
+pub struct Headless {
+    bench: String,
+    feed: Shared,
+    options: Options,
+    panels: Panels,
+    alarms: Alarms,
+    desk: Desk,
+    look: Look,
+}
+
+impl Headless {
+    /// A dashboard that has heard nothing yet. A picture can have all colours.
+    #[must_use]
+    pub fn new(bench: &str, options: &Options) -> Self {
+        let has_all = |name: &str| (name == "COLORTERM").then(|| "truecolor".to_owned());
+        Self {
+            bench: bench.to_owned(),
+            feed: Arc::new(Mutex::new(Feed::with_bound("waiting", options.history))),
+            options: options.clone(),
+            panels: Panels::new(),
+            alarms: Alarms::new(Limits::default()),
+            desk: Desk::at_once(),
+            look: Look::choose(options.wishes, has_all),
+        }
+    }
+
+    /// Takes in one step.
+    pub fn hear(&mut self, state: &State) {
+        lock(&self.feed).hear(state, Instant::now());
+    }
+
+    /// Takes in a bulletin.
+    pub fn read(&mut self, bulletin: Box<Bulletin>) {
+        lock(&self.feed).read(bulletin);
+    }
+
+    fn heed(&mut self) {
+        let reading = lock(&self.feed).reading();
+        self.alarms.read(&reading);
+    }
+
+    /// Draws everything, in roles still.
+    fn draw(&mut self, area: Rect, buffer: &mut Buffer) {
+        self.heed();
+        let (time, cursor, message) = (ViewTime::LIVE, Cursor::default(), Message::Hints);
+        let picture = lock(&self.feed).picture(&time, Instant::now());
+        let view = View {
+            picture: &picture,
+            time: &time,
+            bench: &self.bench,
+            cursor: &cursor,
+            message: &message,
+            desk: &self.desk,
+            alarms: &self.alarms,
+            help: false,
+            replay: None,
+        };
+        screen::draw(&view, &self.options.layouts[self.options.layout], &mut self.panels, area, buffer);
+    }
+
+    /// A picture of what it shows now.
+    #[must_use]
+    pub fn still(&mut self, width: u16, height: u16) -> Still {
+        let area = Rect::new(0, 0, width, height);
+        let mut buffer = Buffer::empty(area);
+        self.draw(area, &mut buffer);
+        self.look.finish(&mut buffer);
+        Still { text: still::text(&buffer), svg: still::svg(&buffer) }
+    }
+
+    /// Sends frames to `out` as to a terminal of `width` by `height` cells; what it is shown already is not sent again.
+    ///
+    /// # Errors
+    /// `out` fails.
+    pub fn frames<W: Write>(self, out: W, width: u16, height: u16) -> io::Result<Frames<W>> {
+        let viewport = Viewport::Fixed(Rect::new(0, 0, width, height));
+        let terminal = Terminal::with_options(CrosstermBackend::new(out), TerminalOptions { viewport })?;
+        Ok(Frames { headless: self, terminal })
+    }
+}
+
+/// Frames of a [`Headless`] dashboard on their way to a terminal.
+pub struct Frames<W: Write> {
+    headless: Headless,
+    terminal: Terminal<CrosstermBackend<W>>,
+}
+
+impl<W: Write> Frames<W> {
+    /// The dashboard, to be fed.
+    pub fn headless(&mut self) -> &mut Headless {
+        &mut self.headless
+    }
+
+    /// Draws and sends one frame.
+    ///
+    /// # Errors
+    /// The terminal fails.
+    pub fn draw(&mut self) -> io::Result<()> {
+        let Self { headless, terminal } = self;
+        let look = headless.look;
+        terminal::draw_whole(terminal, look, |frame| headless.draw(frame.area(), frame.buffer_mut()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::feed::tests;
+    use crate::layout::built_in;
+    use crate::looks::Wishes;
+
+    fn headless(layout: usize, wishes: Wishes) -> Headless {
+        let mut headless = Headless::new("default", &Options { layout, wishes, ..Options::default() });
+        headless.read(tests::bulletin("three-mass", "composite"));
+        for seq in 0..9000 {
+            headless.hear(&tests::state(3, seq));
+        }
+        headless
+    }
+
+    #[test]
+    fn every_glyph_of_every_layout_has_an_ascii_twin() {
+        for layout in 0..built_in().len() {
+            let Still { text, svg } = headless(layout, Wishes { ascii: true, ..Wishes::default() }).still(200, 60);
+            assert!(text.is_ascii() && text.contains("RUNNING"), "{text}");
+            // The only question mark is the key of the help.
+            assert_eq!(text.matches('?').count(), 1, "{text}");
+            assert!(svg.is_ascii() && svg.contains("RUNNING"));
+        }
+    }
+
+    #[test]
+    fn a_picture_is_what_the_screen_shows() {
+        let Still { text, svg } = headless(1, Wishes::default()).still(120, 40);
+        assert!(text.contains("minimum damping") && text.contains("orbits"), "{text}");
+        assert_eq!(text.lines().count(), 40);
+        assert!(svg.contains("minimum damping") && svg.contains("width=\"976\""), "120 cells of 8, and the edges");
+    }
+
+    #[test]
+    fn what_is_shown_already_is_not_sent_again() {
+        let mut sent = Vec::new();
+        let mut frames = headless(0, Wishes::default()).frames(&mut sent, 200, 60).unwrap();
+        frames.draw().unwrap();
+        frames.headless().hear(&tests::state(3, 9000));
+        for _ in 0..3 {
+            frames.draw().unwrap();
+        }
+        drop(frames);
+        let text = String::from_utf8(sent).unwrap();
+        assert_eq!(text.matches("\x1b[?2026h").count(), 4, "each frame is sent as a whole");
+        assert_eq!(text.matches("minimum damping").count(), 1);
+    }
+}

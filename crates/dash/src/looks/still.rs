@@ -1,0 +1,283 @@
+//! A picture of the screen: a finished frame as plain text, or as SVG that looks the same everywhere. Braille and blocks are
+//! drawn dot by dot, because fonts differ in them or lack them.
+
+use std::fmt::Write;
+
+use ratatui::buffer::{Buffer, Cell};
+use ratatui::style::{Color, Modifier};
+
+/// Width and height of a cell, in the units of the picture.
+const CELL: (f64, f64) = (8.0, 16.0);
+/// Size of the letters.
+const FONT: f64 = 13.0;
+/// Room around the screen.
+const EDGE: f64 = 8.0;
+/// What stands for the terminal's own colours.
+const TEXT: &str = "#d0d0d0";
+const BACKGROUND: &str = "#101418";
+/// The sixteen colours, as xterm's successors show them.
+const SIXTEEN: [&str; 16] = [
+    "#000000", "#cd3131", "#0dbc79", "#e5e510", "#2f7de1", "#bc3fbc", "#11a8cd", "#e5e5e5", "#7a7a7a", "#f14c4c",
+    "#23d18b", "#f5f543", "#3b8eea", "#d670d6", "#29b8db", "#ffffff",
+];
+
+/// A frame as lines of text, without blanks at their ends.
+pub(crate) fn text(buffer: &Buffer) -> String {
+    let area = buffer.area;
+    let line = |y| {
+        let cells: String = (area.left()..area.right()).map(|x| buffer[(x, y)].symbol()).collect();
+        cells.trim_end().to_owned() + "\n"
+    };
+    (area.top()..area.bottom()).map(line).collect()
+}
+
+/// A finished frame as an SVG document.
+pub(crate) fn svg(buffer: &Buffer) -> String {
+    let area = buffer.area;
+    let (width, height) = (f64::from(area.width) * CELL.0 + 2.0 * EDGE, f64::from(area.height) * CELL.1 + 2.0 * EDGE);
+    let mut out = format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+         <rect width=\"100%\" height=\"100%\" fill=\"{BACKGROUND}\"/>\n\
+         <g transform=\"translate({EDGE} {EDGE})\" font-family=\"DejaVu Sans Mono, Menlo, Consolas, monospace\" \
+         font-size=\"{FONT}\" xml:space=\"preserve\">\n"
+    );
+    for row in 0..area.height {
+        let cells: Vec<&Cell> = (0..area.width).map(|column| &buffer[(area.x + column, area.y + row)]).collect();
+        draw_row(&cells, f64::from(row) * CELL.1, &mut out);
+    }
+    out + "</g>\n</svg>\n"
+}
+
+/// One row: cells of one look that follow each other are one piece of text, or one path of dots.
+fn draw_row(cells: &[&Cell], y: f64, out: &mut String) {
+    let mut from = 0;
+    while from < cells.len() {
+        let first = cells[from];
+        let alike = |cell: &Cell| {
+            (cell.fg, cell.bg, cell.modifier) == (first.fg, first.bg, first.modifier)
+                && (kind(cell) == kind(first) || (kind(first), kind(cell)) == (Kind::Text, Kind::Blank))
+        };
+        let run = &cells[from..from + cells[from..].iter().take_while(|cell| alike(cell)).count()];
+        // Words of one text belong together; blanks at its end do not.
+        let last = run.iter().rposition(|cell| kind(cell) == kind(first)).unwrap_or(0);
+        let to = from + last + 1;
+        let x = from as f64 * CELL.0;
+        let (ink, paper) = colors(first);
+        if let Some(paper) = paper {
+            let width = (to - from) as f64 * CELL.0;
+            line(
+                out,
+                format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{}\" fill=\"{paper}\"/>", CELL.1),
+            );
+        }
+        match kind(first) {
+            Kind::Blank => {}
+            Kind::Dots => {
+                let path: String =
+                    (from..).zip(&cells[from..to]).map(|(at, cell)| shapes(cell, at as f64 * CELL.0, y)).collect();
+                line(out, format_args!("<path fill=\"{ink}\" d=\"{path}\"/>"));
+            }
+            Kind::Text => {
+                let text: String = cells[from..to].iter().map(|cell| escaped(cell.symbol())).collect();
+                let bold = if first.modifier.contains(Modifier::BOLD) { " font-weight=\"bold\"" } else { "" };
+                // Whatever font there is, a cell is as wide as a cell.
+                let (length, base) = ((to - from) as f64 * CELL.0, y + 0.77 * CELL.1);
+                line(
+                    out,
+                    format_args!(
+                        "<text x=\"{x}\" y=\"{base}\" textLength=\"{length}\" fill=\"{ink}\"{bold}>{text}</text>"
+                    ),
+                );
+            }
+        }
+        from = to;
+    }
+}
+
+fn line(out: &mut String, what: std::fmt::Arguments<'_>) {
+    // Writing to a string does not fail.
+    let _ = writeln!(out, "{what}");
+}
+
+/// How a cell is drawn.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Blank,
+    Text,
+    Dots,
+}
+
+fn kind(cell: &Cell) -> Kind {
+    match cell.symbol().chars().next() {
+        None | Some(' ') => Kind::Blank,
+        Some('\u{2580}'..='\u{259f}' | '\u{2800}'..='\u{28ff}') => Kind::Dots,
+        Some(_) => Kind::Text,
+    }
+}
+
+/// The colours of letters and of what is behind them, the latter if it is not the screen's own.
+fn colors(cell: &Cell) -> (String, Option<String>) {
+    let (ink, paper) = (name(cell.fg), name(cell.bg));
+    if cell.modifier.contains(Modifier::REVERSED) {
+        return (paper.unwrap_or_else(|| BACKGROUND.into()), Some(ink.unwrap_or_else(|| TEXT.into())));
+    }
+    (ink.unwrap_or_else(|| TEXT.into()), paper)
+}
+
+/// A colour as SVG reads it; `None` is the terminal's own.
+fn name(color: Color) -> Option<String> {
+    let at = match color {
+        Color::Reset => return None,
+        Color::Rgb(r, g, b) => return Some(format!("#{r:02x}{g:02x}{b:02x}")),
+        Color::Indexed(number) => usize::from(number) % 16,
+        Color::Black => 0,
+        Color::Red => 1,
+        Color::Green => 2,
+        Color::Yellow => 3,
+        Color::Blue => 4,
+        Color::Magenta => 5,
+        Color::Cyan => 6,
+        Color::Gray => 7,
+        Color::DarkGray => 8,
+        Color::LightRed => 9,
+        Color::LightGreen => 10,
+        Color::LightYellow => 11,
+        Color::LightBlue => 12,
+        Color::LightMagenta => 13,
+        Color::LightCyan => 14,
+        Color::White => 15,
+    };
+    Some(SIXTEEN[at].to_owned())
+}
+
+/// The dots of a braille cell or the parts of a block, as pieces of a path.
+fn shapes(cell: &Cell, x: f64, y: f64) -> String {
+    let Some(glyph) = cell.symbol().chars().next() else { return String::new() };
+    let (w, h) = CELL;
+    let rect = |[left, top, right, bottom]: [f64; 4]| {
+        format!("M{} {}H{}V{}H{}z", x + left * w, y + top * h, x + right * w, y + bottom * h, x + left * w)
+    };
+    match glyph {
+        '\u{2800}'..='\u{28ff}' => {
+            let bits = glyph as u32 & 0xff;
+            let dots = [[0x01, 0x08], [0x02, 0x10], [0x04, 0x20], [0x40, 0x80]];
+            let mut path = String::new();
+            for (row, pair) in dots.into_iter().enumerate() {
+                for (column, _) in pair.into_iter().enumerate().filter(|(_, bit)| bits & bit != 0) {
+                    let (left, top) = (0.5 * column as f64, 0.25 * row as f64);
+                    path += &rect([left + 0.1, top + 0.045, left + 0.4, top + 0.205]);
+                }
+            }
+            path
+        }
+        '░' | '▒' | '▓' => {
+            // As many of sixteen small squares as the shade has ink.
+            let filled: &[usize] = match glyph {
+                '░' => &[0, 10],
+                '▒' => &[0, 2, 5, 7, 8, 10, 13, 15],
+                _ => &[0, 1, 2, 4, 5, 7, 8, 9, 10, 12, 13, 15],
+            };
+            let square = |at: &usize| {
+                let (left, top) = (0.25 * (at % 4) as f64, 0.25 * (at / 4) as f64);
+                rect([left, top, left + 0.25, top + 0.25])
+            };
+            filled.iter().map(square).collect()
+        }
+        _ => quadrants(glyph).into_iter().map(rect).collect(),
+    }
+}
+
+/// The parts of a cell that a block fills.
+fn quadrants(glyph: char) -> Vec<[f64; 4]> {
+    let [nw, ne, sw, se] = [[0.0, 0.0, 0.5, 0.5], [0.5, 0.0, 1.0, 0.5], [0.0, 0.5, 0.5, 1.0], [0.5, 0.5, 1.0, 1.0]];
+    match glyph {
+        '▀' => vec![[0.0, 0.0, 1.0, 0.5]],
+        '▄' => vec![[0.0, 0.5, 1.0, 1.0]],
+        '▌' => vec![[0.0, 0.0, 0.5, 1.0]],
+        '▐' => vec![[0.5, 0.0, 1.0, 1.0]],
+        '▘' => vec![nw],
+        '▝' => vec![ne],
+        '▖' => vec![sw],
+        '▗' => vec![se],
+        '▚' => vec![nw, se],
+        '▞' => vec![ne, sw],
+        '▙' => vec![nw, sw, se],
+        '▟' => vec![ne, sw, se],
+        '▛' => vec![nw, ne, sw],
+        '▜' => vec![nw, ne, se],
+        // Eighths from below, and from the left.
+        '\u{2581}'..='\u{2587}' => vec![[0.0, 1.0 - f64::from(glyph as u32 - 0x2580) / 8.0, 1.0, 1.0]],
+        '\u{2589}'..='\u{258f}' => vec![[0.0, 0.0, f64::from(0x2590 - glyph as u32) / 8.0, 1.0]],
+        '▔' => vec![[0.0, 0.0, 1.0, 0.125]],
+        '▕' => vec![[0.875, 0.0, 1.0, 1.0]],
+        _ => vec![[0.0, 0.0, 1.0, 1.0]],
+    }
+}
+
+fn escaped(symbol: &str) -> String {
+    symbol.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;")
+}
+
+#[cfg(test)]
+mod tests {
+    use ratatui::layout::Rect;
+    use ratatui::style::Style;
+
+    use super::*;
+
+    fn picture(rows: &[&str], style: Style) -> Buffer {
+        let mut buffer = Buffer::empty(Rect::new(0, 0, 6, rows.len() as u16));
+        for (y, row) in (0..).zip(rows) {
+            buffer.set_string(0, y, row, style);
+        }
+        buffer
+    }
+
+    #[test]
+    fn text_is_what_is_on_the_screen() {
+        assert_eq!(text(&picture(&["ab  c ", "", "⠿"], Style::new())), "ab  c\n\n⠿\n");
+    }
+
+    #[test]
+    fn braille_is_drawn_dot_by_dot() {
+        for bits in 0..=255_u32 {
+            let glyph = char::from_u32(0x2800 + bits).unwrap().to_string();
+            let drawn = svg(&picture(&[&glyph], Style::new()));
+            let dots = drawn.split(" d=\"").nth(1).map_or(0, |path| path.matches('z').count());
+            assert_eq!(dots, bits.count_ones() as usize, "{glyph}");
+            assert!(!drawn.contains(&glyph));
+        }
+        // The lowest right dot of the second cell.
+        let drawn = svg(&picture(&[" ⢀"], Style::new()));
+        assert!(drawn.contains("M12.8 12.72H15.2V15.28H12.8z"), "{drawn}");
+    }
+
+    #[test]
+    fn looks_and_letters_survive() {
+        let style = Style::new().fg(Color::Red).add_modifier(Modifier::BOLD);
+        let drawn = svg(&picture(&["a<b&c>"], style));
+        assert!(drawn.contains("fill=\"#cd3131\" font-weight=\"bold\">a&lt;b&amp;c&gt;</text>"), "{drawn}");
+        let bar = svg(&picture(&["ALARM"], style.add_modifier(Modifier::REVERSED)));
+        assert!(bar.contains("width=\"40\" height=\"16\" fill=\"#cd3131\"/>"), "{bar}");
+        let full = svg(&picture(&["x"], Style::new().fg(Color::Rgb(1, 2, 255))));
+        assert!(full.contains("fill=\"#0102ff\""), "{full}");
+    }
+
+    #[test]
+    fn blocks_fill_their_part_of_the_cell() {
+        for (glyph, share) in [('█', 1.0), ('▀', 0.5), ('▙', 0.75), ('▂', 0.25), ('▎', 0.25), ('▗', 0.25), ('▚', 0.5)]
+        {
+            let filled: f64 = quadrants(glyph).iter().map(|[l, t, r, b]| (r - l) * (b - t)).sum();
+            assert!((filled - share).abs() < 1e-12, "{glyph}: {filled}");
+        }
+    }
+
+    #[test]
+    fn the_document_is_whole() {
+        let drawn = svg(&picture(&["│⠿ █x", "°∠"], Style::new()));
+        assert!(drawn.starts_with("<svg") && drawn.ends_with("</svg>\n"));
+        assert_eq!(drawn.matches("<g ").count(), drawn.matches("</g>").count());
+        let empty = svg(&Buffer::empty(Rect::new(0, 0, 0, 0)));
+        assert!(empty.ends_with("</svg>\n"));
+    }
+}
