@@ -66,7 +66,9 @@ fn start_nudge_switch_off_trip_restart_and_quit() {
     // Control off: unstable at once, and in time the trip.
     assert_eq!(root.run(&["set", "trip=8"]).code, Some(0));
     screen.press("0");
-    screen.wait_words("UNSTABLE");
+    screen.wait_words("UNSTABLE with that: minimum damping -0.0306");
+    screen.press("y");
+    screen.wait_words("control off, from step");
     screen.wait_words("TRIPPED");
     screen.wait_words("past the limit of 8 e_t");
     let (color, is_badge) = screen.color_of("TRIPPED").unwrap();
@@ -109,7 +111,7 @@ fn help_pause_typing_undo_and_redo_work() {
     let mut screen = Screen::start(root.path(), &["up", "jeffcott", "--speed", "3"], (140, 45));
     screen.wait_words("jeffcott");
     screen.press("?");
-    screen.wait_words("undo the last change");
+    screen.wait_words("undo the last change, whoever made it");
     screen.press("\x1b");
     screen.wait("the help to close", |text| (!text.contains("undo the last change")).then_some(()));
     screen.press("\r4.5\r");

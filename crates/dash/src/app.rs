@@ -1,33 +1,42 @@
-//! The loop: input first, then answers, then the clock; and what each of them does.
+//! The loop: input first, then answers, then the clock. What an action does is [`act`]'s.
 
+mod act;
+#[cfg(test)]
+mod fuzz;
 mod past;
 mod recording;
+#[cfg(test)]
+mod tests;
 
 use std::io;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
-use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
-use rotor::{C64, Key};
+use ratatui::layout::Rect;
+use rotor::Settings;
 
 use crate::alarms::{Alarms, Limits, Reading};
 use crate::analysis::Desk;
 use crate::clerk::{Edit, Outcome};
 use crate::feed::Contact;
 use crate::input::Input;
-use crate::keymap::{self, Action};
+use crate::keymap::Keymap;
+use crate::layers::Layer;
 use crate::layout::Layout;
 use crate::link::{Shared, lock};
-use crate::panels::registry::Panels;
-use crate::panels::settings::{Cursor, rows};
+use crate::panels::registry::{Intent, Mouse, Panels};
+use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
+use crate::picture::Picture;
+use crate::presets::Presets;
 use crate::replay::Player;
 use crate::screen::{self, View};
 use crate::session::{DashError, Ended, Keeper, Options, Scribe};
 use crate::terminal::Screen;
 use crate::view_time::ViewTime;
+use crate::what_if::WhatIf;
 
 /// Time between two frames while everything moves: 30 a second.
 const FRAME: Duration = Duration::from_millis(33);
@@ -37,13 +46,11 @@ const PAUSED_FRAME: Duration = Duration::from_millis(250);
 const SILENT_FRAME: Duration = Duration::from_millis(200);
 /// How long a message stays at the foot.
 const MESSAGE: Duration = Duration::from_secs(6);
-/// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
-const IMPULSE: f64 = -2.5;
 
 /// All that the loop waits for, the most urgent first.
 #[derive(Debug)]
 pub(crate) struct Streams {
-    /// Keys, signals, resizes.
+    /// Keys, the mouse, signals, resizes.
     pub(crate) inputs: Receiver<Input>,
     /// What became of edits.
     pub(crate) outcomes: Receiver<Outcome>,
@@ -57,9 +64,14 @@ pub(crate) struct App<'a> {
     feed: Shared,
     edits: Sender<Edit>,
     keeper: Option<&'a mut dyn Keeper>,
-    cursor: Cursor,
+    /// The selected row of the settings.
+    row: usize,
     message: (Message, Instant),
-    help: bool,
+    /// What lies on top of the panels.
+    layers: Vec<Layer>,
+    /// What lists shall show; everything if it is empty.
+    filter: String,
+    keymap: Keymap,
     /// Which moment is looked at.
     time: ViewTime,
     desk: Desk,
@@ -70,6 +82,15 @@ pub(crate) struct App<'a> {
     /// Which of them is shown.
     layout: usize,
     panels: Panels,
+    presets: Presets,
+    /// Settings to compare with.
+    held: Option<Settings>,
+    read_only: bool,
+    /// What the last frame was drawn on.
+    area: Rect,
+    /// Where a drag was last.
+    dragged: Option<(u16, u16)>,
+    suspend: bool,
     told_end: bool,
     quit: Option<Ended>,
     /// Moves through a recording, if there is no bench.
@@ -93,9 +114,11 @@ impl<'a> App<'a> {
             feed,
             edits,
             keeper,
-            cursor: Cursor::default(),
+            row: 0,
             message: (Message::Hints, Instant::now()),
-            help: false,
+            layers: Vec::new(),
+            filter: String::new(),
+            keymap: options.keys.clone(),
             time: ViewTime::LIVE,
             desk,
             alarms: Alarms::new(Limits::default()),
@@ -103,6 +126,12 @@ impl<'a> App<'a> {
             layouts: options.layouts.clone(),
             layout: options.layout,
             panels: Panels::new(),
+            presets: Presets(options.presets.clone()),
+            held: None,
+            read_only: options.read_only,
+            area: Rect::default(),
+            dragged: None,
+            suspend: false,
             told_end: false,
             quit: None,
             player: None,
@@ -116,6 +145,10 @@ impl<'a> App<'a> {
         loop {
             if let Some(ended) = self.quit {
                 return Ok(ended);
+            }
+            if std::mem::take(&mut self.suspend) {
+                screen.suspend()?;
+                drawn.stale = true;
             }
             let now = Instant::now();
             if self.is_due(&drawn, now) {
@@ -169,6 +202,17 @@ impl<'a> App<'a> {
     }
 
     fn draw(&mut self, screen: &mut Screen) -> io::Result<()> {
+        screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))
+    }
+
+    /// Draws a frame.
+    fn render(&mut self, area: Rect, buffer: &mut ratatui::buffer::Buffer) {
+        self.area = area;
+        self.with_view(|view, layout, panels| screen::draw(view, layout, panels, area, buffer));
+    }
+
+    /// Does something with all that a frame shows at this moment.
+    fn with_view<T>(&mut self, look: impl FnOnce(&View<'_>, &Layout, &mut Panels) -> T) -> T {
         let (mut picture, reading) = {
             let mut feed = lock(&self.feed);
             (feed.picture(&self.time, Instant::now()), feed.reading())
@@ -177,21 +221,43 @@ impl<'a> App<'a> {
         if let Some(player) = &self.player {
             player.finish(&mut picture);
         }
-        let typed = self.player.as_ref().and_then(|player| player.typed.as_ref());
-        let going = typed.map(|typed| Message::Good(format!("go to tau {typed}_   enter goes, esc does not")));
+        let what_if = self.what_if(&picture);
+        let typed = self.layers.iter().rev().find_map(|layer| match layer {
+            Layer::Value(typed) => Some(typed.clone()),
+            _ => None,
+        });
+        let completions = match self.layers.last() {
+            Some(Layer::Command(line)) => self.offers(line, &picture),
+            _ => Vec::new(),
+        };
         let view = View {
             picture: &picture,
             time: &self.time,
             bench: &self.bench,
-            cursor: &self.cursor,
-            message: going.as_ref().unwrap_or(&self.message.0),
+            cursor: &Cursor { row: self.row, typed },
+            message: &self.message.0,
+            layers: &self.layers,
+            completions: &completions,
+            filter: &self.filter,
+            keymap: &self.keymap,
+            what_if: what_if.as_ref(),
+            read_only: self.read_only,
             desk: &self.desk,
             alarms: &self.alarms,
-            help: self.help,
             replay: self.player.as_ref().map(|player| player.shown(&picture)),
         };
-        let (layout, panels) = (&self.layouts[self.layout], &mut self.panels);
-        screen.draw(|frame| screen::draw(&view, layout, panels, frame.area(), frame.buffer_mut()))
+        look(&view, &self.layouts[self.layout], &mut self.panels)
+    }
+
+    /// What the change that is being typed, or waits for a yes, would mean.
+    fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
+        let edit = match self.layers.last()? {
+            Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.parse().ok()?)]),
+            Layer::Ask(edit, _) => edit.clone(),
+            _ => return None,
+        };
+        let settings = edit.applied(picture.settings.as_ref()?)?;
+        WhatIf::of(picture.rotor.as_ref()?, settings)
     }
 
     /// What time alone brings. Returns whether it shows.
@@ -240,163 +306,7 @@ impl<'a> App<'a> {
             Input::Signal | Input::Closed => self.quit = Some(Ended::Interrupted),
             Input::Resized => {}
             Input::Key(key) => self.press(key),
-        }
-    }
-
-    fn press(&mut self, key: KeyEvent) {
-        if self.typing_time(key) {
-            return;
-        }
-        if self.cursor.typed.is_some() && self.typing(key) {
-            return;
-        }
-        match keymap::action(key) {
-            Some(action) => self.act(action),
-            None => self.help &= !matches!(key.code, KeyCode::Enter),
-        }
-    }
-
-    /// A key while a value is being typed. Returns whether it was part of that.
-    fn typing(&mut self, key: KeyEvent) -> bool {
-        let Some(typed) = &mut self.cursor.typed else { return false };
-        let plain = !key.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT);
-        match key.code {
-            KeyCode::Char(c @ ('0'..='9' | '.' | '-' | '+' | 'e' | 'E')) if plain => {
-                if typed.len() < 16 {
-                    typed.push(c);
-                }
-            }
-            KeyCode::Backspace => {
-                typed.pop();
-            }
-            KeyCode::Esc => self.cursor.typed = None,
-            KeyCode::Enter => self.take_typed(),
-            // Quitting works everywhere; other keys neither type nor act by accident.
-            _ => return matches!(keymap::action(key), None | Some(Action::Nudge(_) | Action::Off)),
-        }
-        true
-    }
-
-    fn take_typed(&mut self) {
-        let Some(typed) = self.cursor.typed.take() else { return };
-        let Some(key) = self.selected() else { return };
-        match typed.parse::<f64>() {
-            Ok(value) => self.edit(Edit::Set(key, value)),
-            Err(_) => self.tell(Message::Bad(format!("{key} = '{typed}': expected a number"))),
-        }
-    }
-
-    /// The selected setting, if there is any yet.
-    fn selected(&mut self) -> Option<Key> {
-        let settings = lock(&self.feed).settings()?;
-        let rows = rows(&settings);
-        self.cursor.row = self.cursor.row.min(rows.len().saturating_sub(1));
-        rows.get(self.cursor.row).copied()
-    }
-
-    fn edit(&mut self, edit: Edit) {
-        if self.player.is_some() {
-            if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
-                self.tell(Message::Good(words));
-            }
-            return;
-        }
-        if self.edits.try_send(edit).is_err() {
-            self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
-        }
-    }
-
-    fn act(&mut self, action: Action) {
-        if self.act_on_past(action) {
-            return;
-        }
-        match action {
-            Action::Quit => self.quit = Some(Ended::Quit),
-            Action::Escape => {
-                self.help = false;
-                self.cursor.typed = None;
-            }
-            Action::Help => self.help = !self.help,
-            Action::Select(rows_down) => {
-                self.cursor.typed = None;
-                let settings = lock(&self.feed).settings();
-                let count = settings.map_or(0, |settings| rows(&settings).len());
-                self.cursor.row = self.cursor.row.saturating_add_signed(rows_down).min(count.saturating_sub(1));
-            }
-            Action::Nudge(steps) => match self.selected() {
-                Some(key) => self.edit(Edit::Nudge(key, steps * key.parameter.step)),
-                None => self.tell(Message::Bad("no settings are known yet".into())),
-            },
-            Action::Type => self.cursor.typed = Some(String::new()),
-            Action::Undo => self.edit(Edit::Undo),
-            Action::Redo => self.edit(Edit::Redo),
-            Action::Off => self.edit(Edit::Off),
-            Action::Impulse => {
-                let bearing = lock(&self.feed).settings().map(|s| s.feedback.bearing);
-                if let Some(mass) = bearing {
-                    self.edit(Edit::Impulse(mass, C64::new(IMPULSE, 0.0)));
-                }
-            }
-            Action::Pause => {
-                if self.time.is_live() {
-                    self.time.pause(&self.kept().0);
-                } else {
-                    self.time.resume();
-                }
-                self.look();
-            }
-            Action::Layout(at) => match self.layouts.get(at) {
-                Some(_) => self.layout = at,
-                None => self.tell(Message::Bad(format!("no layout {}: there are {}", at + 1, self.layouts.len()))),
-            },
-            Action::Seek(by) => {
-                let (kept, seconds) = self.kept();
-                self.time.seek(by, &kept, seconds);
-                self.look();
-            }
-            Action::Step(by) => {
-                let (kept, seconds) = self.kept();
-                self.time.step(by, &kept, seconds);
-                self.look();
-            }
-            Action::Zoom(factor) => self.time.zoom(factor, self.kept().1),
-            Action::ZoomReset => self.time.reset_span(self.kept().1),
-            Action::Acknowledge => match self.alarms.acknowledge() {
-                0 => self.tell(Message::Good("no alarm waits to be acknowledged".into())),
-                1 => self.tell(Message::Good("1 alarm acknowledged".into())),
-                count => self.tell(Message::Good(format!("{count} alarms acknowledged"))),
-            },
-            Action::Restart => self.restart(),
-            Action::Record => self.record(),
-            // These are for recordings alone.
-            Action::Speed(_) | Action::Event(_) | Action::Loop | Action::GoTo | Action::End(_) => {}
-        }
-    }
-
-    /// The steps that are kept, and the seconds between them.
-    fn kept(&self) -> (std::ops::Range<u64>, f64) {
-        let feed = lock(&self.feed);
-        (feed.history().places(), feed.seconds())
-    }
-
-    /// Lets the reader know whether anybody watches the newest steps.
-    fn look(&self) {
-        self.idle.store(!self.time.is_live(), Ordering::Relaxed);
-    }
-
-    /// Restarts the rotor; or the simulation, if that has ended and was ours.
-    fn restart(&mut self) {
-        if let Some(keeper) = &mut self.keeper
-            && keeper.ended().is_some()
-        {
-            let revived = keeper.revive();
-            self.told_end = false;
-            self.tell(match revived {
-                Ok(()) => Message::Good("the simulation was started again".into()),
-                Err(why) => Message::Bad(why),
-            });
-        } else {
-            self.edit(Edit::Restart);
+            Input::Mouse(event) => self.point(event),
         }
     }
 }
@@ -408,73 +318,4 @@ struct Drawn {
     changes: u64,
     /// Something other than the feed has changed since.
     stale: bool,
-}
-
-#[cfg(test)]
-mod tests {
-    use std::sync::Mutex;
-
-    use super::*;
-    use crate::feed::{Feed, tests};
-
-    /// Presses keys on a dashboard with a feed of the three-mass rotor, and returns what it then wants.
-    fn pressed(keys: &[KeyCode]) -> (Vec<Edit>, Cursor, Message, bool) {
-        let mut feed = Feed::new("");
-        feed.read(tests::bulletin("three-mass", "composite"));
-        feed.hear(&tests::state(3, 0), Instant::now());
-        let (edits, taken) = channel::bounded(64);
-        let feed = Arc::new(Mutex::new(feed));
-        let mut app =
-            App::new("default".into(), feed, edits, None, Desk::at_once(), Arc::default(), &Options::default());
-        for code in keys {
-            app.press(KeyEvent::new(*code, KeyModifiers::NONE));
-        }
-        (taken.try_iter().collect(), app.cursor, app.message.0, app.quit.is_some())
-    }
-
-    fn key(name: &str) -> Key {
-        name.parse().unwrap()
-    }
-
-    use KeyCode::{Char, Down, Enter, Esc, Left, Right, Up};
-
-    #[test]
-    fn arrows_select_and_nudge() {
-        let (edits, cursor, ..) = pressed(&[Down, Down, Right, Up, Left]);
-        assert_eq!(cursor.row, 1);
-        assert_eq!(
-            edits,
-            [Edit::Nudge(key("deadband"), 0.1), Edit::Nudge(key("trip"), -10.0)],
-            "rows are speed, trip, deadband, ..."
-        );
-        let (_, top, ..) = pressed(&[Up]);
-        let (_, bottom, ..) = pressed(&[Down; 40]);
-        assert_eq!((top.row, bottom.row), (0, 6));
-    }
-
-    #[test]
-    fn typing_a_number_sets_the_selected_row() {
-        let (edits, cursor, ..) = pressed(&[Enter, Char('3'), Char('.'), Char('5'), Enter]);
-        assert_eq!((edits, cursor.typed), (vec![Edit::Set(key("speed"), 3.5)], None));
-        // 0 alone turns control off.
-        let (edits, ..) = pressed(&[Enter, Char('0'), Char('.'), Char('5'), Enter, Char('0')]);
-        assert_eq!(edits, [Edit::Set(key("speed"), 0.5), Edit::Off]);
-        let (edits, cursor, ..) = pressed(&[Enter, Char('3'), Char('u'), Esc]);
-        assert_eq!((edits, cursor.typed), (vec![Edit::Undo], None));
-        let (edits, _, message, _) = pressed(&[Enter, Char('3'), Char('-'), Enter]);
-        assert_eq!((edits.len(), message), (0, Message::Bad("speed = '3-': expected a number".into())));
-    }
-
-    #[test]
-    fn quitting_works_from_everywhere() {
-        for before in [&[][..], &[Char('?')], &[Char('3')], &[Char(' ')], &[Enter]] {
-            assert!(pressed(&[before, &[Char('q')]].concat()).3, "{before:?}");
-        }
-    }
-
-    #[test]
-    fn an_impulse_strikes_the_mass_with_the_bearing() {
-        assert_eq!(pressed(&[Char('i')]).0, [Edit::Impulse(0, C64::new(-2.5, 0.0))]);
-        assert_eq!(pressed(&[Char('R')]).0, [Edit::Restart]);
-    }
 }

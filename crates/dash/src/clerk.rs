@@ -8,7 +8,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
-use rotor::{C64, Key, Settings};
+use rotor::{C64, Difference, Key, Settings};
 use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, WireError};
 
 /// How long the simulation may take to answer.
@@ -19,17 +19,23 @@ const NEWS: Duration = Duration::from_millis(300);
 const TRIES: usize = 4;
 /// Nudges of one key that follow each other within this time are undone together.
 const ONE_GESTURE: Duration = Duration::from_millis(700);
+/// Changes that can be taken back.
+const REMEMBERED: usize = 256;
 
 /// What a person wants changed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Edit {
     /// Raise a setting.
     Nudge(Key, f64),
-    /// Set it.
-    Set(Key, f64),
+    /// Set these, all at once.
+    Set(Vec<(Key, f64)>),
     /// All gains to zero.
     Off,
-    /// Take back the last change made here.
+    /// Put other settings in force, and what to call that; only what differs from those that were looked at is changed.
+    Become(Box<(Settings, Settings)>, String),
+    /// Put a note on the record.
+    Note(String),
+    /// Take back the last change, whoever made it.
     Undo,
     /// Make it again.
     Redo,
@@ -37,6 +43,21 @@ pub(crate) enum Edit {
     Impulse(usize, C64),
     /// Back to rest.
     Restart,
+}
+
+impl Edit {
+    /// What `settings` would become; `None` if the edit changes no settings that are known here, or does not fit them.
+    pub(crate) fn applied(&self, settings: &Settings) -> Option<Settings> {
+        let mut settings = settings.clone();
+        match self {
+            Self::Nudge(key, delta) => settings.nudge(*key, *delta).ok()?,
+            Self::Set(values) => values.iter().try_for_each(|(key, value)| settings.set(*key, *value)).ok()?,
+            Self::Off => settings.feedback = settings.feedback.off(),
+            Self::Become(change, _) => carry_over(&change.0, &change.1, &mut settings),
+            Self::Undo | Self::Redo | Self::Impulse(..) | Self::Restart | Self::Note(_) => return None,
+        }
+        Some(settings)
+    }
 }
 
 /// What became of an edit, in words.
@@ -93,6 +114,8 @@ struct Step {
     before: Settings,
     after: Settings,
     nudged: Option<(Key, Instant)>,
+    /// Who made it, if it was not us.
+    who: Option<String>,
 }
 
 struct Clerk<C: Carrier> {
@@ -113,9 +136,19 @@ impl<C: Carrier> Clerk<C> {
             .known
             .as_ref()
             .is_some_and(|(run, revision, _)| *run == bulletin.run_id && *revision >= bulletin.revision);
-        if !is_older {
-            self.known = Some((bulletin.run_id, bulletin.revision, bulletin.settings.unpack()));
+        if is_older {
+            return;
         }
+        let settings = bulletin.settings.unpack();
+        // What others change can be taken back here too.
+        if let Some((run, _, before)) = self.known.take()
+            && run == bulletin.run_id
+            && before != settings
+        {
+            let who = Some(bulletin.changed_by.as_str().to_owned());
+            self.remember(Step { before, after: settings.clone(), nudged: None, who });
+        }
+        self.known = Some((bulletin.run_id, bulletin.revision, settings));
     }
 
     fn carry(&mut self, edit: &Edit) -> Outcome {
@@ -144,9 +177,14 @@ impl<C: Carrier> Clerk<C> {
             Edit::Nudge(key, delta) => self.remembered(Some(*key), &format!("{key}"), "nudged", |s| {
                 s.nudge(*key, *delta).map_err(|e| e.to_string())
             }),
-            Edit::Set(key, value) => self.remembered(None, &format!("{key} = {value}"), "typed", |s| {
-                s.set(*key, *value).map_err(|e| e.to_string())
+            Edit::Set(values) => self.remembered(None, &words(values), "typed", |s| {
+                values.iter().try_for_each(|(key, value)| s.set(*key, *value)).map_err(|e| e.to_string())
             }),
+            Edit::Become(change, what) => self.remembered(None, what, what, |settings| {
+                carry_over(&change.0, &change.1, settings);
+                Ok(())
+            }),
+            Edit::Note(text) => self.ask(&Change::Note { text: text.clone() }, "").map(|answer| told(&answer, "noted")),
             Edit::Off => self.remembered(None, "control off", "control off", |settings| {
                 settings.feedback = settings.feedback.off();
                 Ok(())
@@ -165,7 +203,7 @@ impl<C: Carrier> Clerk<C> {
     ) -> Result<Outcome, String> {
         let (before, after, answer) = self.apply(why, change)?;
         let now = Instant::now();
-        let mut step = Step { before, after, nudged: nudged.map(|key| (key, now)) };
+        let mut step = Step { before, after, nudged: nudged.map(|key| (key, now)), who: None };
         if let (Some(key), Some(last)) = (nudged, self.done.last())
             && last.nudged.is_some_and(|(other, at)| other == key && now - at < ONE_GESTURE)
             && last.after == step.before
@@ -173,9 +211,17 @@ impl<C: Carrier> Clerk<C> {
             step.before = last.before.clone();
             self.done.pop();
         }
-        self.done.push(step);
+        self.remember(step);
         self.undone.clear();
         Ok(told(&answer, what))
+    }
+
+    /// Puts a change on the undo stack, which forgets the oldest.
+    fn remember(&mut self, step: Step) {
+        if self.done.len() == REMEMBERED {
+            self.done.remove(0);
+        }
+        self.done.push(step);
     }
 
     /// Goes from `from` to `to` over one step of a stack, leaving alone what others have changed since.
@@ -186,9 +232,10 @@ impl<C: Carrier> Clerk<C> {
             Ok(())
         });
         match applied {
-            Ok((.., answer)) => {
+            Ok((before, after, answer)) => {
+                let who = step.who.as_ref().map_or_else(String::new, |who| format!(", made by {who}"));
                 if back { &mut self.undone } else { &mut self.done }.push(step);
-                Ok(told(&answer, word))
+                Ok(told(&answer, &format!("{word}: {}{who}", Difference::between(&before, &after))))
             }
             Err(why) => {
                 if back { &mut self.done } else { &mut self.undone }.push(step);
@@ -249,6 +296,11 @@ impl<C: Carrier> Clerk<C> {
         };
         commander.ask(&*change.request(&self.who, why)?, PATIENCE)
     }
+}
+
+/// Puts what is set in words.
+pub(crate) fn words(values: &[(Key, f64)]) -> String {
+    values.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
 }
 
 /// Puts an answer in words.
@@ -347,7 +399,7 @@ mod tests {
     #[test]
     fn undo_and_redo_walk_the_changes_made_here() {
         let start = bulletin("three-mass", "composite").settings.unpack();
-        let edits = [Edit::Set(key("speed"), 3.0), Edit::Off, Edit::Undo, Edit::Undo, Edit::Undo, Edit::Redo];
+        let edits = [Edit::Set(vec![(key("speed"), 3.0)]), Edit::Off, Edit::Undo, Edit::Undo, Edit::Undo, Edit::Redo];
         let (outcomes, settings) = carried(&edits, None);
         assert_eq!(outcomes[0], Outcome::Done("speed = 3, from step 42".into()));
         assert_eq!(outcomes[4], Outcome::Refused("nothing to undo".into()));
@@ -382,7 +434,7 @@ mod tests {
 
     #[test]
     fn what_cannot_be_is_refused_without_asking() {
-        let (outcomes, _) = carried(&[Edit::Set(key("speed"), -1.0), Edit::Redo], None);
+        let (outcomes, _) = carried(&[Edit::Set(vec![(key("speed"), -1.0)]), Edit::Redo], None);
         assert_eq!(outcomes[0], Outcome::Refused("speed = -1: expected a number from 0 to 1000".into()));
         assert_eq!(outcomes[1], Outcome::Refused("nothing to redo".into()));
     }

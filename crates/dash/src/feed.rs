@@ -155,6 +155,11 @@ impl Feed {
         self.bulletin.as_ref().map(|bulletin| bulletin.settings.unpack())
     }
 
+    /// The rotor, once it is known.
+    pub(crate) fn rotor(&self) -> Option<Arc<Rotor>> {
+        self.rotor.clone()
+    }
+
     /// What has happened.
     pub(crate) fn history(&self) -> &History {
         &self.history

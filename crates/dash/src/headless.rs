@@ -124,7 +124,12 @@ impl Headless {
             message: &message,
             desk: &self.desk,
             alarms: &self.alarms,
-            help: false,
+            layers: &[],
+            completions: &[],
+            filter: "",
+            keymap: &self.options.keys,
+            what_if: None,
+            read_only: self.options.read_only,
             replay: None,
         };
         screen::draw(&view, &self.options.layouts[self.options.layout], &mut self.panels, area, buffer);

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crossbeam::channel::Sender;
-use crossterm::event::{self, Event, KeyEvent, KeyEventKind};
+use crossterm::event::{self, Event, KeyEvent, KeyEventKind, MouseEvent, MouseEventKind};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::{Handle, Signals};
 
@@ -17,6 +17,8 @@ const PATIENCE: Duration = Duration::from_millis(100);
 pub(crate) enum Input {
     /// A key was pressed, or repeats.
     Key(KeyEvent),
+    /// The mouse did something.
+    Mouse(MouseEvent),
     /// The screen has another size.
     Resized,
     /// A signal asks us to end.
@@ -33,6 +35,8 @@ pub(crate) fn keyboard(inputs: Sender<Input>, stop: Arc<AtomicBool>) -> std::io:
                 Ok(false) => continue,
                 Ok(true) => match event::read() {
                     Ok(Event::Key(key)) if key.kind != KeyEventKind::Release => Input::Key(key),
+                    // A mouse that only moves over the screen asks for nothing.
+                    Ok(Event::Mouse(mouse)) if mouse.kind != MouseEventKind::Moved => Input::Mouse(mouse),
                     Ok(Event::Resize(..)) => Input::Resized,
                     Ok(_) => continue,
                     Err(_) => Input::Closed,

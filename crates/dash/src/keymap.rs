@@ -1,277 +1,211 @@
-//! The one table of keys: it makes the keys work, and it makes the help screen and the hints at the foot.
+//! Which key stands for which command line: the defaults of [`ACTIONS`], and what the configuration puts in their place.
+
+use std::fmt;
+use std::str::FromStr;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
-/// What a key does.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Action {
-    /// Select the setting so many rows further down.
-    Select(isize),
-    /// Raise the selected setting by so many of its steps.
-    Nudge(f64),
-    /// Start to type a value; enter takes it, esc drops it.
-    Type,
-    /// Take back the last change.
-    Undo,
-    /// Make it again.
-    Redo,
-    /// All gains to zero.
-    Off,
-    /// Strike the rotor.
-    Impulse,
-    /// Stop and go on with the picture.
-    Pause,
-    /// Show the layout of this number, counted from 0.
-    Layout(usize),
-    /// Move the cursor by so many seconds.
-    Seek(f64),
-    /// Move the cursor by so many steps.
-    Step(i64),
-    /// Show so many times as much time.
-    Zoom(f64),
-    /// Show as much time as at the start.
-    ZoomReset,
-    /// Start to record the bench, or end that.
-    Record,
-    /// A recording: play faster (1) or slower (-1).
-    Speed(isize),
-    /// A recording: to the next event (1) or the one before (-1).
-    Event(isize),
-    /// A recording: begin a loop, end it, drop it.
-    Loop,
-    /// A recording: type a time to go to.
-    GoTo,
-    /// A recording: to its end, or its beginning.
-    End(bool),
-    /// All alarms have been seen.
-    Acknowledge,
-    /// Restart from rest, or bring back a simulation that has ended.
-    Restart,
-    /// Show and hide the help.
-    Help,
-    /// Close the top layer.
-    Escape,
-    /// End.
-    Quit,
-}
+use crate::actions::{ACTIONS, Action, Keys, Row, parse};
 
-/// One row of the table.
-#[derive(Debug)]
-pub(crate) struct Binding {
-    /// Keys, as people read them.
-    pub(crate) keys: &'static str,
-    /// What they do.
-    pub(crate) meaning: &'static str,
-    /// The same in a word or two, if it is hinted at the foot of the screen.
-    pub(crate) hint: Option<&'static str>,
-    chords: &'static [(KeyCode, KeyModifiers, Action)],
-}
+/// A key with what is held down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Chord(KeyCode, KeyModifiers);
 
-const NONE: KeyModifiers = KeyModifiers::NONE;
-const SHIFT: KeyModifiers = KeyModifiers::SHIFT;
-const CTRL: KeyModifiers = KeyModifiers::CONTROL;
-
-use KeyCode::{Char, Down, End, Enter, Esc, Home, Left, Right, Up};
-
-/// Every key, in the order of the help screen. A shifted letter is its capital.
-pub(crate) const BINDINGS: [Binding; 22] = [
-    Binding { keys: "?", meaning: "this help", hint: Some("help"), chords: &[(Char('?'), NONE, Action::Help)] },
-    Binding {
-        keys: "q, ctrl-c",
-        meaning: "quit",
-        hint: Some("quit"),
-        chords: &[(Char('q'), NONE, Action::Quit), (Char('c'), CTRL, Action::Quit), (Esc, NONE, Action::Escape)],
-    },
-    Binding {
-        keys: "up down, k j",
-        meaning: "select a setting",
-        hint: Some("select"),
-        chords: &[
-            (Up, NONE, Action::Select(-1)),
-            (Down, NONE, Action::Select(1)),
-            (Char('k'), NONE, Action::Select(-1)),
-            (Char('j'), NONE, Action::Select(1)),
-        ],
-    },
-    Binding {
-        keys: "left right, h l",
-        meaning: "lower or raise it by one step",
-        hint: Some("nudge"),
-        chords: &[
-            (Left, NONE, Action::Nudge(-1.0)),
-            (Right, NONE, Action::Nudge(1.0)),
-            (Char('h'), NONE, Action::Nudge(-1.0)),
-            (Char('l'), NONE, Action::Nudge(1.0)),
-        ],
-    },
-    Binding {
-        keys: "shift-left shift-right, H L",
-        meaning: "by ten steps",
-        hint: None,
-        chords: &[
-            (Left, SHIFT, Action::Nudge(-10.0)),
-            (Right, SHIFT, Action::Nudge(10.0)),
-            (Char('H'), NONE, Action::Nudge(-10.0)),
-            (Char('L'), NONE, Action::Nudge(10.0)),
-        ],
-    },
-    Binding {
-        keys: "ctrl-left ctrl-right",
-        meaning: "by a tenth of a step",
-        hint: None,
-        chords: &[(Left, CTRL, Action::Nudge(-0.1)), (Right, CTRL, Action::Nudge(0.1))],
-    },
-    Binding {
-        keys: "enter",
-        meaning: "type a value: enter takes it, esc drops it",
-        hint: Some("type"),
-        chords: &[(Enter, NONE, Action::Type)],
-    },
-    Binding {
-        keys: "u",
-        meaning: "undo the last change",
-        hint: Some("undo"),
-        chords: &[(Char('u'), NONE, Action::Undo)],
-    },
-    Binding { keys: "ctrl-r", meaning: "redo it", hint: None, chords: &[(Char('r'), CTRL, Action::Redo)] },
-    Binding {
-        keys: "0",
-        meaning: "control off: all gains to zero",
-        hint: Some("off"),
-        chords: &[(Char('0'), NONE, Action::Off)],
-    },
-    Binding {
-        keys: "i",
-        meaning: "an impulse on the mass with the control bearing",
-        hint: Some("impulse"),
-        chords: &[(Char('i'), NONE, Action::Impulse)],
-    },
-    Binding {
-        keys: "space",
-        meaning: "pause the picture and go on; data always go on",
-        hint: Some("pause"),
-        chords: &[(Char(' '), NONE, Action::Pause)],
-    },
-    Binding {
-        keys: "1 to 9",
-        meaning: "another layout: overview, operator, tuning, whirl, replay",
-        hint: Some("layout"),
-        chords: &[
-            (Char('1'), NONE, Action::Layout(0)),
-            (Char('2'), NONE, Action::Layout(1)),
-            (Char('3'), NONE, Action::Layout(2)),
-            (Char('4'), NONE, Action::Layout(3)),
-            (Char('5'), NONE, Action::Layout(4)),
-            (Char('6'), NONE, Action::Layout(5)),
-            (Char('7'), NONE, Action::Layout(6)),
-            (Char('8'), NONE, Action::Layout(7)),
-            (Char('9'), NONE, Action::Layout(8)),
-        ],
-    },
-    Binding {
-        keys: "[ ], { }",
-        meaning: "look 1 s or 10 s back and forward; space returns to live",
-        hint: Some("time"),
-        chords: &[
-            (Char('['), NONE, Action::Seek(-1.0)),
-            (Char(']'), NONE, Action::Seek(1.0)),
-            (Char('{'), NONE, Action::Seek(-10.0)),
-            (Char('}'), NONE, Action::Seek(10.0)),
-        ],
-    },
-    Binding {
-        keys: "< >",
-        meaning: "look one step back and forward",
-        hint: None,
-        chords: &[(Char('<'), NONE, Action::Step(-1)), (Char('>'), NONE, Action::Step(1))],
-    },
-    Binding {
-        keys: "+ - =",
-        meaning: "show less time, more, as at the start",
-        hint: None,
-        chords: &[
-            (Char('+'), NONE, Action::Zoom(0.5)),
-            (Char('-'), NONE, Action::Zoom(2.0)),
-            (Char('='), NONE, Action::ZoomReset),
-        ],
-    },
-    Binding {
-        keys: "r",
-        meaning: "record the bench; again ends it",
-        hint: Some("record"),
-        chords: &[(Char('r'), NONE, Action::Record)],
-    },
-    Binding {
-        keys: "( ), n N",
-        meaning: "recording: slower, faster; to the next event, the one before",
-        hint: None,
-        chords: &[
-            (Char('('), NONE, Action::Speed(-1)),
-            (Char(')'), NONE, Action::Speed(1)),
-            (Char('n'), NONE, Action::Event(1)),
-            (Char('N'), NONE, Action::Event(-1)),
-        ],
-    },
-    Binding {
-        keys: "home end, g",
-        meaning: "recording: to its beginning, its end, a tau that is typed",
-        hint: None,
-        chords: &[(Home, NONE, Action::End(false)), (End, NONE, Action::End(true)), (Char('g'), NONE, Action::GoTo)],
-    },
-    Binding {
-        keys: "m",
-        meaning: "recording: a loop begins here, ends here, is dropped",
-        hint: None,
-        chords: &[(Char('m'), NONE, Action::Loop)],
-    },
-    Binding {
-        keys: "a",
-        meaning: "acknowledge the alarms",
-        hint: Some("alarms"),
-        chords: &[(Char('a'), NONE, Action::Acknowledge)],
-    },
-    Binding {
-        keys: "R",
-        meaning: "restart from rest; after a trip too",
-        hint: Some("restart"),
-        chords: &[(Char('R'), NONE, Action::Restart)],
-    },
+/// Keys that are not characters, by name.
+const NAMED: [(&str, KeyCode); 15] = [
+    ("up", KeyCode::Up),
+    ("down", KeyCode::Down),
+    ("left", KeyCode::Left),
+    ("right", KeyCode::Right),
+    ("enter", KeyCode::Enter),
+    ("esc", KeyCode::Esc),
+    ("space", KeyCode::Char(' ')),
+    ("tab", KeyCode::Tab),
+    ("backspace", KeyCode::Backspace),
+    ("delete", KeyCode::Delete),
+    ("insert", KeyCode::Insert),
+    ("home", KeyCode::Home),
+    ("end", KeyCode::End),
+    ("pageup", KeyCode::PageUp),
+    ("pagedown", KeyCode::PageDown),
 ];
 
-/// What a key does while nothing is being typed.
-pub(crate) fn action(key: KeyEvent) -> Option<Action> {
-    let mut modifiers = key.modifiers & (SHIFT | CTRL | KeyModifiers::ALT);
-    if matches!(key.code, Char(_)) {
-        // A capital carries its shift in itself; terminals differ in whether they say so again.
-        modifiers -= SHIFT;
+/// What is held down, by name.
+const HELD: [(&str, KeyModifiers); 3] =
+    [("ctrl-", KeyModifiers::CONTROL), ("alt-", KeyModifiers::ALT), ("shift-", KeyModifiers::SHIFT)];
+
+impl Chord {
+    /// The chord of a key press.
+    pub(crate) fn of(key: KeyEvent) -> Self {
+        let mut held = key.modifiers & (KeyModifiers::SHIFT | KeyModifiers::CONTROL | KeyModifiers::ALT);
+        if matches!(key.code, KeyCode::Char(_)) {
+            // A capital carries its shift in itself; terminals differ in whether they say so again.
+            held -= KeyModifiers::SHIFT;
+        }
+        Self(key.code, held)
     }
-    let chords = BINDINGS.iter().flat_map(|binding| binding.chords);
-    chords.copied().find(|(code, with, _)| (*code, *with) == (key.code, modifiers)).map(|(.., action)| action)
+}
+
+impl FromStr for Chord {
+    type Err = String;
+
+    /// Reads `x`, `X`, `?`, `ctrl-x`, `shift-left`, `f5`, `space` ...
+    fn from_str(text: &str) -> Result<Self, String> {
+        let wrong = || format!("'{text}': expected a key such as x, X, ctrl-x, alt-x, shift-left, f5, space or enter");
+        let (mut rest, mut held) = (text, KeyModifiers::NONE);
+        while let Some((name, modifier)) =
+            HELD.iter().find(|(name, _)| rest.starts_with(name) && rest.len() > name.len())
+        {
+            rest = &rest[name.len()..];
+            held |= *modifier;
+        }
+        let mut letters = rest.chars();
+        let code = match (letters.next(), letters.next()) {
+            (Some(letter), None) => KeyCode::Char(letter),
+            _ => {
+                let named = NAMED.iter().find(|(name, _)| *name == rest).map(|(_, code)| *code);
+                let function = || rest.strip_prefix('f')?.parse().ok().filter(|n| (1..=24).contains(n)).map(KeyCode::F);
+                named.or_else(function).ok_or_else(wrong)?
+            }
+        };
+        if matches!(code, KeyCode::Char(_)) && held.contains(KeyModifiers::SHIFT) {
+            return Err(format!("'{text}': expected the capital instead of shift"));
+        }
+        Ok(Self(code, held))
+    }
+}
+
+impl fmt::Display for Chord {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (name, modifier) in HELD {
+            if self.1.contains(modifier) {
+                f.write_str(name)?;
+            }
+        }
+        match (NAMED.iter().find(|(_, code)| *code == self.0), self.0) {
+            (Some((name, _)), _) => f.write_str(name),
+            (None, KeyCode::Char(letter)) => write!(f, "{letter}"),
+            (None, KeyCode::F(number)) => write!(f, "f{number}"),
+            (None, other) => write!(f, "{other}"),
+        }
+    }
+}
+
+/// Keys and the command lines they stand for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Keymap(Vec<(Chord, String)>);
+
+impl Default for Keymap {
+    fn default() -> Self {
+        let mut bound = Vec::new();
+        for row in ACTIONS {
+            for (chord, argument) in row.keys.iter().flat_map(|keys| keys.chords) {
+                let chord = chord.parse().expect("a test reads them all");
+                bound.push((chord, line(row, argument)));
+            }
+        }
+        Self(bound)
+    }
+}
+
+/// The command line of a row with an argument.
+fn line(row: &Row, argument: &str) -> String {
+    format!("{} {argument}", row.name).trim_end().to_owned()
+}
+
+impl Keymap {
+    /// Lets `key` stand for `command` in place of what it stood for; for nothing if that is empty.
+    ///
+    /// # Errors
+    /// In words: no such key or command, or a key that must stay what it is.
+    pub(crate) fn bind(&mut self, key: &str, command: &str) -> Result<Chord, String> {
+        let chord: Chord = key.parse()?;
+        let keeps = self.0.iter().find(|(bound, line)| *bound == chord && line == "quit");
+        if keeps.is_some() && command != "quit" {
+            return Err(format!("'{key}': expected another key: this one always quits"));
+        }
+        let starts_typing = ACTIONS.iter().any(|row| row.name == command);
+        if !command.is_empty() && !starts_typing {
+            parse(command)?;
+        }
+        self.0.retain(|(bound, _)| *bound != chord);
+        if !command.is_empty() {
+            self.0.push((chord, command.to_owned()));
+        }
+        Ok(chord)
+    }
+
+    /// What a key does while nothing is being typed.
+    pub(crate) fn action(&self, key: KeyEvent) -> Option<Action> {
+        let chord = Chord::of(key);
+        let line = self.0.iter().find(|(bound, _)| *bound == chord).map(|(_, line)| line)?;
+        // A command that lacks its argument is typed on from there.
+        Some(parse(line).unwrap_or_else(|_| Action::Command(format!("{line} "))))
+    }
+
+    /// The keys of one line of the help, as people read them; empty if the configuration has taken them away.
+    pub(crate) fn shown(&self, row: &Row, keys: &Keys) -> String {
+        let lines: Vec<String> = keys.chords.iter().map(|(_, argument)| line(row, argument)).collect();
+        let bound = self.0.iter().filter(|(_, bound)| lines.contains(bound));
+        let mut mine: Vec<String> = bound.map(|(chord, _)| chord.to_string()).collect();
+        // Keys of another line of the same action are told there.
+        if keys.chords.len() == 9 && mine == ["1", "2", "3", "4", "5", "6", "7", "8", "9"] {
+            mine = vec!["1 to 9".to_owned()];
+        }
+        mine.join(" ")
+    }
+
+    /// Keys that stand for command lines of their own, which no default does.
+    pub(crate) fn own(&self) -> impl Iterator<Item = (String, &str)> {
+        let known = |bound: &str| {
+            ACTIONS.iter().any(|row| {
+                row.keys.iter().flat_map(|keys| keys.chords).any(|(_, argument)| line(row, argument) == bound)
+            })
+        };
+        self.0.iter().filter(move |(_, bound)| !known(bound)).map(|(chord, bound)| (chord.to_string(), &**bound))
+    }
+
+    /// Every key and its command line.
+    pub(crate) fn all(&self) -> impl Iterator<Item = (String, &str)> {
+        self.0.iter().map(|(chord, bound)| (chord.to_string(), &**bound))
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use KeyCode::{Char, Left, Right};
+
+    const NONE: KeyModifiers = KeyModifiers::NONE;
+    const SHIFT: KeyModifiers = KeyModifiers::SHIFT;
+    const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 
     #[test]
     fn the_readme_has_the_same_table() {
         let readme = include_str!("../../../README.md");
-        let table: String = BINDINGS.iter().map(|b| format!("| {} | {} |\n", b.keys, b.meaning)).collect();
+        let keymap = Keymap::default();
+        let rows = ACTIONS.iter().flat_map(|row| row.keys.iter().map(move |keys| (row, keys)));
+        let table: String =
+            rows.map(|(row, keys)| format!("| {} | {} |\n", keymap.shown(row, keys), keys.meaning)).collect();
         assert!(readme.contains(&table), "README.md should have these lines:\n{table}");
     }
 
     #[test]
-    fn no_chord_is_bound_twice() {
-        let mut seen = Vec::new();
-        for (code, modifiers, _) in BINDINGS.iter().flat_map(|binding| binding.chords) {
-            assert!(!seen.contains(&(code, modifiers)), "{code:?} {modifiers:?}");
-            seen.push((code, modifiers));
+    fn no_key_is_bound_twice_and_names_read_back() {
+        let keymap = Keymap::default();
+        for (at, (chord, _)) in keymap.0.iter().enumerate() {
+            assert!(keymap.0[..at].iter().all(|(other, _)| other != chord), "{chord}");
+            assert_eq!(chord.to_string().parse(), Ok(*chord));
+        }
+        for (name, _) in NAMED {
+            assert_eq!(name.parse::<Chord>().unwrap().to_string(), name);
         }
     }
 
     #[test]
     fn keys_do_what_the_table_says() {
-        let does = |code, modifiers| action(KeyEvent::new(code, modifiers));
+        let keymap = Keymap::default();
+        let does = |code, modifiers| keymap.action(KeyEvent::new(code, modifiers));
         assert_eq!(does(Char('q'), NONE), Some(Action::Quit));
         assert_eq!(does(Char('c'), CTRL), Some(Action::Quit));
         assert_eq!(does(Char('c'), NONE), None);
@@ -279,5 +213,28 @@ mod tests {
         assert_eq!(does(Char('r'), CTRL), Some(Action::Redo));
         assert_eq!(does(Right, SHIFT), Some(Action::Nudge(10.0)));
         assert_eq!(does(Left, CTRL), Some(Action::Nudge(-0.1)));
+        assert_eq!(does(Char('s'), NONE), Some(Action::Command("save ".into())));
+        assert_eq!(does(Char('3'), NONE), Some(Action::Layout("3".into())));
+    }
+
+    #[test]
+    fn keys_can_be_bound_anew() {
+        let mut keymap = Keymap::default();
+        keymap.bind("x", "speed 3").unwrap();
+        keymap.bind("u", "").unwrap();
+        keymap.bind("f5", "undo").unwrap();
+        let does = |code| keymap.action(KeyEvent::new(code, NONE));
+        assert!(matches!(does(Char('x')), Some(Action::Set(_))));
+        assert_eq!((does(Char('u')), does(KeyCode::F(5))), (None, Some(Action::Undo)));
+        assert_eq!(keymap.own().collect::<Vec<_>>(), [("x".to_owned(), "speed 3")]);
+        for (key, command, complaint) in [
+            ("q", "undo", "'q': expected another key: this one always quits"),
+            ("ctrl-c", "", "'ctrl-c': expected another key: this one always quits"),
+            ("nokey", "undo", "'nokey': expected a key such as x, X, ctrl-x, alt-x, shift-left, f5, space or enter"),
+            ("shift-x", "undo", "'shift-x': expected the capital instead of shift"),
+            ("y", "fly", "no command 'fly': tab shows what there is, ? the help"),
+        ] {
+            assert_eq!(keymap.bind(key, command), Err(complaint.to_owned()));
+        }
     }
 }

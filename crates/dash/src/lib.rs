@@ -7,29 +7,36 @@
 //!
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
 
+mod actions;
 mod alarms;
 mod analysis;
 mod app;
 mod clerk;
+mod config;
 mod feed;
 mod headless;
 mod history;
 mod input;
 mod keymap;
+mod layers;
 mod layout;
 mod link;
 mod looks;
 mod panels;
 mod picture;
 mod plot;
+mod presets;
 mod replay;
 mod screen;
 mod session;
 mod terminal;
 mod theme;
 mod view_time;
+mod what_if;
 
+pub use config::Config;
 pub use headless::{Frames, Headless, Still, portrait};
+pub use keymap::Keymap;
 pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
 pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use panels::registry::panels;

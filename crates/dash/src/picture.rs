@@ -34,7 +34,7 @@ impl Track {
         self.len
     }
 
-    /// The place in the history of the first of them.
+    /// Place in the history of the first step.
     pub(crate) fn first(&self) -> u64 {
         self.first
     }
@@ -158,7 +158,6 @@ pub(crate) struct Picture {
     /// Live: the settings in force, once they are known.
     pub(crate) settings: Option<Settings>,
     /// Live: the rotor, once it is known.
-    #[allow(dead_code, reason = "what-if computes with it")]
     pub(crate) rotor: Option<Arc<Rotor>>,
     /// Live: the latest bulletin.
     pub(crate) bulletin: Option<Arc<Bulletin>>,

@@ -7,6 +7,8 @@ use ratatui::widgets::Widget;
 
 use crate::alarms::Alarms;
 use crate::analysis::Desk;
+use crate::keymap::Keymap;
+use crate::layers::Layer;
 use crate::layout::Layout;
 use crate::panels::registry::Panels;
 use crate::panels::settings::Cursor;
@@ -16,6 +18,7 @@ use crate::picture::Picture;
 use crate::replay::{self, Show};
 use crate::theme;
 use crate::view_time::ViewTime;
+use crate::what_if::WhatIf;
 
 /// The smallest screen that the panels fit on.
 pub(crate) const SMALLEST: (u16, u16) = (60, 16);
@@ -31,7 +34,16 @@ pub(crate) struct View<'a> {
     /// Where to ask for what takes long to compute.
     pub(crate) desk: &'a Desk,
     pub(crate) alarms: &'a Alarms,
-    pub(crate) help: bool,
+    /// What lies on top of the panels, the topmost last.
+    pub(crate) layers: &'a [Layer],
+    /// What can follow the command that is being typed.
+    pub(crate) completions: &'a [String],
+    /// What lists shall show; everything if it is empty.
+    pub(crate) filter: &'a str,
+    pub(crate) keymap: &'a Keymap,
+    /// What the change that is being typed or asked about would mean.
+    pub(crate) what_if: Option<&'a WhatIf>,
+    pub(crate) read_only: bool,
     /// The player, if this is a recording.
     pub(crate) replay: Option<Show<'a>>,
 }
@@ -59,10 +71,20 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     for (kind, place) in layout.places(body) {
         panels.draw(kind, view, place, buffer);
     }
-    status::draw_foot(view.message, foot, buffer);
-    if view.help {
-        help::draw(area, buffer);
+    status::draw_foot(view, foot, buffer);
+    let help = view.layers.iter().find_map(|layer| match layer {
+        Layer::Help(from) => Some(*from),
+        _ => None,
+    });
+    if let Some(from) = help {
+        help::draw(view, from, area, buffer);
     }
+}
+
+/// Where the panels are on a screen of this size; nowhere if it is too small for them.
+pub(crate) fn panels(view: &View<'_>, layout: &Layout, area: Rect) -> Vec<(usize, Rect)> {
+    let is_enough = area.width >= SMALLEST.0 && area.height >= SMALLEST.1;
+    if is_enough { layout.places(parts(area, view.replay.is_some())[2]) } else { Vec::new() }
 }
 
 /// The line at the top, the line of time if there is one, the panels, and the line at the foot.
@@ -81,6 +103,7 @@ pub(crate) mod tests {
 
     static CURSOR: Cursor = Cursor { row: 0, typed: None };
     static HINTS: Message = Message::Hints;
+    static KEYMAP: std::sync::LazyLock<Keymap> = std::sync::LazyLock::new(Keymap::default);
     static LIVE: ViewTime = ViewTime::LIVE;
     static DESK: LazyLock<Desk> = LazyLock::new(Desk::at_once);
     static ALARMS: LazyLock<Alarms> = LazyLock::new(Alarms::default);
@@ -95,7 +118,12 @@ pub(crate) mod tests {
             message: &HINTS,
             desk: &DESK,
             alarms: &ALARMS,
-            help: false,
+            layers: &[],
+            completions: &[],
+            filter: "",
+            keymap: &KEYMAP,
+            what_if: None,
+            read_only: false,
             replay: None,
         }
     }
@@ -109,7 +137,8 @@ pub(crate) mod tests {
         let mut buffer = Buffer::empty(area);
         let layouts = crate::layout::built_in();
         let layout = layouts.iter().find(|built_in| built_in.name() == layout).unwrap();
-        draw(&View { help, ..view(picture) }, layout, &mut Panels::new(), area, &mut buffer);
+        let layers = if help { vec![Layer::Help(0)] } else { Vec::new() };
+        draw(&View { layers: &layers, ..view(picture) }, layout, &mut Panels::new(), area, &mut buffer);
         text(&buffer)
     }
 

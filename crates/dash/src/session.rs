@@ -1,6 +1,7 @@
 //! One sitting at the dashboard: the threads, started and ended in order around the loop.
 
 use std::io;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
@@ -13,6 +14,7 @@ use crate::clerk;
 use crate::feed::Feed;
 use crate::history::BOUND;
 use crate::input;
+use crate::keymap::Keymap;
 use crate::layout::{Layout, built_in};
 use crate::link::{self, Shared, Wires};
 use crate::looks::{Look, Wishes};
@@ -61,11 +63,25 @@ pub struct Options {
     pub layout: usize,
     /// Colours and glyphs.
     pub wishes: Wishes,
+    /// What keys stand for.
+    pub keys: Keymap,
+    /// The folder in which gains are kept by name.
+    pub presets: Option<PathBuf>,
+    /// Whether the machine is only looked at.
+    pub read_only: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { history: BOUND, layouts: built_in(), layout: 0, wishes: Wishes::default() }
+        Self {
+            history: BOUND,
+            layouts: built_in(),
+            layout: 0,
+            wishes: Wishes::default(),
+            keys: Keymap::default(),
+            presets: None,
+            read_only: false,
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::sync::{Mutex, Once, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use crossterm::cursor::{Hide, Show};
+use crossterm::event::{DisableMouseCapture, EnableMouseCapture};
 use crossterm::style::Print;
 use crossterm::terminal::{
     BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
@@ -41,17 +42,20 @@ impl Screen {
     /// Takes the terminal over; frames are finished with `look`.
     pub(crate) fn take(look: Look) -> io::Result<Self> {
         restore_on_panic();
-        TAKEN.store(true, Ordering::SeqCst);
-        enable_raw_mode()?;
-        let taken = (|| {
-            // Not `Terminal::clear`: that asks the terminal where the cursor is, and waits for an answer that some never give.
-            execute!(io::stdout(), EnterAlternateScreen, Clear(ClearType::All), Hide)?;
-            Ok(Self { terminal: Terminal::new(CrosstermBackend::new(io::stdout()))?, look })
-        })();
+        let taken = take_over().map(|terminal| Self { terminal, look });
         if taken.is_err() {
             give_back();
         }
         taken
+    }
+
+    /// Gives the terminal back, stops this process as the shell's ctrl-z would, and takes the terminal over again when
+    /// it is continued. Where no shell waits for it, the system does not stop it.
+    pub(crate) fn suspend(&mut self) -> io::Result<()> {
+        give_back();
+        signal_hook::low_level::raise(signal_hook::consts::SIGTSTP)?;
+        self.terminal = take_over()?;
+        Ok(())
     }
 
     /// Draws one frame as a whole: terminals that can, show nothing until it is complete.
@@ -100,10 +104,19 @@ impl Drop for Screen {
     }
 }
 
+/// Takes the terminal over; the first frame draws every cell.
+fn take_over() -> io::Result<Terminal<CrosstermBackend<Stdout>>> {
+    TAKEN.store(true, Ordering::SeqCst);
+    enable_raw_mode()?;
+    // Not `Terminal::clear`: that asks the terminal where the cursor is, and waits for an answer that some never give.
+    execute!(io::stdout(), EnterAlternateScreen, EnableMouseCapture, Clear(ClearType::All), Hide)?;
+    Terminal::new(CrosstermBackend::new(io::stdout()))
+}
+
 /// Gives the terminal back, once. Nothing can be done here if that fails.
 fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
-        let _ = execute!(io::stdout(), EndSynchronizedUpdate, LeaveAlternateScreen, Show);
+        let _ = execute!(io::stdout(), EndSynchronizedUpdate, DisableMouseCapture, LeaveAlternateScreen, Show);
         let _ = disable_raw_mode();
         let _ = io::stdout().flush();
     }

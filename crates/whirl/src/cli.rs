@@ -35,6 +35,8 @@ pub(crate) enum Command {
     Tail(commands::tail::TailArgs),
     /// List the layouts of the dashboard, show one as a file, or check files
     Layout(commands::layout::LayoutArgs),
+    /// Say where the configuration is, what it says, and what holds without one
+    Config(commands::config::ConfigArgs),
     /// Change gains, speed, deadband ... of a running simulation
     Set(commands::set::SetArgs),
     /// Mark the present step of a running simulation with a note

@@ -8,6 +8,16 @@ fn project() -> Option<ProjectDirs> {
     ProjectDirs::from("", "", "whirl")
 }
 
+/// The folder of gains that are kept by name, if this user has a home.
+pub(crate) fn presets() -> Option<PathBuf> {
+    project().map(|folders| folders.data_dir().join("presets"))
+}
+
+/// The configuration file, if this user has a home.
+pub(crate) fn config_file() -> Option<PathBuf> {
+    config().map(|folder| folder.join("config.toml"))
+}
+
 /// The folder of `config.toml` and `layouts/`, if this user has a home.
 pub(crate) fn config() -> Option<PathBuf> {
     project().map(|folders| folders.config_dir().to_owned())

@@ -2,11 +2,9 @@
 
 use std::time::Instant;
 
-use crossterm::event::{KeyCode, KeyEvent};
-
 use super::App;
+use crate::actions::Action;
 use crate::feed::Feed;
-use crate::keymap::{self, Action};
 use crate::link::lock;
 use crate::panels::status::Message;
 use crate::replay::Player;
@@ -33,16 +31,16 @@ impl App<'_> {
     }
 
     /// An action on a recording. Returns whether it was one that means something else there than on a bench.
-    pub(super) fn act_on_past(&mut self, action: Action) -> bool {
+    pub(super) fn act_on_past(&mut self, action: &Action) -> bool {
         if self.player.is_none() {
-            if matches!(action, Action::Speed(_) | Action::Event(_) | Action::Loop | Action::GoTo | Action::End(_)) {
+            if matches!(action, Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_)) {
                 self.tell(Message::Bad("only a recording can be played: `whirl replay FILE.rrd`".into()));
                 return true;
             }
             return false;
         }
         let now = Instant::now();
-        let told = match action {
+        let told = match *action {
             Action::Pause => self.play(|player, feed, time| player.toggle(feed, time, now)).map(|()| None),
             Action::Seek(by) => self.play(|player, feed, time| player.seek(by, feed, time)).map(|()| None),
             Action::Step(by) => self.play(|player, feed, time| player.step(by, feed, time)).map(|()| None),
@@ -51,46 +49,18 @@ impl App<'_> {
                 self.play(|player, feed, time| player.go(player.ends()[usize::from(last)], feed, time)).map(|()| None)
             }
             Action::Loop => self.play(|player, _, _| Ok(player.mark_loop())).map(|words| Some(words.to_owned())),
-            Action::Speed(by) => self.play(|player, _, _| {
+            Action::Pace(by) => self.play(|player, _, _| {
                 player.change_speed(by);
                 Ok(Some(format!("{} times as fast as it was", player.speed())))
             }),
-            Action::GoTo => self.play(|player, _, _| {
-                player.typed = Some(String::new());
-                Ok(None)
-            }),
-            Action::Escape if !self.help => self
+            Action::GoTo(tau) => self.play(|player, feed, time| player.go_to_tau(tau, feed, time)).map(|_| None),
+            Action::Escape => self
                 .play(|player, feed, time| player.drop_branch(feed, time))
                 .map(|dropped| dropped.then(|| "what if dropped".to_owned())),
             _ => return false,
         };
         if let Some(Some(words)) = told {
             self.tell(Message::Good(words));
-        }
-        true
-    }
-
-    /// A key while a time to go to is being typed. Returns whether it was part of that.
-    pub(super) fn typing_time(&mut self, key: KeyEvent) -> bool {
-        let Some(typed) = self.player.as_mut().and_then(|player| player.typed.as_mut()) else { return false };
-        match key.code {
-            KeyCode::Char(c @ ('0'..='9' | '.' | '-' | '+' | 'e' | 'E')) if typed.len() < 16 => typed.push(c),
-            KeyCode::Backspace => {
-                typed.pop();
-            }
-            KeyCode::Esc | KeyCode::Enter => {
-                let typed = self.player.as_mut().and_then(|player| player.typed.take()).unwrap_or_default();
-                if key.code == KeyCode::Enter {
-                    match typed.parse::<f64>() {
-                        Ok(tau) if tau.is_finite() => {
-                            self.play(|player, feed, time| player.go_to_tau(tau, feed, time));
-                        }
-                        _ => self.tell(Message::Bad(format!("tau = '{typed}': expected a number"))),
-                    }
-                }
-                return true;
-            }
-            _ => return !matches!(keymap::action(key), Some(Action::Quit)),
         }
         true
     }
@@ -101,7 +71,7 @@ mod tests {
     use std::sync::{Arc, Mutex};
 
     use crossbeam::channel;
-    use crossterm::event::KeyModifiers;
+    use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
     use super::*;
     use crate::analysis::Desk;
@@ -149,7 +119,7 @@ mod tests {
         assert!((session.states[there as usize].tau - 0.5).abs() < 0.0101);
         assert_eq!(pressed(&[Char('g'), Char('5'), Esc]).0, 0);
         assert!(
-            matches!(pressed(&[Char('g'), Char('-'), Enter]).2, Message::Bad(words) if words == "tau = '-': expected a number")
+            matches!(pressed(&[Char('g'), Char('-'), Enter]).2, Message::Bad(words) if words == "go '-': expected a number")
         );
         assert!(!pressed(&[Char('g'), Char('0'), Char('0')]).1, "0 is a digit there and turns nothing off");
     }

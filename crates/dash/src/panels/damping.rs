@@ -41,6 +41,10 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let log_decrement =
         poles.first().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
     let told = log_decrement.map(|d| short(d, 5));
+    let then = view.what_if.map(|candidate| {
+        let (color, word) = theme::verdict(candidate.min_damping);
+        (format!("then {:.4} {word}", candidate.min_damping), theme::loud(color))
+    });
     if large {
         BigText::builder()
             .pixel_size(PixelSize::Quadrant)
@@ -61,6 +65,11 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         write(buffer, head, head.left(), head.top(), &format!("{number} {word}"), theme::loud(color));
     }
     draw_history(view, history, buffer);
+    if let Some((text, style)) = then {
+        // On the upper edge of the frame, where it covers nothing that is in force.
+        let edge = Rect { width: area.width.saturating_sub(1), ..area };
+        write_right(buffer, edge, area.top(), &format!(" {text} "), style);
+    }
 }
 
 fn draw_history(view: &View<'_>, area: Rect, buffer: &mut Buffer) {

@@ -7,36 +7,63 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Clear, Paragraph, Widget};
 use rotor::PARAMETERS;
 
-use crate::keymap::BINDINGS;
+use crate::actions::ACTIONS;
+use crate::screen::View;
 use crate::theme;
 
 /// Signs whose meaning the panels do not spell out.
-const SIGNS: [(&str, &str); 6] = [
+const SIGNS: [(&str, &str); 7] = [
     ("▲ ▼", "poles of forward and backward whirl"),
     ("◆", "the least damped mode; right of the yellow line it grows"),
+    ("◇", "where the poles would be with what is being typed"),
     (".05 .1 .2 .5", "rays of equal damping ratio"),
     ("●", "where a mass was when the rotor had made another turn"),
     ("⊕", "the mass that carries the control bearing"),
     ("blue circle", "clearance of the support bearing"),
 ];
 
-pub(crate) fn draw(area: Rect, buffer: &mut Buffer) {
+/// Draws it over `area`, from line `from` on.
+pub(crate) fn draw(view: &View<'_>, from: usize, area: Rect, buffer: &mut Buffer) {
+    let wanted = view.filter.to_lowercase();
+    let matches = |line: &Line<'_>| wanted.is_empty() || line.to_string().to_lowercase().contains(&wanted);
+    let lines: Vec<Line<'_>> = lines(view).into_iter().filter(matches).collect();
+    let count = lines.len();
+    let height = (count as u16 + 2).min(area.height);
+    let width = 104.min(area.width);
+    let [middle] = Layout::horizontal([Constraint::Length(width)]).flex(ratatui::layout::Flex::Center).areas(area);
+    let [middle] = Layout::vertical([Constraint::Length(height)]).flex(ratatui::layout::Flex::Center).areas(middle);
+    Clear.render(middle, buffer);
+    let shown = usize::from(height.saturating_sub(2));
+    let from = from.min(count.saturating_sub(shown));
+    let more = if from + shown < count { ", up and down move it" } else { "" };
+    let block = Block::bordered().title(format!(" help: ? or esc closes it, / filters it{more} "));
+    Paragraph::new(lines.into_iter().skip(from).collect::<Vec<_>>()).block(block).render(middle, buffer);
+}
+
+fn lines<'a>(view: &'a View<'_>) -> Vec<Line<'a>> {
     let row = |key: &str, meaning: &str| {
         Line::from(vec![Span::styled(format!(" {key:<27} "), Style::new().bold()), Span::raw(meaning.to_owned())])
     };
-    let mut lines: Vec<Line<'_>> = BINDINGS.iter().map(|binding| row(binding.keys, binding.meaning)).collect();
     let heading = |text: &'static str| Line::styled(text, theme::loud(theme::FORWARD));
+    let mut lines = Vec::new();
+    for (action, keys) in ACTIONS.iter().flat_map(|action| action.keys.iter().map(move |keys| (action, keys))) {
+        let shown = view.keymap.shown(action, keys);
+        if !shown.is_empty() {
+            lines.push(row(&shown, keys.meaning));
+        }
+    }
+    lines.extend(view.keymap.own().map(|(key, command)| row(&key, &format!(":{command}"))));
+    lines.push(heading(" mouse"));
+    lines.push(row("click, drag", "select a setting, nudge it; on strips, look at a moment"));
+    lines.push(row("wheel", "the next setting; on strips, show more or less time"));
+    lines.push(heading(" commands, typed after :"));
+    let commands = ACTIONS.iter().filter(|action| !matches!(action.name, "command" | "filter" | "escape" | "type"));
+    lines.extend(commands.map(|action| row(format!("{} {}", action.name, action.argument).trim_end(), action.meaning)));
     lines.push(heading(" signs"));
     lines.extend(SIGNS.iter().map(|(sign, meaning)| row(sign, meaning)));
     lines.push(heading(" settings"));
     lines.extend(PARAMETERS.iter().map(|parameter| row(parameter.name, parameter.meaning)));
-    let height = (lines.len() as u16 + 2).min(area.height);
-    let width = 92.min(area.width);
-    let [middle] = Layout::horizontal([Constraint::Length(width)]).flex(ratatui::layout::Flex::Center).areas(area);
-    let [middle] = Layout::vertical([Constraint::Length(height)]).flex(ratatui::layout::Flex::Center).areas(middle);
-    Clear.render(middle, buffer);
-    let block = Block::bordered().title(" help: ? or esc closes it ");
-    Paragraph::new(lines).block(block).render(middle, buffer);
+    lines
 }
 
 #[cfg(test)]
@@ -45,14 +72,32 @@ mod tests {
     use crate::panels::tests::drawn;
 
     #[test]
-    fn every_key_sign_and_setting_is_explained() {
-        let frame = drawn(100, 39, draw);
-        for binding in &BINDINGS {
-            assert!(frame.contains(binding.keys) && frame.contains(binding.meaning), "{}:\n{frame}", binding.keys);
+    fn every_key_command_sign_and_setting_is_explained() {
+        let picture = crate::feed::tests::picture();
+        let view = crate::screen::tests::view(&picture);
+        let frame = drawn(120, 100, |area, buffer| draw(&view, 0, area, buffer));
+        for row in ACTIONS {
+            for keys in row.keys {
+                assert!(
+                    frame.contains(&view.keymap.shown(row, keys)) && frame.contains(keys.meaning),
+                    "{}:\n{frame}",
+                    row.name
+                );
+            }
         }
         for parameter in &PARAMETERS {
             assert!(frame.contains(parameter.name), "{}:\n{frame}", parameter.name);
         }
         insta::assert_snapshot!("help", frame);
+    }
+
+    #[test]
+    fn a_small_screen_shows_a_part_and_how_to_see_the_rest() {
+        let picture = crate::feed::tests::picture();
+        let view = crate::screen::tests::view(&picture);
+        let first = drawn(80, 20, |area, buffer| draw(&view, 0, area, buffer));
+        assert!(first.contains("up and down move it") && first.contains("this help"), "{first}");
+        let last = drawn(80, 20, |area, buffer| draw(&view, 1000, area, buffer));
+        assert!(last.contains("cross-coupled damping") || last.contains("orbit radius at which"), "{last}");
     }
 }

@@ -31,7 +31,8 @@ const UNSTABLE: &str = "unstable";
 pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let inner = framed(Line::from(" poles ▲forward ▼backward "), area, buffer);
     let Some((_, poles)) = view.picture.poles() else { return };
-    let reach = |part: fn(&C64) -> f64| poles.iter().map(part).fold(0.0, f64::max);
+    let candidates = view.what_if.iter().flat_map(|candidate| &candidate.poles);
+    let reach = |part: fn(&C64) -> f64| poles.iter().chain(candidates.clone()).map(part).fold(0.0, f64::max);
     let top = nice_ceiling(reach(|p| p.im.abs()) * 1.05);
     let left = nice_ceiling(reach(|p| -p.re) * 1.05);
     // The unstable side is always in view, wide enough to see a pole arrive.
@@ -82,6 +83,11 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             _ => (sign, color),
         };
         write(buffer, inner, x, y, sign, theme::loud(color));
+    }
+    for pole in view.what_if.iter().flat_map(|candidate| &candidate.poles) {
+        if let Some((x, y)) = plot.cell(pole.re, pole.im) {
+            write(buffer, inner, x, y, "◇", theme::loud(theme::verdict(damping_ratio(*pole)).0));
+        }
     }
     if let Some(least) = poles.first() {
         // On the lower edge of the frame, where no pole is hidden by it.

@@ -1,18 +1,46 @@
 //! The one table of panels: layouts know panels by the names in it.
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 
 use super::modes::Modes;
 use super::{
     alarms, damping, damping_over_speed, force, force_budget, orbits, poles, raw, settings, spectrum, strips, waterfall,
 };
+use crate::actions::Action;
 use crate::screen::View;
 
 /// A part of the screen. It owns its state and draws its own frame.
 pub(crate) trait Panel {
     /// Draws it; any area must do.
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer);
+
+    /// What the mouse at a position of its area asks for.
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, _mouse: Mouse, _at: Position) -> Option<Intent> {
+        None
+    }
+}
+
+/// What the mouse does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mouse {
+    /// The left button goes down.
+    Click,
+    /// The mouse moves so many cells to the right with the left button down.
+    Drag(i32),
+    /// The wheel turns so many notches towards us.
+    Wheel(i32),
+}
+
+/// What a panel asks of the dashboard.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Intent {
+    /// Select this row of the settings.
+    Row(usize),
+    /// Look at the step of this place in the history.
+    Look(u64),
+    /// The same as a key.
+    Do(Action),
 }
 
 /// A panel without a state of its own is just its drawing.
@@ -44,12 +72,12 @@ pub(crate) const KINDS: &[Kind] = &[
         make: || Box::new(damping::draw),
     },
     Kind { name: "orbits", meaning: "an orbit of every mass", least: (18, 7), make: || Box::new(orbits::draw) },
-    Kind { name: "strips", meaning: "y, z and control over time", least: (18, 4), make: || Box::new(strips::draw) },
+    Kind { name: "strips", meaning: "y, z and control over time", least: (18, 4), make: || Box::new(strips::Strips) },
     Kind {
         name: "settings",
         meaning: "speed, gains, deadbands and limits, to be changed",
         least: (20, 5),
-        make: || Box::new(settings::draw),
+        make: || Box::new(settings::SettingsPanel),
     },
     Kind {
         name: "force",
@@ -114,6 +142,18 @@ impl Panels {
     /// None has been shown yet.
     pub(crate) fn new() -> Self {
         Self(KINDS.iter().map(|_| None).collect())
+    }
+
+    /// What the mouse over the panel in row `kind` of the table asks for.
+    pub(crate) fn mouse(
+        &mut self,
+        kind: usize,
+        view: &View<'_>,
+        area: Rect,
+        mouse: Mouse,
+        at: Position,
+    ) -> Option<Intent> {
+        self.0[kind].get_or_insert_with(KINDS[kind].make).mouse(view, area, mouse, at)
     }
 
     /// Draws the panel in row `kind` of the table.

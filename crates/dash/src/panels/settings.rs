@@ -10,12 +10,14 @@
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Scope, Settings};
 
+use super::registry::{Intent, Mouse, Panel};
 use super::{framed, write, write_right};
+use crate::actions::Action;
 use crate::screen::View;
 use crate::theme;
 
@@ -42,7 +44,36 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
     rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
 }
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The settings: a click selects one, a drag nudges it a step a cell, the wheel selects the next.
+pub(crate) struct SettingsPanel;
+
+impl Panel for SettingsPanel {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        let inner = area.inner(Margin::new(1, 1));
+        let count = rows(view.picture.settings.as_ref()?).len();
+        match mouse {
+            Mouse::Wheel(notches) => Some(Intent::Do(Action::Select(notches as isize))),
+            Mouse::Drag(0) => None,
+            Mouse::Drag(cells) => Some(Intent::Do(Action::Nudge(f64::from(cells)))),
+            Mouse::Click => {
+                let row = first_row(view.cursor.row, count, inner.height) + usize::from(at.y.checked_sub(inner.y)?);
+                (inner.contains(at) && row < count).then_some(Intent::Row(row))
+            }
+        }
+    }
+}
+
+/// The first row in view: the selected one is.
+fn first_row(selected: usize, count: usize, height: u16) -> usize {
+    let height = usize::from(height);
+    (selected + 1).saturating_sub(height).min(count.saturating_sub(height))
+}
+
+fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let (picture, cursor) = (view.picture, view.cursor);
     let title = match &picture.bulletin {
         Some(bulletin) => format!(" settings  rev {} by {} ", bulletin.revision, bulletin.changed_by.as_str()),
@@ -52,8 +83,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let Some(settings) = &picture.settings else { return };
     let rows = rows(settings);
     let height = usize::from(inner.height);
-    // The selected row stays in view.
-    let first = (cursor.row + 1).saturating_sub(height).min(rows.len().saturating_sub(height));
+    let first = first_row(cursor.row, rows.len(), inner.height);
     for (at, key) in rows.iter().enumerate().skip(first).take(height) {
         let row = Rect { y: inner.y + (at - first) as u16, height: 1, ..inner };
         draw_row(settings, *key, (at == cursor.row).then_some(cursor), row, buffer);

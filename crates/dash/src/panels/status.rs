@@ -12,9 +12,10 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
 use wire::{Keeping, RecorderState, RecorderStatus};
 
+use crate::actions::ACTIONS;
 use crate::alarms::{Alarms, Level};
 use crate::feed::Contact;
-use crate::keymap::BINDINGS;
+use crate::layers::Layer;
 use crate::picture::Picture;
 use crate::plot::short;
 use crate::screen::View;
@@ -53,6 +54,9 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     {
         let (ago, tau) = (picture.ago().as_secs_f64(), picture.track.tau(now));
         add(format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
+    }
+    if view.read_only {
+        add("read-only".to_owned(), theme::loud(theme::WARN));
     }
     add(view.bench.to_owned(), plain.bold());
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
@@ -161,23 +165,51 @@ pub(crate) enum Message {
     Bad(String),
 }
 
-pub(crate) fn draw_foot(message: &Message, area: Rect, buffer: &mut Buffer) {
-    let line = match message {
+/// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
+pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let prompt = |sign: &str, text: &str| {
+        let mut spans = vec![Span::styled(format!(" {sign}{text}_"), Style::new().bold())];
+        for offer in view.completions {
+            spans.push(Span::styled(format!("  {offer}"), theme::quiet()));
+        }
+        Line::from(spans)
+    };
+    let line = match view.layers.last() {
+        Some(Layer::Command(text)) => prompt(":", text),
+        Some(Layer::Filter(text)) => prompt("/", text),
+        Some(Layer::Ask(_, why)) => Line::from(vec![
+            Span::styled(format!(" {why} "), theme::badge(theme::BAD)),
+            Span::styled(" y ", Style::new().bold()),
+            Span::styled("does it all the same, any other key forgets it", theme::quiet()),
+        ]),
+        _ => told(view),
+    };
+    line.render(area, buffer);
+}
+
+fn told<'a>(view: &'a View<'_>) -> Line<'a> {
+    match view.message {
         Message::Good(text) => Line::styled(format!(" {text}"), theme::loud(theme::GOOD)),
         Message::Bad(text) => Line::styled(format!(" {text}"), theme::loud(theme::BAD)),
         Message::Hints => {
             let mut spans = Vec::new();
-            for binding in &BINDINGS {
-                let Some(hint) = binding.hint else { continue };
-                // The first of several ways to press it.
-                let key = binding.keys.split(',').next().unwrap_or_default();
-                spans.push(Span::styled(format!(" {key} "), Style::new().bold()));
-                spans.push(Span::styled(format!("{hint} "), theme::quiet()));
+            for row in ACTIONS {
+                for keys in row.keys {
+                    let Some(hint) = keys.hint else { continue };
+                    // The first of several ways to press it, both directions of it.
+                    let shown = view.keymap.shown(row, keys);
+                    let ways = if row.argument.is_empty() { 1 } else { 2 };
+                    let key: Vec<&str> = shown.split(' ').take(if shown == "1 to 9" { 3 } else { ways }).collect();
+                    if shown.is_empty() {
+                        continue;
+                    }
+                    spans.push(Span::styled(format!(" {} ", key.join(" ")), Style::new().bold()));
+                    spans.push(Span::styled(format!("{hint} "), theme::quiet()));
+                }
             }
             Line::from(spans)
         }
-    };
-    line.render(area, buffer);
+    }
 }
 
 #[cfg(test)]
@@ -285,10 +317,11 @@ mod tests {
 
     #[test]
     fn the_foot_hints_at_the_keys_or_tells_the_last_message() {
-        let hints = drawn(120, 1, |area, buffer| draw_foot(&Message::Hints, area, buffer));
-        assert!(hints.contains("? help") && hints.contains("q quit") && hints.contains("0 off"), "{hints}");
+        let picture = tests::picture();
+        let hints = drawn(120, 1, |area, buffer| draw_foot(&view(&picture), area, buffer));
+        assert!(hints.contains("? help") && hints.contains("q quit") && hints.contains("left right nudge"), "{hints}");
         let bad = Message::Bad("speed = -1: expected a number from 0 to 1000".into());
-        let told = drawn(60, 1, |area, buffer| draw_foot(&bad, area, buffer));
+        let told = drawn(60, 1, |area, buffer| draw_foot(&View { message: &bad, ..view(&picture) }, area, buffer));
         assert_eq!(told, " speed = -1: expected a number from 0 to 1000\n");
     }
 }

@@ -11,23 +11,48 @@
 use std::ops::Range;
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 
+use super::registry::{Intent, Mouse, Panel};
 use super::{framed, write, write_right};
+use crate::actions::Action;
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::replay::Beside;
 use crate::screen::View;
 use crate::theme;
 
+/// The strips: a click looks at a moment, the wheel zooms.
+pub(crate) struct Strips;
+
+impl Panel for Strips {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        let inner = area.inner(Margin::new(1, 1));
+        match mouse {
+            Mouse::Wheel(notches) => Some(Intent::Do(Action::Zoom(if notches > 0 { 1.25 } else { 0.8 }))),
+            Mouse::Click | Mouse::Drag(_) if inner.contains(at) => {
+                let window = &view.picture.window;
+                let along = (f64::from(at.x - inner.x) + 0.5) / f64::from(inner.width);
+                let step = window.start + (along * window.len() as f64) as usize;
+                (!window.is_empty()).then(|| Intent::Look(view.picture.track.first() + step as u64))
+            }
+            Mouse::Click | Mouse::Drag(_) => None,
+        }
+    }
+}
+
 /// One line of a strip.
 type Trace = (Color, Channel);
 /// The middle of a column of dots, in steps, and the range of a quantity over it.
 type Column = (f64, [f64; 2]);
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let window = picture.window.clone();
     // A strip of more masses than colours would be a tangle: the first few stand for all.

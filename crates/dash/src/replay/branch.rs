@@ -8,7 +8,7 @@ use rotor::{C64, MAX_MASSES, Rotor, Settings, Spectrum, Stepper};
 use wire::State;
 use wire::message::Trip;
 
-use crate::clerk::{Edit, carry_over};
+use crate::clerk::{self, Edit};
 
 /// Numbers that the steps of a branch may take: a million steps of three masses, 64 MB.
 const MOST: usize = 8_000_000;
@@ -86,7 +86,7 @@ impl Branch {
     /// The same wishes from another moment on.
     pub(crate) fn moved_to(&self, root: Root) -> Self {
         let mut moved = Self::new(root);
-        carry_over(&self.root.settings, &self.wish.settings, &mut moved.wish.settings);
+        clerk::carry_over(&self.root.settings, &self.wish.settings, &mut moved.wish.settings);
         moved
     }
 
@@ -136,14 +136,21 @@ impl Branch {
                 wish.settings.nudge(*key, *delta).map_err(|error| error.to_string())?;
                 format!("{key}")
             }
-            Edit::Set(key, value) => {
-                wish.settings.set(*key, *value).map_err(|error| error.to_string())?;
-                format!("{key} = {value}")
+            Edit::Set(values) => {
+                for (key, value) in values {
+                    wish.settings.set(*key, *value).map_err(|error| error.to_string())?;
+                }
+                clerk::words(values)
             }
             Edit::Off => {
                 wish.settings.feedback = wish.settings.feedback.off();
                 "control off".to_owned()
             }
+            Edit::Become(change, what) => {
+                clerk::carry_over(&change.0, &change.1, &mut wish.settings);
+                what.clone()
+            }
+            Edit::Note(_) => return Err("a recording takes no more notes".into()),
         };
         wish.settings.check(&self.root.rotor).map_err(|error| error.to_string())?;
         self.done.push(std::mem::replace(&mut self.wish, wish));
@@ -228,7 +235,7 @@ impl Run {
             }
             Act::Settings(recorded) => {
                 let mut settings = recorded.clone();
-                carry_over(&root.settings, &wish.settings, &mut settings);
+                clerk::carry_over(&root.settings, &wish.settings, &mut settings);
                 self.stepper.load(&settings.closed_loop(&root.rotor));
                 self.settings = settings;
                 self.judge(&root.rotor);

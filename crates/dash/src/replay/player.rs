@@ -58,8 +58,6 @@ pub(crate) struct Player {
     speed: usize,
     pub(super) repeat: Repeat,
     pub(super) branch: Option<Branch>,
-    /// A time that is being typed, to go to.
-    pub(crate) typed: Option<String>,
 }
 
 impl Player {
@@ -81,7 +79,6 @@ impl Player {
             speed: AS_RECORDED,
             repeat: Repeat::Off,
             branch: None,
-            typed: None,
             past,
         };
         player.show(feed, time, true)?;
@@ -312,6 +309,9 @@ impl Player {
 
     /// Makes an edit of the past: from the first edit on, the machine runs on beside what happened.
     pub(crate) fn edit(&mut self, edit: &Edit, feed: &mut Feed, time: &mut ViewTime) -> Result<String, String> {
+        if matches!(edit, Edit::Note(_)) {
+            return Err("a recording takes no more notes".into());
+        }
         let here = self.seq();
         let fresh = self.branch.is_none();
         if self.branch.as_ref().is_none_or(|branch| branch.from() > here) {

@@ -344,7 +344,7 @@ fn a_recording_that_begins_late_is_run_on_from_up_to_rounding() {
     session.states.retain(|state| state.seq >= 60);
     let mut stage = Stage::of(&session);
     stage.go(100);
-    stage.edit(&Edit::Set(key("speed"), 2.5)).unwrap();
+    stage.edit(&Edit::Set(vec![(key("speed"), 2.5)])).unwrap();
     stage.go(300);
     let branch = stage.player.branch.as_ref().unwrap();
     let there = session.states.iter().find(|state| state.seq == 300).unwrap();
@@ -358,9 +358,9 @@ fn other_gains_are_run_on_beside_what_happened_until_they_are_dropped() {
     let mut stage = Stage::of(&session);
     stage.go(100);
     assert!(stage.edit(&Edit::Undo).is_err() && stage.player.branch.is_none());
-    assert!(stage.edit(&Edit::Set(key("speed"), -1.0)).is_err() && stage.player.branch.is_none());
+    assert!(stage.edit(&Edit::Set(vec![(key("speed"), -1.0)])).is_err() && stage.player.branch.is_none());
     stage.edit(&Edit::Off).unwrap();
-    stage.edit(&Edit::Set(key("trip"), 1.5)).unwrap();
+    stage.edit(&Edit::Set(vec![(key("trip"), 1.5)])).unwrap();
     stage.go(330);
     let frame = stage.frame(200, 50);
     assert!(frame.contains("WHAT IF from tau 1.0100: min damping -0."), "{frame}");

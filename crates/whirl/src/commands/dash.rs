@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::attach::{self, BenchArgs};
+use crate::commands::config;
 use crate::failure::Failure;
+use crate::folders;
 use crate::layouts;
 
 /// Options of `whirl dash`.
@@ -47,17 +49,29 @@ pub(crate) struct ScreenArgs {
     /// Show nothing but ASCII, whatever the locale says
     #[arg(long)]
     ascii: bool,
+    /// Only look: change nothing
+    #[arg(long)]
+    read_only: bool,
 }
 
 impl ScreenArgs {
     /// As the dashboard takes it.
     ///
     /// # Errors
-    /// A layout that is not there or wrong.
+    /// A configuration that is wrong, or a layout that is wrong or not there.
     pub(crate) fn options(&self) -> Result<dash::Options, Failure> {
         let wishes = dash::Wishes { theme: self.theme, ascii: self.ascii };
-        let (layouts, layout) = layouts::choose(self.layout.as_deref())?;
-        Ok(dash::Options { history: self.history as usize * 1_000_000, layouts, layout, wishes })
+        let config = config::read()?;
+        let (layouts, layout) = layouts::choose(self.layout.as_deref().or(config.layout.as_deref()))?;
+        Ok(dash::Options {
+            history: self.history as usize * 1_000_000,
+            layouts,
+            layout,
+            wishes,
+            keys: config.keys,
+            presets: folders::presets(),
+            read_only: self.read_only,
+        })
     }
 }
 

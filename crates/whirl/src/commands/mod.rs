@@ -2,6 +2,7 @@
 
 pub(crate) mod assign;
 pub(crate) mod clean;
+pub(crate) mod config;
 pub(crate) mod cycles;
 pub(crate) mod dash;
 pub(crate) mod force;
@@ -36,6 +37,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Up(args) => up::run(&args),
         Command::Sim(args) => sim::run(&args),
         Command::Dash(args) => dash::run(&args),
+        Command::Config(args) => config::run(&args),
         Command::Layout(args) => layout::run(&args),
         Command::Tail(args) => tail::run(&args),
         Command::Set(args) => set::run(&args),

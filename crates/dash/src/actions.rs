@@ -1,0 +1,518 @@
+//! The one table of actions: it makes the keys, the command line with its completion, the help screen, the hints at the
+//! foot, the README's table and the default configuration.
+//!
+//! A key stands for a command line, such as `nudge -1`; what is typed after `:` goes through the same [`parse`].
+
+use rotor::{Key, PARAMETERS};
+
+/// What a person asks of the dashboard.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Action {
+    /// Select the setting so many rows further down.
+    Select(isize),
+    /// Raise the selected setting by so many of its steps.
+    Nudge(f64),
+    /// Start to type a value; enter takes it, esc drops it.
+    Type,
+    /// Set these, all at once.
+    Set(Vec<(Key, f64)>),
+    /// Take back the last change, whoever made it.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// All gains to zero.
+    Off,
+    /// Strike the rotor.
+    Impulse,
+    /// Restart from rest, or bring back a simulation that has ended.
+    Restart,
+    /// Hold the present settings to compare with.
+    Hold,
+    /// Change places between the held settings and the present ones.
+    Swap,
+    /// Keep the gains under a name.
+    Save(String),
+    /// Take gains kept under a name.
+    Load(String),
+    /// Put a note on the record.
+    Note(String),
+    /// Stop and go on with the picture.
+    Pause,
+    /// Move the cursor by so many seconds.
+    Seek(f64),
+    /// Move the cursor by so many steps.
+    Step(i64),
+    /// Show so many times as much time.
+    Zoom(f64),
+    /// Show so many seconds.
+    Span(f64),
+    /// Show as much time as at the start.
+    ZoomReset,
+    /// Start to record the bench, or end that.
+    Record,
+    /// All alarms have been seen.
+    Acknowledge,
+    /// A recording: play faster (1) or slower (-1).
+    Pace(isize),
+    /// A recording: to the next event (1) or the one before (-1).
+    Event(isize),
+    /// A recording: begin a loop, end it, drop it.
+    Loop,
+    /// A recording: to a dimensionless time.
+    GoTo(f64),
+    /// A recording: to its end, or its beginning.
+    End(bool),
+    /// Another layout, by its number counted from 1 or its name.
+    Layout(String),
+    /// Start to type a command; this much is typed already.
+    Command(String),
+    /// Start to type what the lists shall show.
+    Filter,
+    /// Show and hide the help.
+    Help,
+    /// Close the top layer.
+    Escape,
+    /// Give the terminal back until the shell continues us.
+    Suspend,
+    /// End.
+    Quit,
+}
+
+/// One action.
+pub(crate) struct Row {
+    /// Its name, as typed after `:` and in the configuration.
+    pub(crate) name: &'static str,
+    /// What must follow the name, in capitals; in brackets what may; empty if nothing does.
+    pub(crate) argument: &'static str,
+    /// What it does, as the command line tells it.
+    pub(crate) meaning: &'static str,
+    /// Its keys.
+    pub(crate) keys: &'static [Keys],
+    make: fn(&str) -> Result<Action, String>,
+}
+
+/// Keys that do the same, more or less.
+pub(crate) struct Keys {
+    /// Each with what follows the name of the action.
+    pub(crate) chords: &'static [(&'static str, &'static str)],
+    /// What they do.
+    pub(crate) meaning: &'static str,
+    /// The same in a word or two, if it is hinted at the foot of the screen.
+    pub(crate) hint: Option<&'static str>,
+}
+
+const fn keys(
+    chords: &'static [(&'static str, &'static str)],
+    meaning: &'static str,
+    hint: Option<&'static str>,
+) -> Keys {
+    Keys { chords, meaning, hint }
+}
+
+/// Every action, in the order of the help screen.
+pub(crate) const ACTIONS: &[Row] = &[
+    Row {
+        name: "help",
+        argument: "",
+        meaning: "show and hide the help",
+        keys: &[keys(&[("?", ""), ("f1", "")], "this help", Some("help"))],
+        make: |_| Ok(Action::Help),
+    },
+    Row {
+        name: "quit",
+        argument: "",
+        meaning: "quit",
+        keys: &[keys(&[("q", ""), ("ctrl-c", "")], "quit; where text is typed, ctrl-c does", Some("quit"))],
+        make: |_| Ok(Action::Quit),
+    },
+    Row {
+        name: "command",
+        argument: "[TEXT]",
+        meaning: "type a command",
+        keys: &[keys(&[(":", "")], "type a command: tab completes it, enter does it", Some("command"))],
+        make: |text| Ok(Action::Command(text.to_owned())),
+    },
+    Row {
+        name: "select",
+        argument: "ROWS",
+        meaning: "select the setting so many rows further down",
+        keys: &[keys(&[("up", "-1"), ("down", "1"), ("k", "-1"), ("j", "1")], "select a setting", Some("select"))],
+        make: |rows| whole(rows).map(|rows| Action::Select(rows as isize)),
+    },
+    Row {
+        name: "nudge",
+        argument: "STEPS",
+        meaning: "raise the selected setting by so many steps",
+        keys: &[
+            keys(
+                &[("left", "-1"), ("right", "1"), ("h", "-1"), ("l", "1")],
+                "lower or raise it by one step",
+                Some("nudge"),
+            ),
+            keys(&[("shift-left", "-10"), ("shift-right", "10"), ("H", "-10"), ("L", "10")], "by ten steps", None),
+            keys(&[("ctrl-left", "-0.1"), ("ctrl-right", "0.1")], "by a tenth of a step", None),
+        ],
+        make: |steps| number(steps).map(Action::Nudge),
+    },
+    Row {
+        name: "type",
+        argument: "",
+        meaning: "type a value for the selected setting",
+        keys: &[keys(&[("enter", "")], "type a value: enter takes it, esc drops it", Some("type"))],
+        make: |_| Ok(Action::Type),
+    },
+    Row {
+        name: "set",
+        argument: "KEY=VALUE...",
+        meaning: "set speed, gains ..., all at once; `speed 3` and `kd=0.1` will do too",
+        keys: &[],
+        make: assignments,
+    },
+    Row {
+        name: "undo",
+        argument: "",
+        meaning: "take back the last change of settings, whoever made it",
+        keys: &[keys(&[("u", "")], "undo the last change, whoever made it", Some("undo"))],
+        make: |_| Ok(Action::Undo),
+    },
+    Row {
+        name: "redo",
+        argument: "",
+        meaning: "make it again",
+        keys: &[keys(&[("ctrl-r", "")], "redo it", None)],
+        make: |_| Ok(Action::Redo),
+    },
+    Row {
+        name: "off",
+        argument: "",
+        meaning: "control off: all gains to zero",
+        keys: &[keys(&[("0", "")], "control off: all gains to zero", Some("off"))],
+        make: |_| Ok(Action::Off),
+    },
+    Row {
+        name: "hold",
+        argument: "",
+        meaning: "hold the present settings, to compare others with",
+        keys: &[keys(&[("B", "")], "hold the present settings, to compare others with", None)],
+        make: |_| Ok(Action::Hold),
+    },
+    Row {
+        name: "swap",
+        argument: "",
+        meaning: "switch between the held settings and the present ones",
+        keys: &[keys(&[("b", "")], "switch between the held settings and the present ones", None)],
+        make: |_| Ok(Action::Swap),
+    },
+    Row {
+        name: "save",
+        argument: "NAME",
+        meaning: "keep the gains under a name",
+        keys: &[keys(&[("s", "")], "keep the gains under a name", None)],
+        make: |name| Ok(Action::Save(name.to_owned())),
+    },
+    Row {
+        name: "load",
+        argument: "NAME",
+        meaning: "take gains that were kept",
+        keys: &[keys(&[("o", "")], "take gains that were kept", None)],
+        make: |name| Ok(Action::Load(name.to_owned())),
+    },
+    Row {
+        name: "impulse",
+        argument: "",
+        meaning: "an impulse on the mass with the control bearing",
+        keys: &[keys(&[("i", "")], "an impulse on the mass with the control bearing", Some("impulse"))],
+        make: |_| Ok(Action::Impulse),
+    },
+    Row {
+        name: "restart",
+        argument: "",
+        meaning: "restart from rest, after a trip too",
+        keys: &[keys(&[("R", "")], "restart from rest; after a trip too", Some("restart"))],
+        make: |_| Ok(Action::Restart),
+    },
+    Row {
+        name: "note",
+        argument: "TEXT",
+        meaning: "put a note on the record, for everybody",
+        keys: &[keys(&[("w", "")], "write a note on the record", None)],
+        make: |text| Ok(Action::Note(text.to_owned())),
+    },
+    Row {
+        name: "pause",
+        argument: "",
+        meaning: "let the picture stand, or go on with the newest; data always go on",
+        keys: &[keys(&[("space", "")], "pause the picture and go on; data always go on", Some("pause"))],
+        make: |_| Ok(Action::Pause),
+    },
+    Row {
+        name: "seek",
+        argument: "SECONDS",
+        meaning: "look so many seconds further on; back if negative",
+        keys: &[keys(
+            &[("[", "-1"), ("]", "1"), ("{", "-10"), ("}", "10")],
+            "look 1 s or 10 s back and forward; space returns to live",
+            Some("time"),
+        )],
+        make: |seconds| number(seconds).map(Action::Seek),
+    },
+    Row {
+        name: "step",
+        argument: "STEPS",
+        meaning: "look so many steps further on; back if negative",
+        keys: &[keys(&[("<", "-1"), (">", "1")], "look one step back and forward", None)],
+        make: |steps| whole(steps).map(Action::Step),
+    },
+    Row {
+        name: "zoom",
+        argument: "[TIMES]",
+        meaning: "show so many times as much time; without a number, as much as at the start",
+        keys: &[keys(&[("+", "0.5"), ("-", "2"), ("=", "")], "show less time, more, as at the start", None)],
+        make: |times| match times {
+            "" => Ok(Action::ZoomReset),
+            times => number(times).and_then(positive).map(Action::Zoom),
+        },
+    },
+    Row {
+        name: "span",
+        argument: "SECONDS",
+        meaning: "show so many seconds",
+        keys: &[],
+        make: |seconds| number(seconds).and_then(positive).map(Action::Span),
+    },
+    Row {
+        name: "record",
+        argument: "",
+        meaning: "record the bench, or end that",
+        keys: &[keys(&[("r", "")], "record the bench; again ends it", Some("record"))],
+        make: |_| Ok(Action::Record),
+    },
+    Row {
+        name: "acknowledge",
+        argument: "",
+        meaning: "acknowledge the alarms",
+        keys: &[keys(&[("a", "")], "acknowledge the alarms", Some("alarms"))],
+        make: |_| Ok(Action::Acknowledge),
+    },
+    Row {
+        name: "pace",
+        argument: "STEPS",
+        meaning: "play a recording faster by so many steps, or slower",
+        keys: &[keys(&[("(", "-1"), (")", "1")], "recording: slower, faster", None)],
+        make: |steps| whole(steps).map(|steps| Action::Pace(steps as isize)),
+    },
+    Row {
+        name: "event",
+        argument: "COUNT",
+        meaning: "go so many events on in a recording, or back",
+        keys: &[keys(&[("n", "1"), ("N", "-1")], "recording: to the next event, the one before", None)],
+        make: |count| whole(count).map(|count| Action::Event(count as isize)),
+    },
+    Row {
+        name: "go",
+        argument: "TAU|first|last",
+        meaning: "go to a time of a recording, its beginning or its end",
+        keys: &[keys(
+            &[("home", "first"), ("end", "last"), ("g", "")],
+            "recording: to its beginning, its end, a tau that is typed",
+            None,
+        )],
+        make: |there| match there {
+            "first" => Ok(Action::End(false)),
+            "last" => Ok(Action::End(true)),
+            tau => number(tau).map(Action::GoTo),
+        },
+    },
+    Row {
+        name: "loop",
+        argument: "",
+        meaning: "begin a loop in a recording, end it, drop it",
+        keys: &[keys(&[("m", "")], "recording: a loop begins here, ends here, is dropped", None)],
+        make: |_| Ok(Action::Loop),
+    },
+    Row {
+        name: "layout",
+        argument: "NAME",
+        meaning: "show another layout",
+        keys: &[keys(
+            &[
+                ("1", "1"),
+                ("2", "2"),
+                ("3", "3"),
+                ("4", "4"),
+                ("5", "5"),
+                ("6", "6"),
+                ("7", "7"),
+                ("8", "8"),
+                ("9", "9"),
+            ],
+            "another layout: overview, operator, tuning, whirl, replay",
+            Some("layout"),
+        )],
+        make: |name| Ok(Action::Layout(name.to_owned())),
+    },
+    Row {
+        name: "filter",
+        argument: "",
+        meaning: "type what the lists shall show",
+        keys: &[keys(&[("/", "")], "type what the lists shall show", None)],
+        make: |_| Ok(Action::Filter),
+    },
+    Row {
+        name: "escape",
+        argument: "",
+        meaning: "close what lies on top",
+        keys: &[keys(&[("esc", "")], "close what lies on top", None)],
+        make: |_| Ok(Action::Escape),
+    },
+    Row {
+        name: "suspend",
+        argument: "",
+        meaning: "back to the shell; `fg` returns",
+        keys: &[keys(&[("ctrl-z", "")], "back to the shell; `fg` returns", None)],
+        make: |_| Ok(Action::Suspend),
+    },
+];
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| format!("'{text}': expected a number"))
+}
+
+fn positive(number: f64) -> Result<f64, String> {
+    if number > 0.0 { Ok(number) } else { Err(format!("{number}: expected a number above 0")) }
+}
+
+fn whole(text: &str) -> Result<i64, String> {
+    text.parse().map_err(|_| format!("'{text}': expected a whole number"))
+}
+
+/// `kd=0.1 speed=3`, or `speed 3`.
+fn assignments(text: &str) -> Result<Action, String> {
+    let spaced = text.replace('=', " = ");
+    let words: Vec<&str> = spaced.split_whitespace().filter(|word| *word != "=").collect();
+    let mut set = Vec::new();
+    for pair in words.chunks(2) {
+        let key: Key = pair[0].parse().map_err(|error: rotor::SettingsError| error.to_string())?;
+        let value = pair.get(1).ok_or_else(|| format!("{key}: expected {key}=VALUE"))?;
+        set.push((key, number(value).map_err(|error| format!("{key} = {error}"))?));
+    }
+    Ok(Action::Set(set))
+}
+
+/// Whether a word is a setting, with or without an index.
+fn is_setting(word: &str) -> bool {
+    word.parse::<Key>().is_ok()
+}
+
+/// What a command line asks for.
+///
+/// # Errors
+/// In words: no such command, or what is wrong with its argument.
+pub(crate) fn parse(line: &str) -> Result<Action, String> {
+    let line = line.trim();
+    let end = line.find([' ', '=']).unwrap_or(line.len());
+    let (name, rest) = line.split_at(end);
+    let Some(row) = ACTIONS.iter().find(|row| row.name == name) else {
+        if is_setting(name) {
+            return assignments(line);
+        }
+        return Err(format!("no command '{name}': tab shows what there is, ? the help"));
+    };
+    let argument = rest.trim();
+    match (row.argument, argument) {
+        ("", "") => {}
+        ("", found) => return Err(format!("{name} '{found}': expected nothing after {name}")),
+        (wanted, "") if !wanted.starts_with('[') => return Err(format!("{name}: expected {name} {wanted}")),
+        _ => {}
+    }
+    (row.make)(argument).map_err(|error| format!("{name} {error}"))
+}
+
+/// Every way to go on with a command line: whole lines.
+pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) -> Vec<String> {
+    let (before, word) = line.rsplit_once(' ').map_or(("", line), |(before, word)| (before, word));
+    let settings = || PARAMETERS.iter().map(|parameter| format!("{}=", parameter.name));
+    let first = before.split_whitespace().next();
+    let candidates: Vec<String> = match first {
+        None => {
+            let named = ACTIONS.iter().map(|row| {
+                let space = if row.argument.is_empty() { "" } else { " " };
+                format!("{}{space}", row.name)
+            });
+            named.chain(settings()).collect()
+        }
+        Some("layout") => layouts.to_vec(),
+        Some("load" | "save") => presets.to_vec(),
+        Some("set") => settings().collect(),
+        Some(_) => Vec::new(),
+    };
+    let whole = |candidate: String| if before.is_empty() { candidate } else { format!("{before} {candidate}") };
+    candidates.into_iter().filter(|candidate| candidate.starts_with(word)).map(whole).collect()
+}
+
+/// What all of some lines begin with.
+pub(crate) fn common(lines: &[String]) -> String {
+    let Some((first, rest)) = lines.split_first() else { return String::new() };
+    let alike = |at: usize, c: char| rest.iter().all(|line| line[at.min(line.len())..].starts_with(c));
+    let end = first.char_indices().find(|(at, c)| !alike(*at, *c)).map_or(first.len(), |(at, _)| at);
+    first[..end].to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_row_and_every_key_is_a_command_that_parses() {
+        for row in ACTIONS {
+            assert!(ACTIONS.iter().filter(|other| other.name == row.name).count() == 1, "{} twice", row.name);
+            assert!(!is_setting(row.name), "{} is a setting", row.name);
+            for (chord, argument) in row.keys.iter().flat_map(|keys| keys.chords) {
+                let line = format!("{} {argument}", row.name);
+                // Keys of commands that take a text open the command line with the name in it.
+                let needs_text = !row.argument.is_empty() && !row.argument.starts_with('[') && argument.is_empty();
+                assert!(needs_text || parse(&line).is_ok(), "{chord}: {line}: {:?}", parse(&line));
+            }
+        }
+    }
+
+    #[test]
+    fn commands_are_parsed_and_mistakes_told() {
+        let key = |name: &str| name.parse::<Key>().unwrap();
+        assert_eq!(parse("seek -30"), Ok(Action::Seek(-30.0)));
+        assert_eq!(parse("  note two words "), Ok(Action::Note("two words".into())));
+        assert_eq!(parse("speed 6"), Ok(Action::Set(vec![(key("speed"), 6.0)])));
+        assert_eq!(parse("kd.2=-1e-3"), Ok(Action::Set(vec![(key("kd.2"), -1e-3)])));
+        assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::Set(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
+        assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
+        for (line, complaint) in [
+            ("fly", "no command 'fly': tab shows what there is, ? the help"),
+            ("seek", "seek: expected seek SECONDS"),
+            ("seek x", "seek 'x': expected a number"),
+            ("seek NaN", "seek 'NaN': expected a number"),
+            ("zoom 0", "zoom 0: expected a number above 0"),
+            ("undo it", "undo 'it': expected nothing after undo"),
+            ("kd", "kd: expected kd=VALUE"),
+            ("kd=much", "kd = 'much': expected a number"),
+            ("", "no command '': tab shows what there is, ? the help"),
+        ] {
+            assert_eq!(parse(line), Err(complaint.to_owned()), "{line}");
+        }
+    }
+
+    #[test]
+    fn completion_offers_names_settings_and_what_commands_take() {
+        let layouts = ["operator".to_owned(), "overview".to_owned()];
+        let complete = |line: &str| completions(line, &layouts, &["good".to_owned()]);
+        assert_eq!(complete("se"), ["select ", "set ", "seek "]);
+        assert_eq!(complete("layout o"), ["layout operator", "layout overview"]);
+        assert_eq!(complete("load "), ["load good"]);
+        assert_eq!(complete("set kd=1 sp"), ["set kd=1 speed="]);
+        assert!(complete("").len() > 20 && complete("").contains(&"speed=".to_owned()));
+        assert_eq!(common(&complete("se")), "se");
+        assert_eq!(common(&complete("layout ")), "layout o");
+        assert_eq!(common(&["ä".to_owned(), "ö".to_owned()]), "");
+        assert_eq!(common(&[]), "");
+    }
+}

@@ -1,0 +1,375 @@
+//! What keys, the mouse and actions do.
+
+use std::sync::atomic::Ordering;
+
+use crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
+use ratatui::layout::Position;
+use rotor::{C64, Key, Settings};
+
+use super::{App, Intent, Message, Mouse, lock};
+use crate::actions::{self, Action};
+use crate::clerk::Edit;
+use crate::layers::{Layer, Typed, type_number, type_text};
+use crate::panels::settings::rows;
+use crate::picture::Picture;
+use crate::screen;
+use crate::session::Ended;
+use crate::what_if::WhatIf;
+
+/// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
+const IMPULSE: f64 = -2.5;
+/// Completions that are offered at the foot.
+const OFFERED: usize = 12;
+
+impl App<'_> {
+    pub(super) fn press(&mut self, key: KeyEvent) {
+        let action = self.keymap.action(key);
+        // Ctrl-c quits whatever is being typed; q does unless it is a letter of a text.
+        let types_text = matches!(self.layers.last(), Some(Layer::Command(_) | Layer::Filter(_)));
+        let is_letter = matches!(key.code, KeyCode::Char(_))
+            && key.modifiers.difference(crossterm::event::KeyModifiers::SHIFT).is_empty();
+        if action == Some(Action::Quit) && !(types_text && is_letter) {
+            self.quit = Some(Ended::Quit);
+            return;
+        }
+        match self.layers.last_mut() {
+            None => {
+                if let Some(action) = action {
+                    self.act(action);
+                }
+            }
+            Some(Layer::Help(from)) => match action {
+                Some(Action::Select(rows)) => *from = from.saturating_add_signed(rows).min(1000),
+                Some(Action::Filter) => self.act(Action::Filter),
+                Some(Action::Help | Action::Escape | Action::Type) => drop(self.layers.pop()),
+                _ => match key.code {
+                    KeyCode::PageDown | KeyCode::Char(' ') => *from = (*from + 10).min(1000),
+                    KeyCode::PageUp => *from = from.saturating_sub(10),
+                    _ => {}
+                },
+            },
+            Some(Layer::Value(typed)) => match type_number(typed, key) {
+                Typed::Done => self.take_typed(),
+                Typed::Dropped => drop(self.layers.pop()),
+                // Another row drops what was typed; other keys neither type nor act by accident.
+                Typed::Else => {
+                    if let Some(action @ (Action::Select(_) | Action::Help)) = action {
+                        self.layers.pop();
+                        self.act(action);
+                    }
+                }
+                Typed::Taken | Typed::Complete => {}
+            },
+            Some(Layer::Command(line)) => match type_text(line, key) {
+                Typed::Done => {
+                    let line = std::mem::take(line);
+                    self.layers.pop();
+                    self.command(&line);
+                }
+                Typed::Dropped => drop(self.layers.pop()),
+                Typed::Complete => self.complete(),
+                Typed::Taken | Typed::Else => {}
+            },
+            Some(Layer::Filter(text)) => match type_text(text, key) {
+                Typed::Done => drop(self.layers.pop()),
+                Typed::Dropped => {
+                    self.layers.pop();
+                    self.filter.clear();
+                }
+                Typed::Taken => self.filter.clone_from(text),
+                Typed::Complete | Typed::Else => {}
+            },
+            Some(Layer::Ask(..)) => {
+                let Some(Layer::Ask(edit, _)) = self.layers.pop() else { return };
+                match key.code {
+                    KeyCode::Char('y' | 'Y') => self.send(edit),
+                    _ => self.tell(Message::Hints),
+                }
+            }
+        }
+    }
+
+    /// Carries out a command line.
+    fn command(&mut self, line: &str) {
+        if line.trim().is_empty() {
+            return;
+        }
+        match actions::parse(line) {
+            Ok(action) => self.act(action),
+            Err(why) => self.tell(Message::Bad(why)),
+        }
+    }
+
+    /// Types on what all that can follow have in common.
+    fn complete(&mut self) {
+        let layouts: Vec<String> = self.layouts.iter().map(|layout| layout.name().to_owned()).collect();
+        let presets = self.presets.names();
+        if let Some(Layer::Command(line)) = self.layers.last_mut() {
+            let common = actions::common(&actions::completions(line, &layouts, &presets));
+            if common.len() > line.len() {
+                *line = common;
+            }
+        }
+    }
+
+    /// What can follow a command line, as the foot shows it: kept gains with the minimum damping that they would give.
+    pub(super) fn offers(&self, line: &str, picture: &Picture) -> Vec<String> {
+        let layouts: Vec<String> = self.layouts.iter().map(|layout| layout.name().to_owned()).collect();
+        let of_presets = line.starts_with("load ") || line.starts_with("save ");
+        let presets = if of_presets { self.presets.names() } else { Vec::new() };
+        let offered = actions::completions(line, &layouts, &presets).into_iter().take(OFFERED);
+        let told = |line: String| {
+            let word = line.trim_end().rsplit(' ').next().unwrap_or_default().to_owned();
+            let (Some(rotor), Some(settings), true) = (&picture.rotor, &picture.settings, of_presets) else {
+                return word;
+            };
+            match self.presets.min_damping(&word, rotor, settings) {
+                Some(damping) => format!("{word} ({damping:.4})"),
+                None => format!("{word} (does not fit)"),
+            }
+        };
+        offered.map(told).collect()
+    }
+
+    fn take_typed(&mut self) {
+        let Some(Layer::Value(typed)) = self.layers.pop() else { return };
+        let Some(key) = self.selected() else { return };
+        match typed.parse::<f64>() {
+            Ok(value) => self.edit(Edit::Set(vec![(key, value)])),
+            Err(_) => self.tell(Message::Bad(format!("{key} = '{typed}': expected a number"))),
+        }
+    }
+
+    /// The selected setting, if there is any yet.
+    pub(super) fn selected(&self) -> Option<Key> {
+        let settings = lock(&self.feed).settings()?;
+        let rows = rows(&settings);
+        rows.get(self.row.min(rows.len().saturating_sub(1))).copied()
+    }
+
+    fn settings(&self) -> Option<Settings> {
+        lock(&self.feed).settings()
+    }
+
+    /// Has a change made; one that would make a stable rotor unstable waits for a yes.
+    fn edit(&mut self, edit: Edit) {
+        if self.read_only {
+            self.tell(Message::Bad("read-only: this dashboard changes nothing".into()));
+            return;
+        }
+        if self.player.is_some() {
+            // Nothing can be harmed there: it is a what-if itself.
+            self.send(edit);
+            return;
+        }
+        let (settings, rotor) = {
+            let feed = lock(&self.feed);
+            (feed.settings(), feed.rotor())
+        };
+        let (Some(settings), Some(rotor)) = (settings, rotor) else {
+            self.tell(Message::Bad("no settings are known yet".into()));
+            return;
+        };
+        let candidate = edit.applied(&settings).and_then(|settings| WhatIf::of(&rotor, settings));
+        let is_stable = WhatIf::of(&rotor, settings).is_some_and(|now| !now.is_unstable());
+        match candidate {
+            Some(candidate) if is_stable && candidate.is_unstable() => {
+                let damping = candidate.min_damping;
+                self.layers.push(Layer::Ask(edit, format!("UNSTABLE with that: minimum damping {damping:.4}")));
+            }
+            _ => self.send(edit),
+        }
+    }
+
+    fn send(&mut self, edit: Edit) {
+        if self.player.is_some() {
+            if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
+                self.tell(Message::Good(words));
+            }
+        } else if self.read_only {
+            self.tell(Message::Bad("read-only: this dashboard changes nothing".into()));
+        } else if self.edits.try_send(edit).is_err() {
+            self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
+        }
+    }
+
+    pub(super) fn act(&mut self, action: Action) {
+        if self.act_on_past(&action) {
+            return;
+        }
+        match action {
+            Action::Quit => self.quit = Some(Ended::Quit),
+            Action::Escape => {
+                if self.layers.pop().is_none() {
+                    self.filter.clear();
+                }
+            }
+            Action::Help => self.layers.push(Layer::Help(0)),
+            Action::Command(line) => self.layers.push(Layer::Command(line)),
+            Action::Filter => self.layers.push(Layer::Filter(self.filter.clone())),
+            Action::Suspend => self.suspend = true,
+            Action::Select(rows_down) => {
+                let count = self.settings().map_or(0, |settings| rows(&settings).len());
+                self.row = self.row.saturating_add_signed(rows_down).min(count.saturating_sub(1));
+            }
+            Action::Nudge(steps) => match self.selected() {
+                Some(key) => self.edit(Edit::Nudge(key, steps * key.parameter.step)),
+                None => self.tell(Message::Bad("no settings are known yet".into())),
+            },
+            Action::Type => self.layers.push(Layer::Value(String::new())),
+            Action::Set(values) => self.edit(Edit::Set(values)),
+            Action::Undo => self.send(Edit::Undo),
+            Action::Redo => self.send(Edit::Redo),
+            Action::Off => self.edit(Edit::Off),
+            Action::Impulse => {
+                let bearing = self.settings().map(|s| s.feedback.bearing);
+                if let Some(mass) = bearing {
+                    self.send(Edit::Impulse(mass, C64::new(IMPULSE, 0.0)));
+                }
+            }
+            Action::Note(text) => self.send(Edit::Note(text)),
+            Action::Acknowledge => match self.alarms.acknowledge() {
+                0 => self.tell(Message::Good("no alarm waits to be acknowledged".into())),
+                1 => self.tell(Message::Good("1 alarm acknowledged".into())),
+                count => self.tell(Message::Good(format!("{count} alarms acknowledged"))),
+            },
+            Action::Restart => self.restart(),
+            Action::Record => self.record(),
+            Action::Hold | Action::Swap | Action::Save(_) | Action::Load(_) => self.compare(action),
+            Action::Pause if self.time.is_live() => self.look(|time, kept, _| time.pause(kept)),
+            Action::Pause => self.look(|time, _, _| time.resume()),
+            Action::Seek(by) => self.look(|time, kept, seconds| time.seek(by, kept, seconds)),
+            Action::Step(by) => self.look(|time, kept, seconds| time.step(by, kept, seconds)),
+            Action::Zoom(factor) => self.look(|time, _, seconds| time.zoom(factor, seconds)),
+            Action::Span(span) => self.look(|time, _, seconds| time.show(span, seconds)),
+            Action::ZoomReset => self.look(|time, _, seconds| time.reset_span(seconds)),
+            Action::Layout(name) => self.show(&name),
+            // These are for recordings alone.
+            Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_) => {}
+        }
+    }
+
+    /// What compares settings: holding some, keeping some, and going back to them.
+    fn compare(&mut self, action: Action) {
+        let Some(settings) = self.settings() else {
+            self.tell(Message::Bad("no settings are known yet".into()));
+            return;
+        };
+        match action {
+            Action::Hold => {
+                self.held = Some(settings);
+                self.tell(Message::Good("held: change the settings, then swap switches between the two".into()));
+            }
+            Action::Swap => match self.held.clone() {
+                Some(held) => {
+                    let before = self.layers.len();
+                    self.edit(Edit::Become(Box::new((settings.clone(), held)), "swapped".into()));
+                    // A change that waits for a yes may never come.
+                    if self.layers.len() == before && !self.read_only {
+                        self.held = Some(settings);
+                    }
+                }
+                None => self.tell(Message::Bad("nothing is held to switch to: hold the settings first".into())),
+            },
+            Action::Save(name) => {
+                let kept = self.presets.save(&name, &settings.feedback);
+                self.tell(match kept {
+                    Ok(file) => Message::Good(format!("gains kept as '{name}': {}", file.display())),
+                    Err(why) => Message::Bad(why),
+                });
+            }
+            Action::Load(name) => match self.presets.load(&name, settings.deadband.len()) {
+                Ok(feedback) => {
+                    let wanted = Settings { feedback, ..settings.clone() };
+                    self.edit(Edit::Become(Box::new((settings, wanted)), format!("gains '{name}'")));
+                }
+                Err(why) => self.tell(Message::Bad(why)),
+            },
+            _ => {}
+        }
+    }
+
+    /// Shows another layout, by number or name.
+    fn show(&mut self, name: &str) {
+        let by_number = || name.parse::<usize>().ok()?.checked_sub(1).filter(|at| *at < self.layouts.len());
+        match self.layouts.iter().position(|layout| layout.name() == name).or_else(by_number) {
+            Some(at) => self.layout = at,
+            None => {
+                let names: Vec<&str> = self.layouts.iter().map(crate::layout::Layout::name).collect();
+                let message = format!("no layout '{name}': there are {}", names.join(", "));
+                self.tell(Message::Bad(message));
+            }
+        }
+    }
+
+    /// Changes the moment that is looked at, and lets the reader know whether anybody watches the newest steps.
+    fn look(&mut self, change: impl FnOnce(&mut crate::view_time::ViewTime, &std::ops::Range<u64>, f64)) {
+        let (kept, seconds) = {
+            let feed = lock(&self.feed);
+            (feed.history().places(), feed.seconds())
+        };
+        change(&mut self.time, &kept, seconds);
+        self.idle.store(!self.time.is_live(), Ordering::Relaxed);
+    }
+
+    /// Restarts the rotor; or the simulation, if that has ended and was ours.
+    fn restart(&mut self) {
+        if let Some(keeper) = &mut self.keeper
+            && keeper.ended().is_some()
+        {
+            let revived = keeper.revive();
+            self.told_end = false;
+            self.tell(match revived {
+                Ok(()) => Message::Good("the simulation was started again".into()),
+                Err(why) => Message::Bad(why),
+            });
+        } else {
+            self.send(Edit::Restart);
+        }
+    }
+
+    /// The mouse: what lies on top first, then the panel under it.
+    pub(super) fn point(&mut self, event: MouseEvent) {
+        let at = (event.column, event.row);
+        let mouse = match event.kind {
+            MouseEventKind::ScrollUp => Mouse::Wheel(-1),
+            MouseEventKind::ScrollDown => Mouse::Wheel(1),
+            MouseEventKind::Down(MouseButton::Left) => {
+                self.dragged = Some(at);
+                Mouse::Click
+            }
+            MouseEventKind::Drag(MouseButton::Left) => {
+                let Some(before) = self.dragged.replace(at) else { return };
+                Mouse::Drag(i32::from(at.0) - i32::from(before.0))
+            }
+            MouseEventKind::Up(_) => {
+                self.dragged = None;
+                return;
+            }
+            _ => return,
+        };
+        match (self.layers.last_mut(), mouse) {
+            (Some(Layer::Help(from)), Mouse::Wheel(lines)) => {
+                *from = from.saturating_add_signed(3 * lines as isize).min(1000);
+                return;
+            }
+            (Some(Layer::Help(_) | Layer::Ask(..)), _) => return,
+            _ => {}
+        }
+        let (area, position) = (self.area, Position::new(at.0, at.1));
+        let intent = self.with_view(|view, layout, panels| {
+            let places = screen::panels(view, layout, area);
+            let (kind, place) = places.into_iter().find(|(_, place)| place.contains(position))?;
+            panels.mouse(kind, view, place, mouse, position)
+        });
+        match intent {
+            Some(Intent::Row(row)) => {
+                self.layers.clear();
+                self.row = row;
+            }
+            Some(Intent::Look(place)) => self.look(|time, kept, seconds| time.at(place, kept, seconds)),
+            Some(Intent::Do(action)) => self.act(action),
+            None => {}
+        }
+    }
+}

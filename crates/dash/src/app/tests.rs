@@ -1,0 +1,234 @@
+use std::sync::Mutex;
+
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
+use rotor::{C64, Key};
+
+use super::*;
+use crate::feed::{Feed, tests};
+use KeyCode::{Char, Down, Enter, Esc, Left, Right, Tab, Up};
+
+/// A dashboard with a feed of the three-mass rotor, and where its edits go.
+pub(super) fn dashboard(options: &Options) -> (App<'static>, Receiver<Edit>) {
+    let mut feed = Feed::new("");
+    feed.read(tests::bulletin("three-mass", "composite"));
+    (0..3000).for_each(|seq| feed.hear(&tests::state(3, seq), Instant::now()));
+    let (edits, taken) = channel::bounded(64);
+    let feed = Arc::new(Mutex::new(feed));
+    let mut app =
+        App::new("default".into(), feed, edits, None, crate::analysis::Desk::at_once(), Arc::default(), options);
+    frame(&mut app);
+    (app, taken)
+}
+
+/// The frame, as text.
+pub(super) fn frame(app: &mut App<'_>) -> String {
+    let area = Rect::new(0, 0, 120, 40);
+    let mut buffer = ratatui::buffer::Buffer::empty(area);
+    app.render(area, &mut buffer);
+    crate::panels::tests::text(&buffer)
+}
+
+fn press(app: &mut App<'_>, keys: &[KeyCode]) {
+    keys.iter().for_each(|code| app.press(KeyEvent::new(*code, KeyModifiers::NONE)));
+}
+
+fn type_in(app: &mut App<'_>, text: &str) {
+    text.chars().for_each(|letter| press(app, &[Char(letter)]));
+}
+
+/// Presses keys, and returns what is then wanted.
+fn pressed(keys: &[KeyCode]) -> (Vec<Edit>, App<'static>) {
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, keys);
+    (taken.try_iter().collect(), app)
+}
+
+fn key(name: &str) -> Key {
+    name.parse().unwrap()
+}
+
+#[test]
+fn arrows_select_and_nudge() {
+    let (edits, app) = pressed(&[Down, Down, Right, Up, Left]);
+    assert_eq!(app.row, 1);
+    assert_eq!(
+        edits,
+        [Edit::Nudge(key("deadband"), 0.1), Edit::Nudge(key("trip"), -10.0)],
+        "rows are speed, trip, deadband, ..."
+    );
+    assert_eq!(pressed(&[Up]).1.row, 0);
+    assert_eq!(pressed(&[Down; 40]).1.row, 6);
+}
+
+#[test]
+fn a_value_is_typed_after_enter() {
+    let (edits, app) = pressed(&[Enter, Char('3'), Char('.'), Char('5'), Enter]);
+    assert_eq!((edits, app.layers), (vec![Edit::Set(vec![(key("speed"), 3.5)])], vec![]));
+    let (edits, app) = pressed(&[Enter, Char('3'), Char('u'), Char('i'), Esc]);
+    assert_eq!((edits, app.layers), (vec![], vec![]), "other keys do not act by accident");
+    let (edits, app) = pressed(&[Enter, Char('3'), Char('-'), Enter]);
+    assert_eq!((edits.len(), app.message.0), (0, Message::Bad("speed = '3-': expected a number".into())));
+    let (_, app) = pressed(&[Enter, Char('3'), Down]);
+    assert_eq!((app.layers.len(), app.row), (0, 1));
+}
+
+#[test]
+fn quitting_works_from_everywhere_and_ctrl_c_from_texts_too() {
+    for before in [&[][..], &[Char('?')], &[Enter, Char('3')], &[Char(' ')], &[Enter], &[Char('0')], &[Char('7')]] {
+        assert!(pressed(&[before, &[Char('q')]].concat()).1.quit.is_some(), "{before:?}");
+    }
+    for text in [Char(':'), Char('/'), Char('w'), Char('s')] {
+        let (_, mut app) = pressed(&[text, Char('q')]);
+        assert_eq!(app.quit, None, "q is a letter of a text");
+        app.press(KeyEvent::new(Char('c'), KeyModifiers::CONTROL));
+        assert_eq!(app.quit, Some(Ended::Quit));
+    }
+}
+
+#[test]
+fn an_impulse_strikes_the_mass_with_the_bearing() {
+    assert_eq!(pressed(&[Char('i')]).0, [Edit::Impulse(0, C64::new(-2.5, 0.0))]);
+    assert_eq!(pressed(&[Char('R')]).0, [Edit::Restart]);
+}
+
+#[test]
+fn a_change_that_would_be_unstable_is_shown_first_and_asked_about() {
+    let (edits, mut app) = pressed(&[Char('0')]);
+    assert_eq!(edits, []);
+    let shown = frame(&mut app);
+    assert!(shown.contains("UNSTABLE with that: minimum damping -0.0"), "{shown}");
+    assert!(shown.contains("then -0."), "the damping panel shows the candidate:\n{shown}");
+    for (answer, wanted) in [(Char('y'), vec![Edit::Off]), (Char('n'), vec![]), (Esc, vec![]), (Enter, vec![])] {
+        let (mut app, taken) = dashboard(&Options::default());
+        press(&mut app, &[Char('0'), answer]);
+        assert_eq!(taken.try_iter().collect::<Vec<_>>(), wanted, "{answer:?}");
+        assert!(app.layers.is_empty());
+    }
+}
+
+#[test]
+fn what_is_being_typed_is_shown_beside_what_is() {
+    let (_, mut app) = pressed(&[Enter, Char('2')]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("then 0."), "{shown}");
+    assert!(shown.contains('◇'), "{shown}");
+    press(&mut app, &[Esc]);
+    assert!(!frame(&mut app).contains("then 0."));
+}
+
+#[test]
+fn commands_are_typed_completed_and_done() {
+    let (mut app, taken) = dashboard(&Options::default());
+    type_in(&mut app, ":lay");
+    press(&mut app, &[Tab]);
+    type_in(&mut app, "op");
+    press(&mut app, &[Tab]);
+    assert_eq!(app.layers, [Layer::Command("layout operator".into())]);
+    assert!(frame(&mut app).contains(":layout operator"));
+    press(&mut app, &[Enter]);
+    assert_eq!(app.layout, 1);
+    type_in(&mut app, ":set kd=0.5 speed=3");
+    press(&mut app, &[Enter]);
+    type_in(&mut app, ":note hello q");
+    press(&mut app, &[Enter]);
+    let wanted = [Edit::Set(vec![(key("kd"), 0.5), (key("speed"), 3.0)]), Edit::Note("hello q".into())];
+    // The first may ask, if it is unstable.
+    if let Some(Layer::Ask(edit, _)) = app.layers.pop() {
+        assert_eq!(edit, wanted[0]);
+    } else {
+        assert_eq!(taken.try_iter().collect::<Vec<_>>(), wanted);
+    }
+    app.layers.clear();
+    type_in(&mut app, ":fly");
+    press(&mut app, &[Enter]);
+    assert!(frame(&mut app).contains("no command 'fly'"));
+}
+
+#[test]
+fn looking_back_moves_the_cursor_and_space_returns() {
+    let (_, mut app) = pressed(&[Char('['), Char('<'), Char('+')]);
+    let picture = lock(&app.feed).picture(&app.time, Instant::now());
+    assert_eq!((picture.now, picture.behind), (Some(1998), 1001));
+    assert!(frame(&mut app).contains("PAUSED"));
+    press(&mut app, &[Char(' ')]);
+    assert!(app.time.is_live());
+}
+
+#[test]
+fn two_settings_are_compared_with_one_key() {
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, &[Char('b')]);
+    assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("hold the settings first")));
+    press(&mut app, &[Char('B')]);
+    let held = app.held.clone();
+    let mut other = tests::bulletin("three-mass", "composite");
+    let mut settings = other.settings.unpack();
+    settings.speed = 2.6;
+    other.settings = wire::SettingsMessage::pack(&settings).unwrap();
+    other.revision = 2;
+    lock(&app.feed).read(other);
+    press(&mut app, &[Char('b')]);
+    let edits: Vec<_> = taken.try_iter().collect();
+    assert!(matches!(&edits[..], [Edit::Become(change, _)] if Some(&change.1) == held.as_ref()), "{edits:?}");
+    assert_eq!(app.held.map(|held| held.speed), Some(2.6));
+}
+
+#[test]
+fn gains_are_kept_and_taken_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { presets: Some(folder.path().join("presets")), ..Options::default() };
+    let (mut app, taken) = dashboard(&options);
+    type_in(&mut app, "sgood");
+    press(&mut app, &[Enter]);
+    assert!(matches!(&app.message.0, Message::Good(told) if told.contains("good.toml")), "{:?}", app.message.0);
+    type_in(&mut app, "o");
+    assert!(frame(&mut app).contains("good (0.0535)"), "{}", frame(&mut app));
+    type_in(&mut app, "good");
+    press(&mut app, &[Enter]);
+    assert!(matches!(&taken.try_iter().collect::<Vec<_>>()[..], [Edit::Become(..)]));
+    for (command, complaint) in
+        [("load bad", "no gains are kept as 'bad': there are good"), ("save ../x", "expected a name of")]
+    {
+        type_in(&mut app, &format!(":{command}"));
+        press(&mut app, &[Enter]);
+        assert!(matches!(&app.message.0, Message::Bad(why) if why.contains(complaint)), "{:?}", app.message.0);
+    }
+}
+
+#[test]
+fn a_read_only_dashboard_changes_nothing() {
+    let (mut app, taken) = dashboard(&Options { read_only: true, ..Options::default() });
+    press(&mut app, &[Right, Char('0'), Char('u'), Char('i'), Char('R'), Enter, Char('1'), Enter]);
+    type_in(&mut app, ":note x");
+    press(&mut app, &[Enter]);
+    assert_eq!(taken.try_iter().count(), 0);
+    assert!(frame(&mut app).contains("read-only"));
+}
+
+#[test]
+fn the_mouse_selects_nudges_and_zooms() {
+    let (mut app, taken) = dashboard(&Options::default());
+    let shown = frame(&mut app);
+    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("  kd ")).unwrap();
+    let column = line.chars().collect::<Vec<_>>().windows(4).position(|four| four == [' ', 'k', 'd', ' ']).unwrap();
+    let event = |kind, column: usize, row: usize| MouseEvent {
+        kind,
+        column: column as u16,
+        row: row as u16,
+        modifiers: KeyModifiers::NONE,
+    };
+    app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
+    assert_eq!(app.row, 3);
+    app.point(event(MouseEventKind::Drag(MouseButton::Left), column + 2, row));
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kd"), 0.02)]);
+    app.point(event(MouseEventKind::Up(MouseButton::Left), column + 2, row));
+    app.point(event(MouseEventKind::ScrollUp, column, row));
+    assert_eq!(app.row, 2);
+    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("│z")).unwrap();
+    let column = line.chars().position(|c| c == 'z').unwrap() + 10;
+    let before = app.time;
+    app.point(event(MouseEventKind::ScrollUp, column, row));
+    assert_ne!(app.time, before);
+    app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
+    assert!(!app.time.is_live());
+}

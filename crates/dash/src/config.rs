@@ -1,0 +1,144 @@
+//! The configuration file: keys of a person's own, and the layout to start with.
+
+use rotor::file::{Problem, Problems};
+use toml::de::{DeTable, DeValue};
+
+use crate::actions::ACTIONS;
+use crate::keymap::{Chord, Keymap};
+
+/// What a configuration file says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Config {
+    /// Keys and what they stand for.
+    pub keys: Keymap,
+    /// The layout to start with, by name or file.
+    pub layout: Option<String>,
+}
+
+impl Config {
+    /// Reads the text of a configuration file.
+    ///
+    /// # Errors
+    /// All that is wrong with it, by line and column: unknown keys and commands, and a key that is bound twice.
+    pub fn read(text: &str) -> Result<Self, Problems> {
+        let mut problems = Vec::new();
+        let mut config = Self::default();
+        let (table, errors) = DeTable::parse_recoverable(text);
+        for error in &errors {
+            problems.push(Problem::at(text, error.span().map_or(0, |span| span.start), error.message(), "TOML"));
+        }
+        if let Some(problems) = Problems::some(problems) {
+            return Err(problems);
+        }
+        let mut problems = Vec::new();
+        let mut problem =
+            |at: usize, found: &str, expected: &str| problems.push(Problem::at(text, at, found, expected));
+        for (key, value) in table.get_ref() {
+            let written = text.get(value.span()).unwrap_or_default();
+            match (&**key.get_ref(), value.get_ref()) {
+                ("layout", DeValue::String(layout)) => config.layout = Some(layout.to_string()),
+                ("layout", _) => problem(value.span().start, written, "the name of a layout"),
+                ("keys", DeValue::Table(keys)) => {
+                    let mut entries: Vec<_> = keys.iter().collect();
+                    entries.sort_by_key(|(key, _)| key.span().start);
+                    let mut bound: Vec<(Chord, String)> = Vec::new();
+                    for (key, value) in entries {
+                        let at = key.span().start;
+                        let DeValue::String(command) = value.get_ref() else {
+                            let written = text.get(value.span()).unwrap_or_default();
+                            problem(value.span().start, written, "a command in quotes, such as \"nudge 5\"");
+                            continue;
+                        };
+                        let name = &**key.get_ref();
+                        let chord: Result<Chord, String> = name.parse();
+                        let twice = chord.ok().and_then(|chord| bound.iter().find(|(other, _)| *other == chord));
+                        if let Some((_, other)) = twice {
+                            problem(
+                                at,
+                                &format!("'{name}' again"),
+                                &format!("one command a key: it is bound as '{other}' above"),
+                            );
+                            continue;
+                        }
+                        match config.keys.bind(name, command) {
+                            Ok(chord) => bound.push((chord, name.to_owned())),
+                            Err(why) => {
+                                let (found, expected) = why.split_once(": expected ").unwrap_or((&*why, "a command"));
+                                problem(at, found, expected);
+                            }
+                        }
+                    }
+                }
+                ("keys", _) => problem(value.span().start, written, "[keys], with a command for each key"),
+                (other, _) => problem(key.span().start, &format!("'{other}'"), "layout or [keys]"),
+            }
+        }
+        Problems::some(problems).map_or(Ok(config), Err)
+    }
+
+    /// A configuration file that says what holds without one, with every action explained.
+    #[must_use]
+    pub fn defaults() -> String {
+        let mut text = String::from(
+            "# Whirl's dashboard. What stands here is what holds without a file: change a line and take its # away.\n\n\
+             # The layout to start with: a name, or a file.\n# layout = \"overview\"\n\n\
+             # A key stands for a command; \"\" takes a key away. Commands: whatever can be typed after `:`.\n[keys]\n",
+        );
+        let keymap = Keymap::default();
+        for row in ACTIONS {
+            let name = format!("{} {}", row.name, row.argument);
+            text += &format!("# {}: {}\n", name.trim_end(), row.meaning);
+            for (chord, command) in keymap.all().filter(|(_, command)| command.split(' ').next() == Some(row.name)) {
+                text += &format!("# {chord:?} = {command:?}\n");
+            }
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_defaults_are_what_holds_without_a_file() {
+        let text = Config::defaults();
+        assert_eq!(Config::read(&text).unwrap(), Config::default());
+        // With every line in force too: they are what holds.
+        let bare = |line: &str| line.strip_prefix("# ").filter(|rest| rest.contains(" = ")).unwrap_or(line).to_owned();
+        let all: String = text.lines().map(|line| bare(line) + "\n").collect();
+        let read = Config::read(&all).unwrap_or_else(|problems| panic!("{problems}\n{all}"));
+        let sorted = |config: &Config| {
+            let mut keys: Vec<(String, String)> = config.keys.all().map(|(k, c)| (k, c.to_owned())).collect();
+            keys.sort();
+            keys
+        };
+        assert_eq!(sorted(&read), sorted(&Config::default()));
+        assert_eq!(read.layout.as_deref(), Some("overview"));
+    }
+
+    #[test]
+    fn mistakes_are_told_by_line_and_column() {
+        for (text, problem) in [
+            ("layout = 3", "1:10: 3: expected the name of a layout"),
+            ("colour = 1", "1:1: 'colour': expected layout or [keys]"),
+            (
+                "[keys]\n\"x\" = \"fly\"",
+                "2:1: no command 'fly': tab shows what there is, ? the help: expected a command",
+            ),
+            (
+                "[keys]\n\"F1\" = \"undo\"",
+                "2:1: 'F1': expected a key such as x, X, ctrl-x, alt-x, shift-left, f5, space or enter",
+            ),
+            ("[keys]\nx = 1", "2:5: 1: expected a command in quotes, such as \"nudge 5\""),
+            (
+                "[keys]\n\"ctrl-alt-x\" = \"undo\"\n\"alt-ctrl-x\" = \"redo\"",
+                "3:1: 'alt-ctrl-x' again: expected one command a key: it is bound as 'ctrl-alt-x' above",
+            ),
+            ("[keys]\nq = \"undo\"", "2:1: 'q': expected another key: this one always quits"),
+        ] {
+            assert_eq!(Config::read(text).unwrap_err().to_string(), problem, "{text}");
+        }
+        assert!(Config::read("[keys]\nx = \"undo\"\nx = \"redo\"").unwrap_err().to_string().starts_with("3:1: "));
+    }
+}

@@ -1,0 +1,51 @@
+//! What would be: the poles under settings that are not in force yet.
+
+use rotor::{C64, Rotor, Settings, damping_ratio, poles};
+
+/// Candidate settings and what follows from them.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct WhatIf {
+    /// The settings that would be in force.
+    pub(crate) settings: Settings,
+    /// Their poles, least damped first.
+    pub(crate) poles: Vec<C64>,
+    /// The smallest damping ratio.
+    pub(crate) min_damping: f64,
+}
+
+impl WhatIf {
+    /// What `settings` would mean for `rotor`; nothing if they do not fit it, or have no poles that can be computed.
+    pub(crate) fn of(rotor: &Rotor, settings: Settings) -> Option<Self> {
+        settings.check(rotor).ok()?;
+        let poles = poles(&settings.closed_loop(rotor)).ok()?;
+        let min_damping = poles.first().map(|pole| damping_ratio(*pole))?;
+        Some(Self { settings, poles, min_damping })
+    }
+
+    /// Whether the rotor would not be stable.
+    pub(crate) fn is_unstable(&self) -> bool {
+        self.min_damping <= 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rotor::builtin;
+
+    use super::*;
+
+    #[test]
+    fn the_candidate_is_what_the_simulation_would_say_of_it() {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let bulletin = crate::feed::tests::bulletin("three-mass", "composite");
+        let settings = bulletin.settings.unpack();
+        let same = WhatIf::of(&rotor, settings.clone()).unwrap();
+        let told: Vec<C64> = bulletin.analysis.poles().collect();
+        assert!(same.poles.iter().zip(&told).all(|(a, b)| (a - b).norm() < 1e-12), "{same:?}");
+        assert!((same.min_damping - bulletin.analysis.min_damping).abs() < 1e-12 && !same.is_unstable());
+        let off = Settings { feedback: settings.feedback.off(), ..settings.clone() };
+        assert!(WhatIf::of(&rotor, off).unwrap().is_unstable());
+        let foreign = Settings { deadband: vec![1.0], ..settings };
+        assert_eq!(WhatIf::of(&rotor, foreign), None);
+    }
+}
