@@ -1,0 +1,82 @@
+//! What can go wrong with a recording, in words for the person at the terminal.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Why a recording cannot be made, gone on with, or read.
+#[derive(Debug, thiserror::Error)]
+pub enum TapeError {
+    /// This build has no encoder.
+    #[error(
+        "this whirl was built without recordings: build it with `cargo build --release --features rerun` \
+         (some minutes, once)"
+    )]
+    NoRerun,
+    /// The place for the file is wrong: nothing has been done.
+    #[error("'{}': {problem}", path.display())]
+    Place {
+        /// The path as given.
+        path: PathBuf,
+        /// What is wrong with it.
+        problem: String,
+    },
+    /// The file is not a recording, or not one that this version reads.
+    #[error("'{}': {problem}", path.display())]
+    NotOurs {
+        /// The file.
+        path: PathBuf,
+        /// What was found and what was expected.
+        problem: String,
+    },
+    /// Writing failed on the way. What was on disk by then stays readable.
+    #[error("cannot go on writing '{}': {problem}; what is there stays readable ({bytes} bytes)", path.display())]
+    Stopped {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: String,
+        /// Whole bytes on disk.
+        bytes: u64,
+    },
+    /// Reading failed on the way.
+    #[error("cannot read '{}': {problem}", path.display())]
+    Read {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        problem: String,
+    },
+    /// The bench failed.
+    #[error(transparent)]
+    Wire(#[from] wire::WireError),
+}
+
+impl TapeError {
+    /// Whether the command line or a file is wrong, rather than the work failed: exit code 2 instead of 1.
+    #[must_use]
+    pub fn is_usage(&self) -> bool {
+        matches!(self, Self::NoRerun | Self::Place { .. } | Self::NotOurs { .. })
+    }
+
+    pub(crate) fn place(path: &Path, problem: impl Into<String>) -> Self {
+        Self::Place { path: path.to_owned(), problem: problem.into() }
+    }
+
+    pub(crate) fn not_ours(path: &Path, problem: impl Into<String>) -> Self {
+        Self::NotOurs { path: path.to_owned(), problem: problem.into() }
+    }
+
+    pub(crate) fn read(path: &Path, problem: impl ToString) -> Self {
+        Self::Read { path: path.to_owned(), problem: problem.to_string() }
+    }
+
+    /// A place where a file cannot be made.
+    pub(crate) fn unfit(path: &Path, error: &io::Error) -> Self {
+        match error.kind() {
+            io::ErrorKind::AlreadyExists => {
+                Self::place(path, "is already there: choose another name, or remove it first")
+            }
+            _ => Self::place(path, format!("cannot be made: {error}")),
+        }
+    }
+}

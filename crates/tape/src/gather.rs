@@ -1,0 +1,264 @@
+//! From what a bench sends to what is put on tape: steps into batches, losses noticed by their numbers, runs kept apart.
+//!
+//! It holds no more than [`Gatherer::MOST_ROWS`] steps. While the writer is further behind than that, new steps are let
+//! go; the gap in the numbers is then noticed like any other and stands in the recording.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use wire::{Bulletin, Event, State};
+
+use crate::batch::Batch;
+use crate::event::{Moment, Remark, What};
+use crate::sink::Item;
+
+/// Gathers what a bench sends.
+#[derive(Debug)]
+pub(crate) struct Gatherer {
+    run_id: Option<u64>,
+    /// The first bulletin of the run has come, and what is gathered can go on tape.
+    begun: bool,
+    batch: Batch,
+    opened: Instant,
+    last: Option<Moment>,
+    /// In the order in which it goes on tape.
+    out: VecDeque<Item>,
+    /// Of a run that has not begun: it follows the head.
+    held: VecDeque<Item>,
+    /// Steps in both.
+    rows_out: usize,
+    /// Of a run of which no step has been heard yet.
+    bulletin: Option<Box<Bulletin>>,
+    events: Vec<Box<Event>>,
+    lost: u64,
+}
+
+impl Gatherer {
+    /// Steps in a batch, at most.
+    pub(crate) const BATCH_ROWS: usize = 4096;
+    /// How long a step waits for others.
+    pub(crate) const BATCH_AGE: Duration = Duration::from_millis(500);
+    /// Steps held for a writer that is behind: some 50 MB for three masses.
+    pub(crate) const MOST_ROWS: usize = 1 << 18;
+
+    pub(crate) fn new() -> Self {
+        Self {
+            run_id: None,
+            begun: false,
+            batch: Batch::default(),
+            opened: Instant::now(),
+            last: None,
+            out: VecDeque::new(),
+            held: VecDeque::new(),
+            rows_out: 0,
+            bulletin: None,
+            events: Vec::new(),
+            lost: 0,
+        }
+    }
+
+    /// Steps that were sent, as their numbers tell, and that have not been gathered.
+    pub(crate) fn lost(&self) -> u64 {
+        self.lost
+    }
+
+    /// Which run is heard.
+    pub(crate) fn run_id(&self) -> Option<u64> {
+        self.run_id
+    }
+
+    /// Takes in one step.
+    pub(crate) fn state(&mut self, state: &State, now: Instant) {
+        if self.run_id != Some(state.run_id) {
+            self.begin_run(state);
+        }
+        if self.rows_out + self.batch.len() >= Self::MOST_ROWS {
+            return;
+        }
+        if let Some(last) = self.last {
+            if state.seq <= last.seq {
+                return;
+            }
+            let missing = state.seq - last.seq - 1;
+            if missing > 0 {
+                self.close_batch();
+                self.lost += missing;
+                let at = Moment { seq: state.seq, tau: state.tau, wall_ns: state.wall_ns };
+                self.push(Item::Remark(Remark { at, what: What::Lost(missing) }));
+            }
+        }
+        if self.batch.is_empty() {
+            self.opened = now;
+        }
+        self.batch.push(state);
+        self.last = Some(Moment { seq: state.seq, tau: state.tau, wall_ns: state.wall_ns });
+        self.begin_tape();
+        if self.batch.len() >= Self::BATCH_ROWS {
+            self.close_batch();
+        }
+    }
+
+    /// Takes in the latest bulletin.
+    pub(crate) fn bulletin(&mut self, bulletin: Box<Bulletin>) {
+        if self.begun && self.run_id == Some(bulletin.run_id) {
+            self.out.push_back(Item::Bulletin(bulletin, self.last.unwrap_or_default()));
+        } else {
+            self.bulletin = Some(bulletin);
+            self.begin_tape();
+        }
+    }
+
+    /// Takes in an event.
+    pub(crate) fn event(&mut self, event: &Event) {
+        if self.begun && self.run_id == Some(event.run_id) {
+            // What happened stands in the file before the steps that it made.
+            self.close_batch();
+            self.out.push_back(Item::Event(Box::new(*event)));
+        } else {
+            self.events.push(Box::new(*event));
+        }
+    }
+
+    /// Closes the batch if its steps have waited long enough, or at once.
+    pub(crate) fn flush(&mut self, now: Option<Instant>) {
+        if now.is_none_or(|now| now.saturating_duration_since(self.opened) >= Self::BATCH_AGE) {
+            self.close_batch();
+        }
+    }
+
+    /// The next thing to put on tape.
+    pub(crate) fn next(&mut self) -> Option<Item> {
+        let item = self.out.pop_front()?;
+        if let Item::Steps(batch) = &item {
+            self.rows_out -= batch.len();
+        }
+        Some(item)
+    }
+
+    /// Takes back what could not be delivered yet.
+    pub(crate) fn give_back(&mut self, item: Item) {
+        if let Item::Steps(batch) = &item {
+            self.rows_out += batch.len();
+        }
+        self.out.push_front(item);
+    }
+
+    fn begin_run(&mut self, state: &State) {
+        self.close_batch();
+        // Steps of a run that ended before it had said what it is: nobody can make sense of them.
+        self.rows_out -= self.held.drain(..).map(|item| rows(&item)).sum::<usize>();
+        self.run_id = Some(state.run_id);
+        self.begun = false;
+        self.last = None;
+        self.batch = Batch::new(state.points().len());
+    }
+
+    /// Begins the tape of a run once both a step and a bulletin of it have come.
+    fn begin_tape(&mut self) {
+        if self.begun {
+            return;
+        }
+        let (Some(run_id), Some(last)) = (self.run_id, self.last) else { return };
+        let Some(bulletin) = self.bulletin.take_if(|bulletin| bulletin.run_id == run_id) else { return };
+        self.out.push_back(Item::Run(bulletin, last));
+        let (ours, others): (Vec<_>, Vec<_>) = std::mem::take(&mut self.events).into_iter().partition(|e| e.run_id == run_id);
+        self.events = others;
+        self.out.extend(ours.into_iter().map(Item::Event));
+        self.out.append(&mut self.held);
+        self.begun = true;
+    }
+
+    fn close_batch(&mut self) {
+        if self.batch.is_empty() {
+            return;
+        }
+        let empty = Batch::new(self.batch.masses());
+        let batch = std::mem::replace(&mut self.batch, empty);
+        self.rows_out += batch.len();
+        self.push(Item::Steps(batch));
+    }
+
+    fn push(&mut self, item: Item) {
+        if self.begun { self.out.push_back(item) } else { self.held.push_back(item) }
+    }
+}
+
+fn rows(item: &Item) -> usize {
+    if let Item::Steps(batch) = item { batch.len() } else { 0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use wire::message::Point;
+
+    use super::*;
+
+    fn state(run_id: u64, seq: u64) -> State {
+        let mut state = State { run_id, seq, tau: seq as f64 / 100.0, count: 1, ..State::default() };
+        state.masses[0] = Point { y: seq as f64, ..Point::default() };
+        state
+    }
+
+    fn bulletin(run_id: u64) -> Box<Bulletin> {
+        Box::new(Bulletin { run_id, ..Bulletin::default() })
+    }
+
+    /// What comes out, as words.
+    fn told(gatherer: &mut Gatherer) -> Vec<String> {
+        gatherer.flush(None);
+        std::iter::from_fn(|| gatherer.next())
+            .map(|item| match item {
+                Item::Run(bulletin, at) => format!("run {} at {}", bulletin.run_id, at.seq),
+                Item::Steps(batch) => format!("{:?}", batch.seq),
+                Item::Event(event) => format!("event {}", event.number),
+                Item::Bulletin(..) => "bulletin".to_owned(),
+                Item::Remark(remark) => remark.text(),
+            })
+            .collect()
+    }
+
+    #[test]
+    fn steps_wait_for_the_head_and_losses_stand_where_they_happened() {
+        let mut gatherer = Gatherer::new();
+        let now = Instant::now();
+        gatherer.event(&Event { run_id: 1, number: 4, ..Event::default() });
+        for seq in [5, 6, 9, 9, 10] {
+            gatherer.state(&state(1, seq), now);
+        }
+        assert!(told(&mut gatherer).is_empty(), "no head yet");
+        gatherer.bulletin(bulletin(1));
+        gatherer.event(&Event { run_id: 1, number: 5, ..Event::default() });
+        assert_eq!(
+            told(&mut gatherer),
+            ["run 1 at 10", "event 4", "[5, 6]", "2 steps lost", "[9, 10]", "event 5"]
+        );
+        assert_eq!(gatherer.lost(), 2);
+    }
+
+    #[test]
+    fn a_new_run_waits_for_its_own_head_and_the_old_one_is_finished_first() {
+        let mut gatherer = Gatherer::new();
+        let now = Instant::now();
+        gatherer.bulletin(bulletin(1));
+        gatherer.state(&state(1, 7), now);
+        gatherer.state(&state(2, 0), now);
+        gatherer.event(&Event { run_id: 2, number: 1, ..Event::default() });
+        assert_eq!(told(&mut gatherer), ["run 1 at 7", "[7]"]);
+        gatherer.bulletin(bulletin(2));
+        assert_eq!(told(&mut gatherer), ["run 2 at 0", "event 1", "[0]"]);
+        assert_eq!(gatherer.lost(), 0, "another run is no loss");
+    }
+
+    #[test]
+    fn a_writer_that_is_behind_costs_steps_and_not_memory() {
+        let mut gatherer = Gatherer::new();
+        let now = Instant::now();
+        gatherer.bulletin(bulletin(1));
+        let most = Gatherer::MOST_ROWS as u64;
+        (0..most + 5).for_each(|seq| gatherer.state(&state(1, seq), now));
+        let rows: usize = std::iter::from_fn(|| gatherer.next()).map(|item| rows(&item)).sum();
+        assert_eq!((rows, gatherer.lost()), (Gatherer::MOST_ROWS, 0));
+        gatherer.state(&state(1, most + 5), now);
+        assert_eq!((told(&mut gatherer), gatherer.lost()), (vec!["5 steps lost".to_owned(), format!("[{}]", most + 5)], 5));
+    }
+}

@@ -1,0 +1,280 @@
+//! The recorder: listens to a bench on one thread and writes on another, with a bounded queue between them.
+//!
+//! It is a process of its own beside the simulation, which does not notice it: states come through shared memory that the
+//! simulation overwrites without waiting. However slow the disk is, the listening thread goes on listening.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
+use wire::{
+    BenchName, Carrier, HostState, Keeping, Listener, RecorderSender, RecorderState, RecorderStatus, Text, WireError,
+};
+
+use crate::error::TapeError;
+use crate::gather::Gatherer;
+use crate::reel::{Keep, Reel};
+use crate::sink::Item;
+
+/// Items that wait for the writing thread; what is beyond waits with the listening thread.
+const QUEUE: usize = 64;
+/// How often the bench is listened to. It keeps 16 384 steps for us: 0.16 s at 100 000 steps a second.
+const LISTEN: Duration = Duration::from_millis(5);
+/// How often the recorder tells how it stands.
+const TELL: Duration = Duration::from_millis(500);
+/// Silence after which we look whether the simulation still lives.
+const SILENCE: Duration = Duration::from_millis(300);
+
+/// What to record, and where to.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Order {
+    /// The bench.
+    pub bench: BenchName,
+    /// The file.
+    pub path: PathBuf,
+    /// What is kept.
+    pub keep: Keep,
+    /// Goes on with the next simulation of the same name when one ends.
+    pub follow: bool,
+}
+
+/// How a recording went.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// The files, in order; none if nothing was to be written.
+    pub files: Vec<PathBuf>,
+    /// Steps written.
+    pub rows: u64,
+    /// Bytes written.
+    pub bytes: u64,
+    /// Steps that were sent and are not in the files.
+    pub lost: u64,
+    /// How long it took.
+    pub elapsed: Duration,
+    /// Why it ended.
+    pub why: &'static str,
+}
+
+/// How a recording stands.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Progress {
+    /// Steps written.
+    pub rows: u64,
+    /// Bytes written.
+    pub bytes: u64,
+    /// Steps that were sent and will not be in the files.
+    pub lost: u64,
+    /// How long it has taken.
+    pub elapsed: Duration,
+}
+
+/// What the writing thread tells the listening one.
+#[derive(Debug, Default)]
+struct Tally {
+    rows: AtomicU64,
+    bytes: AtomicU64,
+    parts: AtomicU32,
+}
+
+/// Records until `stop`, or until the simulation ends. `progress` is called now and then.
+///
+/// # Errors
+/// The path is no place for a file, the bench is gone or somebody else records it, or writing fails; what was written by
+/// then stays readable.
+pub fn record<C: Carrier>(
+    carrier: &C,
+    mut listener: C::Listener,
+    order: &Order,
+    stop: &AtomicBool,
+    progress: impl FnMut(Progress),
+) -> Result<Summary, TapeError> {
+    let reel = Reel::new(&order.path, order.bench.as_str(), order.keep.clone())?;
+    let mut voice = Voice::new(carrier.recorder(&order.bench)?, order);
+    let tally = Tally::default();
+    let (sender, receiver) = bounded(QUEUE);
+    let began = Instant::now();
+    let result = std::thread::scope(|scope| {
+        let writer = std::thread::Builder::new()
+            .name("tape".into())
+            .spawn_scoped(scope, || write(reel, &receiver, &tally))
+            .map_err(|error| WireError::Internal(format!("no thread for writing: {error}")))?;
+        let heard = listen(&mut listener, sender, order, stop, &tally, &mut voice, progress);
+        let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        // If writing has failed, that is why listening ended.
+        let files = written?;
+        let (lost, why) = heard?;
+        let bytes = files.iter().filter_map(|file| file.metadata().ok()).map(|found| found.len()).sum();
+        let rows = tally.rows.load(Ordering::Relaxed);
+        Ok(Summary { files, rows, bytes, lost, elapsed: began.elapsed(), why })
+    });
+    voice.end(&tally, result.as_ref());
+    result
+}
+
+/// The listening thread. Returns how many steps were lost, and why it ended.
+fn listen(
+    listener: &mut impl Listener,
+    sender: Sender<Message>,
+    order: &Order,
+    stop: &AtomicBool,
+    tally: &Tally,
+    voice: &mut Voice<impl RecorderSender>,
+    mut progress: impl FnMut(Progress),
+) -> Result<(u64, &'static str), TapeError> {
+    let mut gatherer = Gatherer::new();
+    let began = Instant::now();
+    let mut heard = began;
+    let mut told = None::<Instant>;
+    let why = loop {
+        let now = Instant::now();
+        let states = listener.drain(|state| gatherer.state(state, now))?;
+        // Events before the bulletin: it must not be news what an event has told already.
+        listener.events(|event| gatherer.event(event))?;
+        if let Some(bulletin) = listener.bulletin()? {
+            gatherer.bulletin(bulletin);
+        }
+        gatherer.flush(Some(now));
+        if !deliver(&mut gatherer, &sender) {
+            // The writer has ended, and says itself why.
+            return Ok((gatherer.lost(), "writing failed"));
+        }
+        if told.is_none_or(|told| told.elapsed() >= TELL) {
+            told = Some(now);
+            voice.tell(tally, &gatherer)?;
+            let [rows, bytes] = [&tally.rows, &tally.bytes].map(|count| count.load(Ordering::Relaxed));
+            progress(Progress { rows, bytes, lost: gatherer.lost(), elapsed: began.elapsed() });
+        }
+        if stop.load(Ordering::Relaxed) {
+            break "asked to stop";
+        }
+        if states > 0 {
+            heard = now;
+        } else if heard.elapsed() > SILENCE {
+            if !order.follow && listener.host() == HostState::Gone {
+                break "the simulation ended";
+            }
+            heard = now;
+        }
+        std::thread::sleep(LISTEN);
+    };
+    gatherer.flush(None);
+    while let Some(item) = gatherer.next() {
+        if sender.send(Message::Item(item)).is_err() {
+            return Ok((gatherer.lost(), "writing failed"));
+        }
+    }
+    let _ = sender.send(Message::End(why));
+    Ok((gatherer.lost(), why))
+}
+
+/// One thing for the writing thread.
+#[derive(Debug)]
+enum Message {
+    Item(Item),
+    End(&'static str),
+}
+
+/// Hands over what has been gathered, as far as there is room. Whether the writer is still there.
+fn deliver(gatherer: &mut Gatherer, sender: &Sender<Message>) -> bool {
+    while let Some(item) = gatherer.next() {
+        match sender.try_send(Message::Item(item)) {
+            Ok(()) => {}
+            Err(TrySendError::Full(Message::Item(item))) => {
+                gatherer.give_back(item);
+                return true;
+            }
+            Err(_) => return false,
+        }
+    }
+    true
+}
+
+/// The writing thread. Returns the files.
+fn write(mut reel: Reel, receiver: &Receiver<Message>, tally: &Tally) -> Result<Vec<PathBuf>, TapeError> {
+    for message in receiver {
+        match message {
+            Message::Item(item) => {
+                let taken = reel.take(item);
+                tally.rows.store(reel.rows(), Ordering::Relaxed);
+                tally.bytes.store(reel.bytes(), Ordering::Relaxed);
+                tally.parts.store(reel.parts(), Ordering::Relaxed);
+                taken?;
+            }
+            Message::End(why) => return reel.finish(why),
+        }
+    }
+    // The listening thread has failed, and says itself why.
+    reel.finish("the bench could not be listened to any longer")
+}
+
+/// Tells the bench's other readers how the recording stands.
+struct Voice<S> {
+    sender: S,
+    status: Box<RecorderStatus>,
+}
+
+impl<S: RecorderSender> Voice<S> {
+    fn new(sender: S, order: &Order) -> Self {
+        let started_ns = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+        let mut status = Box::new(RecorderStatus { started_ns, pid: std::process::id(), ..RecorderStatus::default() });
+        status.set_state(RecorderState::Recording);
+        status.set_keeping(order.keep.keeping);
+        status.path = Text::new(&absolute(&order.path).to_string_lossy());
+        Self { sender, status }
+    }
+
+    fn tell(&mut self, tally: &Tally, gatherer: &Gatherer) -> Result<(), WireError> {
+        self.status.run_id = gatherer.run_id().unwrap_or_default();
+        self.status.lost = gatherer.lost();
+        self.send(tally)
+    }
+
+    fn send(&mut self, tally: &Tally) -> Result<(), WireError> {
+        self.status.rows = tally.rows.load(Ordering::Relaxed);
+        self.status.bytes = tally.bytes.load(Ordering::Relaxed);
+        self.status.part = tally.parts.load(Ordering::Relaxed);
+        self.sender.send(&mut self.status)
+    }
+
+    fn end(&mut self, tally: &Tally, result: Result<&Summary, &TapeError>) {
+        match result {
+            Ok(_) => self.status.set_state(RecorderState::Stopped),
+            Err(error) => {
+                self.status.set_state(RecorderState::Failed);
+                self.status.error = Text::new(&error.to_string());
+            }
+        }
+        // Nobody may be left to hear it.
+        let _ = self.send(tally);
+    }
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Whether what is kept can be kept: how much memory, or how short a stretch.
+///
+/// # Errors
+/// A window that is not a positive number of seconds, or too long to be held in memory at `rate_hz` steps a second.
+pub fn check(keep: &Keep, rate_hz: f64) -> Result<(), String> {
+    let (what, seconds) = match keep.keeping {
+        Keeping::All => return Ok(()),
+        Keeping::Last(seconds) => ("keep", seconds),
+        Keeping::Pretrigger(seconds) => ("pretrigger", seconds),
+    };
+    if !(1.0..=1e7).contains(&seconds) {
+        return Err(format!("{what} = {seconds} s: expected from 1 s to 1e7 s"));
+    }
+    let steps = seconds * rate_hz;
+    if matches!(keep.keeping, Keeping::Pretrigger(_)) && steps > MOST_HELD {
+        return Err(format!(
+            "pretrigger = {seconds} s: {steps:.0} steps at {rate_hz} a second are too many to hold in memory, at most {MOST_HELD:.0}"
+        ));
+    }
+    Ok(())
+}
+
+/// Steps held before a trip: 0.7 GB for three masses, 2.4 GB for sixteen.
+const MOST_HELD: f64 = 4e6;

@@ -1,0 +1,469 @@
+//! A recording that was opened for reading.
+//!
+//! The coordinate of everything is the step number: it only rises within a file. What is small (settings, events, how
+//! things stood) is read whole when the file is opened; steps are found by an index and decoded when they are asked for, so
+//! that a long recording costs no more memory than a short one.
+
+use std::ops::{ControlFlow, Range};
+use std::path::{Path, PathBuf};
+
+use rotor::{C64, Rotor, Scales, Settings};
+use wire::message::{Analysis, Flags, Health, Trip};
+use wire::{Bulletin, Happening, SettingsMessage, State, Text};
+
+use crate::batch::Batch;
+use crate::error::TapeError;
+use crate::event::{Event, Moment, Remark, What};
+
+/// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
+const KEPT: usize = 6;
+
+/// About the whole file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Session {
+    /// Version of what the recording holds, [`crate::schema::VERSION`] when written now.
+    pub schema: u32,
+    /// Version of the program that recorded.
+    pub whirl: String,
+    /// Version of the program that simulated.
+    pub simulation: String,
+    /// Which run of which process.
+    pub run_id: u64,
+    /// The bench's name; empty for an offline run.
+    pub bench: String,
+    /// Where it comes from.
+    pub source: Source,
+    /// Wall clock when the simulation started, nanoseconds since 1970.
+    pub started_ns: u64,
+    /// Steps a second that it paced itself to; 0 for an offline run.
+    pub rate_hz: f64,
+    /// Advance of `tau` per step.
+    pub dtau: f64,
+}
+
+/// Where a recording comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// A running bench.
+    Live,
+    /// `whirl run`: the wall clock of its steps is made up, one second of it for one unit of `tau`.
+    Offline,
+}
+
+impl Source {
+    /// Its name in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Live => "live",
+            Self::Offline => "offline",
+        }
+    }
+
+    pub(crate) fn of(name: &str) -> Self {
+        if name == "offline" { Self::Offline } else { Self::Live }
+    }
+}
+
+/// Settings, whole, with the poles under them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Revision {
+    /// The first step made with them.
+    pub from: u64,
+    /// Their number: 1 at the start of a run.
+    pub revision: u64,
+    /// Who made the change.
+    pub who: String,
+    /// Why; may be empty.
+    pub why: String,
+    /// The settings.
+    pub settings: Settings,
+    /// Poles, least damped first; none if they did not converge.
+    pub poles: Vec<C64>,
+    /// The smallest damping ratio; 0 if there are no poles.
+    pub min_damping: f64,
+}
+
+/// The first step on file and the last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// The first.
+    pub first: Moment,
+    /// The last.
+    pub last: Moment,
+}
+
+impl Span {
+    /// Seconds on the wall clock between the two.
+    #[must_use]
+    pub fn seconds(&self) -> f64 {
+        self.last.wall_ns.saturating_sub(self.first.wall_ns) as f64 / 1e9
+    }
+}
+
+/// Steps that are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Gap {
+    /// The first that is missing.
+    pub from: u64,
+    /// How many.
+    pub count: u64,
+}
+
+/// Where to find a stretch of steps.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    pub(crate) offset: u64,
+    pub(crate) bytes: u64,
+    pub(crate) rows: u64,
+    pub(crate) first: Moment,
+    pub(crate) last: Moment,
+    /// Steps missing within it.
+    pub(crate) gaps: Vec<Gap>,
+}
+
+/// What has been read of a file when it was opened.
+#[derive(Debug)]
+pub(crate) struct Contents {
+    pub(crate) session: Session,
+    pub(crate) rotor: Rotor,
+    pub(crate) scales: Option<Scales>,
+    /// Ascending in steps.
+    pub(crate) stretches: Vec<Stretch>,
+    pub(crate) revisions: Vec<Revision>,
+    pub(crate) events: Vec<Event>,
+    pub(crate) remarks: Vec<Remark>,
+    /// Ascending in steps.
+    pub(crate) health: Vec<(Moment, Health)>,
+    pub(crate) notices: Vec<String>,
+    pub(crate) bytes: u64,
+}
+
+/// Decodes stretches of an open file.
+pub(crate) trait Decoder: Send {
+    fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError>;
+}
+
+/// A recording, open for reading.
+pub struct Recording {
+    path: PathBuf,
+    contents: Contents,
+    gaps: Vec<Gap>,
+    trips: Vec<(u64, Trip)>,
+    decoder: Box<dyn Decoder>,
+    /// The stretches at hand by their index, the one used last at the end.
+    at_hand: Vec<(usize, Batch)>,
+}
+
+impl Recording {
+    /// Opens a recording of this or an earlier version, whole or cut off anywhere.
+    ///
+    /// # Errors
+    /// No such file, or not one of ours; a later version of the schema; or a build that cannot read recordings.
+    pub fn open(path: &Path) -> Result<Self, TapeError> {
+        #[cfg(feature = "rerun")]
+        {
+            let (contents, decoder) = crate::rrd::open(path)?;
+            Ok(Self::new(path, contents, Box::new(decoder)))
+        }
+        #[cfg(not(feature = "rerun"))]
+        {
+            let _ = path;
+            Err(TapeError::NoRerun)
+        }
+    }
+
+    pub(crate) fn new(path: &Path, mut contents: Contents, decoder: Box<dyn Decoder>) -> Self {
+        contents.revisions.sort_by_key(|r| r.revision);
+        // The same settings stand in the head of every part, and events that came twice likewise.
+        contents.revisions.dedup_by_key(|r| r.revision);
+        contents.events.sort_by_key(|e| e.number);
+        contents.events.dedup_by_key(|e| e.number);
+        contents.remarks.sort_by_key(|r| r.at.seq);
+        let gaps = gaps(&contents.stretches);
+        let trips = trips(&contents.events);
+        Self { path: path.to_owned(), contents, gaps, trips, decoder, at_hand: Vec::new() }
+    }
+
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Its size in bytes.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.contents.bytes
+    }
+
+    /// About the whole file.
+    #[must_use]
+    pub fn session(&self) -> &Session {
+        &self.contents.session
+    }
+
+    /// The rotor, dimensionless.
+    #[must_use]
+    pub fn rotor(&self) -> &Rotor {
+        &self.contents.rotor
+    }
+
+    /// The scales of an SI rotor.
+    #[must_use]
+    pub fn scales(&self) -> Option<Scales> {
+        self.contents.scales
+    }
+
+    /// The first step on file and the last; `None` if there is none.
+    #[must_use]
+    pub fn span(&self) -> Option<Span> {
+        let (first, last) = (self.contents.stretches.first()?, self.contents.stretches.last()?);
+        Some(Span { first: first.first, last: last.last })
+    }
+
+    /// How many steps are on file.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.contents.stretches.iter().map(|s| s.rows).sum()
+    }
+
+    /// Every step on file with a number in `range`, in order, bit for bit as it was sent, added to `into`. Only the
+    /// stretches that hold them are read.
+    ///
+    /// # Errors
+    /// The file has changed or cannot be read.
+    pub fn steps(&mut self, range: Range<u64>, into: &mut Vec<State>) -> Result<(), TapeError> {
+        self.visit(range, 1, |state| {
+            into.push(*state);
+            ControlFlow::Continue(())
+        })
+    }
+
+    /// Visits every step on file with a number in `range` that is a multiple of `every`, in order, until told to stop.
+    ///
+    /// # Errors
+    /// As [`Recording::steps`].
+    pub fn visit(
+        &mut self,
+        range: Range<u64>,
+        every: u64,
+        mut each: impl FnMut(&State) -> ControlFlow<()>,
+    ) -> Result<(), TapeError> {
+        let run_id = self.contents.session.run_id;
+        let first = self.contents.stretches.partition_point(|s| s.last.seq < range.start);
+        for index in first..self.contents.stretches.len() {
+            if self.contents.stretches[index].first.seq >= range.end {
+                break;
+            }
+            let batch = self.stretch(index)?;
+            let from = batch.seq.partition_point(|seq| *seq < range.start);
+            let to = batch.seq.partition_point(|seq| *seq < range.end);
+            for row in from..to {
+                if batch.seq[row].is_multiple_of(every.max(1)) && each(&batch.state(row, run_id)).is_break() {
+                    return Ok(());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The last step on file that was due at or before `wall_ns`; the first if there is none before.
+    ///
+    /// # Errors
+    /// As [`Recording::steps`], or there are no steps.
+    pub fn seq_at_wall(&mut self, wall_ns: u64) -> Result<u64, TapeError> {
+        let index = self.contents.stretches.partition_point(|s| s.first.wall_ns <= wall_ns).max(1) - 1;
+        let batch = self.stretch(index)?;
+        let row = batch.wall_ns.partition_point(|at| *at <= wall_ns).max(1) - 1;
+        Ok(batch.seq[row])
+    }
+
+    /// The last step on file at or before `tau`, in the last stretch of time between two restarts that reaches it; the
+    /// first step if none does.
+    ///
+    /// # Errors
+    /// As [`Recording::steps`], or there are no steps.
+    pub fn seq_at_tau(&mut self, tau: f64) -> Result<u64, TapeError> {
+        for index in (0..self.contents.stretches.len()).rev() {
+            // A restart may lie within a stretch: both its ends are then no bound, and its rows have to tell.
+            let Stretch { first, last, .. } = &self.contents.stretches[index];
+            if first.tau <= last.tau && first.tau > tau {
+                continue;
+            }
+            let batch = self.stretch(index)?;
+            let times = &batch.values[0];
+            let found = (0..batch.len()).rev().find(|row| {
+                let next_is_later = times.get(row + 1).is_none_or(|next| *next > tau || *next < times[*row]);
+                times[*row] <= tau && next_is_later
+            });
+            if let Some(row) = found {
+                return Ok(batch.seq[row]);
+            }
+        }
+        self.span().map(|span| span.first.seq).ok_or_else(|| TapeError::read(&self.path, "there are no steps in it"))
+    }
+
+    /// The settings in force at step `seq`; before the first on file, the first.
+    #[must_use]
+    pub fn settings_at(&self, seq: u64) -> Option<&Revision> {
+        let after = self.contents.revisions.partition_point(|r| r.from <= seq);
+        self.contents.revisions.get(after.max(1) - 1)
+    }
+
+    /// Every settings on file, in order.
+    #[must_use]
+    pub fn revisions(&self) -> &[Revision] {
+        &self.contents.revisions
+    }
+
+    /// What happened on the bench, in order. A recording that began later holds some that happened before.
+    #[must_use]
+    pub fn events(&self) -> &[Event] {
+        &self.contents.events
+    }
+
+    /// An event as it was sent, with the settings in force after it.
+    #[must_use]
+    pub fn wire_event(&self, event: &Event) -> Box<wire::Event> {
+        let mut message = event.happening.event();
+        message.run_id = self.contents.session.run_id;
+        message.number = event.number;
+        message.seq = event.at.seq;
+        message.tau = event.at.tau;
+        message.wall_ns = event.at.wall_ns;
+        message.revision = event.revision;
+        message.who = Text::new(&event.who);
+        message.why = Text::new(&event.why);
+        let revision = self.contents.revisions.iter().find(|r| r.revision == event.revision);
+        if let Some(settings) = revision.and_then(|r| SettingsMessage::pack(&r.settings).ok()) {
+            message.settings = settings;
+        }
+        message
+    }
+
+    /// What the recorder has said.
+    #[must_use]
+    pub fn remarks(&self) -> &[Remark] {
+        &self.contents.remarks
+    }
+
+    /// Steps that are missing between the first and the last.
+    #[must_use]
+    pub fn gaps(&self) -> &[Gap] {
+        &self.gaps
+    }
+
+    /// What a reader should be told: cut off, damaged, steps missing, begun late.
+    #[must_use]
+    pub fn notices(&self) -> Vec<String> {
+        let mut notices = self.contents.notices.clone();
+        if let Some(span) = self.span().filter(|span| span.first.seq > 0) {
+            notices.push(format!("begins at step {}: the recorder came later than the simulation", span.first.seq));
+        }
+        let missing: u64 = self.gaps.iter().map(|gap| gap.count).sum();
+        if missing > 0 {
+            let (stretches, first) = (self.gaps.len(), self.gaps[0].from);
+            notices.push(format!("{missing} steps are missing in {stretches} places, the first at step {first}"));
+        }
+        if !self.contents.remarks.iter().any(|r| matches!(r.what, What::Ends(_) | What::Continues(_))) {
+            notices.push("no end mark: the recorder was killed, or is still at work".to_owned());
+        }
+        notices
+    }
+
+    /// The whole slow picture as it stood at step `seq`.
+    #[must_use]
+    pub fn bulletin_at(&self, seq: u64) -> Box<Bulletin> {
+        let Contents { session, rotor, scales, health, .. } = &self.contents;
+        let mut bulletin = Box::<Bulletin>::default();
+        bulletin.run_id = session.run_id;
+        bulletin.started_ns = session.started_ns;
+        bulletin.version = Text::new(&session.simulation);
+        bulletin.set_rotor(rotor);
+        bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+        bulletin.rate_hz = session.rate_hz;
+        bulletin.dtau = session.dtau;
+        if let Some(revision) = self.settings_at(seq) {
+            bulletin.settings = SettingsMessage::pack(&revision.settings).unwrap_or_default();
+            bulletin.revision = revision.revision;
+            bulletin.applied_at_step = revision.from;
+            bulletin.changed_by = Text::new(&revision.who);
+            bulletin.analysis = analysis(revision);
+        }
+        let told = health.partition_point(|(at, _)| at.seq <= seq);
+        bulletin.number = told as u64;
+        if let Some((at, health)) = health.get(told.max(1) - 1) {
+            bulletin.wall_ns = at.wall_ns;
+            bulletin.health = *health;
+        }
+        let tripped = self.trips.partition_point(|(from, _)| *from <= seq);
+        bulletin.trip = tripped.checked_sub(1).map_or_else(Trip::default, |at| self.trips[at].1);
+        bulletin
+    }
+
+    /// A stretch, decoded.
+    fn stretch(&mut self, index: usize) -> Result<&Batch, TapeError> {
+        let at = match self.at_hand.iter().position(|(held, _)| *held == index) {
+            Some(at) => at,
+            None => {
+                let stretch = self.contents.stretches.get(index);
+                let stretch = stretch.ok_or_else(|| TapeError::read(&self.path, "there are no steps in it"))?;
+                let batch = self.decoder.decode(stretch)?;
+                if self.at_hand.len() == KEPT {
+                    self.at_hand.remove(0);
+                }
+                self.at_hand.push((index, batch));
+                self.at_hand.len() - 1
+            }
+        };
+        // Used last, dropped last.
+        let held = self.at_hand.remove(at);
+        self.at_hand.push(held);
+        Ok(&self.at_hand[self.at_hand.len() - 1].1)
+    }
+}
+
+fn analysis(revision: &Revision) -> Analysis {
+    let mut analysis = Analysis {
+        revision: revision.revision,
+        count: revision.poles.len().min(2 * rotor::MAX_MASSES) as u32,
+        min_damping: revision.min_damping,
+        ..Analysis::default()
+    };
+    for (place, pole) in analysis.poles.iter_mut().zip(&revision.poles) {
+        *place = [pole.re, pole.im];
+    }
+    analysis
+}
+
+/// What is missing between and within stretches.
+fn gaps(stretches: &[Stretch]) -> Vec<Gap> {
+    let mut gaps = Vec::new();
+    let mut expected = stretches.first().map(|s| s.first.seq);
+    for stretch in stretches {
+        let next = expected.unwrap_or_default();
+        if stretch.first.seq > next {
+            gaps.push(Gap { from: next, count: stretch.first.seq - next });
+        }
+        gaps.extend(&stretch.gaps);
+        expected = Some(stretch.last.seq + 1);
+    }
+    gaps
+}
+
+/// From which step on which trip is in force; none after a restart.
+fn trips(events: &[Event]) -> Vec<(u64, Trip)> {
+    let trip = |event: &Event| match event.happening {
+        Happening::Tripped(trip) => Some((event.at.seq, trip)),
+        Happening::Restarted => Some((event.at.seq, Trip::default())),
+        _ => None,
+    };
+    events.iter().filter_map(trip).collect()
+}
+
+/// Whether a step was made by a machine that is held.
+#[must_use]
+pub(crate) fn is_tripped(state: &State) -> bool {
+    state.flags.has(Flags::TRIPPED)
+}

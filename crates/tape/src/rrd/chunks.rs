@@ -1,0 +1,139 @@
+//! Our columns as rerun's chunks, and back.
+
+use std::sync::Arc;
+
+use rerun::external::arrow::array::{Array, ArrayRef, Float64Array, ListArray, StringArray, StructArray, UInt32Array, UInt64Array};
+use rerun::external::arrow::buffer::{OffsetBuffer, ScalarBuffer};
+use rerun::external::arrow::datatypes::{DataType, Field, Fields};
+use rerun::log::{Chunk, ChunkError, TimeColumn};
+use rerun::{ComponentDescriptor, TimePoint, Timeline};
+
+use crate::batch::Batch;
+use crate::event::Moment;
+use crate::schema;
+
+/// `tau` on its timeline, where 1 is a second.
+fn nanos(tau: f64) -> i64 {
+    // Saturates, and takes NaN for 0: a timeline is for finding things, the exact value is in the columns.
+    (tau * 1e9).round() as i64
+}
+
+fn step(seq: u64) -> i64 {
+    i64::try_from(seq).unwrap_or(i64::MAX)
+}
+
+/// A moment on the three timelines.
+pub(super) fn timepoint(at: Moment) -> TimePoint {
+    TimePoint::default()
+        .with(Timeline::new_sequence(schema::STEP), step(at.seq))
+        .with(Timeline::new_duration(schema::TAU), nanos(at.tau))
+        .with(Timeline::new_timestamp(schema::WALL), step(at.wall_ns))
+}
+
+/// The three timelines of many rows.
+pub(super) fn timelines(at: impl Iterator<Item = Moment> + Clone) -> [TimeColumn; 3] {
+    [
+        TimeColumn::new_sequence(schema::STEP, at.clone().map(|m| step(m.seq))),
+        TimeColumn::new_duration_nanos(schema::TAU, at.clone().map(|m| nanos(m.tau))),
+        TimeColumn::new_timestamp_nanos_since_epoch(schema::WALL, at.map(|m| step(m.wall_ns))),
+    ]
+}
+
+/// The component of JSON documents.
+pub(super) fn document(text: &str) -> (ComponentDescriptor, ArrayRef) {
+    (ComponentDescriptor::partial(schema::DOCUMENT), Arc::new(StringArray::from(vec![text])))
+}
+
+/// Every document in a chunk, row by row.
+pub(super) fn documents(chunk: &Chunk) -> Vec<String> {
+    let Some(list) = chunk.components().get_array(schema::DOCUMENT.into()) else { return Vec::new() };
+    let Some(texts) = list.values().as_any().downcast_ref::<StringArray>() else { return Vec::new() };
+    texts.iter().flatten().map(str::to_owned).collect()
+}
+
+/// Rows of `width` doubles as a component.
+pub(super) fn doubles(values: Vec<f64>, width: usize) -> ListArray {
+    let rows = values.len() / width.max(1);
+    let field = Arc::new(Field::new("item", DataType::Float64, true));
+    ListArray::new(field, OffsetBuffer::from_lengths(std::iter::repeat_n(width, rows)), Arc::new(Float64Array::from(values)), None)
+}
+
+/// Steps as a chunk: one struct a row, its fields as [`schema::columns`] names them, then revision and flags.
+pub(super) fn steps(batch: &Batch) -> Result<Chunk, ChunkError> {
+    let mut fields = Vec::new();
+    let mut arrays: Vec<ArrayRef> = Vec::new();
+    for (column, values) in schema::columns(batch.masses()).into_iter().zip(&batch.values) {
+        fields.push(Field::new(column.name, DataType::Float64, false));
+        arrays.push(Arc::new(Float64Array::new(ScalarBuffer::from(values.clone()), None)));
+    }
+    fields.push(Field::new(schema::REVISION, DataType::UInt64, false));
+    arrays.push(Arc::new(UInt64Array::from(batch.revision.clone())));
+    fields.push(Field::new(schema::FLAGS, DataType::UInt32, false));
+    arrays.push(Arc::new(UInt32Array::from(batch.flags.clone())));
+    let rows = StructArray::new(Fields::from(fields), arrays, None);
+    let field = Arc::new(Field::new("item", rows.data_type().clone(), true));
+    let list = ListArray::new(field, OffsetBuffer::from_lengths(std::iter::repeat_n(1, batch.len())), Arc::new(rows), None);
+    let times = timelines((0..batch.len()).map(|row| batch.moment(row)));
+    Chunk::from_columns(schema::STEPS, times, [(ComponentDescriptor::partial(schema::ROW), list)])
+}
+
+/// The steps of a chunk that [`steps`] has made, by whichever version.
+pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, String> {
+    let list = chunk.components().get_array(schema::ROW.into()).ok_or("steps without rows")?;
+    if list.len() != list.values().len() {
+        return Err("not one step a row".into());
+    }
+    let rows = list.values().as_any().downcast_ref::<StructArray>().ok_or("steps of another shape")?;
+    let column = |name: &str| rows.column_by_name(name).ok_or_else(|| format!("steps without the column '{name}'"));
+    let mut batch = Batch::new(masses);
+    for (place, wanted) in batch.values.iter_mut().zip(schema::columns(masses)) {
+        let found = column(&wanted.name)?.as_any().downcast_ref::<Float64Array>();
+        *place = found.ok_or_else(|| format!("column '{}' holds no doubles", wanted.name))?.values().to_vec();
+    }
+    let revision = column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>().ok_or("revisions of another type")?;
+    batch.revision = revision.values().to_vec();
+    let flags = column(schema::FLAGS)?.as_any().downcast_ref::<UInt32Array>().ok_or("flags of another type")?;
+    batch.flags = flags.values().to_vec();
+    let times = |name: &'static str| {
+        let column = chunk.timelines().get(&name.into()).ok_or_else(|| format!("steps without the timeline '{name}'"))?;
+        Ok::<_, String>(column.times_raw().iter().map(|time| time.cast_unsigned()).collect::<Vec<u64>>())
+    };
+    batch.seq = times(schema::STEP)?;
+    batch.wall_ns = times(schema::WALL)?;
+    Ok(batch)
+}
+
+/// The moments of the rows of a chunk.
+pub(super) fn moments(chunk: &Chunk) -> Vec<Moment> {
+    let times = |name: &'static str| chunk.timelines().get(&name.into()).map_or(&[] as &[i64], TimeColumn::times_raw);
+    let (seq, tau, wall) = (times(schema::STEP), times(schema::TAU), times(schema::WALL));
+    let rows = seq.iter().zip(tau).zip(wall);
+    rows.map(|((s, t), w)| Moment { seq: s.cast_unsigned(), tau: *t as f64 / 1e9, wall_ns: w.cast_unsigned() }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::batch::tests::{any_state, bits};
+
+    proptest! {
+        #[test]
+        fn steps_come_back_from_a_chunk_bit_for_bit(
+            states in (1usize..=16).prop_flat_map(|n| proptest::collection::vec(any_state(n), 1..20))
+        ) {
+            let mut batch = Batch::new(states[0].points().len());
+            for (i, mut state) in states.into_iter().enumerate() {
+                state.seq = 7 + 3 * i as u64;
+                state.wall_ns >>= 1;
+                batch.push(&state);
+            }
+            let read = read_steps(&steps(&batch).unwrap(), batch.masses()).unwrap();
+            prop_assert_eq!(read.len(), batch.len());
+            for row in 0..batch.len() {
+                prop_assert_eq!(bits(&read.state(row, 1)), bits(&batch.state(row, 1)));
+            }
+        }
+    }
+}

@@ -1,0 +1,13 @@
+//! Everything that knows rerun: the encoder on a file of ours, the store's chunks, the layout for the viewer, the reader.
+
+mod chunks;
+mod join;
+mod ledger;
+mod read;
+mod scene;
+mod view;
+mod write;
+
+pub(crate) use join::join;
+pub(crate) use read::open;
+pub(crate) use write::Writer;

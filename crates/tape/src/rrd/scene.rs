@@ -1,0 +1,158 @@
+//! What is recorded for the eye: orbits as thinned curves with their clearances, poles as points, settings as series and
+//! as text. All of it could be made again from the exact data; none of it is read back.
+
+use std::f64::consts::TAU;
+
+use rerun::archetypes::{LineStrips2D, Points2D, Scalars, SeriesLines, TextDocument, Transform3D};
+use rerun::components::{InterpolationMode, Radius};
+use rerun::log::{Chunk, ChunkError};
+use rerun::{AsComponents, Color, TimePoint};
+use rotor::file::write_feedback;
+use rotor::{C64, Rotor, Settings};
+
+use super::chunks;
+use crate::batch::Batch;
+use crate::recording::Revision;
+use crate::schema;
+
+type Chunks = Vec<Result<Chunk, ChunkError>>;
+
+/// Points of a curve per turn of the fastest mode or spin: round to the eye.
+const POINTS_A_TURN: f64 = 40.0;
+/// More points than this in one curve are thinned further.
+const MOST_POINTS: usize = 1000;
+
+/// Entity of one setting's series: a key with its dot as a slash.
+pub(super) fn setting_path(key: &str) -> String {
+    format!("{}/{}", schema::SETTINGS, key.replace('.', "/"))
+}
+
+/// Entity of a mass's orbit.
+pub(super) fn orbit_path(mass: usize) -> String {
+    format!("{}/mass{}", schema::ORBITS, mass + 1)
+}
+
+/// Draws what the data mean.
+#[derive(Debug)]
+pub(super) struct Scene {
+    masses: usize,
+    /// Of the fastest mode or spin under the settings in force, radians per unit of tau.
+    fastest: f64,
+    /// Keys whose series have been given their names.
+    named: Vec<String>,
+}
+
+impl Scene {
+    pub(super) fn new(rotor: &Rotor) -> Self {
+        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new() }
+    }
+
+    /// What does not change.
+    pub(super) fn still(&self) -> Chunks {
+        // Viewers draw pictures with y downwards; z of the rotor and the imaginary axis point up.
+        let upright = || Transform3D::from_scale([1.0, -1.0, 1.0]);
+        let still = |entity: String, what: &dyn AsComponents| row(&entity, TimePoint::STATIC, what);
+        let line = SeriesLines::new().with_names(["minimum damping ratio"]).with_interpolation_mode(InterpolationMode::StepAfter);
+        let axis = LineStrips2D::new([[[0.0_f32, -1e3], [0.0, 1e3]]])
+            .with_colors([Color::from_rgb(110, 110, 110)])
+            .with_radii([Radius::new_ui_points(0.75)]);
+        vec![
+            still(schema::ORBITS.into(), &upright()),
+            still(schema::POLES.into(), &upright()),
+            still(format!("{}/stability_border", schema::POLES), &axis),
+            still(format!("{}/min_damping", schema::POLES), &line),
+        ]
+    }
+
+    /// The orbits of all masses during a batch, one curve each.
+    pub(super) fn curves(&self, batch: &Batch) -> Chunks {
+        let Some((_, last)) = batch.span() else { return Vec::new() };
+        let stride = self.stride(batch);
+        let curve = |mass: usize| {
+            let column = schema::HEAD + schema::PER_MASS * mass;
+            let (y, z) = (&batch.values[column], &batch.values[column + 1]);
+            // From the end backwards, so that the curve ends where the rotor is.
+            let rows = (0..batch.len()).rev().step_by(stride).take(MOST_POINTS);
+            let points: Vec<[f32; 2]> = rows.map(|row| [y[row] as f32, z[row] as f32]).collect();
+            let strip = LineStrips2D::new([points]).with_radii([Radius::new_ui_points(1.0)]);
+            row(&orbit_path(mass), chunks::timepoint(last), &strip)
+        };
+        (0..self.masses).map(curve).collect()
+    }
+
+    /// Every how many steps a curve needs a point.
+    fn stride(&self, batch: &Batch) -> usize {
+        let (Some(first), Some(last)) = (batch.values[0].first(), batch.values[0].last()) else { return 1 };
+        let dtau = (last - first) / batch.len().max(2) as f64;
+        let between = TAU / (self.fastest * POINTS_A_TURN);
+        if dtau > 0.0 && between.is_finite() { (between / dtau).floor().clamp(1.0, 1e6) as usize } else { 1 }
+    }
+
+    /// New settings: as series, their clearances as circles, their poles as points.
+    pub(super) fn settings(&mut self, revision: &Revision, at: &TimePoint) -> Chunks {
+        let Revision { settings, poles, min_damping, .. } = revision;
+        self.fastest = poles.iter().map(|p| p.im.abs()).fold(settings.speed.abs().max(0.1), f64::max);
+        let mut chunks = Chunks::new();
+        for key in settings.keys() {
+            let (name, path) = (key.to_string(), setting_path(&key.to_string()));
+            if !self.named.contains(&name) {
+                let unit = key.parameter.unit;
+                let title = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
+                let line = SeriesLines::new().with_names([title]).with_interpolation_mode(InterpolationMode::StepAfter);
+                chunks.push(row(&path, TimePoint::STATIC, &line));
+                self.named.push(name);
+            }
+            if let Ok(value) = settings.get(key) {
+                chunks.push(row(&path, at.clone(), &Scalars::single(value)));
+            }
+        }
+        for (mass, gap) in settings.deadband.iter().enumerate() {
+            let circle = LineStrips2D::new([circle(*gap)])
+                .with_colors([Color::from_rgb(200, 150, 40)])
+                .with_radii([Radius::new_ui_points(0.75)]);
+            chunks.push(row(&format!("{}/deadband", orbit_path(mass)), at.clone(), &circle));
+        }
+        chunks.push(row(schema::POLES, at.clone(), &points(poles)));
+        if !poles.is_empty() {
+            chunks.push(row(&format!("{}/min_damping", schema::POLES), at.clone(), &Scalars::single(*min_damping)));
+        }
+        chunks
+    }
+}
+
+fn row(entity: &str, at: TimePoint, what: &dyn AsComponents) -> Result<Chunk, ChunkError> {
+    Chunk::builder(entity).with_archetype_auto_row(at, what).build()
+}
+
+fn circle(radius: f64) -> Vec<[f32; 2]> {
+    let point = |i: i32| C64::from_polar(radius, f64::from(i) / 72.0 * TAU);
+    (0..=72).map(point).map(|p| [p.re as f32, p.im as f32]).collect()
+}
+
+fn points(poles: &[C64]) -> Points2D {
+    let colour = |p: &C64| if p.re >= 0.0 { Color::from_rgb(230, 60, 60) } else { Color::from_rgb(70, 180, 90) };
+    let label = |p: &C64| format!("{:.4} {:+.4}j", p.re, p.im);
+    Points2D::new(poles.iter().map(|p| [p.re as f32, p.im as f32]))
+        .with_colors(poles.iter().map(colour))
+        .with_labels(poles.iter().map(label))
+        .with_show_labels(false)
+        .with_radii([Radius::new_ui_points(5.0)])
+}
+
+/// The settings in force as a text for people: which gains, by whom, and how stable.
+pub(super) fn settings_text(revision: &Revision) -> TextDocument {
+    let Revision { from, revision, who, why, settings, min_damping, poles } = revision;
+    let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
+    let stability = match poles.first() {
+        Some(pole) if pole.re >= 0.0 => format!("**unstable**, minimum damping ratio {min_damping:.5}"),
+        Some(_) => format!("stable, minimum damping ratio {min_damping:.5}"),
+        None => "poles unknown".to_owned(),
+    };
+    let Settings { speed, deadband, trip, feedback } = settings;
+    TextDocument::from_markdown(format!(
+        "**revision {revision}** by {who}{why}, from step {from}\n\n{stability}\n\n\
+         | setting | value |\n|---|---|\n| speed | {speed} |\n| deadband | {deadband:?} |\n| trip | {trip} |\n\n\
+         ```toml\n{}```\n",
+        write_feedback(feedback)
+    ))
+}

@@ -1,0 +1,96 @@
+//! The layout that opens with a recording. It answers an operator's questions in their order: what happened (events), how
+//! it moved (orbits, displacement, control), and under which gains (settings, poles, damping) at the time cursor.
+
+use rerun::blueprint::{
+    Blueprint, BlueprintActivation, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs, TextDocumentView,
+    TextLogView, TimePanel, TimeSeriesView, Vertical, VisualizableArchetype as _, Visualizer, VisualizerComponentMapping,
+};
+use rerun::archetypes::{Scalars, SeriesLines};
+use rerun::blueprint::components::PanelState;
+use rerun::log::LogMsg;
+use rerun::RecordingStreamBuilder;
+use rotor::{Rotor, Settings};
+
+use super::scene;
+use crate::recording::Source;
+use crate::schema::{self, Column};
+
+/// The messages that carry the layout; none if rerun has been switched off by its environment variable.
+pub(super) fn blueprint(rotor: &Rotor, settings: &Settings, source: Source) -> Vec<LogMsg> {
+    // Its own builder of layouts obeys the variable and would then have nothing to send.
+    if std::env::var("RERUN").is_ok_and(|value| ["0", "false", "off"].contains(&value.to_lowercase().as_str())) {
+        return Vec::new();
+    }
+    let made = RecordingStreamBuilder::new(schema::APPLICATION).enabled(true).memory();
+    let Ok((stream, storage)) = made else { return Vec::new() };
+    if layout(rotor, settings, source).send(&stream, BlueprintActivation::default()).is_err() {
+        return Vec::new();
+    }
+    // The stream's own recording is empty: only the layout goes into the file.
+    let is_layout = |message: &LogMsg| message.store_id().is_blueprint();
+    storage.take().into_iter().filter(is_layout).collect()
+}
+
+fn layout(rotor: &Rotor, settings: &Settings, source: Source) -> Blueprint {
+    let masses = rotor.len();
+    let orbit = |mass: usize| {
+        let path = scene::orbit_path(mass);
+        Spatial2DView::new(format!("orbit of mass {} (e_t)", mass + 1)).with_origin(path.as_str()).into()
+    };
+    let orbits: Vec<ContainerLike> = (0..masses).map(orbit).collect();
+    let orbits: ContainerLike = if masses <= 4 {
+        Horizontal::new(orbits).with_name("orbits").into()
+    } else {
+        Grid::new(orbits).with_name("orbits").into()
+    };
+    let poles: ContainerLike = Spatial2DView::new("poles: re, im (w0)").with_origin(schema::POLES).into();
+    let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<Column> {
+        schema::columns(masses).into_iter().filter(|column| wanted(&column.name)).collect()
+    };
+    let place = named(&|name| name.starts_with(['y', 'z']));
+    let velocity = named(&|name| name.starts_with("vy") || name.starts_with("vz"));
+    let control = named(&|name| name == "uy" || name == "uz");
+    let speed = named(&|name| name == "speed");
+    let gains: Vec<String> = settings.keys().iter().map(|key| scene::setting_path(&key.to_string())).collect();
+    let gain_view = TimeSeriesView::new("settings").with_contents(gains);
+    let damping = format!("{}/min_damping", schema::POLES);
+    let series = Tabs::new([
+        Vertical::new([
+            plot("displacement (e_t)", &place),
+            plot("control (w0^2 e_t)", &control),
+            TimeSeriesView::new("minimum damping ratio").with_contents([damping.as_str()]).into(),
+        ])
+        .with_name("motion")
+        .with_row_shares([2.0, 2.0, 1.0])
+        .into(),
+        plot("velocity (w0 e_t)", &velocity),
+        plot("speed (w0)", &speed),
+        gain_view.into(),
+        TimeSeriesView::new("pace").with_origin(schema::HEALTH).into(),
+    ]);
+    let events = TextLogView::new("events").with_origin(schema::EVENTS);
+    let in_force = TextDocumentView::new("settings in force").with_origin(schema::SETTINGS);
+    let words = Horizontal::new([ContainerLike::from(events), in_force.into()]).with_column_shares([2.0, 1.0]);
+    let top = Horizontal::new([orbits, poles]).with_column_shares([masses.min(4) as f32, 1.0]);
+    let root = Vertical::new([ContainerLike::from(top), series.into(), words.into()]).with_row_shares([2.0, 3.0, 2.0]);
+    let timeline = if source == Source::Live { schema::WALL } else { schema::TAU };
+    Blueprint::new(root)
+        .with_auto_views(false)
+        .with_auto_layout(false)
+        .with_time_panel(TimePanel::new().with_state(PanelState::Collapsed).with_timeline(timeline))
+        .with_selection_panel(SelectionPanel::from_state(PanelState::Collapsed))
+}
+
+/// Some columns of the steps over time, each a line with its name.
+fn plot(title: &str, columns: &[Column]) -> ContainerLike {
+    let line = |column: &Column| -> Visualizer {
+        let source = VisualizerComponentMapping::new_source_component_with_selector(
+            Scalars::descriptor_scalars().component.as_str(),
+            schema::ROW,
+            format!(".{}", column.name),
+        );
+        SeriesLines::new().with_names([column.name.as_str()]).visualizer().with_mappings([source.into()])
+    };
+    let steps = format!("/{}", schema::STEPS);
+    TimeSeriesView::new(title).with_contents([steps.as_str()]).with_overrides(steps.as_str(), columns.iter().map(line)).into()
+}

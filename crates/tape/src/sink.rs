@@ -1,0 +1,173 @@
+//! What is put on tape, and the interface of what takes it. The one for files needs the cargo feature `rerun`.
+
+use std::path::{Path, PathBuf};
+
+use rotor::Spectrum;
+use wire::Bulletin;
+
+use crate::batch::Batch;
+use crate::error::TapeError;
+use crate::event::{Event, Moment, Remark};
+use crate::recording::{Revision, Session, Source};
+use crate::schema;
+
+/// One thing to be put on tape, in the order in which it came.
+#[derive(Clone, Debug)]
+pub(crate) enum Item {
+    /// A run begins, or the recording does, with this as the slow picture.
+    Run(Box<Bulletin>, Moment),
+    /// Consecutive steps.
+    Steps(Batch),
+    /// Something happened on the bench.
+    Event(Box<wire::Event>),
+    /// The slow picture, as often as it comes.
+    Bulletin(Box<Bulletin>, Moment),
+    /// The recorder has something to say.
+    Remark(Remark),
+}
+
+/// What every file begins with, so that each can be read alone.
+#[derive(Clone, Debug)]
+pub struct Head {
+    /// Whose session it is.
+    pub session: Session,
+    /// The slow picture as it stands at the beginning; its settings are those in force.
+    pub bulletin: Box<Bulletin>,
+}
+
+/// Takes what is recorded. Each call that returns has its bytes where a kill of this process does not reach them.
+pub trait Sink: Send {
+    /// Puts steps on tape.
+    ///
+    /// # Errors
+    /// They cannot be written; what was written before stays whole.
+    fn steps(&mut self, batch: &Batch) -> Result<(), TapeError>;
+
+    /// Puts settings on tape that came into force.
+    ///
+    /// # Errors
+    /// As [`Sink::steps`].
+    fn revision(&mut self, revision: &Revision, at: Moment) -> Result<(), TapeError>;
+
+    /// Puts on tape what happened.
+    ///
+    /// # Errors
+    /// As [`Sink::steps`].
+    fn event(&mut self, event: &Event) -> Result<(), TapeError>;
+
+    /// Puts on tape what the recorder has to say.
+    ///
+    /// # Errors
+    /// As [`Sink::steps`].
+    fn remark(&mut self, remark: &Remark) -> Result<(), TapeError>;
+
+    /// Puts on tape how well simulation and recorder keep up. May wait for the next steps.
+    ///
+    /// # Errors
+    /// As [`Sink::steps`].
+    fn health(&mut self, bulletin: &Bulletin, at: Moment) -> Result<(), TapeError>;
+
+    /// Bytes written so far.
+    fn bytes(&self) -> u64;
+
+    /// Completes the file, and says how large it is.
+    ///
+    /// # Errors
+    /// The rest cannot be written; what was written before stays readable.
+    fn finish(self: Box<Self>) -> Result<u64, TapeError>;
+}
+
+/// Begins a file at `path`, which must not be there yet.
+///
+/// # Errors
+/// The file is there already or cannot be made, or this build has no encoder.
+pub fn create(path: &Path, head: &Head) -> Result<Box<dyn Sink>, TapeError> {
+    #[cfg(feature = "rerun")]
+    return Ok(Box::new(crate::rrd::Writer::create(path, head)?));
+    #[cfg(not(feature = "rerun"))]
+    {
+        let _ = (path, head);
+        Err(TapeError::NoRerun)
+    }
+}
+
+/// Whether this build can record and read recordings at all.
+///
+/// # Errors
+/// It cannot: how to get one that can.
+pub fn available() -> Result<(), TapeError> {
+    if cfg!(feature = "rerun") { Ok(()) } else { Err(TapeError::NoRerun) }
+}
+
+/// Puts the parts of one recording together in a new file at `target`. Returns its size.
+///
+/// # Errors
+/// A part cannot be read, the target is there already or cannot be written, or this build has no encoder.
+pub fn join(parts: &[PathBuf], target: &Path) -> Result<u64, TapeError> {
+    #[cfg(feature = "rerun")]
+    return crate::rrd::join(parts, target);
+    #[cfg(not(feature = "rerun"))]
+    {
+        let _ = (parts, target);
+        Err(TapeError::NoRerun)
+    }
+}
+
+impl Head {
+    /// The head of a recording that begins with this picture of a bench called `bench`.
+    #[must_use]
+    pub fn live(bulletin: Box<Bulletin>, bench: &str) -> Self {
+        let session = Session {
+            schema: schema::VERSION,
+            whirl: env!("CARGO_PKG_VERSION").to_owned(),
+            simulation: bulletin.version.as_str().to_owned(),
+            run_id: bulletin.run_id,
+            bench: bench.to_owned(),
+            source: Source::Live,
+            started_ns: bulletin.started_ns,
+            rate_hz: bulletin.rate_hz,
+            dtau: bulletin.dtau,
+        };
+        Self { session, bulletin }
+    }
+
+    /// What came into force with an event, if anything did; it is in force from here on.
+    pub(crate) fn follow(&mut self, event: &wire::Event) -> Option<Revision> {
+        let bulletin = &mut self.bulletin;
+        if event.run_id != bulletin.run_id || event.revision <= bulletin.revision {
+            return None;
+        }
+        bulletin.settings = event.settings;
+        bulletin.revision = event.revision;
+        bulletin.applied_at_step = event.seq;
+        bulletin.changed_by = event.who;
+        let (who, why) = (event.who.as_str(), event.why.as_str());
+        let settings = event.settings.unpack();
+        Some(revision_of(bulletin.rotor().ok().as_ref(), event.revision, event.seq, who, why, settings))
+    }
+
+    /// The settings in force at the beginning.
+    #[must_use]
+    pub fn revision(&self) -> Revision {
+        let bulletin = &self.bulletin;
+        let (who, settings) = (bulletin.changed_by.as_str(), bulletin.settings.unpack());
+        revision_of(bulletin.rotor().ok().as_ref(), bulletin.revision, bulletin.applied_at_step, who, "", settings)
+    }
+}
+
+/// Settings with their poles.
+pub(crate) fn revision_of(
+    rotor: Option<&rotor::Rotor>,
+    revision: u64,
+    from: u64,
+    who: &str,
+    why: &str,
+    settings: rotor::Settings,
+) -> Revision {
+    // Computed here as the simulation does it: an event carries settings, and no poles.
+    let checked = rotor.filter(|rotor| settings.check(rotor).is_ok());
+    let spectrum = checked.and_then(|rotor| Spectrum::of(&settings.closed_loop(rotor)).ok());
+    let min_damping = spectrum.as_ref().map_or(0.0, Spectrum::min_damping);
+    let poles = spectrum.map(|s| s.modes.iter().map(|mode| mode.pole).collect()).unwrap_or_default();
+    Revision { from, revision, who: who.to_owned(), why: why.to_owned(), settings, poles, min_damping }
+}

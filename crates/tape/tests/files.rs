@@ -1,0 +1,223 @@
+//! Files: what is written is what is read, whole or cut off anywhere. With the cargo feature `rerun`.
+#![cfg(feature = "rerun")]
+
+use std::ops::ControlFlow;
+use std::path::Path;
+
+use rotor::{Settings, builtin};
+use tape::{Batch, Event, Head, Moment, Recording, Remark, What};
+use wire::message::{Flags, Point, Trip};
+use wire::{Bulletin, Happening, SettingsMessage, State, Text};
+
+const RUN: u64 = 0xfeed_beef_0123_4567;
+
+fn bulletin() -> Box<Bulletin> {
+    let rotor = builtin::rotor("three-mass").unwrap();
+    let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
+    let mut bulletin = Box::new(Bulletin { run_id: RUN, rate_hz: 1000.0, dtau: 0.01, revision: 3, ..Bulletin::default() });
+    bulletin.set_rotor(&rotor);
+    bulletin.settings = SettingsMessage::pack(&settings).unwrap();
+    bulletin.applied_at_step = 17;
+    bulletin.changed_by = Text::new("set:1");
+    bulletin.version = Text::new("0.1.0");
+    bulletin.started_ns = 1_700_000_000_000_000_000;
+    bulletin
+}
+
+fn state(seq: u64) -> State {
+    let mut state = State {
+        run_id: RUN,
+        seq,
+        tau: seq as f64 * 0.01 + 1e-13,
+        angle: seq as f64 * 0.025,
+        wall_ns: 1_700_000_000_000_000_000 + seq * 1_000_000,
+        speed: 2.5,
+        force_commanded: [0.1 * seq as f64, -1.0 / 3.0],
+        force_delivered: [0.05 * seq as f64, f64::MIN_POSITIVE],
+        revision: 3,
+        flags: Flags::contact((seq % 8) as u32),
+        count: 3,
+        ..State::default()
+    };
+    for (i, place) in state.masses.iter_mut().take(3).enumerate() {
+        let x = seq as f64 + i as f64 / 7.0;
+        *place = Point { y: x.sin(), z: x.cos(), vy: -0.0, vz: x.sqrt() };
+    }
+    state
+}
+
+fn batch(range: std::ops::Range<u64>) -> Batch {
+    let mut batch = Batch::new(3);
+    range.for_each(|seq| batch.push(&state(seq)));
+    batch
+}
+
+fn at(seq: u64) -> Moment {
+    let state = state(seq);
+    Moment { seq, tau: state.tau, wall_ns: state.wall_ns }
+}
+
+/// A recording of steps 100 to 5100 with 50 missing, a change of settings and a trip.
+fn write(path: &Path) -> Vec<u64> {
+    let head = Head::live(bulletin(), "rig");
+    let mut sink = tape::create(path, &head).unwrap();
+    let mut ends = vec![];
+    sink.revision(&head.revision(), at(100)).unwrap();
+    for first in (100..2100).step_by(500) {
+        sink.steps(&batch(first..first + 500)).unwrap();
+        sink.health(&bulletin(), at(first + 499)).unwrap();
+        ends.push(sink.bytes());
+    }
+    let mut event = Happening::Settings.event();
+    let mut settings = bulletin().settings.unpack();
+    settings.assign("kd", "-0.125").unwrap();
+    event.settings = SettingsMessage::pack(&settings).unwrap();
+    (event.run_id, event.number, event.seq, event.tau, event.revision) = (RUN, 9, 2100, 21.0, 4);
+    (event.who, event.why) = (Text::new("dash:7"), Text::new("typed"));
+    let told = Event::from(&*event);
+    let mut changed = head.revision();
+    (changed.revision, changed.from, changed.settings) = (4, 2100, settings);
+    sink.revision(&changed, told.at).unwrap();
+    sink.event(&told).unwrap();
+    sink.remark(&Remark { at: at(2150), what: What::Lost(50) }).unwrap();
+    for first in (2150..5150).step_by(500) {
+        sink.steps(&batch(first..first + 500)).unwrap();
+        ends.push(sink.bytes());
+    }
+    let trip = Trip { cause: 1, mass: 2, step: 5000, radius: 1000.5, limit: 1000.0 };
+    let mut event = Happening::Tripped(trip).event();
+    (event.run_id, event.number, event.seq, event.tau, event.revision) = (RUN, 10, 5000, 50.0, 4);
+    sink.event(&Event::from(&*event)).unwrap();
+    sink.remark(&Remark { at: at(5149), what: What::Ends("asked to stop".into()) }).unwrap();
+    assert_eq!(sink.finish().unwrap(), path.metadata().unwrap().len());
+    ends
+}
+
+fn states(recording: &mut Recording) -> Vec<State> {
+    let mut states = Vec::new();
+    recording.steps(0..u64::MAX, &mut states).unwrap();
+    states
+}
+
+#[test]
+fn what_is_written_is_what_is_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    write(&path);
+    let mut recording = Recording::open(&path).unwrap();
+    let session = recording.session();
+    assert_eq!((session.run_id, session.bench.as_str(), session.rate_hz, session.dtau), (RUN, "rig", 1000.0, 0.01));
+    assert_eq!(recording.rotor(), &builtin::rotor("three-mass").unwrap());
+    let expected: Vec<State> = (100..2100).chain(2150..5150).map(state).collect();
+    let read = states(&mut recording);
+    assert_eq!(read, expected);
+    assert!(read.iter().all(|s| s.masses[0].vy.is_sign_negative()), "even the sign of zero");
+    assert_eq!(recording.rows(), expected.len() as u64);
+    assert_eq!(recording.gaps(), [tape::Gap { from: 2100, count: 50 }]);
+
+    let mut some = Vec::new();
+    recording.visit(590..610, 5, |s| {
+        some.push(s.seq);
+        ControlFlow::Continue(())
+    })
+    .unwrap();
+    assert_eq!(some, [590, 595, 600, 605]);
+    assert_eq!(recording.seq_at_wall(at(777).wall_ns + 10).unwrap(), 777);
+    assert_eq!(recording.seq_at_wall(0).unwrap(), 100);
+    assert_eq!(recording.seq_at_tau(7.775).unwrap(), 777);
+
+    assert_eq!(recording.settings_at(2099).unwrap().revision, 3);
+    let changed = recording.settings_at(2100).unwrap();
+    assert_eq!((changed.revision, changed.settings.feedback.signals[0].gains[0].at(2.5)), (4, -0.125));
+    let before = recording.bulletin_at(2000);
+    assert_eq!((before.revision, before.changed_by.as_str(), before.trip.is_tripped()), (3, "set:1", false));
+    assert_eq!(before.settings.unpack(), bulletin().settings.unpack());
+    assert_eq!(before.analysis.count, 6);
+    assert!(recording.bulletin_at(5000).trip.is_tripped());
+    let events = recording.events();
+    assert_eq!(events.iter().map(|e| e.number).collect::<Vec<_>>(), [9, 10]);
+    assert_eq!(events[0].text(), "settings changed by dash:7 (typed)");
+    let sent = recording.wire_event(&events[0]);
+    assert_eq!(sent.settings.unpack().feedback.signals[0].gains[0].at(2.5), -0.125);
+    let notices = recording.notices();
+    assert_eq!(notices.len(), 2, "{notices:?}");
+    assert!(notices[0].starts_with("begins at step 100") && notices[1].starts_with("50 steps are missing"));
+}
+
+#[test]
+fn a_file_cut_off_anywhere_reads_up_to_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    let ends = write(&path);
+    let whole = std::fs::read(&path).unwrap();
+    let cut = folder.path().join("cut.rrd");
+    let mut random = 0x1234_5678_9abc_def0_u64;
+    let mut random = move |below: u64| {
+        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (random >> 33) % below
+    };
+    let first = whole.len() as u64 - 64;
+    let cuts = (0..150).map(|i| if i < 64 { first + i } else { random(whole.len() as u64) }).chain(ends.clone());
+    for at in cuts {
+        std::fs::write(&cut, &whole[..at as usize]).unwrap();
+        // Steps whose message is whole are there: that is all that a kill may cost.
+        let expected: u64 = ends.iter().filter(|end| **end <= at).count() as u64 * 500;
+        match Recording::open(&cut) {
+            Ok(mut recording) => {
+                let read = states(&mut recording);
+                assert!(read.len() as u64 == expected || read.len() as u64 == expected + 500, "{at}: {}", read.len());
+                assert!(read.iter().all(|s| *s == state(s.seq)));
+                let is_whole = at == whole.len() as u64;
+                assert!(is_whole || !recording.notices().is_empty());
+            }
+            Err(error) => {
+                assert!(expected == 0 && error.is_usage(), "{at}: {error}");
+            }
+        }
+    }
+}
+
+#[test]
+fn damage_in_the_middle_is_said_and_costs_what_it_hits() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    let ends = write(&path);
+    let mut bytes = std::fs::read(&path).unwrap();
+    // In the middle of the third stretch of steps.
+    let place = (ends[1] + ends[2]) as usize / 2;
+    bytes[place..place + 2000].fill(0xa5);
+    std::fs::write(&path, bytes).unwrap();
+    let mut recording = Recording::open(&path).unwrap();
+    let notices = recording.notices().join("\n");
+    assert!(notices.contains("damaged"), "{notices}");
+    assert!(states(&mut recording).len() >= 1000);
+}
+
+#[test]
+fn what_is_no_recording_is_told_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    for (content, why) in [
+        (&b""[..], "0 bytes are too short"),
+        (b"tau,y1\n1,2\n3,4\n", "expected an .rrd recording of whirl"),
+        (b"RRF2", "4 bytes are too short"),
+    ] {
+        std::fs::write(&path, content).unwrap();
+        let error = Recording::open(&path).err().unwrap();
+        assert!(error.is_usage() && error.to_string().contains(why), "{error}");
+    }
+    assert!(Recording::open(folder.path()).err().unwrap().to_string().contains("is no file"));
+    let missing = Recording::open(&folder.path().join("b.rrd")).err().unwrap();
+    assert!(missing.to_string().contains("No such file"), "{missing}");
+}
+
+#[test]
+fn a_place_that_is_taken_or_missing_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    let head = Head::live(bulletin(), "rig");
+    tape::create(&path, &head).unwrap().finish().unwrap();
+    let refused = |path: &Path| tape::create(path, &head).err().unwrap();
+    assert!(refused(&path).to_string().contains("is already there"));
+    assert!(refused(&folder.path().join("no/a.rrd")).to_string().contains("No such file or directory"));
+}
