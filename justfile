@@ -25,6 +25,23 @@ ci:
 measure:
     cargo bench -p promises
 
+# Recordings: the sink, the reader and the commands, with rerun (minutes to build the first time)
+test-recordings:
+    cargo test -p tape -p promises --features promises/rerun --lib --test files
+    cargo test -p tape -p promises --features promises/rerun --test promises recordings
+
+# The small recording in recordings/, made again
+sample:
+    rm -f recordings/run-up.rrd
+    cargo run -p tape --features rerun --example sample -- recordings/run-up.rrd
+
+# Every value of the sample as the public Rerun SDK reads it, beside ours (sets up Python's rerun-sdk in target/)
+check-recordings:
+    cargo build --release --features rerun
+    python3 -m venv target/rerun-sdk
+    target/rerun-sdk/bin/pip install --quiet rerun-sdk==0.36.3 pyarrow
+    target/rerun-sdk/bin/python tests/reference/recordings.py target/release/whirl
+
 # Benchmarks of the numerics and of drawing, each beside a peer in the same process
 bench *ARGS:
     cargo bench --workspace --exclude promises {{ARGS}}

@@ -9,6 +9,7 @@ mod live;
 mod papers;
 mod picture;
 mod poles;
+mod recordings;
 mod report;
 mod run;
 mod tune;

@@ -178,8 +178,7 @@ fn bad_input_exits_2_and_writes_nothing() {
         (&["--duration", "5", "--psd", "mass=9"], "psd at mass 9, but three-mass has masses 1 to 3"),
         (&["--duration", "5", "--dtau", "2"], "dtau = 2 is too large for the mode at"),
         (&["--duration", "5", "--dtau", "0"], "dtau = 0: expected a finite number greater than 0"),
-        (&["--duration", "5", "--out", "x.rrd"], "recording to .rrd is not built in yet"),
-        (&["--duration", "5", "--out", "x.txt"], "expected a file name that ends in .csv or .parquet"),
+        (&["--duration", "5", "--out", "x.txt"], "expected a file name that ends in .csv, .parquet or .rrd"),
         (&["--duration", "5", "--set", "deadband.7=1"], "no deadband.7: there are 3 masses"),
     ] {
         let ran = run(&[&["run", "three-mass", "--speed", "2"], arguments].concat());

@@ -3,7 +3,7 @@
 //! * [`run`]: one simulation as fast as it goes, with maxima, means and automatic settling.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
-//! * [`trajectory`]: a run as a CSV or Parquet file that is there whole or not at all.
+//! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
 //! * [`step_size`]: which fixed step a rotor needs.
 //! * [`report`]: every figure and every printed number of the NASA report again, with [`plot`] to draw them.
 //!
@@ -17,4 +17,5 @@ pub mod run;
 mod settle;
 pub mod spectrum;
 pub mod step_size;
+pub mod table;
 pub mod trajectory;

@@ -4,7 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use rotor::{ClosedLoop, builtin};
 use study::run::{Observer, Plan, RunError, Settle, run};
-use study::trajectory::{Form, FormError, Writer, columns};
+use study::table::{Form, FormError};
+use study::trajectory::{Writer, columns};
 
 fn plan() -> Plan {
     let rotor = builtin::rotor("three-mass").expect("built in");
@@ -55,7 +56,7 @@ fn an_interrupted_run_leaves_nothing() {
 #[test]
 fn the_ending_says_the_form() {
     assert_eq!(Form::of("a/b.CSV".as_ref()), Ok(Form::Csv));
-    assert_eq!(Form::of("run.rrd".as_ref()), Err(FormError::NoRecording));
+    assert_eq!(Form::of("run.rrd".as_ref()), Err(FormError::Unknown("run.rrd".into())));
     assert!(matches!(Form::of("run".as_ref()), Err(FormError::Unknown(_))));
     let parquet = if cfg!(feature = "parquet") { Ok(Form::Parquet) } else { Err(FormError::NoParquet) };
     assert_eq!(Form::of("run.parquet".as_ref()), parquet);

@@ -16,7 +16,7 @@ use crate::schema::{self, Column};
 /// A document that is not one of ours.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
-pub struct BadDocument(String);
+pub(crate) struct BadDocument(String);
 
 fn bad(error: impl ToString) -> BadDocument {
     BadDocument(error.to_string())
@@ -119,7 +119,8 @@ impl SessionDocument {
 
     pub(crate) fn read(self) -> Result<(Session, Rotor, Option<Scales>), BadDocument> {
         let mass = |m: &MassDocument| {
-            let MassDocument { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } = *m;
+            let MassDocument { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } =
+                *m;
             Mass { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
         };
         let RotorDocument { name, masses, shafts, scales } = self.rotor;

@@ -161,7 +161,8 @@ impl Gatherer {
         let (Some(run_id), Some(last)) = (self.run_id, self.last) else { return };
         let Some(bulletin) = self.bulletin.take_if(|bulletin| bulletin.run_id == run_id) else { return };
         self.out.push_back(Item::Run(bulletin, last));
-        let (ours, others): (Vec<_>, Vec<_>) = std::mem::take(&mut self.events).into_iter().partition(|e| e.run_id == run_id);
+        let (ours, others): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.events).into_iter().partition(|e| e.run_id == run_id);
         self.events = others;
         self.out.extend(ours.into_iter().map(Item::Event));
         self.out.append(&mut self.held);
@@ -228,10 +229,7 @@ mod tests {
         assert!(told(&mut gatherer).is_empty(), "no head yet");
         gatherer.bulletin(bulletin(1));
         gatherer.event(&Event { run_id: 1, number: 5, ..Event::default() });
-        assert_eq!(
-            told(&mut gatherer),
-            ["run 1 at 10", "event 4", "[5, 6]", "2 steps lost", "[9, 10]", "event 5"]
-        );
+        assert_eq!(told(&mut gatherer), ["run 1 at 10", "event 4", "[5, 6]", "2 steps lost", "[9, 10]", "event 5"]);
         assert_eq!(gatherer.lost(), 2);
     }
 
@@ -259,6 +257,9 @@ mod tests {
         let rows: usize = std::iter::from_fn(|| gatherer.next()).map(|item| rows(&item)).sum();
         assert_eq!((rows, gatherer.lost()), (Gatherer::MOST_ROWS, 0));
         gatherer.state(&state(1, most + 5), now);
-        assert_eq!((told(&mut gatherer), gatherer.lost()), (vec!["5 steps lost".to_owned(), format!("[{}]", most + 5)], 5));
+        assert_eq!(
+            (told(&mut gatherer), gatherer.lost()),
+            (vec!["5 steps lost".to_owned(), format!("[{}]", most + 5)], 5)
+        );
     }
 }

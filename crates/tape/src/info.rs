@@ -1,1 +1,193 @@
-//! What a recording holds, in a page.
+//! What a recording holds, in a page: how long, how fast, how complete, and the moments that matter.
+
+use std::ops::ControlFlow;
+
+use serde::Serialize;
+
+use wire::Happening;
+
+use crate::error::TapeError;
+use crate::event::Moment;
+use crate::recording::{Recording, is_tripped};
+
+/// A recording in short. Lengths in `e_t`, forces in `w0^2 e_t`, times in `tau`, unless a name says otherwise.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Info {
+    /// The file.
+    pub file: String,
+    /// Its size.
+    pub bytes: u64,
+    /// Version of what it holds.
+    pub schema: u32,
+    /// Version of the program that recorded.
+    pub whirl: String,
+    /// Version of the program that simulated.
+    pub simulation: String,
+    /// The run.
+    pub run_id: String,
+    /// The bench; empty for an offline run.
+    pub bench: String,
+    /// `live` or `offline`.
+    pub source: &'static str,
+    /// The rotor's name.
+    pub rotor: String,
+    /// How many masses it has.
+    pub masses: usize,
+    /// Steps a second that the simulation paced itself to; 0 for an offline run.
+    pub rate_hz: f64,
+    /// Steps a second on file, from first to last; null if there are fewer than two, or the run was offline.
+    pub measured_rate_hz: Option<f64>,
+    /// Advance of `tau` per step.
+    pub dtau: f64,
+    /// Steps on file.
+    pub steps: u64,
+    /// The first of them; null if there is none.
+    pub first: Option<At>,
+    /// The last.
+    pub last: Option<At>,
+    /// Seconds on the wall clock from first to last.
+    pub seconds: f64,
+    /// Steps missing between first and last.
+    pub lost: u64,
+    /// Changes of settings on file, the first ones not counted.
+    pub settings_changes: usize,
+    /// Everything that happened on the bench, as far as it is on file.
+    pub events: usize,
+    /// The trips.
+    pub trips: Vec<TripInfo>,
+    /// The smallest damping ratio under any settings in force; null if no poles are known.
+    pub min_damping: Option<Damping>,
+    /// The largest control force; null without steps.
+    pub max_force: Option<Peak>,
+    /// The largest radius of any mass; null without steps.
+    pub max_radius: Option<Peak>,
+    /// What a reader should know: cut off, steps missing, begun late.
+    pub notices: Vec<String>,
+}
+
+/// A moment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct At {
+    /// Step number.
+    pub step: u64,
+    /// Dimensionless time.
+    pub tau: f64,
+    /// Nanoseconds since 1970.
+    pub wall_ns: u64,
+}
+
+impl From<Moment> for At {
+    fn from(Moment { seq, tau, wall_ns }: Moment) -> Self {
+        Self { step: seq, tau, wall_ns }
+    }
+}
+
+/// A trip.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TripInfo {
+    /// When.
+    #[serde(flatten)]
+    pub at: At,
+    /// What tripped it.
+    pub why: String,
+    /// Revision of the settings that it tripped under.
+    pub revision: u64,
+}
+
+/// Settings with the smallest damping.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Damping {
+    /// The damping ratio.
+    pub value: f64,
+    /// The first step under those settings.
+    pub step: u64,
+    /// Their revision.
+    pub revision: u64,
+}
+
+/// The largest of something, and when.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Peak {
+    /// How large.
+    pub value: f64,
+    /// When.
+    #[serde(flatten)]
+    pub at: At,
+    /// The mass, counted from 1; for a radius.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mass: Option<usize>,
+}
+
+impl Info {
+    /// Looks through a recording. Reads every step.
+    ///
+    /// # Errors
+    /// The file has changed or cannot be read.
+    pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
+        let (mut force, mut radius) = (None::<Peak>, None::<Peak>);
+        recording.visit(0..u64::MAX, 1, |state| {
+            // A machine that is held repeats what is known already.
+            if is_tripped(state) && force.is_some() {
+                return ControlFlow::Continue(());
+            }
+            let at = At { step: state.seq, tau: state.tau, wall_ns: state.wall_ns };
+            let [y, z] = state.force_delivered;
+            larger(&mut force, Peak { value: y.hypot(z), at, mass: None });
+            for (mass, point) in state.points().iter().enumerate() {
+                larger(&mut radius, Peak { value: point.radius(), at, mass: Some(mass + 1) });
+            }
+            ControlFlow::Continue(())
+        })?;
+        let session = recording.session();
+        let span = recording.span();
+        let rows = recording.rows();
+        let seconds = span.map_or(0.0, |span| span.seconds());
+        let counted = span.map_or(0, |span| span.last.seq - span.first.seq);
+        // Of the settings that were in force while steps were recorded; the first do not count as a change.
+        let revisions = recording.revisions();
+        let first = span.map_or(0, |span| span.first.seq);
+        let in_force = revisions.partition_point(|r| r.from <= first).max(1) - 1;
+        let in_force = revisions.get(in_force..).unwrap_or_default();
+        let damped = in_force.iter().filter(|r| !r.poles.is_empty());
+        let least = damped.min_by(|a, b| a.min_damping.total_cmp(&b.min_damping));
+        let trips = recording.events().iter().filter_map(|event| match &event.happening {
+            Happening::Tripped(trip) => {
+                Some(TripInfo { at: event.at.into(), why: trip.to_string(), revision: event.revision })
+            }
+            _ => None,
+        });
+        Ok(Self {
+            file: recording.path().display().to_string(),
+            bytes: recording.bytes(),
+            schema: session.schema,
+            whirl: session.whirl.clone(),
+            simulation: session.simulation.clone(),
+            run_id: format!("{:016x}", session.run_id),
+            bench: session.bench.clone(),
+            source: session.source.name(),
+            rotor: recording.rotor().name().to_owned(),
+            masses: recording.rotor().len(),
+            rate_hz: session.rate_hz,
+            measured_rate_hz: (seconds > 0.0 && session.rate_hz > 0.0).then(|| counted as f64 / seconds),
+            dtau: session.dtau,
+            steps: rows,
+            first: span.map(|span| span.first.into()),
+            last: span.map(|span| span.last.into()),
+            seconds,
+            lost: recording.gaps().iter().map(|gap| gap.count).sum(),
+            settings_changes: in_force.len().saturating_sub(1),
+            events: recording.events().len(),
+            trips: trips.collect(),
+            min_damping: least.map(|r| Damping { value: r.min_damping, step: r.from.max(first), revision: r.revision }),
+            max_force: force,
+            max_radius: radius,
+            notices: recording.notices(),
+        })
+    }
+}
+
+fn larger(peak: &mut Option<Peak>, candidate: Peak) {
+    if peak.is_none_or(|peak| candidate.value > peak.value) {
+        *peak = Some(candidate);
+    }
+}

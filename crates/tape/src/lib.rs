@@ -1,9 +1,9 @@
 //! Recordings: the sink and the reader of `.rrd` files, side by side, so that what one writes the other reads.
 //!
 //! Only this crate knows rerun, and only with the cargo feature `rerun`, which takes minutes to build. Everything that can
-//! do without is outside it: gathering steps from a bench ([`gather`]), the queue to the writing thread ([`recorder`]),
+//! do without is outside it: gathering steps from a bench, the queue to the writing thread ([`recorder`]),
 //! which files it is kept in ([`Reel`]), what a file says about itself ([`schema`]), and what is
-//! made of a recording ([`info`], [`export`]). Nothing of rerun shows in the public interface: a [`Recording`] speaks in
+//! made of a recording ([`Info`]). Nothing of rerun shows in the public interface: a [`Recording`] speaks in
 //! `wire` and `rotor` types, and without the feature opening one says how to get it.
 //!
 //! Not its job: showing recordings (that is the dashboard's), and simulating.
@@ -14,11 +14,11 @@ mod batch;
 mod document;
 mod error;
 mod event;
-pub mod export;
-pub mod gather;
-pub mod info;
-mod recording;
+mod gather;
+mod info;
+mod offline;
 pub mod recorder;
+mod recording;
 mod reel;
 #[cfg(feature = "rerun")]
 mod rrd;
@@ -28,6 +28,8 @@ mod sink;
 pub use batch::Batch;
 pub use error::TapeError;
 pub use event::{Event, Moment, Remark, What};
+pub use info::{At, Damping, Info, Peak, TripInfo};
+pub use offline::OfflineTape;
 pub use recording::{Gap, Recording, Revision, Session, Source, Span};
 pub use reel::{Keep, Reel};
 pub use sink::{Head, Sink, available, create, join};

@@ -254,11 +254,19 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
+/// Whether an order can be carried out as far as that can be told without a bench.
+///
+/// # Errors
+/// The path is taken or no place for a file, or this build cannot record.
+pub fn check(order: &Order) -> Result<(), TapeError> {
+    Reel::new(&order.path, order.bench.as_str(), order.keep.clone()).map(drop)
+}
+
 /// Whether what is kept can be kept: how much memory, or how short a stretch.
 ///
 /// # Errors
-/// A window that is not a positive number of seconds, or too long to be held in memory at `rate_hz` steps a second.
-pub fn check(keep: &Keep, rate_hz: f64) -> Result<(), String> {
+/// A window shorter than a second, or too long to be held in memory at `rate_hz` steps a second.
+pub fn check_window(keep: &Keep, rate_hz: f64) -> Result<(), String> {
     let (what, seconds) = match keep.keeping {
         Keeping::All => return Ok(()),
         Keeping::Last(seconds) => ("keep", seconds),

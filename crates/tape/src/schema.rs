@@ -76,8 +76,13 @@ pub fn columns(masses: usize) -> Vec<Column> {
         column("uz", "control that the bearing delivers, z", "w0^2 e_t"),
     ];
     let per_mass = (1..=masses.min(MAX_MASSES)).flat_map(|k| {
-        [("y", "displacement", "e_t"), ("z", "displacement", "e_t"), ("vy", "velocity", "w0 e_t"), ("vz", "velocity", "w0 e_t")]
-            .map(|(name, meaning, unit)| column(&format!("{name}{k}"), &format!("{meaning} of mass {k}"), unit))
+        [
+            ("y", "displacement", "e_t"),
+            ("z", "displacement", "e_t"),
+            ("vy", "velocity", "w0 e_t"),
+            ("vz", "velocity", "w0 e_t"),
+        ]
+        .map(|(name, meaning, unit)| column(&format!("{name}{k}"), &format!("{meaning} of mass {k}"), unit))
     });
     head.into_iter().chain(per_mass).collect()
 }

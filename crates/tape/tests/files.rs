@@ -14,7 +14,8 @@ const RUN: u64 = 0xfeed_beef_0123_4567;
 fn bulletin() -> Box<Bulletin> {
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
-    let mut bulletin = Box::new(Bulletin { run_id: RUN, rate_hz: 1000.0, dtau: 0.01, revision: 3, ..Bulletin::default() });
+    let mut bulletin =
+        Box::new(Bulletin { run_id: RUN, rate_hz: 1000.0, dtau: 0.01, revision: 3, ..Bulletin::default() });
     bulletin.set_rotor(&rotor);
     bulletin.settings = SettingsMessage::pack(&settings).unwrap();
     bulletin.applied_at_step = 17;
@@ -116,11 +117,12 @@ fn what_is_written_is_what_is_read() {
     assert_eq!(recording.gaps(), [tape::Gap { from: 2100, count: 50 }]);
 
     let mut some = Vec::new();
-    recording.visit(590..610, 5, |s| {
-        some.push(s.seq);
-        ControlFlow::Continue(())
-    })
-    .unwrap();
+    recording
+        .visit(590..610, 5, |s| {
+            some.push(s.seq);
+            ControlFlow::Continue(())
+        })
+        .unwrap();
     assert_eq!(some, [590, 595, 600, 605]);
     assert_eq!(recording.seq_at_wall(at(777).wall_ns + 10).unwrap(), 777);
     assert_eq!(recording.seq_at_wall(0).unwrap(), 100);

@@ -31,6 +31,12 @@ pub(crate) enum Command {
     Sim(commands::sim::SimArgs),
     /// Show a dashboard on a running simulation
     Dash(commands::dash::DashArgs),
+    /// Record a running simulation in a file, every step
+    Record(commands::record::RecordArgs),
+    /// Tell what a recording holds: length, rates, changes, losses, trips, extremes
+    Info(commands::info::InfoArgs),
+    /// Make a table of a recording, as CSV or Parquet
+    Export(commands::export::ExportArgs),
     /// Print live telemetry, or what happens
     Tail(commands::tail::TailArgs),
     /// List the layouts of the dashboard, show one as a file, or check files

@@ -3,17 +3,21 @@
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
-//! * [`attach`] finds a running bench.
+//! * [`attach`] finds a running bench. [`companion`] starts the processes behind a dashboard,
+//!   [`recordings`] the one that records it.
 //! * [`layouts`] are the screens of the dashboard, built in and a person's own; [`folders`] is where those are.
+//! * [`amount`] reads durations and sizes as typed.
 //! * [`place`] is where a result goes that is a file.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
 //! * [`range`] reads ranges as typed, `A..B`.
 
+mod amount;
 mod attach;
 mod catalog;
 mod cli;
 mod commands;
+mod companion;
 mod failure;
 mod folders;
 mod interrupt;
@@ -22,6 +26,7 @@ mod logging;
 mod output;
 mod place;
 mod range;
+mod recordings;
 mod units;
 
 use std::process::ExitCode;

@@ -146,6 +146,12 @@ pub(crate) fn print_text(text: &str) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Says something on stderr that a person should know, and that is no failure.
+pub(crate) fn warn(text: &str) {
+    // If stderr is gone there is nobody to be told.
+    let _ = writeln!(std::io::stderr(), "whirl: {text}");
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

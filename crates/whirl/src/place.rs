@@ -40,7 +40,7 @@ pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
 /// As for [`write`].
 pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
     check(path)?;
-    let mut file = study::trajectory::beside(path).map_err(|error| unfit(path, &error))?;
+    let mut file = study::table::beside(path).map_err(|error| unfit(path, &error))?;
     let finished = |mut file: NamedTempFile| {
         file.flush()?;
         file.persist(path).map(drop).map_err(|error| error.error)

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use rerun::external::arrow::array::{Array, ArrayRef, Float64Array, ListArray, StringArray, StructArray, UInt32Array, UInt64Array};
+use rerun::external::arrow::array::{
+    Array, ArrayRef, Float64Array, ListArray, StringArray, StructArray, UInt32Array, UInt64Array,
+};
 use rerun::external::arrow::buffer::{OffsetBuffer, ScalarBuffer};
 use rerun::external::arrow::datatypes::{DataType, Field, Fields};
 use rerun::log::{Chunk, ChunkError, TimeColumn};
@@ -55,7 +57,12 @@ pub(super) fn documents(chunk: &Chunk) -> Vec<String> {
 pub(super) fn doubles(values: Vec<f64>, width: usize) -> ListArray {
     let rows = values.len() / width.max(1);
     let field = Arc::new(Field::new("item", DataType::Float64, true));
-    ListArray::new(field, OffsetBuffer::from_lengths(std::iter::repeat_n(width, rows)), Arc::new(Float64Array::from(values)), None)
+    ListArray::new(
+        field,
+        OffsetBuffer::from_lengths(std::iter::repeat_n(width, rows)),
+        Arc::new(Float64Array::from(values)),
+        None,
+    )
 }
 
 /// Steps as a chunk: one struct a row, its fields as [`schema::columns`] names them, then revision and flags.
@@ -72,7 +79,8 @@ pub(super) fn steps(batch: &Batch) -> Result<Chunk, ChunkError> {
     arrays.push(Arc::new(UInt32Array::from(batch.flags.clone())));
     let rows = StructArray::new(Fields::from(fields), arrays, None);
     let field = Arc::new(Field::new("item", rows.data_type().clone(), true));
-    let list = ListArray::new(field, OffsetBuffer::from_lengths(std::iter::repeat_n(1, batch.len())), Arc::new(rows), None);
+    let list =
+        ListArray::new(field, OffsetBuffer::from_lengths(std::iter::repeat_n(1, batch.len())), Arc::new(rows), None);
     let times = timelines((0..batch.len()).map(|row| batch.moment(row)));
     Chunk::from_columns(schema::STEPS, times, [(ComponentDescriptor::partial(schema::ROW), list)])
 }
@@ -90,12 +98,14 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, String> 
         let found = column(&wanted.name)?.as_any().downcast_ref::<Float64Array>();
         *place = found.ok_or_else(|| format!("column '{}' holds no doubles", wanted.name))?.values().to_vec();
     }
-    let revision = column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>().ok_or("revisions of another type")?;
+    let revision =
+        column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>().ok_or("revisions of another type")?;
     batch.revision = revision.values().to_vec();
     let flags = column(schema::FLAGS)?.as_any().downcast_ref::<UInt32Array>().ok_or("flags of another type")?;
     batch.flags = flags.values().to_vec();
     let times = |name: &'static str| {
-        let column = chunk.timelines().get(&name.into()).ok_or_else(|| format!("steps without the timeline '{name}'"))?;
+        let column =
+            chunk.timelines().get(&name.into()).ok_or_else(|| format!("steps without the timeline '{name}'"))?;
         Ok::<_, String>(column.times_raw().iter().map(|time| time.cast_unsigned()).collect::<Vec<u64>>())
     };
     batch.seq = times(schema::STEP)?;
@@ -108,7 +118,8 @@ pub(super) fn moments(chunk: &Chunk) -> Vec<Moment> {
     let times = |name: &'static str| chunk.timelines().get(&name.into()).map_or(&[] as &[i64], TimeColumn::times_raw);
     let (seq, tau, wall) = (times(schema::STEP), times(schema::TAU), times(schema::WALL));
     let rows = seq.iter().zip(tau).zip(wall);
-    rows.map(|((s, t), w)| Moment { seq: s.cast_unsigned(), tau: *t as f64 / 1e9, wall_ns: w.cast_unsigned() }).collect()
+    rows.map(|((s, t), w)| Moment { seq: s.cast_unsigned(), tau: *t as f64 / 1e9, wall_ns: w.cast_unsigned() })
+        .collect()
 }
 
 #[cfg(test)]

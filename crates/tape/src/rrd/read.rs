@@ -134,7 +134,8 @@ impl<'a> Scan<'a> {
             let start = self.at;
             let header = self.take(MessageHeader::ENCODED_SIZE_BYTES as u64)?;
             let Ok(MessageHeader { kind, len }) = MessageHeader::from_rrd_bytes(&header) else {
-                let notice = format!("damaged at byte {start}: the {} bytes from there on are not read", self.bytes - start);
+                let notice =
+                    format!("damaged at byte {start}: the {} bytes from there on are not read", self.bytes - start);
                 self.found.notices.push(notice);
                 break;
             };
@@ -253,7 +254,8 @@ impl<'a> Scan<'a> {
                     "recorded by a later whirl (schema {schema}; this one reads up to {newest}): read it with that one"
                 )));
             }
-            let document: SessionDocument = document::parse(&text).map_err(|error| self.not_ours(&error.to_string()))?;
+            let document: SessionDocument =
+                document::parse(&text).map_err(|error| self.not_ours(&error.to_string()))?;
             self.masses = document.masses();
             // Every part of a recording that was put together carries it.
             self.session.get_or_insert(document);
@@ -307,6 +309,17 @@ impl<'a> Scan<'a> {
                 Told::Remark(remark) => remarks.push(remark),
             }
         }
-        Ok(Contents { session, rotor, scales, stretches, revisions, events, remarks, health, notices, bytes: self.bytes })
+        Ok(Contents {
+            session,
+            rotor,
+            scales,
+            stretches,
+            revisions,
+            events,
+            remarks,
+            health,
+            notices,
+            bytes: self.bytes,
+        })
     }
 }

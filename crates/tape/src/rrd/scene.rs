@@ -52,7 +52,9 @@ impl Scene {
         // Viewers draw pictures with y downwards; z of the rotor and the imaginary axis point up.
         let upright = || Transform3D::from_scale([1.0, -1.0, 1.0]);
         let still = |entity: String, what: &dyn AsComponents| row(&entity, TimePoint::STATIC, what);
-        let line = SeriesLines::new().with_names(["minimum damping ratio"]).with_interpolation_mode(InterpolationMode::StepAfter);
+        let line = SeriesLines::new()
+            .with_names(["minimum damping ratio"])
+            .with_interpolation_mode(InterpolationMode::StepAfter);
         let axis = LineStrips2D::new([[[0.0_f32, -1e3], [0.0, 1e3]]])
             .with_colors([Color::from_rgb(110, 110, 110)])
             .with_radii([Radius::new_ui_points(0.75)]);

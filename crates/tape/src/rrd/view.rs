@@ -1,14 +1,15 @@
 //! The layout that opens with a recording. It answers an operator's questions in their order: what happened (events), how
 //! it moved (orbits, displacement, control), and under which gains (settings, poles, damping) at the time cursor.
 
-use rerun::blueprint::{
-    Blueprint, BlueprintActivation, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs, TextDocumentView,
-    TextLogView, TimePanel, TimeSeriesView, Vertical, VisualizableArchetype as _, Visualizer, VisualizerComponentMapping,
-};
+use rerun::RecordingStreamBuilder;
 use rerun::archetypes::{Scalars, SeriesLines};
 use rerun::blueprint::components::PanelState;
+use rerun::blueprint::{
+    Blueprint, BlueprintActivation, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs,
+    TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical, VisualizableArchetype as _, Visualizer,
+    VisualizerComponentMapping,
+};
 use rerun::log::LogMsg;
-use rerun::RecordingStreamBuilder;
 use rotor::{Rotor, Settings};
 
 use super::scene;
@@ -92,5 +93,8 @@ fn plot(title: &str, columns: &[Column]) -> ContainerLike {
         SeriesLines::new().with_names([column.name.as_str()]).visualizer().with_mappings([source.into()])
     };
     let steps = format!("/{}", schema::STEPS);
-    TimeSeriesView::new(title).with_contents([steps.as_str()]).with_overrides(steps.as_str(), columns.iter().map(line)).into()
+    TimeSeriesView::new(title)
+        .with_contents([steps.as_str()])
+        .with_overrides(steps.as_str(), columns.iter().map(line))
+        .into()
 }

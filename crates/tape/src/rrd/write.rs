@@ -54,7 +54,8 @@ impl Writer {
     /// # Errors
     /// It is there, or cannot be made, or not even its head can be written.
     pub(crate) fn create(path: &Path, head: &Head) -> Result<Self, TapeError> {
-        let rotor = head.bulletin.rotor().map_err(|error| TapeError::place(path, format!("no rotor to record: {error}")))?;
+        let rotor =
+            head.bulletin.rotor().map_err(|error| TapeError::place(path, format!("no rotor to record: {error}")))?;
         let ledger = Ledger::create(path).map_err(|error| TapeError::unfit(path, &error))?;
         let run = format!("{:016x}", head.session.run_id);
         // Parts of one run share the id: a viewer that is given several puts them together.
@@ -235,7 +236,9 @@ impl Sink for Writer {
 
     fn finish(mut self: Box<Self>) -> Result<u64, TapeError> {
         self.flush_health()?;
-        let Some(mut encoder) = self.encoder.take() else { return Err(self.stopped("writing has failed before".into())) };
+        let Some(mut encoder) = self.encoder.take() else {
+            return Err(self.stopped("writing has failed before".into()));
+        };
         let finished = encoder.finish();
         let mut ledger = encoder.into_inner().map_err(|error| self.stopped(plain(&error)))?;
         if let Err(error) = finished {

@@ -8,6 +8,7 @@ use crate::commands::config;
 use crate::failure::Failure;
 use crate::folders;
 use crate::layouts;
+use crate::recordings::Recordings;
 
 /// Options of `whirl dash`.
 #[derive(Debug, clap::Args)]
@@ -107,7 +108,11 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     if let Some(file) = &args.picture {
         return picture(args, file, carrier, &bench, &options);
     }
-    ended(dash::run(carrier, &bench, None, None, &options)?)
+    let mut scribe = Recordings::of(bench.clone());
+    let shown = dash::run(carrier, &bench, None, Some(&mut scribe), &options);
+    let recorded = scribe.finish();
+    ended(shown?)?;
+    recorded
 }
 
 /// Takes a picture of what the dashboard shows.

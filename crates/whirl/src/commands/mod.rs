@@ -5,13 +5,16 @@ pub(crate) mod clean;
 pub(crate) mod config;
 pub(crate) mod cycles;
 pub(crate) mod dash;
+pub(crate) mod export;
 pub(crate) mod force;
+pub(crate) mod info;
 pub(crate) mod layout;
 mod linear;
 pub(crate) mod modes;
 pub(crate) mod note;
 mod orbits;
 pub(crate) mod poles;
+pub(crate) mod record;
 pub(crate) mod report;
 pub(crate) mod response;
 pub(crate) mod rotor;
@@ -39,6 +42,9 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Dash(args) => dash::run(&args),
         Command::Config(args) => config::run(&args),
         Command::Layout(args) => layout::run(&args),
+        Command::Record(args) => record::run(&args),
+        Command::Info(args) => info::run(&args),
+        Command::Export(args) => export::run(&args),
         Command::Tail(args) => tail::run(&args),
         Command::Set(args) => set::run(&args),
         Command::Note(args) => note::run(&args),

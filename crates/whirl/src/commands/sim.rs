@@ -118,7 +118,7 @@ pub(crate) fn run(args: &SimArgs) -> Result<(), Failure> {
 }
 
 /// A parent that is killed cannot end its child, but the pipe between them closes all the same.
-fn stop_when_stdin_closes(stop: Arc<AtomicBool>) {
+pub(crate) fn stop_when_stdin_closes(stop: Arc<AtomicBool>) {
     std::thread::spawn(move || {
         let mut sink = [0; 64];
         let mut stdin = std::io::stdin().lock();

@@ -1,16 +1,16 @@
 //! `whirl up`: a simulation process and a dashboard on it; quitting the dashboard ends both.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::path::PathBuf;
+use std::time::Duration;
 
 use dash::Keeper;
 
-use crate::attach;
 use crate::commands::dash::{ScreenArgs, ended};
-use crate::commands::sim::{LiveArgs, READY};
+use crate::commands::sim::LiveArgs;
+use crate::companion::Companion;
 use crate::failure::Failure;
+use crate::attach;
+use crate::recordings::Recordings;
 
 /// How long a simulation may take to end before it is killed.
 const FAREWELL: Duration = Duration::from_secs(2);
@@ -22,128 +22,53 @@ pub(crate) struct UpArgs {
     live: LiveArgs,
     #[command(flatten)]
     screen: ScreenArgs,
+    /// Record the session in FILE.rrd, by a process of its own
+    #[arg(long, value_name = "FILE.rrd")]
+    record: Option<PathBuf>,
 }
 
 /// Starts the simulation, shows it, and ends it.
 ///
 /// # Errors
-/// A machine that cannot be made, a bench that is taken, or no terminal.
+/// A machine that cannot be made, a bench that is taken, no terminal, or a recording that failed.
 pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
-    let UpArgs { live: args, screen } = args;
     // What is wrong with the command line is said here, not by the child.
-    args.machine()?;
-    let screen = screen.options()?;
-    let bench = args.options()?.bench;
+    let live = &args.live;
+    live.machine()?;
+    let screen = args.screen.options()?;
+    let bench = live.options()?.bench;
+    if args.record.is_some() {
+        tape::available()?;
+    }
     let carrier = attach::dashboard_carrier()?;
-    let mut simulation = Simulation::start(args.to_arguments())?;
-    let shown = dash::run(carrier, &bench, Some(&mut simulation), None, &screen);
-    simulation.end()?;
-    ended(shown?)
+    let mut simulation = Simulation(Companion::start("simulation", FAREWELL, live.to_arguments())?);
+    let mut scribe = Recordings::of(bench.clone());
+    if let Some(path) = &args.record
+        && let Err(failure) = scribe.begin(path)
+    {
+        simulation.0.end()?;
+        return Err(failure);
+    }
+    let shown = dash::run(carrier, &bench, Some(&mut simulation), Some(&mut scribe), &screen);
+    // The simulation first, so that its end is in the recording.
+    simulation.0.end()?;
+    let recorded = scribe.finish();
+    ended(shown?)?;
+    recorded
 }
 
-/// The simulation process that we started. It ends with us, however we end: its standard input is a pipe from us.
-struct Simulation {
-    arguments: Vec<String>,
-    child: Child,
-    /// What it says goes to a file, because the screen is not its to write on.
-    said: File,
-    ended: Option<ExitStatus>,
-}
-
-impl Simulation {
-    /// Starts it and waits until the bench's name is its own, or it ends for lack of that: another's bench of the same
-    /// name must not be taken for it.
-    fn start(arguments: Vec<String>) -> Result<Self, Failure> {
-        let (child, said) = spawn(&arguments)?;
-        let mut simulation = Self { arguments, child, said, ended: None };
-        let mut word = String::new();
-        if let Some(stdout) = &mut simulation.child.stdout {
-            // Reads to the end of the line, or of the process.
-            let _ = BufReader::new(stdout).read_line(&mut word);
-        }
-        if word == READY {
-            return Ok(simulation);
-        }
-        simulation.ended = simulation.child.wait().ok();
-        Err(simulation.failure())
-    }
-
-    fn has_ended(&mut self) -> bool {
-        if self.ended.is_none() {
-            self.ended = self.child.try_wait().ok().flatten();
-        }
-        self.ended.is_some()
-    }
-
-    /// Why it ended, with its own exit code.
-    fn failure(&mut self) -> Failure {
-        let words = self.words();
-        match self.ended.and_then(|status| status.code()) {
-            Some(2) => Failure::Usage(words),
-            Some(3) => Failure::Bench(words),
-            _ => Failure::Work(words),
-        }
-    }
-
-    /// What it said last, or how it ended.
-    fn words(&mut self) -> String {
-        let mut said = String::new();
-        let _ = self.said.rewind().and_then(|()| self.said.read_to_string(&mut said));
-        let last = said.lines().last().map(|line| line.trim_start_matches("whirl: ").to_owned());
-        last.unwrap_or_else(|| self.ended.map_or_else(|| "it still runs".to_owned(), |status| status.to_string()))
-    }
-
-    /// Asks it to end, and kills it if it does not.
-    fn end(&mut self) -> Result<(), Failure> {
-        if self.has_ended() {
-            return Ok(());
-        }
-        // Closing its input is the request.
-        drop(self.child.stdin.take());
-        let start = Instant::now();
-        while !self.has_ended() && start.elapsed() < FAREWELL {
-            std::thread::sleep(Duration::from_millis(2));
-        }
-        if !self.has_ended() {
-            self.child
-                .kill()
-                .and_then(|()| self.child.wait())
-                .map_err(|error| Failure::Work(format!("the simulation does not end: {error}")))?;
-        }
-        Ok(())
-    }
-}
-
-impl Drop for Simulation {
-    fn drop(&mut self) {
-        // After a panic: nobody is left to tell.
-        let _ = self.end();
-    }
-}
+/// The simulation that the dashboard shows, and can start again.
+struct Simulation(Companion);
 
 impl Keeper for Simulation {
     fn ended(&mut self) -> Option<String> {
-        self.has_ended().then(|| self.words())
+        self.0.has_ended().then(|| self.0.words())
     }
 
     fn revive(&mut self) -> Result<(), String> {
-        *self = Self::start(self.arguments.clone()).map_err(|failure| failure.to_string())?;
+        self.0 = self.0.start_again().map_err(|failure| failure.to_string())?;
         Ok(())
     }
-}
-
-fn spawn(arguments: &[String]) -> Result<(Child, File), Failure> {
-    let failed = |error: std::io::Error| Failure::Work(format!("the simulation cannot be started: {error}"));
-    let program = std::env::current_exe().map_err(failed)?;
-    let said = tempfile::tempfile().map_err(failed)?;
-    let child = Command::new(program)
-        .args(arguments)
-        .stdin(Stdio::piped())
-        .stdout(Stdio::piped())
-        .stderr(said.try_clone().map_err(failed)?)
-        .spawn()
-        .map_err(failed)?;
-    Ok((child, said))
 }
 
 impl LiveArgs {

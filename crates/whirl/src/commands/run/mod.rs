@@ -1,22 +1,23 @@
 //! `whirl run`: one simulation from rest, offline.
 
+mod out;
 mod print;
 mod typed;
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Instant;
 
 use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
 use study::spectrum::{self, Collector, Peak, Spectrum};
 use study::step_size::Fastest;
-use study::trajectory::{Form, Writer};
 
 use crate::catalog::{self, Machine};
 use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::Format;
-use crate::{interrupt, place};
 
+use out::Out;
 use typed::{ImpulseArg, MassArg};
 
 /// Options of `whirl run`.
@@ -42,7 +43,7 @@ pub(crate) struct RunArgs {
     /// A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)
     #[arg(long, value_name = "IMPULSE", allow_hyphen_values = true)]
     impulse: Vec<ImpulseArg>,
-    /// Write the trajectory, dimensionless for any rotor, to FILE.csv or FILE.parquet
+    /// Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Write one step in every N
@@ -72,12 +73,12 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         Collector::new(mass - 1, (0.2 / (plan.dtau * fastest)).max(1.0) as u64, last_impulse)
     });
     let mut writer = match &args.out {
-        Some(path) => Some(open(path, machine.rotor.len(), args.every)?),
+        Some(path) => Some(Out::open(path, &machine, &plan, args.every)?),
         None => None,
     };
     let mut observers: Vec<&mut dyn Observer> = Vec::new();
     observers.extend(collector.as_mut().map(|c| c as &mut dyn Observer));
-    observers.extend(writer.as_mut().map(|w| w as &mut dyn Observer));
+    observers.extend(writer.as_mut().map(Out::observer));
 
     let began = Instant::now();
     let outcome = study::run::run(&plan, &mut observers, &stop)?;
@@ -88,8 +89,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         _ => None,
     };
     if let Some(writer) = writer {
-        let path = args.out.as_deref().unwrap_or(Path::new(""));
-        writer.finish().map_err(|error| cannot_write(path, &error))?;
+        writer.finish()?;
     }
     print::print(args.format, &machine, &plan, outcome, seconds, spectrum)
 }
@@ -133,16 +133,6 @@ fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
             None => Settle::From(0.0),
         },
     })
-}
-
-fn open(path: &Path, masses: usize, every: u64) -> Result<Writer, Failure> {
-    let form = Form::of(path).map_err(|error| Failure::Usage(error.to_string()))?;
-    place::check(path)?;
-    Writer::create(path, form, masses, every).map_err(|error| place::unfit(path, &error))
-}
-
-fn cannot_write(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::Work(format!("cannot write '{}': {error}", path.display()))
 }
 
 impl From<RunError> for Failure {

@@ -1,0 +1,109 @@
+//! A table as Apache Parquet, a row group at a time.
+
+use std::io;
+use std::sync::Arc;
+
+use parquet::basic::{Compression, Repetition, Type as Physical};
+use parquet::data_type::{DoubleType, Int32Type, Int64Type};
+use parquet::file::properties::WriterProperties;
+use parquet::file::writer::SerializedFileWriter;
+use parquet::schema::types::Type;
+use tempfile::NamedTempFile;
+
+use super::Kind;
+
+/// Rows that are gathered before they are written: a few megabytes.
+const GROUP: usize = 1 << 15;
+
+/// A Parquet file in the making.
+pub(super) struct Columns {
+    writer: SerializedFileWriter<NamedTempFile>,
+    doubles: Vec<Vec<f64>>,
+    wholes: Vec<Wholes>,
+    rows: usize,
+}
+
+enum Wholes {
+    Int(Vec<i32>),
+    Long(Vec<i64>),
+}
+
+impl Columns {
+    /// Begins a file with these columns.
+    pub(super) fn create(file: NamedTempFile, doubles: &[String], wholes: &[(&str, Kind)]) -> io::Result<Self> {
+        let kinds = doubles.iter().map(|name| (name.as_str(), Kind::Double)).chain(wholes.iter().copied());
+        let field = |(name, kind)| {
+            let physical = match kind {
+                Kind::Double => Physical::DOUBLE,
+                Kind::Int => Physical::INT32,
+                Kind::Long => Physical::INT64,
+            };
+            Type::primitive_type_builder(name, physical)
+                .with_repetition(Repetition::REQUIRED)
+                .build()
+                .map(Arc::new)
+                .map_err(io::Error::other)
+        };
+        let fields = kinds.map(field).collect::<io::Result<Vec<_>>>()?;
+        let schema = Type::group_type_builder("table").with_fields(fields).build().map_err(io::Error::other)?;
+        let properties = WriterProperties::builder().set_compression(Compression::SNAPPY).build();
+        let writer =
+            SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties)).map_err(io::Error::other)?;
+        let wholes = wholes.iter().map(|(_, kind)| match kind {
+            Kind::Long => Wholes::Long(Vec::new()),
+            Kind::Int | Kind::Double => Wholes::Int(Vec::new()),
+        });
+        Ok(Self { writer, doubles: vec![Vec::new(); doubles.len()], wholes: wholes.collect(), rows: 0 })
+    }
+
+    /// Adds a row.
+    pub(super) fn push(&mut self, doubles: &[f64], wholes: &[u64]) -> io::Result<()> {
+        for (column, value) in self.doubles.iter_mut().zip(doubles) {
+            column.push(*value);
+        }
+        for (column, value) in self.wholes.iter_mut().zip(wholes) {
+            match column {
+                Wholes::Int(column) => column.push(i32::try_from(*value).unwrap_or(i32::MAX)),
+                Wholes::Long(column) => column.push(i64::try_from(*value).unwrap_or(i64::MAX)),
+            }
+        }
+        self.rows += 1;
+        if self.rows == GROUP { self.flush().map_err(io::Error::other) } else { Ok(()) }
+    }
+
+    fn flush(&mut self) -> parquet::errors::Result<()> {
+        if self.rows == 0 {
+            return Ok(());
+        }
+        let mut group = self.writer.next_row_group()?;
+        for column in &mut self.doubles {
+            if let Some(mut out) = group.next_column()? {
+                out.typed::<DoubleType>().write_batch(column, None, None)?;
+                out.close()?;
+            }
+            column.clear();
+        }
+        for column in &mut self.wholes {
+            if let Some(mut out) = group.next_column()? {
+                match column {
+                    Wholes::Int(column) => drop(out.typed::<Int32Type>().write_batch(column, None, None)?),
+                    Wholes::Long(column) => drop(out.typed::<Int64Type>().write_batch(column, None, None)?),
+                }
+                out.close()?;
+            }
+            match column {
+                Wholes::Int(column) => column.clear(),
+                Wholes::Long(column) => column.clear(),
+            }
+        }
+        self.rows = 0;
+        group.close()?;
+        Ok(())
+    }
+
+    /// Writes what is left and the footer.
+    pub(super) fn finish(mut self) -> io::Result<NamedTempFile> {
+        self.flush().map_err(io::Error::other)?;
+        self.writer.into_inner().map_err(io::Error::other)
+    }
+}

@@ -1,0 +1,95 @@
+//! `whirl export`: a recording as a table.
+
+use std::ops::ControlFlow;
+use std::path::PathBuf;
+
+use study::table::{Form, FormError, Kind, Table};
+use tape::Recording;
+use wire::State;
+
+use crate::failure::Failure;
+use crate::{interrupt, output, place};
+
+/// Options of `whirl export`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ExportArgs {
+    /// The recording
+    #[arg(value_name = "FILE.rrd")]
+    file: PathBuf,
+    /// Write FILE.csv beside it
+    #[arg(long, required_unless_present_any = ["parquet", "out"])]
+    csv: bool,
+    /// Write FILE.parquet beside it
+    #[arg(long, conflicts_with = "csv")]
+    parquet: bool,
+    /// Write this file instead: .csv or .parquet
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "parquet"])]
+    out: Option<PathBuf>,
+    /// Steps from this tau on; after a restart tau begins at 0 again, and each stretch has its share
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
+    from: Option<f64>,
+    /// Steps up to this tau
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
+    to: Option<f64>,
+    /// Steps whose number is a multiple of N
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+}
+
+/// The columns after those of doubles.
+const WHOLES: [(&str, Kind); 4] =
+    [("step", Kind::Long), ("wall_ns", Kind::Long), ("revision", Kind::Long), ("flags", Kind::Int)];
+
+/// Writes the table, whole or not at all.
+///
+/// # Errors
+/// No recording, no such form in this build, or a place that cannot be written.
+pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
+    let usage = |error: FormError| Failure::Usage(error.to_string());
+    let (target, form) = match &args.out {
+        Some(path) => (path.clone(), Form::of(path).map_err(usage)?),
+        None if args.parquet => (args.file.with_extension("parquet"), Form::Parquet.available().map_err(usage)?),
+        None => (args.file.with_extension("csv"), Form::Csv),
+    };
+    let (from, to) = (args.from.unwrap_or(f64::NEG_INFINITY), args.to.unwrap_or(f64::INFINITY));
+    if from.is_nan() || to.is_nan() || from > to {
+        return Err(Failure::Usage(format!(
+            "from = {from}, to = {to}: expected two times, the first not after the second"
+        )));
+    }
+    place::check(&target)?;
+    let mut recording = Recording::open(&args.file)?;
+    interrupt::end_at_once()?;
+    let masses = recording.rotor().len();
+    let names: Vec<String> = tape::schema::columns(masses).into_iter().map(|column| column.name).collect();
+    let mut table = Table::create(&target, form, &names, &WHOLES).map_err(|error| place::unfit(&target, &error))?;
+    let (mut rows, mut failed) = (0_u64, None);
+    recording.visit(0..u64::MAX, args.every, |state| {
+        if !(from..=to).contains(&state.tau) {
+            return ControlFlow::Continue(());
+        }
+        rows += 1;
+        let wholes = [state.seq, state.wall_ns, state.revision, state.flags.0.into()];
+        match table.row(&row(state), &wholes) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(error) => {
+                failed = Some(error);
+                ControlFlow::Break(())
+            }
+        }
+    })?;
+    let cannot = |error| Failure::Work(format!("cannot write '{}': {error}", target.display()));
+    failed.map_or(Ok(()), |error| Err(cannot(error)))?;
+    table.finish().map_err(cannot)?;
+    for notice in recording.notices() {
+        output::warn(&format!("{}: {notice}", args.file.display()));
+    }
+    output::print_text(&format!("{}: {rows} steps\n", target.display()))
+}
+
+/// The doubles of a step, as [`tape::schema::columns`] orders them.
+fn row(state: &State) -> Vec<f64> {
+    let head = [state.tau, state.angle, state.speed].into_iter();
+    let points = state.points().iter().flat_map(|p| [p.y, p.z, p.vy, p.vz]);
+    head.chain(state.force_commanded).chain(state.force_delivered).chain(points).collect()
+}

@@ -1,0 +1,82 @@
+//! `whirl info`: what a recording holds.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use tape::{At, Info, Recording};
+
+use crate::failure::Failure;
+use crate::output::{self, rounded};
+
+/// Options of `whirl info`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct InfoArgs {
+    /// The recording
+    #[arg(value_name = "FILE.rrd")]
+    file: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+/// Reads the recording whole, and tells.
+///
+/// # Errors
+/// No such file, or no recording of ours.
+pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
+    let mut recording = Recording::open(&args.file)?;
+    let info = Info::of(&mut recording)?;
+    if args.json { output::print_json(&info) } else { output::print_text(&for_people(&info)) }
+}
+
+fn for_people(info: &Info) -> String {
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        let _ = writeln!(text, "{name:<12}{value}");
+    };
+    let at = |at: &At| format!("step {}, tau {}", at.step, rounded(at.tau));
+    line("file", format!("{}, {:.1} MB, schema {}", info.file, info.bytes as f64 / 1e6, info.schema));
+    let bench = if info.bench.is_empty() { String::new() } else { format!("bench {}, ", info.bench) };
+    line(
+        "run",
+        format!(
+            "{} ({}), {bench}{} of whirl {}, recorded by {}",
+            info.run_id, info.source, info.rotor, info.simulation, info.whirl
+        ),
+    );
+    let rate = info.measured_rate_hz.map_or(String::new(), |hz| format!(", {hz:.1}/s of {}/s", info.rate_hz));
+    line("length", format!("{} steps in {:.1} s{rate}, {} lost", info.steps, info.seconds, info.lost));
+    if let (Some(first), Some(last)) = (&info.first, &info.last) {
+        line("from", at(first));
+        line("to", at(last));
+    }
+    line(
+        "happened",
+        format!(
+            "{} changes of settings, {} trips, {} events in all",
+            info.settings_changes,
+            info.trips.len(),
+            info.events
+        ),
+    );
+    for trip in &info.trips {
+        line("trip", format!("{}, revision {}: {}", at(&trip.at), trip.revision, trip.why));
+    }
+    if let Some(damping) = info.min_damping {
+        line(
+            "damping",
+            format!("least {} from step {}, revision {}", rounded(damping.value), damping.step, damping.revision),
+        );
+    }
+    if let Some(force) = info.max_force {
+        line("force", format!("largest {} w0^2 e_t at {}", rounded(force.value), at(&force.at)));
+    }
+    if let Some(radius) = info.max_radius {
+        let mass = radius.mass.unwrap_or_default();
+        line("radius", format!("largest {} e_t, mass {mass}, at {}", rounded(radius.value), at(&radius.at)));
+    }
+    for notice in &info.notices {
+        line("note", notice.clone());
+    }
+    text
+}

@@ -1,0 +1,143 @@
+//! `whirl record`: a running simulation in a file, every step.
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use tape::Keep;
+use tape::recorder::{self, Order, Progress, Summary};
+use wire::{BenchName, Keeping};
+
+use crate::attach::{self, BenchArgs};
+use crate::commands::sim::{READY, stop_when_stdin_closes};
+use crate::companion::Companion;
+use crate::failure::Failure;
+use crate::{amount, interrupt, output};
+
+/// How long a recorder may take to write what it has heard before it is killed.
+const FAREWELL: Duration = Duration::from_secs(30);
+
+/// Options of `whirl record`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct RecordArgs {
+    /// The file; it must not be there yet
+    #[arg(value_name = "FILE.rrd")]
+    file: PathBuf,
+    #[command(flatten)]
+    bench: BenchArgs,
+    /// Keep the last so long only, such as 10min; in several files while it runs, joined at the end
+    #[arg(long, value_name = "DURATION", value_parser = amount::seconds)]
+    keep: Option<f64>,
+    /// Write nothing until the machine trips; then the last so long before it, and a few seconds after
+    #[arg(long, value_name = "DURATION", value_parser = amount::seconds, conflicts_with = "keep")]
+    pretrigger: Option<f64>,
+    /// Go on in FILE-2.rrd, FILE-3.rrd ... whenever a file is this large, such as 1GB
+    #[arg(long, value_name = "SIZE", value_parser = amount::bytes, conflicts_with_all = ["keep", "pretrigger"])]
+    split: Option<u64>,
+    /// End in good order when the disk has less room left than this
+    #[arg(long, value_name = "SIZE", value_parser = amount::bytes, default_value = "200MB")]
+    min_free: u64,
+    /// Go on with the next simulation of the same name when one ends
+    #[arg(long)]
+    follow: bool,
+    /// Serve a parent process: say `ready` once it records, and end when standard input closes
+    #[arg(long, hide = true)]
+    as_child: bool,
+}
+
+/// Records until a signal comes or the simulation ends, and says in one line how it went.
+///
+/// # Errors
+/// A build without recordings, a file that is there already, no such bench, or a disk that is full.
+pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
+    tape::available()?;
+    let bench = args.bench.name()?;
+    let keeping = match (args.keep, args.pretrigger) {
+        (Some(seconds), _) => Keeping::Last(seconds),
+        (_, Some(seconds)) => Keeping::Pretrigger(seconds),
+        _ => Keeping::All,
+    };
+    let keep = Keep { keeping, split: args.split, min_free: args.min_free };
+    let order = Order { bench, path: args.file.clone(), keep, follow: args.follow };
+    // What is wrong with the command line is said before anything is waited for.
+    recorder::check(&order)?;
+    let stop = interrupt::flag()?;
+    if args.as_child {
+        stop_when_stdin_closes(stop.clone());
+    }
+    let carrier = attach::carrier("record")?;
+    let mut listener = attach::listen(&carrier, &order.bench)?;
+    let rate_hz = attach::first_bulletin(&mut listener, &order.bench)?.rate_hz;
+    recorder::check_window(&order.keep, rate_hz).map_err(Failure::Usage)?;
+    let mut line = Line::new();
+    let mut ready = args.as_child;
+    let summary = recorder::record(&carrier, listener, &order, &stop, |progress| {
+        if std::mem::take(&mut ready) {
+            // A parent that does not listen will close our input too.
+            let _ = output::print_text(READY);
+        }
+        line.show(progress);
+    });
+    line.clear();
+    output::print_text(&(in_words(&summary?) + "\n"))
+}
+
+/// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped.
+///
+/// # Errors
+/// It cannot be started, or cannot record: in its own words, with its own exit code.
+pub(crate) fn companion(path: &Path, bench: &BenchName) -> Result<Companion, Failure> {
+    let path =
+        path.to_str().ok_or_else(|| Failure::Usage(format!("'{}': expected a name in UTF-8", path.display())))?;
+    let bench = format!("--bench={bench}");
+    let arguments = ["record", &bench, "--follow", "--as-child", "--", path];
+    Companion::start("recorder", FAREWELL, arguments.map(str::to_owned).to_vec())
+}
+
+fn in_words(summary: &Summary) -> String {
+    let Summary { files, rows, bytes, lost, elapsed, why } = summary;
+    let (seconds, megabytes) = (elapsed.as_secs_f64(), *bytes as f64 / 1e6);
+    match files.as_slice() {
+        [] => format!("nothing was written in {seconds:.1} s: {why}"),
+        files => {
+            let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
+            format!("{}: {rows} steps in {seconds:.1} s, {megabytes:.1} MB, {lost} lost; {why}", names.join(", "))
+        }
+    }
+}
+
+/// The line on the terminal that tells how far it is; nowhere else.
+struct Line {
+    shown: bool,
+}
+
+impl Line {
+    fn new() -> Self {
+        Self { shown: std::io::stderr().is_terminal() }
+    }
+
+    fn show(&mut self, Progress { rows, bytes, lost, elapsed }: Progress) {
+        if self.shown {
+            let (seconds, megabytes) = (elapsed.as_secs(), bytes as f64 / 1e6);
+            let (minutes, seconds) = (seconds / 60, seconds % 60);
+            let line = format!("\r\x1b[K● {minutes:02}:{seconds:02}  {rows} steps  {megabytes:.1} MB  {lost} lost");
+            let _ = std::io::stderr().write_all(line.as_bytes());
+        }
+    }
+
+    fn clear(&mut self) {
+        if std::mem::take(&mut self.shown) {
+            let _ = std::io::stderr().write_all(b"\r\x1b[K");
+        }
+    }
+}
+
+impl From<tape::TapeError> for Failure {
+    fn from(error: tape::TapeError) -> Self {
+        match error {
+            tape::TapeError::Wire(error) => error.into(),
+            error if error.is_usage() => Self::Usage(error.to_string()),
+            error => Self::Work(error.to_string()),
+        }
+    }
+}

@@ -1,0 +1,79 @@
+//! Where the trajectory of a run goes: a table, or a recording.
+
+use std::io;
+use std::path::{Path, PathBuf};
+
+use rotor::{C64, Motion};
+use study::run::{Observer, Plan};
+use study::table::{Form, FormError};
+use study::trajectory::Writer;
+use tape::OfflineTape;
+
+use crate::catalog::Machine;
+use crate::failure::Failure;
+use crate::place;
+
+/// A file that a run is written to.
+pub(super) enum Out {
+    /// CSV or Parquet, by the path for messages.
+    Table(PathBuf, Box<Writer>),
+    /// `.rrd`.
+    Tape(Box<Recorder>),
+}
+
+/// A recording that watches a run.
+pub(super) struct Recorder(OfflineTape);
+
+impl Observer for Recorder {
+    fn sample(&mut self, motion: &Motion<'_>, control: C64, contact: u32) -> io::Result<()> {
+        self.0.sample(motion, control, contact)
+    }
+}
+
+impl Out {
+    /// Opens what the ending of `path` asks for.
+    ///
+    /// # Errors
+    /// An ending that is not known or not built in, or a place that cannot be written.
+    pub(super) fn open(path: &Path, machine: &Machine, plan: &Plan, every: u64) -> Result<Self, Failure> {
+        let Machine { rotor, settings } = machine;
+        if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
+            tape::available()?;
+            place::check(path)?;
+            let impulses = plan.impulses.iter().map(|i| (i.at, i.mass, i.change)).collect();
+            let tape = OfflineTape::create(path, rotor, settings, plan.dtau, every, impulses)?;
+            return Ok(Self::Tape(Box::new(Recorder(tape))));
+        }
+        let form = Form::of(path).map_err(|error| match error {
+            FormError::Unknown(path) => Failure::Usage(format!(
+                "'{}': expected a file name that ends in .csv, .parquet or .rrd",
+                path.display()
+            )),
+            error @ FormError::NoParquet => Failure::Usage(error.to_string()),
+        })?;
+        place::check(path)?;
+        let writer = Writer::create(path, form, rotor.len(), every).map_err(|error| place::unfit(path, &error))?;
+        Ok(Self::Table(path.to_owned(), Box::new(writer)))
+    }
+
+    /// What watches the run.
+    pub(super) fn observer(&mut self) -> &mut dyn Observer {
+        match self {
+            Self::Table(_, writer) => writer.as_mut(),
+            Self::Tape(tape) => tape.as_mut(),
+        }
+    }
+
+    /// Completes the file and gives it its name.
+    ///
+    /// # Errors
+    /// The rest cannot be written.
+    pub(super) fn finish(self) -> Result<(), Failure> {
+        match self {
+            Self::Table(path, writer) => {
+                writer.finish().map_err(|error| Failure::Work(format!("cannot write '{}': {error}", path.display())))
+            }
+            Self::Tape(tape) => Ok(tape.0.finish("the run is over")?),
+        }
+    }
+}

@@ -1,0 +1,143 @@
+//! A process of this program that serves another one of it: the simulation and the recorder behind a dashboard.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read, Seek};
+use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use crate::commands::sim::READY;
+use crate::failure::Failure;
+
+/// A process that we started. It ends with us, however we end: its standard input is a pipe from us.
+pub(crate) struct Companion {
+    /// What it is, for messages.
+    what: &'static str,
+    /// How long it may take to end before it is killed.
+    farewell: Duration,
+    arguments: Vec<String>,
+    child: Child,
+    stdout: Option<BufReader<ChildStdout>>,
+    /// What it says goes to a file, because the screen is not its to write on.
+    said: File,
+    ended: Option<ExitStatus>,
+}
+
+impl Companion {
+    /// Starts `whirl` with these arguments and waits until it says that it has what it needs, or ends for lack of that:
+    /// another's bench of the same name must not be taken for it.
+    ///
+    /// # Errors
+    /// It cannot be started, or ends at once: in its own words, with its own exit code.
+    pub(crate) fn start(what: &'static str, farewell: Duration, arguments: Vec<String>) -> Result<Self, Failure> {
+        let (mut child, said) = spawn(what, &arguments)?;
+        let stdout = child.stdout.take().map(BufReader::new);
+        let mut companion = Self { what, farewell, arguments, child, stdout, said, ended: None };
+        let mut word = String::new();
+        if let Some(stdout) = &mut companion.stdout {
+            // Reads to the end of the line, or of the process.
+            let _ = stdout.read_line(&mut word);
+        }
+        if word == READY {
+            return Ok(companion);
+        }
+        companion.ended = companion.child.wait().ok();
+        Err(companion.failure())
+    }
+
+    /// The same, anew.
+    ///
+    /// # Errors
+    /// As [`Companion::start`].
+    pub(crate) fn start_again(&self) -> Result<Self, Failure> {
+        Self::start(self.what, self.farewell, self.arguments.clone())
+    }
+
+    /// Whether it has ended.
+    pub(crate) fn has_ended(&mut self) -> bool {
+        if self.ended.is_none() {
+            self.ended = self.child.try_wait().ok().flatten();
+        }
+        self.ended.is_some()
+    }
+
+    /// Why it ended, with its own exit code.
+    pub(crate) fn failure(&mut self) -> Failure {
+        let words = self.words();
+        match self.ended.and_then(|status| status.code()) {
+            Some(2) => Failure::Usage(words),
+            Some(3) => Failure::Bench(words),
+            _ => Failure::Work(words),
+        }
+    }
+
+    /// What it said last, or how it ended.
+    pub(crate) fn words(&mut self) -> String {
+        let mut said = String::new();
+        let _ = self.said.rewind().and_then(|()| self.said.read_to_string(&mut said));
+        let last = said.lines().last().map(|line| line.trim_start_matches("whirl: ").to_owned());
+        last.unwrap_or_else(|| self.ended.map_or_else(|| "it still runs".to_owned(), |status| status.to_string()))
+    }
+
+    /// Whether it ended in good order.
+    pub(crate) fn did_well(&self) -> bool {
+        self.ended.is_some_and(|status| status.success())
+    }
+
+    /// Asks it to end, and does not wait.
+    pub(crate) fn dismiss(&mut self) {
+        // Closing its input is the request.
+        drop(self.child.stdin.take());
+    }
+
+    /// What it printed before it ended: how it went.
+    pub(crate) fn last_words(&mut self) -> String {
+        let mut printed = String::new();
+        if let Some(mut stdout) = self.stdout.take() {
+            let _ = stdout.read_to_string(&mut printed);
+        }
+        printed
+    }
+
+    /// Asks it to end, and kills it if it does not.
+    ///
+    /// # Errors
+    /// It cannot be killed.
+    pub(crate) fn end(&mut self) -> Result<(), Failure> {
+        if self.has_ended() {
+            return Ok(());
+        }
+        self.dismiss();
+        let start = Instant::now();
+        while !self.has_ended() && start.elapsed() < self.farewell {
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        if !self.has_ended() {
+            self.child
+                .kill()
+                .and_then(|()| self.child.wait())
+                .map_err(|error| Failure::Work(format!("the {} does not end: {error}", self.what)))?;
+        }
+        Ok(())
+    }
+}
+
+impl Drop for Companion {
+    fn drop(&mut self) {
+        // After a panic: nobody is left to tell.
+        let _ = self.end();
+    }
+}
+
+fn spawn(what: &str, arguments: &[String]) -> Result<(Child, File), Failure> {
+    let failed = |error: std::io::Error| Failure::Work(format!("the {what} cannot be started: {error}"));
+    let program = std::env::current_exe().map_err(failed)?;
+    let said = tempfile::tempfile().map_err(failed)?;
+    let child = Command::new(program)
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(said.try_clone().map_err(failed)?)
+        .spawn()
+        .map_err(failed)?;
+    Ok((child, said))
+}

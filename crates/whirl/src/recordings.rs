@@ -1,0 +1,128 @@
+//! The recordings that are made of a bench from its dashboard: each by a process of its own.
+
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use dash::Scribe;
+use wire::BenchName;
+
+use crate::commands::record;
+use crate::companion::Companion;
+use crate::failure::Failure;
+use crate::output;
+
+/// The folder that sessions go to if it is there; else they go where we are.
+const FOLDER: &str = "recordings";
+
+/// Records one bench, again and again if it must be.
+pub(crate) struct Recordings {
+    bench: BenchName,
+    recorder: Option<Companion>,
+    /// How recordings ended that the dashboard has not been told of, or not in words that last beyond its screen.
+    said: Vec<Result<String, Failure>>,
+}
+
+impl Recordings {
+    /// None yet, of this bench.
+    pub(crate) fn of(bench: BenchName) -> Self {
+        Self { bench, recorder: None, said: Vec::new() }
+    }
+
+    /// Begins one in the file `path`.
+    ///
+    /// # Errors
+    /// A build without recordings, a place that is taken or missing, or a bench that is recorded already.
+    pub(crate) fn begin(&mut self, path: &Path) -> Result<(), Failure> {
+        tape::available()?;
+        self.recorder = Some(record::companion(path, &self.bench)?);
+        Ok(())
+    }
+
+    /// Ends the one that is at work, and says how all of them went.
+    ///
+    /// # Errors
+    /// One of them failed.
+    pub(crate) fn finish(mut self) -> Result<(), Failure> {
+        if let Some(mut recorder) = self.recorder.take() {
+            recorder.end()?;
+            self.said.push(outcome(&mut recorder));
+        }
+        for said in self.said {
+            output::print_text(&said?)?;
+        }
+        Ok(())
+    }
+}
+
+/// How a recorder that has ended did.
+fn outcome(recorder: &mut Companion) -> Result<String, Failure> {
+    if recorder.did_well() { Ok(recorder.last_words()) } else { Err(recorder.failure()) }
+}
+
+impl Scribe for Recordings {
+    fn start(&mut self) -> Result<String, String> {
+        let path = new_name(&self.bench);
+        self.begin(&path).map_err(|failure| failure.to_string())?;
+        Ok(path.display().to_string())
+    }
+
+    fn stop(&mut self) {
+        if let Some(recorder) = &mut self.recorder {
+            recorder.dismiss();
+        }
+    }
+
+    fn is_at_work(&self) -> bool {
+        self.recorder.is_some()
+    }
+
+    fn ended(&mut self) -> Option<Result<String, String>> {
+        let mut recorder = self.recorder.take_if(|recorder| recorder.has_ended())?;
+        let said = outcome(&mut recorder);
+        let told = said.as_ref().map(|words| words.trim().to_owned()).map_err(ToString::to_string);
+        self.said.push(said);
+        Some(told)
+    }
+}
+
+/// A name that nothing has yet: the bench's and the present time, UTC.
+fn new_name(bench: &BenchName) -> PathBuf {
+    let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
+    let folder = if Path::new(FOLDER).is_dir() { FOLDER } else { "." };
+    Path::new(folder).join(format!("{bench}-{}.rrd", stamp(seconds)))
+}
+
+/// `20261122-160509` of so many seconds since 1970, in UTC.
+fn stamp(seconds: u64) -> String {
+    let (days, rest) = (seconds / 86_400, seconds % 86_400);
+    // Years that begin in March, so that the leap day is the last: the usual way through the Gregorian calendar.
+    let shifted = days + 719_468;
+    let (era, day_of_era) = (shifted / 146_097, shifted % 146_097);
+    let year_of_era = (day_of_era - day_of_era / 1460 + day_of_era / 36_524 - day_of_era / 146_096) / 365;
+    let day_of_year = day_of_era - (365 * year_of_era + year_of_era / 4 - year_of_era / 100);
+    let march = (5 * day_of_year + 2) / 153;
+    let day = day_of_year - (153 * march + 2) / 5 + 1;
+    let month = if march < 10 { march + 3 } else { march - 9 };
+    let year = era * 400 + year_of_era + u64::from(month <= 2);
+    format!("{year:04}{month:02}{day:02}-{:02}{:02}{:02}", rest / 3600, rest / 60 % 60, rest % 60)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::stamp;
+
+    #[test]
+    fn stamps_are_dates() {
+        // As `date -u -d @N +%Y%m%d-%H%M%S` gives them.
+        for (seconds, text) in [
+            (0, "19700101-000000"),
+            (951_782_399, "20000228-235959"),
+            (951_782_400, "20000229-000000"),
+            (1_709_251_199, "20240229-235959"),
+            (1_795_363_509, "20261122-160509"),
+            (4_107_542_400, "21000301-000000"),
+        ] {
+            assert_eq!(stamp(seconds), text);
+        }
+    }
+}

@@ -1,0 +1,415 @@
+//! Recordings: `record`, `up --record`, `run --out FILE.rrd`, `info`, `export`. Without the cargo feature `rerun`, how to
+//! get them; with it, that they keep every step.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
+use promises::run;
+
+#[cfg(not(feature = "rerun"))]
+#[test]
+fn a_build_without_recordings_says_how_to_get_them() {
+    for arguments in [
+        &["record", "x.rrd"][..],
+        &["info", "x.rrd", "--json"],
+        &["export", "x.rrd", "--csv"],
+        &["run", "jeffcott", "--speed", "1", "--duration", "5", "--out", "x.rrd"],
+        &["up", "--record", "x.rrd"],
+    ] {
+        let ran = run(arguments);
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{arguments:?}: {ran:?}");
+        assert!(ran.stderr.contains("cargo build --release --features rerun"), "{arguments:?}: {ran:?}");
+    }
+}
+
+#[cfg(feature = "rerun")]
+mod with {
+    use std::collections::BTreeMap;
+    use std::io::{BufRead, BufReader, Read};
+    use std::ops::ControlFlow;
+    use std::path::{Path, PathBuf};
+    use std::process::{Child, Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    use promises::{PATIENCE, Ran, Root, Screen};
+    use rustix::process::{Pid, Signal, kill_process};
+    use serde_json::Value;
+    use tape::Recording;
+
+    use super::run;
+
+    /// A recorder that was started as the dashboard starts it, and has said that it records.
+    struct Recorder {
+        child: Child,
+        said: BufReader<std::process::ChildStdout>,
+    }
+
+    impl Recorder {
+        fn start(root: &Root, path: &Path, options: &[&str]) -> Self {
+            let mut command = root.whirl();
+            command.args(["record", path.to_str().unwrap(), "--as-child"]).args(options);
+            Self::of(&mut command)
+        }
+
+        fn of(command: &mut Command) -> Self {
+            let command = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
+            let mut child = command.spawn().unwrap();
+            let mut said = BufReader::new(child.stdout.take().unwrap());
+            let mut word = String::new();
+            said.read_line(&mut word).unwrap();
+            if word != "ready\n" {
+                let mut why = String::new();
+                child.stderr.take().unwrap().read_to_string(&mut why).unwrap();
+                panic!("it does not record: {word}{why}");
+            }
+            Self { child, said }
+        }
+
+        /// Closes its input, as a parent does, and returns how it ended.
+        fn end(mut self) -> Ran {
+            drop(self.child.stdin.take());
+            self.wait()
+        }
+
+        fn wait(mut self) -> Ran {
+            let mut stdout = String::new();
+            self.said.read_to_string(&mut stdout).unwrap();
+            let mut stderr = String::new();
+            self.child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+            Ran { code: self.child.wait().unwrap().code(), stdout, stderr }
+        }
+
+        fn kill(mut self) {
+            self.child.kill().unwrap();
+            self.child.wait().unwrap();
+        }
+    }
+
+    fn text(path: &Path) -> &str {
+        path.to_str().unwrap()
+    }
+
+    /// Every step of a recording by its number.
+    fn steps(path: &Path) -> BTreeMap<u64, wire::State> {
+        let mut steps = BTreeMap::new();
+        Recording::open(path)
+            .unwrap()
+            .visit(0..u64::MAX, 1, |state| {
+                steps.insert(state.seq, *state);
+                ControlFlow::Continue(())
+            })
+            .unwrap();
+        steps
+    }
+
+    fn info(path: &Path) -> Value {
+        run(&["info", text(path), "--json"]).json()
+    }
+
+    fn wait(what: &str, mut done: impl FnMut() -> bool) {
+        let start = Instant::now();
+        while !done() {
+            assert!(start.elapsed() < PATIENCE, "{what} does not come");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+    }
+
+    #[test]
+    fn every_step_and_every_change_is_in_the_file_bit_for_bit() {
+        let root = Root::new();
+        let path = root.path().join("s.rrd");
+        let simulation = root.simulate(&["three-mass", "--rate", "5000"]);
+        let recorder = Recorder::start(&root, &path, &[]);
+        let tail = root.run(&["tail", "--count", "4000", "--json"]);
+        assert_eq!(root.run(&["set", "kd=0.125", "--why", "to see"]).code, Some(0));
+        assert_eq!(root.run(&["note", "here it begins"]).code, Some(0));
+        assert_eq!(root.run(&["set", "trip=0.001"]).code, Some(0));
+        wait("the trip", || root.run(&["status", "--json"]).json()["benches"][0]["tripped"] == true);
+        let status = root.run(&["status", "--json"]).json();
+        let told = &status["benches"][0]["recording"];
+        assert_eq!((&told["state"], &told["lost"]), (&"recording".into(), &0.into()), "{told}");
+        let ran = recorder.end();
+        assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""), "{ran:?}");
+        assert!(ran.stdout.contains("0 lost; asked to stop"), "{ran:?}");
+        drop(simulation);
+
+        let recorded = steps(&path);
+        let mut compared = 0;
+        for line in tail.stdout.lines() {
+            let line: Value = serde_json::from_str(line).unwrap();
+            let state = &recorded[&line["seq"].as_u64().unwrap()];
+            let [y, z] = state.force_delivered;
+            let mut pairs = vec![("tau", state.tau, &line["tau"]), ("speed", state.speed, &line["speed"])];
+            pairs.extend([("uy", y, &line["force"]["y"]), ("uz", z, &line["force"]["z"])]);
+            for (point, told) in state.points().iter().zip(line["masses"].as_array().unwrap()) {
+                let of = [("y", point.y), ("z", point.z), ("vy", point.vy), ("vz", point.vz)];
+                pairs.extend(of.map(|(name, value)| (name, value, &told[name])));
+            }
+            for (name, value, told) in pairs {
+                assert_eq!(value.to_bits(), told.as_f64().unwrap().to_bits(), "{name} of step {}", state.seq);
+            }
+            compared += 1;
+        }
+        assert_eq!(compared, 4000);
+
+        let recording = Recording::open(&path).unwrap();
+        let happened: Vec<&str> = recording.events().iter().map(|e| e.happening.name()).collect();
+        assert_eq!(happened, ["started", "settings", "note", "settings", "tripped"]);
+        let changed = &recording.events()[1];
+        assert_eq!((changed.why.as_str(), changed.revision), ("to see", 2));
+        let revision = recording.settings_at(changed.at.seq).unwrap();
+        assert_eq!(revision.settings.feedback.signals[0].gains[0].at(0.0), 0.125);
+        assert_eq!(recorded[&changed.at.seq].revision, 2, "from that step on");
+        assert_eq!(recorded[&(changed.at.seq - 1)].revision, 1);
+        let info = info(&path);
+        assert_eq!(
+            (&info["lost"], &info["settings_changes"], &info["events"]),
+            (&0.into(), &2.into(), &5.into()),
+            "{info}"
+        );
+        assert_eq!(info["trips"][0]["revision"], 3, "{info}");
+        assert!(info["max_force"]["value"].is_f64() && info["min_damping"]["value"].is_f64());
+    }
+
+    #[test]
+    fn a_table_of_it_has_every_digit() {
+        let root = Root::new();
+        let path = root.path().join("r.rrd");
+        let out = ["run", "three-mass", "--speed", "2", "--duration", "20", "--dtau", "0.01"];
+        let ran = run(&[&out[..], &["--impulse", "mass=2,vy=0.5,at=5", "--out", text(&path)]].concat());
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let csv = run(&["export", text(&path), "--csv", "--from", "4", "--to", "6", "--every", "10"]);
+        assert_eq!((csv.code, csv.stderr.as_str()), (Some(0), ""), "{csv:?}");
+        let table = std::fs::read_to_string(path.with_extension("csv")).unwrap();
+        let recorded = steps(&path);
+        let mut lines = table.lines();
+        let names: Vec<&str> = lines.next().unwrap().split(',').collect();
+        let (step, y2) =
+            (names.iter().position(|n| *n == "step").unwrap(), names.iter().position(|n| *n == "y2").unwrap());
+        let mut rows = 0;
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            let state = &recorded[&fields[step].parse().unwrap()];
+            assert!((4.0..=6.0).contains(&state.tau) && state.seq % 10 == 0);
+            assert_eq!(fields[y2].parse::<f64>().unwrap().to_bits(), state.masses[1].y.to_bits());
+            rows += 1;
+        }
+        assert!((19..=21).contains(&rows), "{rows}");
+        let parquet = run(&["export", text(&path), "--parquet"]);
+        assert_eq!(parquet.code, Some(0), "{parquet:?}");
+        assert!(std::fs::read(path.with_extension("parquet")).unwrap().starts_with(b"PAR1"));
+
+        // The recording of a run holds what its table holds.
+        let direct = path.with_file_name("d.csv");
+        assert_eq!(
+            run(&[&out[..], &["--impulse", "mass=2,vy=0.5,at=5", "--out", text(&direct)]].concat()).code,
+            Some(0)
+        );
+        let direct = std::fs::read_to_string(direct).unwrap();
+        assert_eq!(direct.lines().count() - 1, recorded.len());
+        for (line, state) in direct.lines().skip(1).zip(recorded.values()) {
+            let fields: Vec<f64> = line.split(',').map(|f| f.parse().unwrap()).collect();
+            assert_eq!((fields[0], fields[5], fields[13]), (state.tau, state.masses[1].y, state.force_delivered[0]));
+        }
+        let event = &Recording::open(&path).unwrap().events()[0].clone();
+        assert_eq!((event.happening.name(), event.at.tau), ("impulse", 5.0));
+        let kicked = recorded[&event.at.seq].masses[1].vy - recorded[&(event.at.seq - 1)].masses[1].vy;
+        assert!((kicked - 0.5).abs() < 1e-12, "the impulse shows from its step on: {kicked}");
+    }
+
+    #[test]
+    fn a_recorder_that_is_killed_leaves_what_it_wrote_a_hundred_times() {
+        let root = Root::new();
+        let _simulation = root.simulate(&["three-mass", "--rate", "10000"]);
+        let mut unreadable = 0;
+        // Random enough, and the same in every run.
+        let mut random = 0x2545_f491_4f6c_dd1d_u64;
+        for kill in 0..100 {
+            random ^= random << 13;
+            random ^= random >> 7;
+            random ^= random << 17;
+            let path = root.path().join(format!("k{kill}.rrd"));
+            let recorder = Recorder::start(&root, &path, &[]);
+            std::thread::sleep(Duration::from_micros(random % 900_000 / if kill % 5 == 0 { 1 } else { 10 }));
+            let newest = root.run(&["tail", "--count", "1", "--json"]);
+            recorder.kill();
+            let newest: Value = serde_json::from_str(&newest.stdout).unwrap();
+            match Recording::open(&path) {
+                Ok(mut recording) => {
+                    assert!(recording.notices().iter().any(|n| n.contains("killed")), "{:?}", recording.notices());
+                    assert_eq!(recording.gaps(), []);
+                    let Some(span) = recording.span() else { continue };
+                    let mut all = Vec::new();
+                    recording.steps(0..u64::MAX, &mut all).unwrap();
+                    assert_eq!(all.len() as u64, span.last.seq - span.first.seq + 1);
+                    // At 10 000 steps a second; what the machine's own delays add is not the recorder's.
+                    let behind = newest["seq"].as_u64().unwrap().saturating_sub(span.last.seq);
+                    assert!(behind < 10_000, "{behind} steps were not on disk");
+                }
+                // Killed before even the head was whole.
+                Err(error) => {
+                    assert!(
+                        error.to_string().contains("nothing of whirl's")
+                            || error.to_string().contains("No such file")
+                            || error.to_string().contains("too short"),
+                        "{error}"
+                    );
+                    unreadable += 1;
+                }
+            }
+            let _ = std::fs::remove_file(&path);
+        }
+        assert!(unreadable < 50, "most have time for their head: {unreadable}");
+        // The next recorder finds the bench free.
+        let path = root.path().join("last.rrd");
+        assert_eq!(Recorder::start(&root, &path, &[]).end().code, Some(0));
+        let ran = run(&["info", text(&path)]);
+        assert!(ran.code == Some(0) && ran.stdout.contains("0 lost"), "{ran:?}");
+    }
+
+    #[test]
+    fn places_that_are_taken_missing_or_full_are_said_at_once() {
+        let root = Root::new();
+        let _simulation = root.simulate(&["jeffcott"]);
+        let taken = root.path().join("taken.rrd");
+        std::fs::write(&taken, "mine").unwrap();
+        let record = |path: &Path, options: &[&str]| root.run(&[&["record", text(path)], options].concat());
+        for (path, options, code, why) in [
+            (taken.clone(), &[][..], 2, "is already there"),
+            (root.path().join("no/s.rrd"), &[], 2, "No such file or directory"),
+            (root.path().join("s.mcap"), &[], 2, "ends in .rrd"),
+            (root.path().join("s.rrd"), &["--bench", "b"], 3, "no bench 'b' is running"),
+            (root.path().join("s.rrd"), &["--pretrigger", "100h"], 2, "too many to hold in memory"),
+            (root.path().join("s.rrd"), &["--keep", "10m"], 2, "expected a duration"),
+            (root.path().join("s.rrd"), &["--min-free", "900000GB"], 1, "to be kept free"),
+        ] {
+            let ran = record(&path, options);
+            assert_eq!(ran.code, Some(code), "{options:?}: {ran:?}");
+            assert!(ran.stderr.contains(why), "{options:?}: {ran:?}");
+        }
+        assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
+
+        let first = root.path().join("first.rrd");
+        let recorder = Recorder::start(&root, &first, &[]);
+        let second = record(&root.path().join("second.rrd"), &[]);
+        assert_eq!(second.code, Some(3), "one recorder a bench: {second:?}");
+        // Deleted under its hands: it must not write into nothing.
+        std::fs::remove_file(&first).unwrap();
+        let ran = recorder.wait();
+        assert_eq!(ran.code, Some(1), "{ran:?}");
+        assert!(ran.stderr.contains("has been deleted"), "{ran:?}");
+    }
+
+    #[test]
+    fn a_full_disk_ends_the_recording_at_once_and_leaves_it_readable() {
+        let root = Root::new();
+        let _simulation = root.simulate(&["three-mass", "--rate", "10000"]);
+        let path = root.path().join("s.rrd");
+        // A limit on the size of files stands for a disk that is full: the same refusal in the middle of a write.
+        let mut command = Command::new("sh");
+        let limited = format!("trap '' XFSZ; ulimit -f 4000; exec \"$0\" record \"$1\" --as-child");
+        command.args(["-c", &limited]).arg(promises::program()).arg(&path).env("WHIRL_ROOT", root.path());
+        let ran = Recorder::of(&mut command).wait();
+        assert_eq!(ran.code, Some(1), "{ran:?}");
+        assert!(ran.stderr.contains("cannot go on writing") && ran.stderr.contains("stays readable"), "{ran:?}");
+        let mut recording = Recording::open(&path).unwrap();
+        assert!(recording.rows() > 1000 && recording.gaps().is_empty());
+        assert_eq!(recording.notices().len(), 2, "not cut, only ended: {:?}", recording.notices());
+        let mut all = Vec::new();
+        recording.steps(0..u64::MAX, &mut all).unwrap();
+        assert_eq!(all.len() as u64, recording.rows());
+    }
+
+    #[test]
+    fn a_recording_is_split_rolled_or_waits_for_a_trip() {
+        let root = Root::new();
+        let simulation = root.simulate(&["three-mass", "--rate", "10000"]);
+        let files = |stem: &str| -> Vec<PathBuf> {
+            let entries = std::fs::read_dir(root.path()).unwrap().flatten().map(|e| e.path());
+            let mut files: Vec<_> =
+                entries.filter(|p| p.file_name().unwrap().to_string_lossy().starts_with(stem)).collect();
+            files.sort();
+            files
+        };
+        let split = root.path().join("split.rrd");
+        let recorder = Recorder::start(&root, &split, &["--split", "1MB"]);
+        wait("the third part", || files("split").len() >= 3);
+        assert_eq!(root.run(&["set", "kd=0.25"]).code, Some(0));
+        assert_eq!(recorder.end().code, Some(0));
+        let mut all = BTreeMap::new();
+        for part in files("split") {
+            let recording = Recording::open(&part).unwrap();
+            assert!(recording.settings_at(0).is_some() && recording.rotor().len() == 3, "each can be read alone");
+            assert!(!recording.notices().iter().any(|n| n.contains("killed")), "{:?}", recording.notices());
+            all.extend(steps(&part));
+        }
+        let (first, last) = (*all.keys().next().unwrap(), *all.keys().next_back().unwrap());
+        assert_eq!(all.len() as u64, last - first + 1, "nothing is lost between the parts");
+
+        let rolling = root.path().join("roll.rrd");
+        let recorder = Recorder::start(&root, &rolling, &["--keep", "2s"]);
+        wait("the rolling", || files("roll-").first().is_some_and(|f| !f.ends_with("roll-1.rrd")));
+        let ran = recorder.end();
+        assert_eq!((ran.code, files("roll")), (Some(0), vec![rolling.clone()]), "{ran:?}");
+        let told = info(&rolling);
+        let seconds = told["seconds"].as_f64().unwrap();
+        assert!(seconds > 1.5 && told["lost"] == 0, "{told}");
+        assert!(steps(&rolling).len() as f64 > 0.9 * seconds * 10_000.0);
+
+        let before = root.path().join("trip.rrd");
+        let recorder = Recorder::start(&root, &before, &["--pretrigger", "1s"]);
+        std::thread::sleep(Duration::from_millis(2500));
+        assert!(!before.exists(), "nothing is written before a trip");
+        assert_eq!(root.run(&["set", "trip=0.001"]).code, Some(0));
+        wait("the file", || before.exists());
+        std::thread::sleep(Duration::from_millis(2500));
+        assert_eq!(recorder.end().code, Some(0));
+        let recording = Recording::open(&before).unwrap();
+        let trip = recording.events().iter().find(|e| e.happening.name() == "tripped").unwrap();
+        let span = recording.span().unwrap();
+        let before_trip = (trip.at.seq - span.first.seq) as f64 / 10_000.0;
+        assert!((0.9..2.5).contains(&before_trip), "{before_trip} s before the trip");
+        assert!(span.last.seq > trip.at.seq + 5_000, "and some time after it");
+        assert_eq!(recording.settings_at(trip.at.seq).unwrap().settings.trip, 0.001);
+        drop(simulation);
+    }
+
+    #[test]
+    fn a_session_of_the_dashboard_is_recorded_from_its_start_to_its_end() {
+        let root = Root::new();
+        let path = root.path().join("s.rrd");
+        let mut screen = Screen::start(root.path(), &["up", "three-mass", "--record", text(&path)], (120, 40));
+        screen.wait_words("RUNNING");
+        screen.press("0");
+        screen.wait_words("rev 2");
+        std::thread::sleep(Duration::from_millis(700));
+        screen.press("q");
+        screen.ended();
+        let told = info(&path);
+        assert_eq!((&told["lost"], &told["settings_changes"]), (&0.into(), &1.into()), "{told}");
+        let recording = Recording::open(&path).unwrap();
+        assert_eq!(recording.events().last().unwrap().happening.name(), "ended");
+        assert!(recording.span().unwrap().first.seq < 1000, "almost from the start: {:?}", recording.span());
+    }
+
+    #[test]
+    fn a_recording_ends_with_the_simulation_and_with_a_signal() {
+        let root = Root::new();
+        for ends_by_signal in [false, true] {
+            let simulation = root.simulate(&["jeffcott"]);
+            let path = root.path().join(format!("{ends_by_signal}.rrd"));
+            let recorder = Recorder::start(&root, &path, &[]);
+            wait("a first stretch", || path.metadata().is_ok_and(|found| found.len() > 30_000));
+            let ran = if ends_by_signal {
+                kill_process(Pid::from_raw(recorder.child.id() as i32).unwrap(), Signal::INT).unwrap();
+                recorder.wait()
+            } else {
+                assert_eq!(simulation.end().code, Some(0));
+                recorder.wait()
+            };
+            assert_eq!(ran.code, Some(0), "{ran:?}");
+            let why = if ends_by_signal { "asked to stop" } else { "the simulation ended" };
+            assert!(ran.stdout.contains(why), "{ran:?}");
+            assert!(!Recording::open(&path).unwrap().notices().iter().any(|n| n.contains("killed")));
+        }
+    }
+}
