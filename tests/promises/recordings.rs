@@ -152,20 +152,18 @@ mod with {
         assert_eq!(compared, 4000);
 
         let recording = Recording::open(&path).unwrap();
-        let happened: Vec<&str> = recording.events().iter().map(|e| e.happening.name()).collect();
+        // A busy machine may make the simulation late: that is an event of its own.
+        let events: Vec<_> = recording.events().iter().filter(|e| e.happening.name() != "late").collect();
+        let happened: Vec<&str> = events.iter().map(|e| e.happening.name()).collect();
         assert_eq!(happened, ["started", "settings", "note", "settings", "tripped"]);
-        let changed = &recording.events()[1];
+        let changed = events[1];
         assert_eq!((changed.why.as_str(), changed.revision), ("to see", 2));
         let revision = recording.settings_at(changed.at.seq).unwrap();
         assert_eq!(revision.settings.feedback.signals[0].gains[0].at(0.0), 0.125);
         assert_eq!(recorded[&changed.at.seq].revision, 2, "from that step on");
         assert_eq!(recorded[&(changed.at.seq - 1)].revision, 1);
         let info = info(&path);
-        assert_eq!(
-            (&info["lost"], &info["settings_changes"], &info["events"]),
-            (&0.into(), &2.into(), &5.into()),
-            "{info}"
-        );
+        assert_eq!((&info["lost"], &info["settings_changes"]), (&0.into(), &2.into()), "{info}");
         assert_eq!(info["trips"][0]["revision"], 3, "{info}");
         assert!(info["max_force"]["value"].is_f64() && info["min_damping"]["value"].is_f64());
     }
@@ -261,7 +259,9 @@ mod with {
         assert!(unreadable < 50, "most have time for their head: {unreadable}");
         // The next recorder finds the bench free.
         let path = root.path().join("last.rrd");
-        assert_eq!(Recorder::start(&root, &path, &[]).end().code, Some(0));
+        let recorder = Recorder::start(&root, &path, &[]);
+        wait("a first stretch", || path.metadata().is_ok_and(|found| found.len() > 100_000));
+        assert_eq!(recorder.end().code, Some(0));
         let ran = run(&["info", text(&path)]);
         assert!(ran.code == Some(0) && ran.stdout.contains("0 lost"), "{ran:?}");
     }

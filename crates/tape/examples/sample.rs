@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (stop_sim, stop_tape) = (AtomicBool::new(false), AtomicBool::new(false));
     let (ready, is_ready) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {
-        scope.spawn(|| sim::run(&carrier, &rotor, settings, &options, &stop_sim, || drop(ready.send(()))));
+        scope.spawn(|| sim::run(&carrier, &rotor, settings, &options, &stop_sim, || ready.send(()).unwrap_or(())));
         is_ready.recv()?;
         let tape = scope.spawn(|| {
             let listener = carrier.listen(&bench)?;

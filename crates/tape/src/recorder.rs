@@ -97,7 +97,7 @@ pub fn record<C: Carrier>(
     let result = std::thread::scope(|scope| {
         let writer = std::thread::Builder::new()
             .name("tape".into())
-            .spawn_scoped(scope, || write(reel, &receiver, &tally))
+            .spawn_scoped(scope, || write(reel, receiver, &tally))
             .map_err(|error| WireError::Internal(format!("no thread for writing: {error}")))?;
         let heard = listen(&mut listener, sender, order, stop, &tally, &mut voice, progress);
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
@@ -190,8 +190,8 @@ fn deliver(gatherer: &mut Gatherer, sender: &Sender<Message>) -> bool {
     true
 }
 
-/// The writing thread. Returns the files.
-fn write(mut reel: Reel, receiver: &Receiver<Message>, tally: &Tally) -> Result<Vec<PathBuf>, TapeError> {
+/// The writing thread. Returns the files. The receiver goes with it, so that the listening thread notices its end.
+fn write(mut reel: Reel, receiver: Receiver<Message>, tally: &Tally) -> Result<Vec<PathBuf>, TapeError> {
     for message in receiver {
         match message {
             Message::Item(item) => {

@@ -612,7 +612,7 @@ mod tests {
             (there, "is already there"),
             (folder.path().join("no/s.rrd"), "no folder to record into"),
             (folder.path().join("s.csv"), "ends in .rrd"),
-            (folder.path().join("there.rrd/s.rrd"), "no folder to record into"),
+            (folder.path().join("there.rrd/s.rrd"), "is no folder"),
         ] {
             let told = check(&path).unwrap_err().to_string();
             assert!(told.contains(why), "{told}");
