@@ -120,7 +120,7 @@ def sample(folder):
     for chunk in chunks(SAMPLE):
         entities.add(chunk.entity_path)
         timelines.update(chunk.timeline_names)
-    expected = {"/session", "/steps", "/settings", "/settings/speed", "/settings/kd/1", "/settings/deadband/3", "/poles"}
+    expected = {"/session", "/steps", "/settings", "/settings/values", "/poles"}
     expected |= {"/poles/min_damping", "/events", "/health"}
     expected |= {f"/orbits/mass{k}{rest}" for k in (1, 2, 3) for rest in ("", "/deadband")}
     assert expected <= entities, f"missing: {expected - entities}"

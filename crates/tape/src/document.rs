@@ -208,6 +208,8 @@ pub(crate) struct EventDocument {
     #[serde(skip_serializing_if = "String::is_empty")]
     why: String,
     #[serde(skip_serializing_if = "String::is_empty")]
+    change: String,
+    #[serde(skip_serializing_if = "String::is_empty")]
     text: String,
     /// Refused: what was asked for.
     #[serde(skip_serializing_if = "String::is_empty")]
@@ -245,6 +247,7 @@ impl From<&Event> for EventDocument {
             revision: Some(e.revision),
             who: e.who.clone(),
             why: e.why.clone(),
+            change: e.change.clone(),
             ..Self::default()
         };
         match &e.happening {
@@ -333,6 +336,7 @@ impl EventDocument {
             happening,
             who: self.who,
             why: self.why,
+            change: self.change,
         })
     }
 }

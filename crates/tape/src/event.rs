@@ -28,6 +28,8 @@ pub struct Event {
     pub who: String,
     /// Why; may be empty.
     pub why: String,
+    /// Which settings it changed, from what to what; empty if none.
+    pub change: String,
 }
 
 impl Event {
@@ -35,6 +37,9 @@ impl Event {
     #[must_use]
     pub fn text(&self) -> String {
         let mut text = self.happening.to_string();
+        if !self.change.is_empty() {
+            text = format!("{text}: {}", self.change);
+        }
         if !self.who.is_empty() && self.who != "sim" {
             text = format!("{text} by {}", self.who);
         }
@@ -55,6 +60,7 @@ impl From<&wire::Event> for Event {
             happening: event.happening().unwrap_or_else(|| Happening::Note(format!("event of kind {}", event.kind))),
             who: event.who.as_str().to_owned(),
             why: event.why.as_str().to_owned(),
+            change: String::new(),
         }
     }
 }

@@ -125,9 +125,11 @@ impl Info {
     /// The file has changed or cannot be read.
     pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
         let (mut force, mut radius) = (None::<Peak>, None::<Peak>);
+        let mut held = false;
         recording.visit(0..u64::MAX, 1, |state| {
-            // A machine that is held repeats what is known already.
-            if is_tripped(state) && force.is_some() {
+            // A machine that is held repeats the step that tripped it.
+            let is_held = std::mem::replace(&mut held, is_tripped(state)) && held;
+            if is_held {
                 return ControlFlow::Continue(());
             }
             let at = At { step: state.seq, tau: state.tau, wall_ns: state.wall_ns };

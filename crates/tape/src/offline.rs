@@ -147,6 +147,7 @@ impl OfflineTape {
                 happening: Happening::Impulse { mass, velocity },
                 who: "run".to_owned(),
                 why: String::new(),
+                change: String::new(),
             };
             self.sink.as_mut().map_or(Ok(()), |sink| sink.event(&event))?;
         }

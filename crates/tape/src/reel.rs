@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
+use rotor::Difference;
 use wire::{Bulletin, Happening, Keeping};
 
 use crate::error::TapeError;
@@ -184,8 +185,13 @@ impl Reel {
                 Ok(())
             }
             Item::Event(event) => {
-                let told = Event::from(&*event);
-                let revision = self.head.as_mut().and_then(|head| head.follow(&event));
+                let mut told = Event::from(&*event);
+                if let Some(head) = self.head.as_ref().filter(|head| event.revision > head.bulletin.revision) {
+                    let (before, after) = (head.bulletin.settings.unpack(), event.settings.unpack());
+                    told.change = Difference::between(&before, &after).to_string();
+                }
+                let head = self.head.as_mut();
+                let revision = head.and_then(|head| head.earlier(&event).or_else(|| head.follow(&event)));
                 if let Some(revision) = revision {
                     self.revision(&revision, told.at)?;
                 }

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `/session` | static: versions, run, rotor, as one JSON document |
 //! | `/steps` | every step, one row each, one struct with the fields of [`columns`] |
-//! | `/settings` | every change: the settings whole, as JSON, and as text for people; `/settings/KEY`, each as a series |
+//! | `/settings` | every change: the settings whole, as JSON, and as text for people; `/settings/values`, each as a series |
 //! | `/poles` | under each of them: the poles as points, exact in JSON with the settings; `/poles/min_damping` |
 //! | `/events` | who did what, when and why; trips, losses |
 //! | `/health` | how the simulation and the recorder keep up, as often as bulletins come |

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use rotor::Spectrum;
-use wire::Bulletin;
+use wire::{Bulletin, Happening};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
@@ -129,6 +129,18 @@ impl Head {
             dtau: bulletin.dtau,
         };
         Self { session, bulletin }
+    }
+
+    /// What came into force with an event that happened before the recording began: those that came late are told of it.
+    pub(crate) fn earlier(&self, event: &wire::Event) -> Option<Revision> {
+        let bulletin = &self.bulletin;
+        let changed = matches!(event.happening(), Some(Happening::Started | Happening::Settings));
+        if !changed || event.run_id != bulletin.run_id || event.revision >= bulletin.revision {
+            return None;
+        }
+        let (who, why) = (event.who.as_str(), event.why.as_str());
+        let settings = event.settings.unpack();
+        Some(revision_of(bulletin.rotor().ok().as_ref(), event.revision, event.seq, who, why, settings))
     }
 
     /// What came into force with an event, if anything did; it is in force from here on.

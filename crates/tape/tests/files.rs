@@ -223,3 +223,27 @@ fn a_place_that_is_taken_or_missing_is_refused() {
     assert!(refused(&path).to_string().contains("is already there"));
     assert!(refused(&folder.path().join("no/a.rrd")).to_string().contains("No such file or directory"));
 }
+
+/// The sample was written by schema version 1, and stays readable.
+#[test]
+fn regress_a_recording_of_schema_1_is_read() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../recordings/run-up.rrd");
+    assert!(path.metadata().unwrap().len() < 1_000_000);
+    let mut recording = Recording::open(&path).unwrap();
+    assert_eq!((recording.session().schema, recording.rotor().name()), (1, "three-mass"));
+    let read = states(&mut recording);
+    assert_eq!(read.len() as u64, recording.rows());
+    assert!(recording.gaps().is_empty() && read.len() > 2000);
+    // It is what its README says: unstable, tripped, restarted under better gains, kicked, and quiet.
+    let names: Vec<&str> = recording.events().iter().map(|e| e.happening.name()).filter(|n| *n != "late").collect();
+    let at = |name: &str| names.iter().position(|n| *n == name).unwrap();
+    assert!(at("tripped") < at("restarted") && at("restarted") < at("note") && at("note") < at("impulse"), "{names:?}");
+    let tripped = recording.events().iter().find(|e| e.happening.name() == "tripped").unwrap();
+    let before = recording.settings_at(tripped.at.seq).unwrap();
+    assert!(before.min_damping < 0.0 && before.settings.speed == 2.2);
+    assert!(recording.bulletin_at(tripped.at.seq).trip.is_tripped());
+    let after = recording.revisions().last().unwrap();
+    assert!(after.min_damping > 0.0 && after.settings.speed == 3.2);
+    let last = read.last().unwrap();
+    assert!(last.points().iter().all(|p| p.radius() < 5.0) && last.flags.names().iter().all(|n| n != "tripped"));
+}

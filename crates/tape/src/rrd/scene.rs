@@ -4,7 +4,8 @@
 use std::f64::consts::TAU;
 
 use rerun::archetypes::{LineStrips2D, Points2D, Scalars, SeriesLines, TextDocument, Transform3D};
-use rerun::components::{InterpolationMode, Radius};
+use rerun::components::InterpolationMode::StepAfter;
+use rerun::components::Radius;
 use rerun::log::{Chunk, ChunkError};
 use rerun::{AsComponents, Color, TimePoint};
 use rotor::file::write_feedback;
@@ -22,9 +23,9 @@ const POINTS_A_TURN: f64 = 40.0;
 /// More points than this in one curve are thinned further.
 const MOST_POINTS: usize = 1000;
 
-/// Entity of one setting's series: a key with its dot as a slash.
-pub(super) fn setting_path(key: &str) -> String {
-    format!("{}/{}", schema::SETTINGS, key.replace('.', "/"))
+/// Entity of the series of all settings.
+pub(super) fn values_path() -> String {
+    format!("{}/values", schema::SETTINGS)
 }
 
 /// Entity of a mass's orbit.
@@ -38,13 +39,15 @@ pub(super) struct Scene {
     masses: usize,
     /// Of the fastest mode or spin under the settings in force, radians per unit of tau.
     fastest: f64,
-    /// Keys whose series have been given their names.
+    /// The names that the series of settings have been given.
     named: Vec<String>,
+    /// The clearances whose circles have been drawn.
+    drawn: Vec<f64>,
 }
 
 impl Scene {
     pub(super) fn new(rotor: &Rotor) -> Self {
-        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new() }
+        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new(), drawn: Vec::new() }
     }
 
     /// What does not change.
@@ -52,9 +55,7 @@ impl Scene {
         // Viewers draw pictures with y downwards; z of the rotor and the imaginary axis point up.
         let upright = || Transform3D::from_scale([1.0, -1.0, 1.0]);
         let still = |entity: String, what: &dyn AsComponents| row(&entity, TimePoint::STATIC, what);
-        let line = SeriesLines::new()
-            .with_names(["minimum damping ratio"])
-            .with_interpolation_mode(InterpolationMode::StepAfter);
+        let line = SeriesLines::new().with_names(["minimum damping ratio"]).with_interpolation_mode(StepAfter);
         let axis = LineStrips2D::new([[[0.0_f32, -1e3], [0.0, 1e3]]])
             .with_colors([Color::from_rgb(110, 110, 110)])
             .with_radii([Radius::new_ui_points(0.75)]);
@@ -95,25 +96,30 @@ impl Scene {
         let Revision { settings, poles, min_damping, .. } = revision;
         self.fastest = poles.iter().map(|p| p.im.abs()).fold(settings.speed.abs().max(0.1), f64::max);
         let mut chunks = Chunks::new();
-        for key in settings.keys() {
-            let (name, path) = (key.to_string(), setting_path(&key.to_string()));
-            if !self.named.contains(&name) {
-                let unit = key.parameter.unit;
-                let title = if unit.is_empty() { name.clone() } else { format!("{name} ({unit})") };
-                let line = SeriesLines::new().with_names([title]).with_interpolation_mode(InterpolationMode::StepAfter);
-                chunks.push(row(&path, TimePoint::STATIC, &line));
-                self.named.push(name);
-            }
-            if let Ok(value) = settings.get(key) {
-                chunks.push(row(&path, at.clone(), &Scalars::single(value)));
-            }
+        let titled = |key: &rotor::Key| match key.parameter.unit {
+            "" => key.to_string(),
+            unit => format!("{key} ({unit})"),
+        };
+        let keys = settings.keys();
+        let names: Vec<String> = keys.iter().map(titled).collect();
+        if self.named != names {
+            let line =
+                SeriesLines::new().with_names(names.clone()).with_many_interpolation_mode(vec![StepAfter; names.len()]);
+            chunks.push(row(&values_path(), TimePoint::STATIC, &line));
+            self.named = names;
         }
+        let values = keys.iter().map(|key| settings.get(*key).unwrap_or(f64::NAN));
+        chunks.push(row(&values_path(), at.clone(), &Scalars::new(values)));
         for (mass, gap) in settings.deadband.iter().enumerate() {
+            if self.drawn.get(mass) == Some(gap) {
+                continue;
+            }
             let circle = LineStrips2D::new([circle(*gap)])
                 .with_colors([Color::from_rgb(200, 150, 40)])
                 .with_radii([Radius::new_ui_points(0.75)]);
             chunks.push(row(&format!("{}/deadband", orbit_path(mass)), at.clone(), &circle));
         }
+        self.drawn.clone_from(&settings.deadband);
         chunks.push(row(schema::POLES, at.clone(), &points(poles)));
         if !poles.is_empty() {
             chunks.push(row(&format!("{}/min_damping", schema::POLES), at.clone(), &Scalars::single(*min_damping)));

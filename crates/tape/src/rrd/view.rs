@@ -10,21 +10,21 @@ use rerun::blueprint::{
     VisualizerComponentMapping,
 };
 use rerun::log::LogMsg;
-use rotor::{Rotor, Settings};
+use rotor::Rotor;
 
 use super::scene;
 use crate::recording::Source;
 use crate::schema::{self, Column};
 
 /// The messages that carry the layout; none if rerun has been switched off by its environment variable.
-pub(super) fn blueprint(rotor: &Rotor, settings: &Settings, source: Source) -> Vec<LogMsg> {
+pub(super) fn blueprint(rotor: &Rotor, source: Source) -> Vec<LogMsg> {
     // Its own builder of layouts obeys the variable and would then have nothing to send.
     if std::env::var("RERUN").is_ok_and(|value| ["0", "false", "off"].contains(&value.to_lowercase().as_str())) {
         return Vec::new();
     }
     let made = RecordingStreamBuilder::new(schema::APPLICATION).enabled(true).memory();
     let Ok((stream, storage)) = made else { return Vec::new() };
-    if layout(rotor, settings, source).send(&stream, BlueprintActivation::default()).is_err() {
+    if layout(rotor, source).send(&stream, BlueprintActivation::default()).is_err() {
         return Vec::new();
     }
     // The stream's own recording is empty: only the layout goes into the file.
@@ -32,7 +32,7 @@ pub(super) fn blueprint(rotor: &Rotor, settings: &Settings, source: Source) -> V
     storage.take().into_iter().filter(is_layout).collect()
 }
 
-fn layout(rotor: &Rotor, settings: &Settings, source: Source) -> Blueprint {
+fn layout(rotor: &Rotor, source: Source) -> Blueprint {
     let masses = rotor.len();
     let orbit = |mass: usize| {
         let path = scene::orbit_path(mass);
@@ -52,8 +52,7 @@ fn layout(rotor: &Rotor, settings: &Settings, source: Source) -> Blueprint {
     let velocity = named(&|name| name.starts_with("vy") || name.starts_with("vz"));
     let control = named(&|name| name == "uy" || name == "uz");
     let speed = named(&|name| name == "speed");
-    let gains: Vec<String> = settings.keys().iter().map(|key| scene::setting_path(&key.to_string())).collect();
-    let gain_view = TimeSeriesView::new("settings").with_contents(gains);
+    let gain_view = TimeSeriesView::new("settings").with_contents([scene::values_path()]);
     let damping = format!("{}/min_damping", schema::POLES);
     let series = Tabs::new([
         Vertical::new([

@@ -95,7 +95,7 @@ impl Writer {
         for chunk in self.scene.still() {
             self.put(chunk)?;
         }
-        for message in view::blueprint(&self.rotor, &head.revision().settings, head.session.source) {
+        for message in view::blueprint(&self.rotor, head.session.source) {
             self.append(&message)?;
         }
         Ok(())

@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use dash::Keeper;
 
+use crate::attach;
 use crate::commands::dash::{ScreenArgs, ended};
 use crate::commands::sim::LiveArgs;
 use crate::companion::Companion;
 use crate::failure::Failure;
-use crate::attach;
 use crate::recordings::Recordings;
 
 /// How long a simulation may take to end before it is killed.
