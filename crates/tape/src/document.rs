@@ -18,6 +18,7 @@ use crate::schema::{self, Column};
 #[error("{0}")]
 pub(crate) struct BadDocument(String);
 
+#[expect(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
 fn bad(error: impl ToString) -> BadDocument {
     BadDocument(error.to_string())
 }

@@ -66,6 +66,7 @@ impl TapeError {
         Self::NotOurs { path: path.to_owned(), problem: problem.into() }
     }
 
+    #[expect(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
     pub(crate) fn read(path: &Path, problem: impl ToString) -> Self {
         Self::Read { path: path.to_owned(), problem: problem.to_string() }
     }

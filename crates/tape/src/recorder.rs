@@ -99,7 +99,9 @@ pub fn record<C: Carrier>(
             .name("tape".into())
             .spawn_scoped(scope, || write(reel, receiver, &tally))
             .map_err(|error| WireError::Internal(format!("no thread for writing: {error}")))?;
-        let heard = listen(&mut listener, sender, order, stop, &tally, &mut voice, progress);
+        let heard = listen(&mut listener, &sender, order, stop, &tally, &mut voice, progress);
+        // The writer ends when there is nobody left to send it anything.
+        drop(sender);
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         // If writing has failed, that is why listening ended.
         let files = written?;
@@ -115,7 +117,7 @@ pub fn record<C: Carrier>(
 /// The listening thread. Returns how many steps were lost, and why it ended.
 fn listen(
     listener: &mut impl Listener,
-    sender: Sender<Message>,
+    sender: &Sender<Message>,
     order: &Order,
     stop: &AtomicBool,
     tally: &Tally,
@@ -135,7 +137,7 @@ fn listen(
             gatherer.bulletin(bulletin);
         }
         gatherer.flush(Some(now));
-        if !deliver(&mut gatherer, &sender) {
+        if !deliver(&mut gatherer, sender) {
             // The writer has ended, and says itself why.
             return Ok((gatherer.lost(), "writing failed"));
         }
