@@ -5,11 +5,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rotor::{Rotor, Settings};
-use wire::{Bulletin, RecorderStatus, State};
+use wire::{Bulletin, Event, RecorderStatus, State};
 
 use crate::alarms::{Gauge, Reading};
 use crate::history::History;
+use crate::journal::Journal;
 use crate::picture::Picture;
+use crate::replay::PastEvent;
 use crate::view_time::ViewTime;
 
 /// Steps before the cursor that a picture has in any case: all that an orbit shows.
@@ -37,6 +39,7 @@ pub(crate) struct Feed {
     heard: Option<Instant>,
     pace: Pace,
     gauge: Gauge,
+    journal: Journal,
     rotor: Option<Arc<Rotor>>,
     bulletin: Option<Arc<Bulletin>>,
     contact: Contact,
@@ -58,6 +61,7 @@ impl Feed {
             heard: None,
             pace: Pace::default(),
             gauge: Gauge::default(),
+            journal: Journal::default(),
             rotor: None,
             bulletin: None,
             contact: Contact::Waiting(why.to_owned()),
@@ -125,6 +129,16 @@ impl Feed {
     /// What is known of a recorder.
     pub(crate) fn recorder(&self) -> Option<&RecorderStatus> {
         self.recorder.as_deref()
+    }
+
+    /// Takes in an event.
+    pub(crate) fn happen(&mut self, event: &Event) {
+        self.changes += u64::from(self.journal.hear(event));
+    }
+
+    /// Takes in an event of a recording.
+    pub(crate) fn remember(&mut self, event: &PastEvent) {
+        self.journal.recall(event);
     }
 
     /// Notes how things stand; what has been heard stays.
@@ -199,6 +213,7 @@ impl Feed {
             settings: self.settings(),
             rotor: self.rotor.clone(),
             bulletin: self.bulletin.clone(),
+            events: self.journal.entries(),
             lost: self.history.lost(),
             rate: self.pace.rate(now),
             age: self.heard.map(|heard| now.saturating_duration_since(heard)),

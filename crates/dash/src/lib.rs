@@ -17,6 +17,7 @@ mod feed;
 mod headless;
 mod history;
 mod input;
+mod journal;
 mod keymap;
 mod layers;
 mod layout;

@@ -99,6 +99,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
                 }
                 feed.read(bulletin);
             }
+            listener.events(|event| feed.happen(event))?;
             listener.drain(|state| feed.hear(state, now))?
         };
         let poll = if wires.idle.load(Ordering::Relaxed) { IDLE_POLL } else { POLL };

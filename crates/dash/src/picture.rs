@@ -10,6 +10,7 @@ use wire::{Bulletin, RecorderStatus};
 
 use crate::feed::Contact;
 use crate::history::{Block, Channel, Era, Mark, STEPS};
+use crate::journal::Entry;
 
 /// Consecutive steps, shared with the history; the first has the index 0.
 #[derive(Clone, Debug, Default)]
@@ -37,6 +38,18 @@ impl Track {
     /// Place in the history of the first step.
     pub(crate) fn first(&self) -> u64 {
         self.first
+    }
+
+    /// Displacements `[y, z]` of a mass over some steps.
+    pub(crate) fn places(&self, steps: Range<usize>, mass: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
+        let (from, to) = (self.skipped + steps.start, self.skipped + steps.end.min(self.len).max(steps.start));
+        let blocks = if from < to { from / STEPS..to.div_ceil(STEPS) } else { 0..0 };
+        blocks.flat_map(move |at| {
+            let within = from.max(at * STEPS) - at * STEPS..to.min((at + 1) * STEPS) - at * STEPS;
+            let block = &self.blocks[at];
+            let [y, z] = [Channel::Y(mass), Channel::Z(mass)].map(|channel| &block.values(channel)[within.clone()]);
+            y.iter().zip(z).map(|(y, z)| [*y, *z])
+        })
     }
 
     /// Place of step `step` in the history: never used twice.
@@ -161,6 +174,8 @@ pub(crate) struct Picture {
     pub(crate) rotor: Option<Arc<Rotor>>,
     /// Live: the latest bulletin.
     pub(crate) bulletin: Option<Arc<Bulletin>>,
+    /// Live: what has happened, the oldest first.
+    pub(crate) events: Arc<Vec<Entry>>,
     /// Live: steps that were sent and did not reach us.
     pub(crate) lost: u64,
     /// Live: steps a second that reach us.

@@ -94,6 +94,30 @@ impl Plot {
         }
     }
 
+    /// Straight lines from each point to the next. Points that follow each other closely cost next to nothing.
+    pub(crate) fn path(&mut self, points: impl Iterator<Item = [f64; 2]>, color: Color) {
+        let (width, height) = self.size();
+        let mut before: Option<([f64; 2], [f64; 2], bool)> = None;
+        for point in points {
+            let (column, row) = self.dots(point[0], point[1]);
+            let inside = (0.0..width).contains(&column) && (0.0..height).contains(&row);
+            let here = [column.floor(), row.floor()];
+            match before {
+                // In the dot of the one before.
+                Some((_, there, _)) if there == here => {}
+                // In a dot that touches it.
+                Some((_, there, true))
+                    if inside && (here[0] - there[0]).abs() <= 1.0 && (here[1] - there[1]).abs() <= 1.0 =>
+                {
+                    self.set(column, row, color);
+                }
+                Some((from, ..)) => self.line(from, point, color),
+                None => self.set(column, row, color),
+            }
+            before = Some((point, here, inside));
+        }
+    }
+
     /// The range of the line parameter for which a line, in dots, is in view (Liang and Barsky). `None` if none is, or
     /// if an end is not finite.
     fn visible(&self, [x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> Option<[f64; 2]> {
@@ -202,6 +226,23 @@ mod tests {
         plot.line([20.0, 0.0], [20.0, 9.0], Color::Red);
         plot.line([f64::NAN, 0.0], [4.0, 4.0], Color::Red);
         assert_eq!(painted(&plot), ["      ", "      ", " ⠉⠉⠉⠉ ", "      "]);
+    }
+
+    #[test]
+    fn a_path_of_close_points_is_the_same_curve() {
+        // Steps far smaller than a dot, and far larger; in view and out of it; a point that is none.
+        for step in [0.001, 0.05, 0.9] {
+            let mut points: Vec<[f64; 2]> = (0..(12.0 / step) as u32)
+                .map(|i| f64::from(i) * step)
+                .map(|t| [4.0 + 5.0 * t.cos(), 4.0 + 3.0 * t.sin()])
+                .collect();
+            points.insert(3, [f64::NAN, 1.0]);
+            let window = Window { x: [0.0, 8.0], y: [0.0, 8.0] };
+            let (mut path, mut lines) = (Plot::new(AREA, window), Plot::new(AREA, window));
+            path.path(points.iter().copied(), Color::Red);
+            points.windows(2).for_each(|pair| lines.line(pair[0], pair[1], Color::Red));
+            assert_eq!(painted(&path), painted(&lines), "{step}");
+        }
     }
 
     #[test]

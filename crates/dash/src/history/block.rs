@@ -166,6 +166,12 @@ impl Block {
         }
     }
 
+    /// A quantity of its own, over all steps that there is room for.
+    pub(crate) fn values(&self, channel: Channel) -> &[f64] {
+        let column = channel.column(self.masses);
+        &self.values[column * STEPS..(column + 1) * STEPS]
+    }
+
     /// When step `at` was due to be sent.
     pub(crate) fn wall_ns(&self, at: usize) -> u64 {
         self.wall_ns[at]

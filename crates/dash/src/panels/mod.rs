@@ -4,6 +4,7 @@
 pub(crate) mod alarms;
 pub(crate) mod damping;
 pub(crate) mod damping_over_speed;
+pub(crate) mod events;
 pub(crate) mod force;
 pub(crate) mod force_budget;
 pub(crate) mod help;

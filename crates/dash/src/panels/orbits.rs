@@ -15,6 +15,7 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 
 use super::{framed, write};
+use crate::history::Channel;
 use crate::picture::{Picture, Track};
 use crate::plot::{Plot, nice_ceiling, short};
 use crate::replay::Beside;
@@ -32,9 +33,8 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let track = &picture.track;
     let shown = shown_steps(track, picture.now);
-    let reach = (shown.clone())
-        .flat_map(|step| (0..picture.masses()).map(move |mass| radius(track.place(step, mass))))
-        .fold(0.0, f64::max);
+    let furthest = |mass| track.range(Channel::Radius(mass), shown.clone()).map_or(0.0, |[_, furthest]| furthest);
+    let reach = (0..picture.masses()).map(furthest).fold(0.0, f64::max);
     let beside = view.replay.as_ref().and_then(|replay| replay.beside);
     let other = |step| (0..picture.masses()).filter_map(move |mass| beside?.place(step, mass)).map(radius);
     // A machine that runs away beside this one must not make a point of it.
@@ -47,9 +47,10 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let clearance = clearances(picture).into_iter().flatten().fold(0.0, f64::max);
     let scale = nice_ceiling(1.02 * reach.max(if clearance < 4.0 * reach || reach == 0.0 { clearance } else { 0.0 }));
     let inner = framed(Line::from(format!(" orbits  ±{} e_t  ◉ now ● once a turn ", short(scale, 2))), area, buffer);
+    let turns = Turns::of(track, shown.clone());
     let cells = grid(inner, picture.masses());
     for (mass, cell) in cells.into_iter().enumerate() {
-        draw_one(picture, beside, mass, shown.clone(), scale, cell, buffer);
+        draw_one(picture, beside, mass, &turns, scale, cell, buffer);
     }
 }
 
@@ -57,7 +58,7 @@ fn draw_one(
     picture: &Picture,
     beside: Option<Beside<'_>>,
     mass: usize,
-    shown: std::ops::Range<usize>,
+    turns: &Turns,
     scale: f64,
     cell: Rect,
     buffer: &mut Buffer,
@@ -71,18 +72,11 @@ fn draw_one(
         plot.circle(clearance, theme::CLEARANCE);
     }
     let color = theme::TRACES[mass % theme::TRACES.len()];
-    let latest = shown.clone().last().map_or(0.0, |last| turn(track.angle(last)));
-    let mut turns = Vec::new();
-    let mut before = shown.clone().next().map(|first| (track.place(first, mass), turn(track.angle(first))));
-    for step in shown.clone().skip(1) {
-        let (to, turned) = (track.place(step, mass), turn(track.angle(step)));
-        let (from, earlier) = before.replace((to, turned)).unwrap_or((to, turned));
-        // What is older than a turn or two fades, so that the eye finds where the mass goes.
-        plot.line(from, to, if turned > latest - FRESH { color } else { theme::GRID });
-        if turned > earlier {
-            turns.push(to);
-        }
-    }
+    // What is older than a turn or two fades, so that the eye finds where the mass goes.
+    let Turns { shown, fresh, begun } = turns;
+    plot.path(track.places(shown.start..*fresh, mass), theme::GRID);
+    plot.path(track.places(fresh.saturating_sub(1).max(shown.start)..shown.end, mass), color);
+    let turns: Vec<[f64; 2]> = begun.iter().map(|step| track.place(*step, mass)).collect();
     let others: Vec<_> = shown.clone().filter_map(|step| beside?.place(step, mass)).collect();
     others.windows(2).for_each(|pair| plot.line(pair[0], pair[1], theme::CANDIDATE));
     plot.paint(buffer);
@@ -104,7 +98,7 @@ fn draw_one(
     let carries = picture.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
     write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color));
-    if let Some(last) = shown.last() {
+    if let Some(last) = shown.clone().last() {
         let now = short(radius(track.place(last, mass)), 3);
         let row = if cell.height > 3 { cell.bottom() - 1 } else { cell.top() };
         let column = cell.left() + if cell.height > 3 { 0 } else { 4 };
@@ -132,6 +126,40 @@ fn turn(angle: f64) -> f64 {
 
 fn radius([y, z]: [f64; 2]) -> f64 {
     y.hypot(z)
+}
+
+/// The turns of the rotor over some steps.
+struct Turns {
+    shown: std::ops::Range<usize>,
+    /// The first step of those that are drawn in colour.
+    fresh: usize,
+    /// Steps with which a turn began.
+    begun: Vec<usize>,
+}
+
+impl Turns {
+    fn of(track: &Track, shown: std::ops::Range<usize>) -> Self {
+        let latest = shown.clone().last().map_or(0.0, |last| turn(track.angle(last)));
+        let (mut fresh, mut begun) = (shown.end, Vec::new());
+        let mut steps = shown.clone();
+        let mut turned = steps.next().map_or(0.0, |first| turn(track.angle(first)));
+        if turned > latest - FRESH {
+            fresh = shown.start;
+        }
+        let mut next = (turned + 1.0) * std::f64::consts::TAU;
+        for step in steps {
+            let angle = track.angle(step);
+            if angle >= next {
+                turned = turn(angle);
+                next = (turned + 1.0) * std::f64::consts::TAU;
+                begun.push(step);
+                if turned > latest - FRESH {
+                    fresh = fresh.min(step);
+                }
+            }
+        }
+        Self { shown, fresh, begun }
+    }
 }
 
 /// The steps of the last few turns before the one under the cursor, with that.

@@ -5,7 +5,8 @@ use ratatui::layout::{Position, Rect};
 
 use super::modes::Modes;
 use super::{
-    alarms, damping, damping_over_speed, force, force_budget, orbits, poles, raw, settings, spectrum, strips, waterfall,
+    alarms, damping, damping_over_speed, events, force, force_budget, orbits, poles, raw, settings, spectrum, strips,
+    waterfall,
 };
 use crate::actions::Action;
 use crate::screen::View;
@@ -126,6 +127,12 @@ pub(crate) const KINDS: &[Kind] = &[
         meaning: "what is watched, its limits, and what has been past them",
         least: (30, 4),
         make: || Box::new(alarms::draw),
+    },
+    Kind {
+        name: "events",
+        meaning: "what happened: who changed what and why, trips, notes",
+        least: (30, 3),
+        make: || Box::new(events::draw),
     },
     Kind { name: "raw", meaning: "every number of one step", least: (40, 5), make: || Box::new(raw::draw) },
 ];

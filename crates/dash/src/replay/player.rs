@@ -81,6 +81,7 @@ impl Player {
             branch: None,
             past,
         };
+        player.events.iter().for_each(|event| feed.remember(event));
         player.show(feed, time, true)?;
         Ok(player)
     }

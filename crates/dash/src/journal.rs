@@ -1,0 +1,129 @@
+//! What has happened on the bench: who changed what and why, trips, notes. Bounded; the newest stay.
+
+use std::sync::Arc;
+
+use rotor::{Difference, Settings};
+use wire::{Event, Happening};
+
+use crate::replay::PastEvent;
+
+/// Entries kept.
+const KEPT: usize = 500;
+
+/// One thing that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Entry {
+    /// When, nanoseconds since 1970.
+    pub(crate) wall_ns: u64,
+    /// The rotor's time then.
+    pub(crate) tau: f64,
+    /// What, in words.
+    pub(crate) what: String,
+    /// What kind of thing.
+    pub(crate) happening: Happening,
+    /// Who did it.
+    pub(crate) who: String,
+    /// Why; may be empty.
+    pub(crate) why: String,
+}
+
+/// All that has been told, the oldest first.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Journal {
+    entries: Arc<Vec<Entry>>,
+    /// Run and number of the newest event: what has been told already is told again to who attaches anew.
+    newest: (u64, u64),
+    settings: Option<Settings>,
+}
+
+impl Journal {
+    /// Takes in an event. Returns whether it was news.
+    pub(crate) fn hear(&mut self, event: &Event) -> bool {
+        let (run, number) = self.newest;
+        if event.run_id == run && event.number <= number {
+            return false;
+        }
+        self.newest = (event.run_id, event.number);
+        let before = self.settings.replace(event.settings.unpack()).filter(|_| event.run_id == run);
+        let Some(happening) = event.happening() else { return false };
+        let difference = match (&happening, &before, &self.settings) {
+            (Happening::Settings, Some(before), Some(after)) => Difference::between(before, after).to_string(),
+            _ => String::new(),
+        };
+        let what = if difference.is_empty() { happening.to_string() } else { difference };
+        let (who, why) = (event.who.as_str().to_owned(), event.why.as_str().to_owned());
+        self.push(Entry { wall_ns: event.wall_ns, tau: event.tau, what, happening, who, why });
+        true
+    }
+
+    /// Takes in an event of a recording.
+    pub(crate) fn recall(&mut self, event: &PastEvent) {
+        self.push(Entry {
+            wall_ns: event.at.wall_ns,
+            tau: event.at.tau,
+            what: event.happening.to_string(),
+            happening: event.happening.clone(),
+            who: event.who.clone(),
+            why: event.why.clone(),
+        });
+    }
+
+    fn push(&mut self, entry: Entry) {
+        let entries = Arc::make_mut(&mut self.entries);
+        if entries.len() == KEPT {
+            entries.remove(0);
+        }
+        entries.push(entry);
+    }
+
+    /// The entries, the oldest first.
+    pub(crate) fn entries(&self) -> Arc<Vec<Entry>> {
+        self.entries.clone()
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use wire::{SettingsMessage, Text};
+
+    use super::*;
+    use crate::feed::tests::bulletin;
+
+    /// Event number `number` of a run, a second after the one before.
+    pub(crate) fn event(number: u64, happening: &Happening, settings: &Settings) -> Box<Event> {
+        let mut event = happening.event();
+        (event.run_id, event.number, event.wall_ns) = (7, number, (50_600 + number) * 1_000_000_000);
+        (event.who, event.tau) = (Text::new("dash:812"), number as f64);
+        event.settings = SettingsMessage::pack(settings).unwrap();
+        event
+    }
+
+    #[test]
+    fn changes_are_told_in_words_and_once() {
+        let mut settings = bulletin("three-mass", "composite").settings.unpack();
+        let mut journal = Journal::default();
+        assert!(journal.hear(&event(1, &Happening::Started, &settings)));
+        settings.set("kd".parse().unwrap(), 0.1).unwrap();
+        let change = event(2, &Happening::Settings, &settings);
+        assert!(journal.hear(&change) && !journal.hear(&change), "told again to who attaches anew");
+        journal.hear(&event(3, &Happening::Note("here it hums".into()), &settings));
+        let told: Vec<String> = journal.entries().iter().map(|entry| entry.what.clone()).collect();
+        assert_eq!(told[0], "started");
+        assert!(told[1].contains("kd") && told[1].contains("-0.5755 -> 0.1"), "{told:?}");
+        assert_eq!(told[2], "note: here it hums");
+    }
+
+    #[test]
+    fn another_run_is_news_and_the_newest_stay() {
+        let settings = bulletin("three-mass", "composite").settings.unpack();
+        let mut journal = Journal::default();
+        for number in 1..=KEPT as u64 + 5 {
+            journal.hear(&event(number, &Happening::Restarted, &settings));
+        }
+        let mut other = event(1, &Happening::Started, &settings);
+        other.run_id = 8;
+        assert!(journal.hear(&other));
+        let entries = journal.entries();
+        assert_eq!((entries.len(), entries.last().unwrap().happening.clone()), (KEPT, Happening::Started));
+    }
+}

@@ -1,0 +1,101 @@
+//! What happened, the newest first: who changed what and why, trips, notes.
+//!
+//! ```text
+//! ┌ events ─────────────────────────────────────────────────┐
+//! │ 14:03:27  tau 412.3  kd.1 -0.5755 -> 0.1  dash:812, typed │   times are UTC
+//! │ 14:03:20  tau 405.1  !! tripped: orbit of mass 2 ...  sim │
+//! │ 14:02:11  tau 336.0  note: here it hums  note:77          │   dim: after the cursor
+//! └─────────────────────────────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
+use ratatui::text::Line;
+use wire::Happening;
+
+use super::alarms::clock;
+use super::{framed, write};
+use crate::plot::short;
+use crate::screen::View;
+use crate::theme;
+
+pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let inner = framed(Line::from(" events "), area, buffer);
+    let picture = view.picture;
+    if picture.events.is_empty() {
+        write(buffer, inner, inner.left(), inner.top(), "nothing has happened", theme::quiet());
+    }
+    // While the newest step is looked at, nothing is after it.
+    let until = picture.now.filter(|_| picture.behind > 0).map(|now| picture.track.wall_ns(now));
+    for (y, entry) in (inner.top()..inner.bottom()).zip(picture.events.iter().rev()) {
+        let is_after = until.is_some_and(|until| entry.wall_ns > until);
+        let (sign, color) = sign(&entry.happening);
+        let when = format!("{}  tau {:<7} ", clock(entry.wall_ns), short(entry.tau, 5));
+        write(buffer, inner, inner.left(), y, &when, theme::quiet());
+        let what = format!("{sign}{}", entry.what);
+        let style = match color {
+            _ if is_after => theme::quiet(),
+            Some(color) => theme::loud(color),
+            None => Style::new(),
+        };
+        let x = inner.left() + when.chars().count() as u16;
+        write(buffer, inner, x, y, &what, style);
+        let by = if entry.why.is_empty() { entry.who.clone() } else { format!("{}, {}", entry.who, entry.why) };
+        write(buffer, inner, x + what.chars().count() as u16 + 2, y, &by, theme::quiet());
+    }
+}
+
+/// What stands before an event, and its colour.
+fn sign(happening: &Happening) -> (&'static str, Option<Color>) {
+    match happening {
+        Happening::Tripped(_) => ("!! ", Some(theme::BAD)),
+        Happening::Refused { .. } | Happening::Late { .. } => ("! ", Some(theme::WARN)),
+        Happening::Note(_) => ("● ", Some(theme::FORWARD)),
+        _ => ("", None),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wire::message::Trip;
+
+    use super::*;
+    use crate::feed::{Feed, tests};
+    use crate::journal::tests::event;
+    use crate::panels::tests::drawn;
+    use crate::screen::tests::view;
+    use crate::view_time::ViewTime;
+
+    #[test]
+    fn who_did_what_and_why_is_told_newest_first() {
+        let now = std::time::Instant::now();
+        let mut feed = Feed::new("");
+        let mut settings = tests::bulletin("three-mass", "composite").settings.unpack();
+        feed.happen(&event(1, &Happening::Started, &settings));
+        settings.set("kd".parse().unwrap(), 0.1).unwrap();
+        let mut change = event(2, &Happening::Settings, &settings);
+        change.why = wire::Text::new("typed");
+        feed.happen(&change);
+        feed.happen(&event(3, &Happening::Note("here it hums".into()), &settings));
+        let trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
+        feed.happen(&event(4, &Happening::Tripped(trip), &settings));
+        let picture = feed.picture(&ViewTime::LIVE, now);
+        let frame_of = |width, height| drawn(width, height, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = frame_of(100, 7);
+        let rows: Vec<&str> = frame.lines().collect();
+        assert!(rows[1].contains("14:03:24") && rows[1].contains("!! tripped: orbit of mass 2"), "{frame}");
+        assert!(rows[2].contains("note: here it hums"), "{frame}");
+        assert!(rows[3].contains("-0.5755 -> 0.1  dash:812, typed"), "{frame}");
+        insta::assert_snapshot!("events", frame);
+        insta::assert_snapshot!("events_small", frame_of(40, 4));
+        insta::assert_snapshot!("events_large", frame_of(140, 12));
+    }
+
+    #[test]
+    fn nothing_is_told_as_such() {
+        let picture = tests::picture();
+        let frame = drawn(40, 4, |area, buffer| draw(&view(&picture), area, buffer));
+        assert!(frame.contains("nothing has happened"), "{frame}");
+    }
+}
