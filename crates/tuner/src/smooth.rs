@@ -13,6 +13,8 @@ use crate::stop::Stop;
 /// `beta` of each stage.
 const STAGES: [f64; 8] = [5.0, 15.0, 50.0, 150.0, 500.0, 1500.0, 6000.0, 20_000.0];
 const STEPS_PER_STAGE: usize = 40;
+/// Length of the first step of a stage, before anything is known of the curvature.
+const FIRST_STEP: f64 = 0.1;
 /// Weight of the square by which a force limit is exceeded, relative to the limit, beside the damping.
 const FORCE_WEIGHT: f64 = 10.0;
 
@@ -88,12 +90,14 @@ impl Climber<'_, '_> {
             if length < 1e-10 || !here.value.is_finite() || stop.is_set() {
                 break;
             }
-            let mut direction: Vec<f64> = match &inverse {
-                None => slope.iter().map(|s| -s / length * 0.1_f64.max(0.0)).collect(),
+            let downhill = || slope.iter().map(|s| -s / length * FIRST_STEP).collect::<Vec<f64>>();
+            let mut direction = match &inverse {
+                None => downhill(),
                 Some(h) => (0..n).map(|i| if free[i] { -dot(&h[i * n..(i + 1) * n], &slope) } else { 0.0 }).collect(),
             };
             if dot(&direction, &slope) > -1e-12 * length * dot(&direction, &direction).sqrt() {
-                direction = slope.iter().map(|s| -s / length * 0.1).collect();
+                // What was learned of the curvature points uphill here: begin anew.
+                direction = downhill();
                 inverse = None;
             }
             let Some(next) = self.line_search(&here, &direction) else {
@@ -107,7 +111,7 @@ impl Climber<'_, '_> {
             update(&mut inverse, &here, &next);
             here = next;
             // The next stage asks something else anyway.
-            if gained < 1e-4 / self.beta * 0.1 {
+            if gained < 1e-5 / self.beta {
                 break;
             }
         }

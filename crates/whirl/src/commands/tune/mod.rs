@@ -81,7 +81,7 @@ pub(crate) struct TuneArgs {
     /// How a climb goes
     #[arg(long, value_enum, default_value_t = MethodName::Nonsmooth, help_heading = "Search")]
     method: MethodName,
-    /// How many climbs from random gains [default: 8 to 32, by how much there is to get wrong]
+    /// How many climbs from random gains [default: 4 to 32, by how much there is to get wrong]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Search")]
     starts: Option<u32>,
     /// What random numbers start from; the same seed gives the same answer
