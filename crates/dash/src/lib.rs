@@ -29,6 +29,7 @@ mod plot;
 mod presets;
 mod replay;
 mod screen;
+mod search;
 mod session;
 mod terminal;
 mod theme;

@@ -68,7 +68,9 @@ pub(crate) fn certify(
             return found;
         }
         found.boxes += cells.len() as u64;
-        let Some(planes) = problem.measure.half_planes(found.value - tolerance) else { return found };
+        // Never so far that a rotor that holds could not be told from one that does not.
+        let slack = if found.value > 0.0 { tolerance.min(0.5 * found.value) } else { tolerance };
+        let Some(planes) = problem.measure.half_planes(found.value - slack) else { return found };
         let seen: Vec<(Seen, f64, C64, Vec<f64>)> =
             cells.par_iter().map(|cell| look(problem, gains, cell, &planes)).collect();
         cells.clear();

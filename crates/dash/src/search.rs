@@ -1,0 +1,246 @@
+//! A gain search from the console: for the present structure, at the present speed or over a range, beside the live loop.
+//!
+//! It runs on a thread of its own with one core fewer than there are, so that the screen keeps moving, and touches nothing:
+//! what it finds is a proposal, whole settings that a person looks at before they are applied.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+use rotor::{Feedback, Gain, Rotor, Settings};
+use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
+
+/// What is searched for.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Wish {
+    /// The lowest spin speed at which the gains are to hold.
+    pub(crate) from: f64,
+    /// The highest; the same for one speed.
+    pub(crate) to: f64,
+    /// Whether they are to hold for any stiffness that deadband leaves of each support bearing.
+    pub(crate) robust: bool,
+}
+
+impl Wish {
+    /// Reads what follows `:search`: nothing for the present speed, `A..B` for a range, `robust` beside either.
+    ///
+    /// # Errors
+    /// What is wrong with it, for the message line.
+    pub(crate) fn read(words: &str, present_speed: f64) -> Result<Self, String> {
+        let mut wish = Self { from: present_speed, to: present_speed, robust: false };
+        for word in words.split_whitespace() {
+            let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
+            if word == "robust" {
+                wish.robust = true;
+            } else if let Some((from, to)) = word.split_once("..")
+                && let (Some(from), Some(to)) = (number(from), number(to))
+                && from < to
+            {
+                (wish.from, wish.to) = (from, to);
+            } else {
+                return Err(format!("'{word}': expected a range of speeds such as 0..6, or robust"));
+            }
+        }
+        Ok(wish)
+    }
+
+    /// In a few words: `at R = 5`, `over R 0..6, any deadband`.
+    #[must_use]
+    pub(crate) fn words(&self) -> String {
+        let any = if self.robust { ", any deadband" } else { "" };
+        if self.from < self.to {
+            format!("over R {}..{}{any}", self.from, self.to)
+        } else {
+            format!("at R = {}{any}", self.from)
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Found {
+    /// The settings as they were when the search began, with the gains that were found.
+    pub(crate) settings: Settings,
+    /// The smallest damping ratio over all that was asked for.
+    pub(crate) min_damping: f64,
+    /// The speed where that is.
+    pub(crate) worst_speed: f64,
+    /// Whether it is proven for every condition.
+    pub(crate) proven: bool,
+    /// Whether it was stopped before its end.
+    pub(crate) stopped: bool,
+}
+
+#[derive(Debug, Default)]
+struct Slot {
+    progress: Option<Progress>,
+    ended: Option<Result<Found, String>>,
+}
+
+/// A search under way. Dropping it ends it.
+#[derive(Debug)]
+pub(crate) struct Search {
+    wish: Wish,
+    stop: Arc<AtomicBool>,
+    slot: Arc<Mutex<Slot>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Search {
+    /// Begins a search from `settings` for `rotor`; `wake` is called whenever there is something new to show.
+    ///
+    /// # Errors
+    /// A wish that makes no sense for this rotor, or no thread to be had.
+    pub(crate) fn begin(
+        rotor: &Rotor,
+        settings: &Settings,
+        wish: Wish,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Result<Self, String> {
+        let problem = problem(rotor, &settings.feedback, &wish)?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut options = Options::for_problem(&problem);
+        options.threads = Some(cores.saturating_sub(1).max(1));
+        // The present gains are a start too: what is found is never worse than what there is.
+        options.first = vec![problem.structure.variables_of(&settings.feedback)];
+        options.starts += 1;
+        let (stop, slot) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Slot::default())));
+        let (flag, place, settings) = (stop.clone(), slot.clone(), settings.clone());
+        let fill = move |change: &dyn Fn(&mut Slot)| {
+            change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
+            wake();
+        };
+        let work = move || {
+            let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
+            let tuned = tune(&problem, &options, &say, Stop::when(&flag));
+            let found = tuned.map_err(|error| error.to_string()).map(|tuned| Found {
+                settings: Settings { feedback: tuned.feedback, ..settings.clone() },
+                min_damping: tuned.worst.value,
+                worst_speed: tuned.worst.point[0],
+                proven: tuned.worst.proven,
+                stopped: tuned.interrupted,
+            });
+            fill(&|slot| slot.ended = Some(found.clone()));
+        };
+        let thread = std::thread::Builder::new().name("search".into()).spawn(work);
+        let thread = thread.map_err(|error| format!("no thread for the search: {error}"))?;
+        Ok(Self { wish, stop, slot, thread: Some(thread) })
+    }
+
+    /// What it is for.
+    #[must_use]
+    pub(crate) fn wish(&self) -> &Wish {
+        &self.wish
+    }
+
+    /// How it goes, in words for the status line.
+    #[must_use]
+    pub(crate) fn words(&self) -> String {
+        let progress = self.slot.lock().unwrap_or_else(PoisonError::into_inner).progress.clone();
+        let what = self.wish.words();
+        let Some(Progress { done, starts, best, .. }) = progress else { return format!("searching {what}") };
+        format!("searching {what}: {done} of {starts}, best {best:.4}")
+    }
+
+    /// Asks it to end with the best so far.
+    pub(crate) fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// What came of it, once.
+    pub(crate) fn ended(&self) -> Option<Result<Found, String>> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).ended.take()
+    }
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        self.stop();
+        if let Some(thread) = self.thread.take() {
+            // It looks at the flag between steps of a climb: a matter of milliseconds.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The question: the bearing and signals of the present feedback, their gains constant and no larger than twenty, or than
+/// what they are now.
+fn problem(rotor: &Rotor, feedback: &Feedback, wish: &Wish) -> Result<Problem, String> {
+    let mut family = Family::new(rotor, wish.from, wish.to).map_err(|error| error.to_string())?;
+    if wish.robust {
+        family.any_deadband(true).map_err(|error| error.to_string())?;
+    }
+    let structure = Structure::new(rotor, feedback, Schedule::Fixed).map_err(|error| error.to_string())?;
+    let gains = feedback.signals.iter().flat_map(|signal| &signal.gains);
+    let largest = gains.filter_map(|gain| if let Gain::Constant(value) = gain { Some(value.abs()) } else { None });
+    let problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
+    problem.check().map_err(|error| error.to_string())?;
+    Ok(problem)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use rotor::{ClosedLoop, builtin};
+
+    use super::*;
+
+    fn bench() -> (Rotor, Settings) {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let settings = Settings::new(&rotor, 6.0, builtin::feedback(&rotor, "composite").unwrap());
+        (rotor, settings)
+    }
+
+    fn result(search: &Search) -> Result<Found, String> {
+        let begun = Instant::now();
+        loop {
+            if let Some(ended) = search.ended() {
+                return ended;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(300), "{}", search.words());
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    #[test]
+    fn finds_better_gains_for_the_present_structure() {
+        let (rotor, settings) = bench();
+        let wish = Wish::read("", settings.speed).unwrap();
+        let found = result(&Search::begin(&rotor, &settings, wish, || {}).unwrap()).unwrap();
+        assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
+        assert_eq!(found.worst_speed, 6.0);
+        let damping = |feedback: &Feedback| {
+            let poles = rotor::poles(&ClosedLoop::new(&rotor, feedback, 6.0, &[])).unwrap();
+            rotor::damping_ratio(poles[0])
+        };
+        assert!((damping(&found.settings.feedback) - found.min_damping).abs() < 1e-9);
+        assert!(damping(&settings.feedback) < found.min_damping);
+        assert_eq!(
+            Settings { feedback: settings.feedback.clone(), ..found.settings },
+            settings,
+            "nothing else changes"
+        );
+    }
+
+    #[test]
+    fn a_search_that_is_stopped_gives_what_it_has() {
+        let (rotor, settings) = bench();
+        let wish = Wish::read("0..6 robust", settings.speed).unwrap();
+        let search = Search::begin(&rotor, &settings, wish, || {}).unwrap();
+        search.stop();
+        assert!(result(&search).unwrap().stopped);
+        drop(search);
+    }
+
+    #[test]
+    fn wishes_are_read_or_refused() {
+        let wish = |words| Wish::read(words, 5.0);
+        assert_eq!(wish("").unwrap().words(), "at R = 5");
+        assert_eq!(wish("0..6").unwrap().words(), "over R 0..6");
+        assert_eq!(wish("robust 0..6.5").unwrap().words(), "over R 0..6.5, any deadband");
+        for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {
+            assert!(wish(wrong).unwrap_err().contains("expected a range of speeds"), "{wrong}");
+        }
+    }
+}
