@@ -22,6 +22,8 @@ pub(crate) enum Action {
     Redo,
     /// All gains to zero.
     Off,
+    /// Search gains; this says for what.
+    Search(String),
     /// Strike the rotor.
     Impulse,
     /// Restart from rest, or bring back a simulation that has ended.
@@ -216,6 +218,13 @@ pub(crate) const ACTIONS: &[Row] = &[
         meaning: "take gains that were kept",
         keys: &[keys(&[("o", "")], "take gains that were kept", None)],
         make: |name| Ok(Action::Load(name.to_owned())),
+    },
+    Row {
+        name: "search",
+        argument: "[A..B] [robust]|stop",
+        meaning: "search gains for the present speed or a range; robust: for any deadband; you see them before they apply",
+        keys: &[keys(&[("S", "")], "search better gains, to be seen before they apply", None)],
+        make: |words| Ok(Action::Search(words.to_owned())),
     },
     Row {
         name: "impulse",
@@ -445,6 +454,7 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
         Some("layout") => layouts.to_vec(),
         Some("load" | "save") => presets.to_vec(),
         Some("set") => settings().collect(),
+        Some("search") => ["robust", "stop"].map(str::to_owned).to_vec(),
         Some(_) => Vec::new(),
     };
     let whole = |candidate: String| if before.is_empty() { candidate } else { format!("{before} {candidate}") };

@@ -5,6 +5,7 @@ mod act;
 mod fuzz;
 mod past;
 mod recording;
+mod search;
 #[cfg(test)]
 mod tests;
 
@@ -33,6 +34,7 @@ use crate::picture::Picture;
 use crate::presets::Presets;
 use crate::replay::Player;
 use crate::screen::{self, View};
+use crate::search::Search;
 use crate::session::{DashError, Ended, Keeper, Options, Scribe};
 use crate::terminal::Screen;
 use crate::view_time::ViewTime;
@@ -96,6 +98,8 @@ pub(crate) struct App<'a> {
     /// Moves through a recording, if there is no bench.
     player: Option<Player>,
     scribe: Option<&'a mut dyn Scribe>,
+    /// A gain search under way.
+    search: Option<Search>,
 }
 
 impl<'a> App<'a> {
@@ -136,6 +140,7 @@ impl<'a> App<'a> {
             quit: None,
             player: None,
             scribe: None,
+            search: None,
         }
     }
 
@@ -253,7 +258,7 @@ impl<'a> App<'a> {
     fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
         let edit = match self.layers.last()? {
             Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.parse().ok()?)]),
-            Layer::Ask(edit, _) => edit.clone(),
+            Layer::Ask(edit, _) | Layer::Offer(edit, _) => edit.clone(),
             _ => return None,
         };
         let settings = edit.applied(picture.settings.as_ref()?)?;
@@ -272,6 +277,7 @@ impl<'a> App<'a> {
             shows = true;
         }
         shows |= self.watch_scribe();
+        shows |= self.watch_search();
         if !self.told_end
             && let Some(keeper) = &mut self.keeper
             && let Some(how) = keeper.ended()

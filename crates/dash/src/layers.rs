@@ -20,8 +20,10 @@ pub(crate) enum Layer {
     Command(String),
     /// What the lists shall show is being typed.
     Filter(String),
-    /// A change waits for a yes, and why it does.
+    /// A change that would harm waits for a yes, and how it would.
     Ask(Edit, String),
+    /// A change is offered, and why.
+    Offer(Edit, String),
 }
 
 /// What a key did to a text that is being typed.

@@ -59,7 +59,9 @@ impl Wish {
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Found {
-    /// The settings as they were when the search began, with the gains that were found.
+    /// The settings as they were when the search began.
+    pub(crate) before: Settings,
+    /// The same with the gains that were found.
     pub(crate) settings: Settings,
     /// The smallest damping ratio over all that was asked for.
     pub(crate) min_damping: f64,
@@ -87,16 +89,11 @@ pub(crate) struct Search {
 }
 
 impl Search {
-    /// Begins a search from `settings` for `rotor`; `wake` is called whenever there is something new to show.
+    /// Begins a search from `settings` for `rotor`.
     ///
     /// # Errors
     /// A wish that makes no sense for this rotor, or no thread to be had.
-    pub(crate) fn begin(
-        rotor: &Rotor,
-        settings: &Settings,
-        wish: Wish,
-        wake: impl Fn() + Send + Sync + 'static,
-    ) -> Result<Self, String> {
+    pub(crate) fn begin(rotor: &Rotor, settings: &Settings, wish: Wish) -> Result<Self, String> {
         let problem = problem(rotor, &settings.feedback, &wish)?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut options = Options::for_problem(&problem);
@@ -106,14 +103,12 @@ impl Search {
         options.starts += 1;
         let (stop, slot) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Slot::default())));
         let (flag, place, settings) = (stop.clone(), slot.clone(), settings.clone());
-        let fill = move |change: &dyn Fn(&mut Slot)| {
-            change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
-            wake();
-        };
+        let fill = move |change: &dyn Fn(&mut Slot)| change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
         let work = move || {
             let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
             let tuned = tune(&problem, &options, &say, Stop::when(&flag));
             let found = tuned.map_err(|error| error.to_string()).map(|tuned| Found {
+                before: settings.clone(),
                 settings: Settings { feedback: tuned.feedback, ..settings.clone() },
                 min_damping: tuned.worst.value,
                 worst_speed: tuned.worst.point[0],
@@ -207,7 +202,7 @@ mod tests {
     fn finds_better_gains_for_the_present_structure() {
         let (rotor, settings) = bench();
         let wish = Wish::read("", settings.speed).unwrap();
-        let found = result(&Search::begin(&rotor, &settings, wish, || {}).unwrap()).unwrap();
+        let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
         assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
         assert_eq!(found.worst_speed, 6.0);
         let damping = |feedback: &Feedback| {
@@ -227,7 +222,7 @@ mod tests {
     fn a_search_that_is_stopped_gives_what_it_has() {
         let (rotor, settings) = bench();
         let wish = Wish::read("0..6 robust", settings.speed).unwrap();
-        let search = Search::begin(&rotor, &settings, wish, || {}).unwrap();
+        let search = Search::begin(&rotor, &settings, wish).unwrap();
         search.stop();
         assert!(result(&search).unwrap().stopped);
         drop(search);

@@ -79,8 +79,8 @@ impl App<'_> {
                 Typed::Taken => self.filter.clone_from(text),
                 Typed::Complete | Typed::Else => {}
             },
-            Some(Layer::Ask(..)) => {
-                let Some(Layer::Ask(edit, _)) = self.layers.pop() else { return };
+            Some(Layer::Ask(..) | Layer::Offer(..)) => {
+                let Some(Layer::Ask(edit, _) | Layer::Offer(edit, _)) = self.layers.pop() else { return };
                 match key.code {
                     KeyCode::Char('y' | 'Y') => self.send(edit),
                     _ => self.tell(Message::Hints),
@@ -235,6 +235,7 @@ impl App<'_> {
             },
             Action::Restart => self.restart(),
             Action::Record => self.record(),
+            Action::Search(words) => self.search(&words),
             Action::Hold | Action::Swap | Action::Save(_) | Action::Load(_) => self.compare(action),
             Action::Pause if self.time.is_live() => self.look(|time, kept, _| time.pause(kept)),
             Action::Pause => self.look(|time, _, _| time.resume()),
@@ -353,7 +354,7 @@ impl App<'_> {
                 *from = from.saturating_add_signed(3 * lines as isize).min(1000);
                 return;
             }
-            (Some(Layer::Help(_) | Layer::Ask(..)), _) => return,
+            (Some(Layer::Help(_) | Layer::Ask(..) | Layer::Offer(..)), _) => return,
             _ => {}
         }
         let (area, position) = (self.area, Position::new(at.0, at.1));

@@ -232,3 +232,53 @@ fn the_mouse_selects_nudges_and_zooms() {
     app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
     assert!(!app.time.is_live());
 }
+
+#[test]
+fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, &[Char(':')]);
+    type_in(&mut app, "search 0..5");
+    press(&mut app, &[Enter]);
+    assert!(app.search.is_some(), "{:?}", app.message.0);
+    type_in(&mut app, "S");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("`:search stop` ends it")));
+    let begun = Instant::now();
+    while app.layers.is_empty() {
+        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
+        app.tick();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    // Seen before it applies: the panels show the candidate beside the present gains.
+    let screen = frame(&mut app);
+    assert!(screen.contains("found over R 0..5: min damping 0.0388"), "{screen}");
+    assert!(taken.is_empty() && app.search.is_none());
+    press(&mut app, &[Char('y')]);
+    let edits: Vec<Edit> = taken.try_iter().collect();
+    let [Edit::Become(change, why)] = &edits[..] else { panic!("{edits:?}") };
+    assert_eq!(why, "gains searched over R 0..5");
+    assert_eq!(change.0.speed, change.1.speed);
+    assert_ne!(change.0.feedback, change.1.feedback);
+}
+
+#[test]
+fn a_search_is_dropped_stopped_or_refused() {
+    let (mut app, taken) = dashboard(&Options::default());
+    let command = |app: &mut App<'_>, line: &str| {
+        press(app, &[Char(':')]);
+        type_in(app, line);
+        press(app, &[Enter]);
+    };
+    command(&mut app, "search stop");
+    assert_eq!(app.message.0, Message::Bad("no search is under way".into()));
+    command(&mut app, "search 6..1");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("expected a range of speeds")));
+    command(&mut app, "search 0..7 robust");
+    command(&mut app, "search stop");
+    while app.layers.is_empty() {
+        app.tick();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    assert!(frame(&mut app).contains("stopped early"));
+    press(&mut app, &[Esc]);
+    assert!(app.layers.is_empty() && taken.is_empty(), "nothing was changed");
+}

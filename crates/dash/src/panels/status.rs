@@ -182,6 +182,11 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             Span::styled(" y ", Style::new().bold()),
             Span::styled("does it all the same, any other key forgets it", theme::quiet()),
         ]),
+        Some(Layer::Offer(_, why)) => Line::from(vec![
+            Span::styled(format!(" {why} "), theme::badge(theme::GOOD)),
+            Span::styled(" y ", Style::new().bold()),
+            Span::styled("applies it, any other key forgets it", theme::quiet()),
+        ]),
         _ => told(view),
     };
     line.render(area, buffer);

@@ -1,0 +1,77 @@
+//! Searching gains from the console: begin, say how it goes, and show what was found before it is applied.
+
+use super::{App, Message, lock};
+use crate::clerk::Edit;
+use crate::layers::Layer;
+use crate::search::{Search, Wish};
+
+impl App<'_> {
+    /// Begins a search; `stop` ends it with the best so far.
+    pub(super) fn search(&mut self, words: &str) {
+        if words == "stop" {
+            match &self.search {
+                Some(search) => search.stop(),
+                None => self.tell(Message::Bad("no search is under way".into())),
+            }
+            return;
+        }
+        if let Some(search) = &self.search {
+            self.tell(Message::Bad(format!("{}: `:search stop` ends it", search.words())));
+            return;
+        }
+        let (settings, rotor) = {
+            let feed = lock(&self.feed);
+            (feed.settings(), feed.rotor())
+        };
+        let (Some(settings), Some(rotor)) = (settings, rotor) else {
+            self.tell(Message::Bad("no settings are known yet".into()));
+            return;
+        };
+        let begun = Wish::read(words, settings.speed).and_then(|wish| Search::begin(&rotor, &settings, wish));
+        match begun {
+            Ok(search) => {
+                self.tell(Message::Good(search.words()));
+                self.search = Some(search);
+            }
+            Err(why) => self.tell(Message::Bad(why)),
+        }
+    }
+
+    /// Shows how a search goes and, once it has ended, asks whether to apply what it found: meanwhile every panel shows it
+    /// beside the present gains. Returns whether anything has changed.
+    pub(super) fn watch_search(&mut self) -> bool {
+        let Some(search) = &self.search else { return false };
+        // What is being typed or asked comes first: the answer waits.
+        if !self.layers.is_empty() {
+            return false;
+        }
+        let (wish, words) = (search.wish().words(), search.words());
+        let Some(ended) = search.ended() else {
+            let shows = self.message.0 != Message::Good(words.clone());
+            self.tell(Message::Good(words));
+            return shows;
+        };
+        self.search = None;
+        match ended {
+            Ok(found) => {
+                let proven = if found.proven { "proven" } else { "the worst found" };
+                let early = if found.stopped { ", stopped early" } else { "" };
+                let what = format!(
+                    "found {wish}: min damping {:.4} at R = {:.4} ({proven}{early})",
+                    found.min_damping, found.worst_speed
+                );
+                let change = Box::new((found.before, found.settings));
+                self.message = (Message::Hints, std::time::Instant::now());
+                let edit = Edit::Become(change, format!("gains searched {wish}"));
+                let holds = found.min_damping > 0.0;
+                self.layers.push(if holds {
+                    Layer::Offer(edit, what)
+                } else {
+                    Layer::Ask(edit, format!("UNSTABLE: {what}"))
+                });
+            }
+            Err(why) => self.tell(Message::Bad(format!("search {wish}: {why}"))),
+        }
+        true
+    }
+}
