@@ -14,3 +14,4 @@ mod report;
 mod run;
 mod tune;
 mod units;
+mod workbench;

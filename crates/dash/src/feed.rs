@@ -200,13 +200,20 @@ impl Feed {
         let around = overview.start.min(before).max(kept.start)..view.window.end;
         let place = |place: u64| (place - around.start) as usize;
         let era = |at: u64| if time.is_live() { self.history.newest_era() } else { self.history.era_at(at) };
+        let track = self.history.track(&around);
+        // When another machine takes the name, its bulletin and its steps do not come at the same moment.
+        let masses = track.masses();
+        let fits = |era: &Arc<crate::history::Era>| masses == 0 || era.settings.deadband.len() == masses;
         Picture {
-            track: self.history.track(&around),
+            track,
             window: place(view.window.start)..place(view.window.end),
             overview: place(overview.start)..place(overview.end),
             now: view.now.map(place),
-            era: view.now.map_or_else(|| self.history.newest_era(), era).cloned(),
-            eras: self.history.eras(&overview).into_iter().map(|(at, era)| (place(at), era)).collect(),
+            era: view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned(),
+            eras: (self.history.eras(&overview).into_iter())
+                .filter(|(_, era)| fits(era))
+                .map(|(at, era)| (place(at), era))
+                .collect(),
             marks: self.history.marks(&overview).map(|(at, mark)| (place(*at), mark.clone())).collect(),
             peak_force: view.now.map_or(0.0, |now| self.history.peak_force(now)),
             seconds,

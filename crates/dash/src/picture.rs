@@ -30,6 +30,11 @@ impl Track {
         Self { masses, blocks, first, skipped, len }
     }
 
+    /// How many masses the rotor of these steps has; 0 before the first.
+    pub(crate) fn masses(&self) -> usize {
+        self.masses
+    }
+
     /// How many steps there are.
     pub(crate) fn len(&self) -> usize {
         self.len

@@ -19,6 +19,7 @@ pub(crate) use spectra::{Fall, Orbit, OrbitSpectrum, Over, Row, Waterfall};
 #[derive(Debug)]
 pub(crate) struct Desk {
     current: Latest<Question, OverSpeed>,
+    candidate: Latest<Question, OverSpeed>,
     spectrum: Latest<Orbit, OrbitSpectrum>,
     falls: [Latest<Fall, Waterfall>; 2],
 }
@@ -38,6 +39,7 @@ impl Desk {
         };
         Ok(Self {
             current: Latest::spawn("over-speed", OverSpeed::of, wake.clone())?,
+            candidate: Latest::spawn("what-if", OverSpeed::of, wake.clone())?,
             spectrum: Latest::spawn("spectrum", OrbitSpectrum::of, wake.clone())?,
             falls: [
                 Latest::spawn("waterfall", Waterfall::of, wake.clone())?,
@@ -50,6 +52,7 @@ impl Desk {
     pub(crate) fn at_once() -> Self {
         Self {
             current: Latest::inline(OverSpeed::of),
+            candidate: Latest::inline(OverSpeed::of),
             spectrum: Latest::inline(OrbitSpectrum::of),
             falls: [Latest::inline(Waterfall::of), Latest::inline(Waterfall::of)],
         }
@@ -58,6 +61,11 @@ impl Desk {
     /// Poles and damping over speed of the settings in force; for a moment, of those before.
     pub(crate) fn over_speed(&self, question: &Question) -> Option<Arc<OverSpeed>> {
         self.current.ask(question)
+    }
+
+    /// The same of settings that would be; for a moment, of those asked about before.
+    pub(crate) fn over_speed_of_candidate(&self, question: &Question) -> Option<Arc<OverSpeed>> {
+        self.candidate.ask(question)
     }
 
     /// The spectrum of an orbit; for a moment, of an earlier one.

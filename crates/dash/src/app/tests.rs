@@ -112,6 +112,10 @@ fn what_is_being_typed_is_shown_beside_what_is() {
     let shown = frame(&mut app);
     assert!(shown.contains("then 0."), "{shown}");
     assert!(shown.contains('◇'), "{shown}");
+    app.layout = 2;
+    let tuning = frame(&mut app);
+    assert!(tuning.contains("damping over speed") && tuning.contains("│? 0."), "its curve is there too:\n{tuning}");
+    app.layout = 0;
     press(&mut app, &[Esc]);
     assert!(!frame(&mut app).contains("then 0."));
 }

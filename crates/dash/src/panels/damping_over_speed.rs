@@ -47,7 +47,13 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     };
     let scales = era.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
     let (speed, min_damping) = (era.settings.speed, era.min_damping);
-    draw_facts(&Facts { over_speed: &over_speed, speed, min_damping, candidate: None, scales }, area, buffer);
+    let would_be = view.what_if.and_then(|what_if| {
+        let settings = &what_if.settings;
+        let question = Question::at(era.rotor.clone()?, settings.feedback.clone(), settings.speed);
+        Some((view.desk.over_speed_of_candidate(&question)?, settings.speed, what_if.min_damping))
+    });
+    let candidate = would_be.as_ref().map(|(over_speed, speed, damping)| (&**over_speed, *speed, *damping));
+    draw_facts(&Facts { over_speed: &over_speed, speed, min_damping, candidate, scales }, area, buffer);
 }
 
 fn draw_facts(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {

@@ -177,6 +177,22 @@ mod tests {
     use crate::screen::tests::view;
 
     #[test]
+    fn regress_a_bulletin_of_another_machine_than_the_steps_breaks_no_panel() {
+        let now = std::time::Instant::now();
+        for (steps_of, bulletin_of, feedback) in [(1, "three-mass", "individual"), (3, "jeffcott", "cancel")] {
+            let mut feed = crate::feed::Feed::new("");
+            (0..300).for_each(|seq| feed.hear(&tests::state(steps_of, seq), now));
+            feed.read(tests::bulletin(bulletin_of, feedback));
+            let picture = feed.picture(&crate::view_time::ViewTime::LIVE, now);
+            let mut panels = Panels::new();
+            for kind in 0..KINDS.len() {
+                let area = Rect::new(0, 0, 80, 30);
+                panels.draw(kind, &view(&picture), area, &mut Buffer::empty(area));
+            }
+        }
+    }
+
+    #[test]
     fn every_panel_draws_at_its_smallest_size_and_at_every_other() {
         let picture = tests::picture();
         for (at, kind) in KINDS.iter().enumerate() {

@@ -1,0 +1,143 @@
+//! What an engineer does at the dashboard, in a real terminal: each from what the help on the screen tells.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
+use promises::{Root, Screen};
+
+const SIZE: (u16, u16) = (150, 50);
+
+fn started(root: &Root) -> Screen {
+    let screen = Screen::start(root.path(), &[], SIZE);
+    screen.wait_words("RUNNING");
+    screen.wait_words("three-mass");
+    screen
+}
+
+fn quit(mut screen: Screen) {
+    screen.press("\x03");
+    assert!(screen.ended().success());
+    assert!(!screen.is_taken());
+}
+
+#[test]
+fn the_least_damped_mode_is_found_and_layouts_are_switched() {
+    let root = Root::new();
+    let mut screen = started(&root);
+    let poles = promises::run(&["poles", "--speed", "2.5", "--feedback", "composite", "--json"]).json();
+    let least = poles["modes"][0]["re"].as_f64().unwrap();
+    screen.wait_words(&format!("◆ {least:.4}"));
+    screen.press("3");
+    screen.wait_words("damping over speed");
+    screen.press(":lay\twhi\t\r");
+    screen.wait_words("spectrum");
+    screen.press(":layout nope\r");
+    screen.wait_words("no layout 'nope'");
+    quit(screen);
+}
+
+#[test]
+fn two_gain_sets_are_compared_and_kept() {
+    let root = Root::new();
+    let mut screen = started(&root);
+    screen.press("B");
+    screen.wait_words("held");
+    screen.press("jjjL");
+    screen.wait_words("-0.4755");
+    screen.press("b");
+    screen.wait_words("-0.5755");
+    screen.press("b");
+    screen.wait_words("-0.4755");
+    screen.press("smine\r");
+    screen.wait_words("gains kept as 'mine'");
+    let kept = root.path().join("data/whirl/presets/mine.toml");
+    let poles = promises::run(&["poles", "--speed", "2.5", "--feedback", kept.to_str().unwrap(), "--json"]).json();
+    let status = root.run(&["status", "--json"]).json();
+    assert_eq!(poles["min_damping"], status["benches"][0]["min_damping"]);
+    screen.press("b");
+    screen.wait_words("-0.5755");
+    screen.press("o");
+    screen.wait_words("mine (");
+    screen.press("mine\r");
+    screen.wait_words("-0.4755");
+    // What others change can be taken back here.
+    assert_eq!(root.run(&["set", "speed=2.6"]).code, Some(0));
+    screen.wait_words("R 2.6");
+    screen.press("u");
+    screen.wait_words("made by set:");
+    screen.wait_words("R 2.5 ");
+    quit(screen);
+}
+
+#[test]
+fn a_moment_of_the_past_is_looked_at_while_data_go_on() {
+    let root = Root::new();
+    let mut screen = started(&root);
+    screen.press("i");
+    screen.wait_words("impulse -2.5 on mass 1");
+    std::thread::sleep(std::time::Duration::from_millis(1500));
+    screen.press("[");
+    screen.wait_words("PAUSED");
+    let force =
+        |text: &str| text.split("│max").nth(1).and_then(|rest| rest.split_whitespace().next().map(str::to_owned));
+    let then = screen.wait("the largest force until then", force);
+    std::thread::sleep(std::time::Duration::from_millis(500));
+    assert_eq!(screen.wait("the same", force), then, "the picture stands");
+    screen.press("+");
+    screen.wait_words("2.00 s");
+    screen.press(" ");
+    screen.wait_words("RUNNING");
+    quit(screen);
+}
+
+#[test]
+fn the_alarm_that_fired_is_found_and_acknowledged() {
+    let root = Root::new();
+    let mut screen = started(&root);
+    screen.press(":trip=8\r");
+    screen.wait_words("trip = 8, from step");
+    screen.press("0");
+    screen.wait_words("UNSTABLE with that");
+    screen.press("y");
+    screen.wait_words("TRIPPED");
+    screen.press("2");
+    screen.wait_words("not acknowledged");
+    screen.wait("the alarm, at the top", |text| text.lines().next()?.contains("!! ALARM").then_some(()));
+    screen.press("a");
+    screen.wait("its acknowledgement", |text| {
+        (text.contains("alarm acknowledged") || text.contains("alarms acknowledged")).then_some(())
+    });
+    quit(screen);
+}
+
+#[test]
+fn keys_of_ones_own_are_bound_and_mistakes_refused_before_anything_starts() {
+    let root = Root::new();
+    let folder = root.path().join("config/whirl");
+    std::fs::create_dir_all(&folder).unwrap();
+    std::fs::write(folder.join("config.toml"), "layout = \"operator\"\n[keys]\nx = \"layout whirl\"\n").unwrap();
+    let mut screen = Screen::start(root.path(), &[], SIZE);
+    screen.wait_words("force budget");
+    screen.press("x");
+    screen.wait_words("spectrum");
+    quit(screen);
+    std::fs::write(folder.join("config.toml"), "[keys]\nx = \"undo\"\nx = \"redo\"\n").unwrap();
+    let mut screen = Screen::start(root.path(), &[], SIZE);
+    assert_eq!(screen.ended().exit_code(), 2);
+    screen.wait_words("config.toml:3:1");
+}
+
+#[test]
+fn a_read_only_dashboard_changes_nothing_and_ctrl_z_does_no_harm() {
+    let root = Root::new();
+    let simulation = root.simulate(&["three-mass"]);
+    let mut screen = Screen::start(root.path(), &["dash", "--read-only"], SIZE);
+    screen.wait_words("RUNNING");
+    screen.press("l0uR");
+    screen.wait_words("read-only: this dashboard changes nothing");
+    // No shell waits here, so that the system lets it run on.
+    screen.press("\x1a");
+    screen.wait_words("RUNNING");
+    quit(screen);
+    assert_eq!(root.run(&["status", "--json"]).json()["benches"][0]["revision"], 1);
+    assert_eq!(simulation.end().code, Some(0));
+}
