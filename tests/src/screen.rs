@@ -2,6 +2,7 @@
 
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
+use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -28,11 +29,22 @@ impl Screen {
     /// # Panics
     /// If there is no pseudo-terminal, or the program cannot be started.
     #[must_use]
-    pub fn start(root: &std::path::Path, arguments: &[&str], (columns, rows): (u16, u16)) -> Self {
+    pub fn start(root: &Path, arguments: &[&str], size: (u16, u16)) -> Self {
+        let here = std::env::current_dir().expect("a folder to be in");
+        Self::start_in(&here, root, arguments, size)
+    }
+
+    /// The same, with the program in `folder`: files that it makes without being told where land there.
+    ///
+    /// # Panics
+    /// As [`Screen::start`].
+    #[must_use]
+    pub fn start_in(folder: &Path, root: &Path, arguments: &[&str], (columns, rows): (u16, u16)) -> Self {
         let size = PtySize { rows, cols: columns, pixel_width: 0, pixel_height: 0 };
         let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");
         let mut command = CommandBuilder::new(crate::program());
         command.args(arguments);
+        command.cwd(folder);
         command.env("WHIRL_ROOT", root);
         // Not the configuration and the gains of whoever runs the tests; neither is there until something is kept.
         command.env("XDG_CONFIG_HOME", root.join("config"));

@@ -71,7 +71,8 @@ impl History {
 
     /// An empty history of the same bound, whose first step will have the place `first`.
     pub(crate) fn emptied(&self, first: u64) -> Self {
-        Self { first, ..Self::new(self.bound) }
+        // Whatever comes first is of another run than what was before: no gap is lost between the two.
+        Self { first, run_id: !self.run_id, ..Self::new(self.bound) }
     }
 
     /// How many steps of a rotor of `masses` masses there is room for.

@@ -21,6 +21,8 @@ const AS_RECORDED: usize = 5;
 const LOOK_BACK: f64 = 61.0;
 /// Steps before the moment that are at hand at least, and at most.
 const BACK: [u64; 2] = [10_500, 250_000];
+/// Seconds of missing steps that are waited for as if they were there.
+const SHORT: f64 = 0.1;
 /// Steps that are fetched ahead at once.
 const AHEAD: u64 = 2_000;
 /// Steps that are fetched in passing, while there is nothing else to do.
@@ -168,8 +170,10 @@ impl Player {
                 jumped = true;
             }
         }
-        // Where steps are missing there is nothing to be seen.
-        if let Some(gap) = self.missing.iter().find(|gap| gap.contains(&self.seq())) {
+        // Where many steps are missing there is nothing to be seen.
+        let here = self.seq();
+        let gap = self.missing.get(self.missing.partition_point(|gap| gap.end <= here));
+        if let Some(gap) = gap.filter(|gap| gap.contains(&here) && (gap.end - gap.start) as f64 > SHORT * self.rate) {
             self.position = gap.end as f64;
         }
         if self.position >= self.ends[1] as f64 {
