@@ -28,7 +28,7 @@ measure:
 # Recordings: the sink, the reader and the commands, with rerun (minutes to build the first time)
 test-recordings:
     cargo test -p tape -p promises --features promises/rerun --lib --test files
-    cargo test -p tape -p promises --features promises/rerun --test promises recordings
+    cargo test -p tape -p promises --features promises/rerun --test promises -- recordings replay
 
 # The small recording in recordings/, made again
 sample:

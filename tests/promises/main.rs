@@ -10,6 +10,7 @@ mod papers;
 mod picture;
 mod poles;
 mod recordings;
+mod replay;
 mod report;
 mod run;
 mod tune;

@@ -33,6 +33,8 @@ pub(crate) enum Command {
     Dash(commands::dash::DashArgs),
     /// Record a running simulation in a file, every step
     Record(commands::record::RecordArgs),
+    /// Play a recording in the dashboard, and run on from any moment of it with other gains
+    Replay(commands::replay::ReplayArgs),
     /// Tell what a recording holds: length, rates, changes, losses, trips, extremes
     Info(commands::info::InfoArgs),
     /// Make a table of a recording, as CSV or Parquet

@@ -61,9 +61,17 @@ impl ScreenArgs {
     /// # Errors
     /// A configuration that is wrong, or a layout that is wrong or not there.
     pub(crate) fn options(&self) -> Result<dash::Options, Failure> {
+        self.options_with(None)
+    }
+
+    /// The same with another layout than the first where nobody has said which.
+    ///
+    /// # Errors
+    /// As [`ScreenArgs::options`].
+    pub(crate) fn options_with(&self, layout: Option<&str>) -> Result<dash::Options, Failure> {
         let wishes = dash::Wishes { theme: self.theme, ascii: self.ascii };
         let config = config::read()?;
-        let (layouts, layout) = layouts::choose(self.layout.as_deref().or(config.layout.as_deref()))?;
+        let (layouts, layout) = layouts::choose(self.layout.as_deref().or(layout).or(config.layout.as_deref()))?;
         Ok(dash::Options {
             history: self.history as usize * 1_000_000,
             layouts,

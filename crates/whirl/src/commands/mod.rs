@@ -15,6 +15,7 @@ pub(crate) mod note;
 mod orbits;
 pub(crate) mod poles;
 pub(crate) mod record;
+pub(crate) mod replay;
 pub(crate) mod report;
 pub(crate) mod response;
 pub(crate) mod rotor;
@@ -43,6 +44,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Config(args) => config::run(&args),
         Command::Layout(args) => layout::run(&args),
         Command::Record(args) => record::run(&args),
+        Command::Replay(args) => replay::run(&args),
         Command::Info(args) => info::run(&args),
         Command::Export(args) => export::run(&args),
         Command::Tail(args) => tail::run(&args),

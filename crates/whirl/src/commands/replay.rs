@@ -1,0 +1,104 @@
+//! `whirl replay`: plays a recording in the dashboard.
+
+use std::ops::{ControlFlow, Range};
+use std::path::PathBuf;
+
+use dash::{Moment, Past, PastEvent};
+use tape::{Gap, Recording};
+use wire::{Bulletin, Happening, State};
+
+use crate::commands::dash::{ScreenArgs, ended};
+use crate::failure::Failure;
+
+/// Options of `whirl replay`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct ReplayArgs {
+    /// The recording
+    #[arg(value_name = "FILE.rrd")]
+    file: PathBuf,
+    #[command(flatten)]
+    screen: ScreenArgs,
+}
+
+/// Plays the recording until told to quit.
+///
+/// # Errors
+/// A build without recordings, a file that is none, or no terminal.
+pub(crate) fn run(args: &ReplayArgs) -> Result<(), Failure> {
+    tape::available()?;
+    let options = args.screen.options_with(Some("replay"))?;
+    let recording = Recording::open(&args.file)?;
+    ended(dash::replay(Box::new(Tape::new(recording)), &options)?)
+}
+
+/// A recording as the player takes it.
+struct Tape {
+    recording: Recording,
+    events: Vec<PastEvent>,
+}
+
+impl Tape {
+    fn new(recording: Recording) -> Self {
+        let moment = |at: &tape::Moment| Moment { seq: at.seq, tau: at.tau, wall_ns: at.wall_ns };
+        let of_bench = recording.events().iter().map(|event| PastEvent {
+            at: moment(&event.at),
+            happening: event.happening.clone(),
+            who: event.who.clone(),
+            why: event.why.clone(),
+        });
+        // What the recorder had to say stands among what happened.
+        let of_recorder = recording.remarks().iter().map(|remark| PastEvent {
+            at: moment(&remark.at),
+            happening: Happening::Note(remark.text()),
+            who: "recorder".to_owned(),
+            why: String::new(),
+        });
+        let mut events: Vec<PastEvent> = of_bench.chain(of_recorder).collect();
+        events.sort_by_key(|event| event.at.seq);
+        Self { recording, events }
+    }
+}
+
+impl Past for Tape {
+    fn name(&self) -> String {
+        let path = self.recording.path();
+        path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+    }
+
+    fn span(&self) -> Option<[Moment; 2]> {
+        let span = self.recording.span()?;
+        Some([span.first, span.last].map(|at| Moment { seq: at.seq, tau: at.tau, wall_ns: at.wall_ns }))
+    }
+
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
+        let visited = self.recording.visit(range, 1, |state| {
+            each(state);
+            ControlFlow::Continue(())
+        });
+        visited.map_err(|error| error.to_string())
+    }
+
+    fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin> {
+        self.recording.bulletin_at(seq)
+    }
+
+    fn changes(&self) -> Vec<u64> {
+        self.recording.revisions().iter().map(|revision| revision.from).collect()
+    }
+
+    fn events(&self) -> Vec<PastEvent> {
+        self.events.clone()
+    }
+
+    fn missing(&self) -> Vec<Range<u64>> {
+        self.recording.gaps().iter().map(|Gap { from, count }| *from..from + count).collect()
+    }
+
+    fn notices(&self) -> Vec<String> {
+        self.recording.notices()
+    }
+
+    fn at_tau(&mut self, tau: f64) -> Result<u64, String> {
+        self.recording.seq_at_tau(tau).map_err(|error| error.to_string())
+    }
+}
