@@ -50,11 +50,11 @@ fn start_nudge_switch_off_trip_restart_and_quit() {
     screen.press("jjj");
     screen.wait_words("▶ kd");
     screen.press("L");
-    screen.wait_words("-0.4755");
+    screen.wait_words("-0.4879");
     let state = root.run(&["tail", "--count", "1", "--json"]);
     assert!(state.stdout.contains("\"revision\":2"), "{}", state.stdout);
     let feedback = root.path().join("nudged.toml");
-    let gains = "bearing = 1\n[[signal]]\ndisplacement = [1, 1, 0]\nvelocity = [1, 1, 0]\nkd = -0.4755\ncd = 0.4942\nkc = -0.4871\ncc = 0.6435\n";
+    let gains = "bearing = 1\n[[signal]]\ndisplacement = [1, 1, 0]\nvelocity = [1, 1, 0]\nkd = -0.4879\ncd = 0.4948\nkc = -0.4847\ncc = 0.6483\n";
     std::fs::write(&feedback, gains).unwrap();
     let poles = run(&["poles", "--speed", "2.5", "--feedback", feedback.to_str().unwrap(), "--json"]).json();
     let expected = poles["modes"][0]["log_dec"].as_f64().unwrap();

@@ -37,13 +37,13 @@ fn everybody_sees_who_changed_what_and_why() {
     assert_eq!(first["seq"], set["applied_at_step"]);
     assert!(first["who"].as_str().expect("who").starts_with("set:"));
     assert_eq!((&first["why"], &first["revision"]), (&"to see it whirl".into(), &2.into()));
-    assert_eq!(first["changed"], serde_json::json!(["speed 2.5 -> 3", "kd.1 -0.5755 -> 0.1"]));
+    assert_eq!(first["changed"], serde_json::json!(["speed 2.5 -> 3", "kd.1 -0.5879 -> 0.1"]));
     assert_eq!((&first["settings"]["speed"], &first["settings"]["kd.1"]), (&3.0.into(), &0.1.into()));
     assert_eq!((&noted["text"], &noted["seq"], &noted["tau"]), (&"here it begins".into(), &note["seq"], &note["tau"]));
     assert_eq!((&second["why"], &second["changed"]), (&"".into(), &serde_json::json!(["trip 1000 -> 7"])));
     // For people, one line each.
     let tail = root.run(&["tail", "--events", "--count", "3"]);
-    assert!(tail.stdout.contains("speed 2.5 -> 3, kd.1 -0.5755 -> 0.1 (to see it whirl)"), "{}", tail.stdout);
+    assert!(tail.stdout.contains("speed 2.5 -> 3, kd.1 -0.5879 -> 0.1 (to see it whirl)"), "{}", tail.stdout);
     let step = |document: &Value| document["seq"].as_u64().expect("a step");
     let after = root.run(&["tail", "--count", "1", "--json"]).json();
     assert!(step(&after) >= step(&note), "the note stands at a step that was made");

@@ -21,7 +21,7 @@ fn writes_every_figure_and_the_page_and_leaves_other_files_alone() {
     std::fs::write(out.join("index.html"), "old").unwrap();
     let document = run(&["report", "--out", out.to_str().unwrap(), "--json"]).json();
     let figures = document["figures"].as_array().unwrap();
-    assert_eq!(figures.len(), 27);
+    assert_eq!(figures.len(), 32);
     for figure in figures {
         let stem = figure["stem"].as_str().unwrap();
         for file in [format!("figures/{stem}.svg"), format!("figures/{stem}.png"), format!("data/{stem}.csv")] {

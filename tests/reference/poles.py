@@ -37,7 +37,7 @@ THREE_MASS = {
     "seal_stiffness": [0.0, 0.0, 0.0],
     "shaft": [0.5, 0.5],
     "bearing": 1,
-    "sensors": {str(k): [-0.5755, 0.4942, -0.4871, 0.6435] for k in (1, 2)},
+    "sensors": {str(k): [-0.5879, 0.4948, -0.4847, 0.6483] for k in (1, 2)},
 }
 
 

@@ -109,7 +109,7 @@ pub(crate) mod tests {
         journal.hear(&event(3, &Happening::Note("here it hums".into()), &settings));
         let told: Vec<String> = journal.entries().iter().map(|entry| entry.what.clone()).collect();
         assert_eq!(told[0], "started");
-        assert!(told[1].contains("kd") && told[1].contains("-0.5755 -> 0.1"), "{told:?}");
+        assert!(told[1].contains("kd") && told[1].contains("-0.5879 -> 0.1"), "{told:?}");
         assert_eq!(told[2], "note: here it hums");
     }
 

@@ -60,7 +60,7 @@ impl Difference {
 }
 
 impl fmt::Display for Difference {
-    /// `speed 2.5 -> 3, kd.1 -0.5755 -> 0.1`; dimensionless.
+    /// `speed 2.5 -> 3, kd.1 -0.5879 -> 0.1`; dimensionless.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (i, (key, was, is)) in self.values.iter().enumerate() {
             write!(f, "{}{key} {was} -> {is}", if i > 0 { ", " } else { "" })?;
@@ -99,10 +99,10 @@ mod tests {
                 s.trip = 5.0;
                 s.feedback.signals[0].gains[0] = Gain::Constant(0.25);
             }),
-            "trip 1000 -> 5, kd.1 -0.5755 -> 0.25"
+            "trip 1000 -> 5, kd.1 -0.5879 -> 0.25"
         );
         assert_eq!(told(|s| s.feedback.bearing = 2), "another feedback");
-        let same_here = Gain::Table(vec![(0.0, -0.5755), (9.0, -0.5755)]);
+        let same_here = Gain::Table(vec![(0.0, -0.5879), (9.0, -0.5879)]);
         assert_eq!(told(|s| s.feedback.signals[0].gains[0] = same_here), "another feedback");
         assert_eq!(
             told(|s| {

@@ -85,26 +85,25 @@ fn val_printed_numbers_are_met_but_for_those_that_are_known_not_to_be() {
     let with = |verdict| -> Vec<&str> {
         made().comparisons.iter().filter(|c| c.verdict() == verdict).map(|c| c.quantity).collect()
     };
-    assert_eq!(with(Verdict::Differs), ["eigenvalue 2, real part"]);
     assert_eq!(
-        with(Verdict::LastDigit),
-        [
-            "first critical speed without control",
-            "first threshold, in the caption",
-            "stable with one constant set of composite gains up to R"
-        ]
+        with(Verdict::Differs),
+        ["eigenvalue 2, real part", "stable with gains optimised for each speed up to R"]
     );
+    assert_eq!(with(Verdict::LastDigit), ["first critical speed without control", "first threshold, in the caption"]);
     assert_eq!(with(Verdict::Reconstructed).len(), 3);
     assert_eq!(
         with(Verdict::DoesNotHold),
         [
+            "gains tracked over speed",
+            "poles with them, at lower speeds",
+            "the gains of R = 7.2, held constant",
+            "gains that depend on speed, against constant ones",
             "peak of the force for g = 0",
             "peak of the force for g = 1",
             "amplitudes at R = 6, g = 1",
             "amplitudes at R = 6, g = 10"
         ]
     );
-    assert_eq!(with(Verdict::Missing).len(), 1);
     assert!(with(Verdict::EveryDigit).len() >= 12 && with(Verdict::Holds).len() >= 20);
 }
 
@@ -112,7 +111,7 @@ fn val_printed_numbers_are_met_but_for_those_that_are_known_not_to_be() {
 fn every_figure_is_there_with_axes_units_data_and_both_pictures() {
     let numbers: Vec<&str> = made().figures.iter().map(|f| f.number).collect();
     let chapter_3 = (4..=11).map(|i| format!("3.{i}"));
-    let chapter_4 = (2..=5).chain(12..=26).map(|i| format!("4.{i}"));
+    let chapter_4 = (2..=5).chain(7..=26).map(|i| format!("4.{i}"));
     assert_eq!(numbers, chapter_3.chain(chapter_4).collect::<Vec<_>>());
     for figure in &made().figures {
         let scene = figure.chart.scene();
@@ -124,7 +123,7 @@ fn every_figure_is_there_with_axes_units_data_and_both_pictures() {
         for axis in [&figure.chart.x, &figure.chart.y] {
             assert!(axis.label.contains('('), "{}: no unit in {}", figure.number, axis.label);
         }
-        assert!(figure.data.rows.len() > 50, "{}", figure.number);
+        assert!(figure.data.rows.len() > 40, "{}", figure.number);
         assert!(figure.data.rows.iter().all(|row| row.len() == figure.data.header.len()), "{}", figure.number);
     }
 }

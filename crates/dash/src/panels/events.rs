@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! ┌ events ─────────────────────────────────────────────────┐
-//! │ 14:03:27  tau 412.3  kd.1 -0.5755 -> 0.1  dash:812, typed │   times are UTC
+//! │ 14:03:27  tau 412.3  kd.1 -0.5879 -> 0.1  dash:812, typed │   times are UTC
 //! │ 14:03:20  tau 405.1  !! tripped: orbit of mass 2 ...  sim │
 //! │ 14:02:11  tau 336.0  note: here it hums  note:77          │   dim: after the cursor
 //! └─────────────────────────────────────────────────────────┘
@@ -86,7 +86,7 @@ mod tests {
         let rows: Vec<&str> = frame.lines().collect();
         assert!(rows[1].contains("14:03:24") && rows[1].contains("!! tripped: orbit of mass 2"), "{frame}");
         assert!(rows[2].contains("note: here it hums"), "{frame}");
-        assert!(rows[3].contains("-0.5755 -> 0.1  dash:812, typed"), "{frame}");
+        assert!(rows[3].contains("-0.5879 -> 0.1  dash:812, typed"), "{frame}");
         insta::assert_snapshot!("events", frame);
         insta::assert_snapshot!("events_small", frame_of(40, 4));
         insta::assert_snapshot!("events_large", frame_of(140, 12));

@@ -8,7 +8,7 @@
 //! │      ⠑⡀  ⡇◆  unstable          │   ◆ the least damped mode; right of the line Re = 0 it grows
 //! │⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⡏⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉│
 //! │     ▼    ⡇                     │   ▼ backward, Im < 0; blue lines: where poles go over speed, from 0 up
-//! └ ◆ -0.1216 +2.2692j ─────────────┘
+//! └ ◆ -0.1216 +2.2693j ─────────────┘
 //! ```
 
 use ratatui::buffer::Buffer;

@@ -4,7 +4,7 @@
 //! ┌ settings  rev 3 by dash:812 ────┐
 //! │  speed           2.5    ±0.05 w0│
 //! │  trip           1000      ±10 e_t
-//! │▶ kd          -0.5755    ±0.01   │   ▶ selected: left and right lower and raise it
+//! │▶ kd          -0.5879    ±0.01   │   ▶ selected: left and right lower and raise it
 //! │  kc      -1.25 linear   ±0.01   │   a scheduled gain at the present speed
 //! └─────────────────────────────────┘
 //! ```

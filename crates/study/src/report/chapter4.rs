@@ -23,7 +23,10 @@ const FORCE: &str = "Qualitative, and not in all of it. The force grows with spe
 const FREE_END: &str = "Qualitative, with other gains than the report's (see Fig. 4.12). The report finds the controlled end \
     much quieter than the others; with our gains it is quieter than the centre mass only.";
 
-/// Chapter IV, without what the gain search is needed for.
+/// How many of [`FIGURES`] are of the rotor without control.
+pub(super) const UNCONTROLLED: usize = 4;
+
+/// Chapter IV, but for gains that follow the speed: see `chapter4_tracked`.
 pub(super) const FIGURES: [Entry; 19] = [
     Entry {
         number: "4.2",
@@ -87,7 +90,7 @@ pub(super) const FIGURES: [Entry; 19] = [
         number: "4.15",
         title: "Three masses, constant gains: section C, the crossing",
         caption: "Section B at the threshold: first one of the two fast modes crosses near R = 7.07, the other near R \
-            = 7.67.",
+            = 7.66.",
         agreement: SECTION,
         make: |e, title| section(e, title, [-0.06, 0.06], [2.16, 2.34], &[5.0, 7.0, 8.0]),
     },

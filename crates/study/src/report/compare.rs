@@ -35,8 +35,6 @@ pub enum Ours {
         /// What was found.
         found: String,
     },
-    /// Nothing yet, and why.
-    Missing(&'static str),
 }
 
 /// How a row agrees.
@@ -55,8 +53,6 @@ pub enum Verdict {
     Holds,
     /// A statement that does not hold of our rotor: the note says why.
     DoesNotHold,
-    /// Not computed yet.
-    Missing,
 }
 
 impl Verdict {
@@ -70,7 +66,6 @@ impl Verdict {
             Self::Differs => "differs",
             Self::Holds => "holds",
             Self::DoesNotHold => "does not hold",
-            Self::Missing => "not computed yet",
         }
     }
 }
@@ -107,7 +102,7 @@ impl Ours {
     pub fn number(&self) -> Option<(f64, usize)> {
         match *self {
             Self::Number { value, decimals } | Self::Reconstructed { value, decimals, .. } => Some((value, decimals)),
-            Self::Claim { .. } | Self::Missing(_) => None,
+            Self::Claim { .. } => None,
         }
     }
 }
@@ -124,7 +119,6 @@ impl Comparison {
     #[must_use]
     pub fn verdict(&self) -> Verdict {
         match (&self.ours, self.printed.number()) {
-            (Ours::Missing(_), _) => Verdict::Missing,
             (Ours::Claim { holds: true, .. }, _) => Verdict::Holds,
             (Ours::Claim { holds: false, .. }, _) => Verdict::DoesNotHold,
             (Ours::Number { value, .. }, Some((printed, unit))) => {
@@ -162,7 +156,6 @@ impl Comparison {
                 format!("{value:.decimals$}")
             }
             Ours::Claim { found, .. } => found.clone(),
-            Ours::Missing(why) => (*why).to_owned(),
         }
     }
 
@@ -188,7 +181,7 @@ impl super::Report {
             let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
             let ours = match &c.ours {
                 Ours::Number { value, .. } | Ours::Reconstructed { value, .. } => value.to_string(),
-                Ours::Claim { .. } | Ours::Missing(_) => quoted(&c.our_words()),
+                Ours::Claim { .. } => quoted(&c.our_words()),
             };
             let cells = [
                 c.chapter.to_string(),

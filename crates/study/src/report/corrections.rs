@@ -105,7 +105,7 @@ pub(super) const CORRECTIONS: [Correction; 13] = [
     Correction {
         fault: Fault::Silent,
         place: "Figs. 4.7-4.11",
-        matter: "The gains tracked over speed are not printed.",
-        here: "Not made again yet: they need a gain search. They will join this page with it.",
+        matter: "The gains tracked over speed are not printed, nor how they were followed.",
+        here: "Searched anew, held together by a price on changes of gain.",
     },
 ];

@@ -10,6 +10,7 @@ use rotor::{
 };
 
 use super::motion::{Case, Record};
+use super::searched::{self, Searched};
 use super::{ReportError, Watch};
 use crate::force::{self, Point};
 use crate::run::Settle;
@@ -58,6 +59,8 @@ pub(super) struct Evidence {
     pub composite_trace: Trace,
     pub composite_thresholds: Vec<Threshold>,
     pub composite_forces: Forces,
+    /// What the gain search finds.
+    pub searched: Searched,
     /// Fig. 3.5.
     pub unstable: Record,
     /// Fig. 3.6.
@@ -77,7 +80,7 @@ pub(super) struct Evidence {
 /// How many steps [`Evidence::gather`] counts.
 pub(super) fn steps() -> usize {
     let points = |to: usize| DEADBANDS.len() * (PER_UNIT * to + 1);
-    CASES + points(5) + points(6)
+    CASES + points(5) + points(6) + searched::STEPS
 }
 
 const CASES: usize = 9;
@@ -111,6 +114,7 @@ impl Evidence {
         };
         let jeffcott_forces = sweep(&jeffcott, &cancel, 5)?;
         let composite_forces = sweep(&three_mass, &composite, 6)?;
+        let searched = Searched::gather(&three_mass, watch)?;
         let whole = speeds(1.0, 5.0, 5);
         let exact = |g: &f64| synchronous(&jeffcott, &cancel, &[*g], &whole);
         let (up_to_5, up_to_8) = (speeds(0.0, 5.0, TRACE), speeds(0.0, 8.0, TRACE));
@@ -131,6 +135,7 @@ impl Evidence {
             three_mass_off,
             jeffcott_forces,
             composite_forces,
+            searched,
             unstable,
             steady,
             impulses,

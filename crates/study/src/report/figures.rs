@@ -1,7 +1,7 @@
 //! The figures, in the report's order.
 
 use super::evidence::Evidence;
-use super::{Data, ReportError, chapter3, chapter4};
+use super::{Data, ReportError, chapter3, chapter4, chapter4_tracked};
 use crate::plot::Chart;
 
 /// One figure of the report, made again.
@@ -46,7 +46,7 @@ pub(super) struct Entry {
 
 /// How many there are.
 pub(super) fn count() -> usize {
-    chapter3::FIGURES.len() + chapter4::FIGURES.len()
+    chapter3::FIGURES.len() + chapter4::FIGURES.len() + chapter4_tracked::FIGURES.len()
 }
 
 /// Every figure.
@@ -54,7 +54,8 @@ pub(super) fn count() -> usize {
 /// # Errors
 /// Poles that cannot be computed.
 pub(super) fn all(evidence: &Evidence) -> Result<Vec<Figure>, ReportError> {
-    let entries = chapter3::FIGURES.iter().chain(&chapter4::FIGURES);
+    let (open, constant) = chapter4::FIGURES.split_at(chapter4::UNCONTROLLED);
+    let entries = chapter3::FIGURES.iter().chain(open).chain(&chapter4_tracked::FIGURES).chain(constant);
     entries
         .map(|entry| {
             let (chart, data) = (entry.make)(evidence, &format!("Fig. {}  {}", entry.number, entry.title))?;

@@ -2,10 +2,11 @@
 //!
 //! [`make`] computes everything; [`Report::markdown`] and [`Report::html`] are the page, and [`mod@write`] puts all of it into
 //! a folder. Where the report is silent, damaged or wrong, and what is a reconstruction, the page says so; the list is in
-//! `corrections`. Figs. 4.7 to 4.11 need gains tracked over speed, which a gain search makes: they are not here yet.
+//! `corrections`. Gains over speed (Figs. 4.7 to 4.11), and how far gains reach, come from the gain search of the crate `tuner`.
 
 mod chapter3;
 mod chapter4;
+mod chapter4_tracked;
 mod compare;
 mod corrections;
 mod data;
@@ -17,9 +18,11 @@ mod markdown;
 mod motion;
 mod numbers;
 mod numbers4;
+mod numbers_search;
 mod orbit_chart;
 mod page;
 mod pole_chart;
+mod searched;
 mod shape_chart;
 mod spectrum_chart;
 pub mod write;

@@ -49,7 +49,7 @@ pub(super) fn blocks(report: &Report) -> Vec<Block<'_>> {
     blocks.push(Block::Heading(2, "Figures".into()));
     blocks.push(Block::Paragraph(
         "Forward whirl (with the spin) is drawn solid and blue, backward whirl dashed and red. Figs. 3.1 to 3.3, 4.1 and \
-         4.6 are sketches, not results. Figs. 4.7 to 4.11 need gains tracked over speed and are not made again yet."
+         4.6 are sketches, not results."
             .into(),
     ));
     blocks.extend(report.figures.iter().map(Block::Figure));
@@ -69,16 +69,12 @@ fn summary(comparisons: &[Comparison]) -> String {
     format!(
         "Of {numbers} printed numbers, {} agree to every printed digit, {} are one off in the last, {near} are \
          reconstructions within 0.5 %, {} differ; of {claims} \
-         statements put to the test, {} hold and {} do not; {} not computed yet. Each exception has its reason beside it.",
+         statements put to the test, {} hold and {} do not. Each exception has its reason beside it.",
         count(Verdict::EveryDigit),
         count(Verdict::LastDigit),
         count(Verdict::Differs),
         count(Verdict::Holds),
         count(Verdict::DoesNotHold),
-        match count(Verdict::Missing) {
-            1 => "1 is".to_owned(),
-            more => format!("{more} are"),
-        }
     )
 }
 
