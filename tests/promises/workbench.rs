@@ -44,7 +44,7 @@ fn two_gain_sets_are_compared_and_kept() {
     screen.press("jjjL");
     screen.wait_words("-0.4755");
     screen.press("b");
-    screen.wait_words("-0.5755");
+    screen.wait_words("-0.5879");
     screen.press("b");
     screen.wait_words("-0.4755");
     screen.press("smine\r");
@@ -54,7 +54,7 @@ fn two_gain_sets_are_compared_and_kept() {
     let status = root.run(&["status", "--json"]).json();
     assert_eq!(poles["min_damping"], status["benches"][0]["min_damping"]);
     screen.press("b");
-    screen.wait_words("-0.5755");
+    screen.wait_words("-0.5879");
     screen.press("o");
     screen.wait_words("mine (");
     screen.press("mine\r");
