@@ -18,7 +18,7 @@ use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use ratatui::layout::Rect;
 use rotor::Settings;
 
-use crate::alarms::{Alarms, Limits, Reading};
+use crate::alarms::{Alarms, Reading};
 use crate::analysis::Desk;
 use crate::clerk::{Edit, Outcome};
 use crate::feed::Contact;
@@ -125,7 +125,7 @@ impl<'a> App<'a> {
             keymap: options.keys.clone(),
             time: ViewTime::LIVE,
             desk,
-            alarms: Alarms::new(Limits::default()),
+            alarms: Alarms::new(options.limits.clone()),
             idle,
             layouts: options.layouts.clone(),
             layout: options.layout,

@@ -1,9 +1,10 @@
-//! The configuration file: keys of a person's own, and the layout to start with.
+//! The configuration file: keys of a person's own, limits of alarms, and the layout to start with.
 
 use rotor::file::{Problem, Problems};
 use toml::de::{DeTable, DeValue};
 
 use crate::actions::ACTIONS;
+use crate::alarms::Limits;
 use crate::keymap::{Chord, Keymap};
 
 /// What a configuration file says.
@@ -13,6 +14,8 @@ pub struct Config {
     pub keys: Keymap,
     /// The layout to start with, by name or file.
     pub layout: Option<String>,
+    /// Limits past which alarms rise.
+    pub limits: Limits,
 }
 
 impl Config {
@@ -70,7 +73,30 @@ impl Config {
                     }
                 }
                 ("keys", _) => problem(value.span().start, written, "[keys], with a command for each key"),
-                (other, _) => problem(key.span().start, &format!("'{other}'"), "layout or [keys]"),
+                ("alarms", DeValue::Table(alarms)) => {
+                    for (key, value) in alarms {
+                        let written = text.get(value.span()).unwrap_or_default();
+                        let name = &**key.get_ref();
+                        let read = match (name, limits(value.get_ref()), value.get_ref()) {
+                            ("bell", _, DeValue::Boolean(bell)) => {
+                                config.limits.bell = *bell;
+                                Ok(())
+                            }
+                            ("bell", ..) => Err("true or false"),
+                            (_, Some(limits), _) => config.limits.set(name, limits),
+                            (_, None, _) => Err("[warning, alarm], two numbers, or \"off\""),
+                        };
+                        let known = name == "bell" || Limits::KEYS.iter().any(|(key, _)| *key == name);
+                        let unknown = format!("'{name}'");
+                        let (at, found) =
+                            if known { (value.span().start, written) } else { (key.span().start, &*unknown) };
+                        if let Err(expected) = read {
+                            problem(at, found, expected);
+                        }
+                    }
+                }
+                ("alarms", _) => problem(value.span().start, written, "[alarms], with limits"),
+                (other, _) => problem(key.span().start, &format!("'{other}'"), "layout, [keys] or [alarms]"),
             }
         }
         Problems::some(problems).map_or(Ok(config), Err)
@@ -92,7 +118,31 @@ impl Config {
                 text += &format!("# {chord:?} = {command:?}\n");
             }
         }
+        text += "\n# Alarms: [warning, alarm], or \"off\". The bell is the terminal's.\n[alarms]\n# bell = false\n";
+        let limits = Limits::default();
+        for (key, meaning) in Limits::KEYS {
+            let value = limits.get(key).map_or_else(|| "\"off\"".to_owned(), |[w, a]| format!("[{w:?}, {a:?}]"));
+            text += &format!("# {meaning}\n# {key} = {value}\n");
+        }
         text
+    }
+}
+
+/// `[warning, alarm]`, or `"off"`; the outer `None` is neither.
+fn limits(value: &DeValue<'_>) -> Option<Option<[f64; 2]>> {
+    let number = |value: &DeValue<'_>| match value {
+        DeValue::Integer(number) if number.radix() == 10 => number.as_str().parse::<f64>().ok(),
+        DeValue::Float(number) => number.as_str().parse::<f64>().ok(),
+        _ => None,
+    };
+    match value {
+        DeValue::String(off) if off == "off" => Some(None),
+        DeValue::Array(pair) => match pair.iter().map(|value| number(value.get_ref())).collect::<Option<Vec<_>>>()?[..]
+        {
+            [warning, alarm] => Some(Some([warning, alarm])),
+            _ => None,
+        },
+        _ => None,
     }
 }
 
@@ -118,10 +168,21 @@ mod tests {
     }
 
     #[test]
+    fn limits_of_alarms_are_read() {
+        let read =
+            Config::read("[alarms]\nbell = true\norbit = [2, 3.5]\nlosses = \"off\"\ndamping = [0.05, 0.01]").unwrap();
+        let limits = &read.limits;
+        assert!(limits.bell);
+        assert_eq!((limits.get("orbit"), limits.get("losses")), (Some([2.0, 3.5]), None));
+        assert_eq!((limits.get("damping"), limits.get("force")), (Some([0.05, 0.01]), None));
+        assert_eq!(limits.get("lateness"), Limits::default().get("lateness"));
+    }
+
+    #[test]
     fn mistakes_are_told_by_line_and_column() {
         for (text, problem) in [
             ("layout = 3", "1:10: 3: expected the name of a layout"),
-            ("colour = 1", "1:1: 'colour': expected layout or [keys]"),
+            ("colour = 1", "1:1: 'colour': expected layout, [keys] or [alarms]"),
             (
                 "[keys]\n\"x\" = \"fly\"",
                 "2:1: no command 'fly': tab shows what there is, ? the help: expected a command",
@@ -130,6 +191,15 @@ mod tests {
                 "[keys]\n\"F1\" = \"undo\"",
                 "2:1: 'F1': expected a key such as x, X, ctrl-x, alt-x, shift-left, f5, space or enter",
             ),
+            (
+                "[alarms]\nspeed = [1, 2]",
+                "2:1: 'speed': expected bell, damping, orbit, force, saturation, lateness or losses",
+            ),
+            ("[alarms]\norbit = [5, 3]", "2:9: [5, 3]: expected the alarm at or above the warning"),
+            ("[alarms]\ndamping = [0, 0.1]", "2:11: [0, 0.1]: expected the alarm at or below the warning"),
+            ("[alarms]\nforce = [1]", "2:9: [1]: expected [warning, alarm], two numbers, or \"off\""),
+            ("[alarms]\nforce = [1, inf]", "2:9: [1, inf]: expected finite numbers"),
+            ("[alarms]\nbell = 1", "2:8: 1: expected true or false"),
             ("[keys]\nx = 1", "2:5: 1: expected a command in quotes, such as \"nudge 5\""),
             (
                 "[keys]\n\"ctrl-alt-x\" = \"undo\"\n\"alt-ctrl-x\" = \"redo\"",

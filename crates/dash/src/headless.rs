@@ -13,7 +13,7 @@ use ratatui::layout::Rect;
 use ratatui::{Terminal, TerminalOptions, Viewport};
 use wire::{BenchName, Bulletin, Carrier, State};
 
-use crate::alarms::{Alarms, Limits};
+use crate::alarms::Alarms;
 use crate::analysis::Desk;
 use crate::feed::Feed;
 use crate::link::{self, Shared, Wires, lock};
@@ -90,7 +90,7 @@ impl Headless {
             feed: Arc::new(Mutex::new(Feed::with_bound("waiting", options.history))),
             options: options.clone(),
             panels: Panels::new(),
-            alarms: Alarms::new(Limits::default()),
+            alarms: Alarms::new(options.limits.clone()),
             desk: Desk::at_once(),
             look: Look::choose(options.wishes, has_all),
         }

@@ -36,6 +36,7 @@ mod theme;
 mod view_time;
 mod what_if;
 
+pub use alarms::Limits as AlarmLimits;
 pub use config::Config;
 pub use headless::{Frames, Headless, Still, portrait};
 pub use keymap::Keymap;

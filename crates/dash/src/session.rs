@@ -8,6 +8,7 @@ use std::sync::{Arc, Mutex};
 use crossbeam::channel;
 use wire::{BenchName, Carrier};
 
+use crate::alarms::Limits;
 use crate::analysis::Desk;
 use crate::app::{App, Streams};
 use crate::clerk;
@@ -63,6 +64,8 @@ pub struct Options {
     pub layout: usize,
     /// Colours and glyphs.
     pub wishes: Wishes,
+    /// Limits past which alarms rise.
+    pub limits: Limits,
     /// What keys stand for.
     pub keys: Keymap,
     /// The folder in which gains are kept by name.
@@ -78,6 +81,7 @@ impl Default for Options {
             layouts: built_in(),
             layout: 0,
             wishes: Wishes::default(),
+            limits: Limits::default(),
             keys: Keymap::default(),
             presets: None,
             read_only: false,

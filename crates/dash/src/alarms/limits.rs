@@ -51,7 +51,7 @@ impl Limit {
 
 /// All limits, and whether alarms ring.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Limits {
+pub struct Limits {
     /// Damping ratio. The default warns below a log decrement of 0.1, and alarms where the rotor is unstable.
     pub(crate) damping: Option<Limit>,
     /// Orbit radius in `e_t`: none until somebody says what the machine bears.
@@ -71,7 +71,7 @@ pub(crate) struct Limits {
 impl Default for Limits {
     fn default() -> Self {
         Self {
-            damping: Some(Limit::below(MARGINAL_DAMPING, 0.0, 0.0005)),
+            damping: Some(Limit::below(MARGINAL_DAMPING, 0.0, DAMPING_MARGIN)),
             orbit: None,
             force: None,
             saturation: Some(Limit::above(0.0, 0.1)),
@@ -82,7 +82,56 @@ impl Default for Limits {
     }
 }
 
+/// Margin by which a damping ratio must come back.
+const DAMPING_MARGIN: f64 = 0.0005;
+
 impl Limits {
+    /// What is watched, by the names of the configuration, with the meaning and the unit of its limits.
+    pub(crate) const KEYS: [(&str, &str); 6] = [
+        ("damping", "smallest damping ratio of any mode"),
+        ("orbit", "largest radius of any mass, in e_t"),
+        ("force", "largest control, in m_b w0^2 e_t"),
+        ("saturation", "share of steps with the control bearing at its limit"),
+        ("lateness", "share of steps of the last ten seconds that were late or given up"),
+        ("losses", "steps of the last ten seconds that did not reach the dashboard"),
+    ];
+
+    fn place(&mut self, key: &str) -> Option<&mut Option<Limit>> {
+        Some(match key {
+            "damping" => &mut self.damping,
+            "orbit" => &mut self.orbit,
+            "force" => &mut self.force,
+            "saturation" => &mut self.saturation,
+            "lateness" => &mut self.lateness,
+            "losses" => &mut self.losses,
+            _ => return None,
+        })
+    }
+
+    /// The limits of `key`, warning and alarm; `None` if there are none.
+    pub(crate) fn get(&self, key: &str) -> Option<[f64; 2]> {
+        let mut all = self.clone();
+        all.place(key)?.map(|limit| [limit.warning, limit.alarm])
+    }
+
+    /// Sets the limits of `key`, or takes them away.
+    ///
+    /// # Errors
+    /// What was expected instead: another key, or numbers in order.
+    pub(crate) fn set(&mut self, key: &str, limits: Option<[f64; 2]>) -> Result<(), &'static str> {
+        let below = key == "damping";
+        let place = self.place(key).ok_or("bell, damping, orbit, force, saturation, lateness or losses")?;
+        *place = match limits {
+            None => None,
+            Some(pair) if !pair.iter().all(|limit| limit.is_finite()) => return Err("finite numbers"),
+            Some([warning, alarm]) if below && warning >= alarm => Some(Limit::below(warning, alarm, DAMPING_MARGIN)),
+            Some([warning, alarm]) if !below && warning <= alarm => Some(Limit::above(warning, alarm)),
+            Some(_) if below => return Err("the alarm at or below the warning"),
+            Some(_) => return Err("the alarm at or above the warning"),
+        };
+        Ok(())
+    }
+
     /// The limit of what is watched, if it has one.
     pub(crate) fn of(&self, watch: Watch) -> Option<Limit> {
         match watch {

@@ -18,7 +18,8 @@ mod limits;
 use std::collections::VecDeque;
 
 pub(crate) use gauge::Gauge;
-pub(crate) use limits::{Limit, Limits};
+pub(crate) use limits::Limit;
+pub use limits::Limits;
 
 /// Entries kept of what has been.
 const KEPT: usize = 256;

@@ -77,6 +77,7 @@ impl ScreenArgs {
             layouts,
             layout,
             wishes,
+            limits: config.limits,
             keys: config.keys,
             presets: folders::presets(),
             read_only: self.read_only,
