@@ -20,15 +20,15 @@ use wire::{Bulletin, SettingsMessage, State};
 const STEPS: usize = 600_000;
 /// Rows a batch of the peer.
 const PEER_ROWS: usize = 1000;
-/// Rows a batch of ours: what half a second is at 1000 steps a second, and the most there are.
-const ROWS: [usize; 2] = [500, 4096];
+/// Rows a batch of ours: what half a second is at 1000 steps a second, as many as the peer's, and the most there are.
+const ROWS: [usize; 3] = [500, PEER_ROWS, 4096];
 const ROUNDS: usize = 5;
 
 fn main() {
     let folder = tempfile::tempdir().unwrap();
     let (head, states) = session();
     let mut peer = Vec::new();
-    let mut ours: [Vec<(f64, u64)>; 2] = Default::default();
+    let mut ours: [Vec<(f64, u64)>; 3] = Default::default();
     for round in 0..ROUNDS {
         let path = folder.path().join(format!("peer-{round}.rrd"));
         peer.push(timed(&path, |path| peer_writes(path, &states)));
@@ -52,7 +52,6 @@ fn main() {
     }
 
     let path = folder.path().join("ours-0-500.rrd");
-    let before = resident();
     let start = Instant::now();
     let mut recording = Recording::open(&path).unwrap();
     let opened = start.elapsed();
@@ -77,7 +76,6 @@ fn main() {
         first_picture.as_secs_f64() * 1e3
     );
     println!("| 8192 steps anywhere, median / worst of 200 | {:.1} / {:.1} ms |", seeks[100], seeks[199]);
-    println!("| memory for it | {:.0} MB |", (resident() - before) as f64 / 1e6);
 }
 
 /// A session of the three-mass rotor under the composite feedback, stepped for real.
@@ -160,11 +158,4 @@ fn timed(path: &Path, write: impl FnOnce(&Path)) -> (f64, u64) {
 fn median(measured: &mut [(f64, u64)]) -> (f64, u64) {
     measured.sort_by(|a, b| a.0.total_cmp(&b.0));
     measured[measured.len() / 2]
-}
-
-/// Resident memory of this process, in bytes.
-fn resident() -> i64 {
-    let status = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    let pages = status.split_whitespace().nth(1).and_then(|pages| pages.parse::<i64>().ok()).unwrap_or(0);
-    pages * 4096
 }

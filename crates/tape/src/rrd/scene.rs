@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use rerun::archetypes::{LineStrips2D, Points2D, Scalars, SeriesLines, TextDocument, Transform3D};
+use rerun::archetypes::{LineStrips2D, Points2D, Scalars, SeriesLines, TextDocument};
 use rerun::components::InterpolationMode::StepAfter;
 use rerun::components::Radius;
 use rerun::log::{Chunk, ChunkError};
@@ -20,8 +20,10 @@ type Chunks = Vec<Result<Chunk, ChunkError>>;
 
 /// Points of a curve per turn of the fastest mode or spin: round to the eye.
 const POINTS_A_TURN: f64 = 40.0;
-/// More points than this in one curve are thinned further.
+/// No curve has more points than this, and a batch with fewer steps may wait for its curves.
 const MOST_POINTS: usize = 1000;
+/// How far apart curves are then: each is a message for every mass.
+const CURVES_APART_NS: u64 = 900_000_000;
 
 /// Entity of the series of all settings.
 pub(super) fn values_path() -> String {
@@ -43,40 +45,36 @@ pub(super) struct Scene {
     named: Vec<String>,
     /// The clearances whose circles have been drawn.
     drawn: Vec<f64>,
+    /// When the last curves were drawn.
+    curved_ns: u64,
 }
 
 impl Scene {
     pub(super) fn new(rotor: &Rotor) -> Self {
-        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new(), drawn: Vec::new() }
+        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new(), drawn: Vec::new(), curved_ns: 0 }
     }
 
     /// What does not change.
     pub(super) fn still(&self) -> Chunks {
-        // Viewers draw pictures with y downwards; z of the rotor and the imaginary axis point up.
-        let upright = || Transform3D::from_scale([1.0, -1.0, 1.0]);
         let still = |entity: String, what: &dyn AsComponents| row(&entity, TimePoint::STATIC, what);
         let line = SeriesLines::new().with_names(["minimum damping ratio"]).with_interpolation_mode(StepAfter);
-        let axis = LineStrips2D::new([[[0.0_f32, -1e3], [0.0, 1e3]]])
-            .with_colors([Color::from_rgb(110, 110, 110)])
-            .with_radii([Radius::new_ui_points(0.75)]);
-        vec![
-            still(schema::ORBITS.into(), &upright()),
-            still(schema::POLES.into(), &upright()),
-            still(format!("{}/stability_border", schema::POLES), &axis),
-            still(format!("{}/min_damping", schema::POLES), &line),
-        ]
+        vec![still(format!("{}/min_damping", schema::POLES), &line)]
     }
 
-    /// The orbits of all masses during a batch, one curve each.
-    pub(super) fn curves(&self, batch: &Batch) -> Chunks {
+    /// The orbits of all masses during a batch, one curve each; none if the last ones are younger than a second.
+    pub(super) fn curves(&mut self, batch: &Batch) -> Chunks {
         let Some((_, last)) = batch.span() else { return Vec::new() };
+        if last.wall_ns.saturating_sub(self.curved_ns) < CURVES_APART_NS && batch.len() < MOST_POINTS {
+            return Vec::new();
+        }
+        self.curved_ns = last.wall_ns;
         let stride = self.stride(batch);
         let curve = |mass: usize| {
             let column = schema::HEAD + schema::PER_MASS * mass;
             let (y, z) = (&batch.values[column], &batch.values[column + 1]);
             // From the end backwards, so that the curve ends where the rotor is.
             let rows = (0..batch.len()).rev().step_by(stride).take(MOST_POINTS);
-            let points: Vec<[f32; 2]> = rows.map(|row| [y[row] as f32, z[row] as f32]).collect();
+            let points: Vec<[f32; 2]> = rows.map(|row| upright(y[row], z[row])).collect();
             let strip = LineStrips2D::new([points]).with_radii([Radius::new_ui_points(1.0)]);
             row(&orbit_path(mass), chunks::timepoint(last), &strip)
         };
@@ -121,6 +119,12 @@ impl Scene {
         }
         self.drawn.clone_from(&settings.deadband);
         chunks.push(row(schema::POLES, at.clone(), &points(poles)));
+        // As long as the poles reach, so that a viewer that fits all in does not shrink them to a point.
+        let reach = poles.iter().map(|p| p.im.abs()).fold(0.1, f64::max) as f32 * 1.1;
+        let border = LineStrips2D::new([[[0.0_f32, -reach], [0.0, reach]]])
+            .with_colors([Color::from_rgb(110, 110, 110)])
+            .with_radii([Radius::new_ui_points(0.75)]);
+        chunks.push(row(&format!("{}/stability_border", schema::POLES), at.clone(), &border));
         if !poles.is_empty() {
             chunks.push(row(&format!("{}/min_damping", schema::POLES), at.clone(), &Scalars::single(*min_damping)));
         }
@@ -132,6 +136,12 @@ fn row(entity: &str, at: TimePoint, what: &dyn AsComponents) -> Result<Chunk, Ch
     Chunk::builder(entity).with_archetype_auto_row(at, what).build()
 }
 
+/// A point of a picture: viewers draw them with the second coordinate downwards, and scale no 2D view, while `z` of the
+/// rotor and the imaginary axis point up.
+fn upright(across: f64, up: f64) -> [f32; 2] {
+    [across as f32, -up as f32]
+}
+
 fn circle(radius: f64) -> Vec<[f32; 2]> {
     let point = |i: i32| C64::from_polar(radius, f64::from(i) / 72.0 * TAU);
     (0..=72).map(point).map(|p| [p.re as f32, p.im as f32]).collect()
@@ -140,7 +150,7 @@ fn circle(radius: f64) -> Vec<[f32; 2]> {
 fn points(poles: &[C64]) -> Points2D {
     let colour = |p: &C64| if p.re >= 0.0 { Color::from_rgb(230, 60, 60) } else { Color::from_rgb(70, 180, 90) };
     let label = |p: &C64| format!("{:.4} {:+.4}j", p.re, p.im);
-    Points2D::new(poles.iter().map(|p| [p.re as f32, p.im as f32]))
+    Points2D::new(poles.iter().map(|p| upright(p.re, p.im)))
         .with_colors(poles.iter().map(colour))
         .with_labels(poles.iter().map(label))
         .with_show_labels(false)

@@ -36,7 +36,7 @@ fn layout(rotor: &Rotor, source: Source) -> Blueprint {
     let masses = rotor.len();
     let orbit = |mass: usize| {
         let path = scene::orbit_path(mass);
-        Spatial2DView::new(format!("orbit of mass {} (e_t)", mass + 1)).with_origin(path.as_str()).into()
+        Spatial2DView::new(format!("orbit of mass {} (e_t, z up)", mass + 1)).with_origin(path.as_str()).into()
     };
     let orbits: Vec<ContainerLike> = (0..masses).map(orbit).collect();
     let orbits: ContainerLike = if masses <= 4 {
@@ -44,7 +44,7 @@ fn layout(rotor: &Rotor, source: Source) -> Blueprint {
     } else {
         Grid::new(orbits).with_name("orbits").into()
     };
-    let poles: ContainerLike = Spatial2DView::new("poles: re, im (w0)").with_origin(schema::POLES).into();
+    let poles: ContainerLike = Spatial2DView::new("poles (w0, im up)").with_origin(schema::POLES).into();
     let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<Column> {
         schema::columns(masses).into_iter().filter(|column| wanted(&column.name)).collect()
     };
