@@ -379,7 +379,7 @@ mod with {
         let path = root.path().join("s.rrd");
         let mut screen = Screen::start(root.path(), &["up", "three-mass", "--record", text(&path)], (120, 40));
         screen.wait_words("RUNNING");
-        screen.press("0");
+        screen.press("l");
         screen.wait_words("rev 2");
         std::thread::sleep(Duration::from_millis(700));
         screen.press("q");
