@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use rotor::{Rotor, Settings};
-use wire::{Bulletin, Event, RecorderStatus, State};
+use wire::{Bulletin, Event, Happening, RecorderStatus, State};
 
 use crate::alarms::{Gauge, Reading};
 use crate::history::History;
@@ -133,7 +133,11 @@ impl Feed {
 
     /// Takes in an event.
     pub(crate) fn happen(&mut self, event: &Event) {
-        self.changes += u64::from(self.journal.hear(event));
+        let is_news = self.journal.hear(event);
+        if is_news && let Some(Happening::Note(_)) = event.happening() {
+            self.history.note(event.run_id, event.seq);
+        }
+        self.changes += u64::from(is_news);
     }
 
     /// Takes in an event of a recording.

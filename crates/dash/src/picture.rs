@@ -23,7 +23,6 @@ pub(crate) struct Track {
     len: usize,
 }
 
-#[allow(dead_code, reason = "every number of a step can be read: panels to come show them")]
 impl Track {
     /// `len` steps from the one that is `skipped` steps into the first block; its place in the history is `first`.
     pub(crate) fn new(masses: usize, blocks: Vec<Arc<Block>>, first: u64, skipped: usize, len: usize) -> Self {

@@ -1,6 +1,7 @@
 //! Where log lines go, for whoever looks for a fault: nowhere, unless `WHIRL_LOG` asks for them.
 
 use std::fs::OpenOptions;
+use std::path::PathBuf;
 use std::sync::Mutex;
 
 use tracing_subscriber::EnvFilter;
@@ -22,13 +23,18 @@ pub(crate) fn to_stderr() {
     }
 }
 
+/// The log of dashboards.
+pub(crate) fn file(root: &Root) -> PathBuf {
+    root.path().join("dash.log")
+}
+
 /// Logs to `dash.log` in the root, for commands whose screen nobody may write on.
 ///
 /// # Errors
 /// The file cannot be written.
 pub(crate) fn to_file(root: &Root) -> Result<(), Failure> {
     let Some(filter) = filter() else { return Ok(()) };
-    let path = root.path().join("dash.log");
+    let path = file(root);
     let file = OpenOptions::new()
         .create(true)
         .append(true)

@@ -9,7 +9,6 @@ pub(crate) const STEPS: usize = 1024;
 const GROUP: usize = 64;
 
 /// One quantity of a step.
-#[allow(dead_code, reason = "every number of a step can be read: panels to come show them")]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Channel {
     /// Dimensionless time.
@@ -102,7 +101,6 @@ pub(crate) struct Block {
     flags: Box<[u32]>,
 }
 
-#[allow(dead_code, reason = "every number of a step can be read: panels to come show them")]
 impl Block {
     /// An empty block for a rotor of `masses` masses.
     pub(crate) fn new(masses: usize) -> Self {

@@ -56,6 +56,8 @@ pub(crate) enum Mark {
     NewRun,
     /// The machine tripped with this step.
     Trip,
+    /// Somebody put a note on the record.
+    Note,
     /// Settings of this revision came into force.
     Settings(u64),
 }

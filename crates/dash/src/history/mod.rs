@@ -183,6 +183,21 @@ impl History {
         self.marks.push_back((self.end(), mark));
     }
 
+    /// Marks the step `seq` of a run, at which somebody put a note on the record; nothing if it is not kept.
+    pub(crate) fn note(&mut self, run_id: u64, seq: u64) {
+        if run_id != self.run_id || self.is_empty() {
+            return;
+        }
+        // Steps that were lost or held in between leave no place: then the mark is that much early.
+        let back = (self.last_seq + 1).saturating_sub(seq);
+        let Some(place) = self.end().checked_sub(back).filter(|place| *place >= self.first) else { return };
+        let at = self.marks.partition_point(|(before, _)| *before <= place);
+        self.marks.insert(at, (place, Mark::Note));
+        if self.marks.len() > NOTES_KEPT {
+            self.marks.pop_front();
+        }
+    }
+
     /// Takes in one bulletin: its settings and poles become an era, if they are news.
     pub(crate) fn note_bulletin(&mut self, bulletin: &Bulletin) {
         let last = self.eras.back();

@@ -99,6 +99,17 @@ fn gaps_restarts_runs_and_trips_are_marked_where_they_are() {
 }
 
 #[test]
+fn notes_are_marked_at_their_steps_in_order() {
+    let mut history = filled(100);
+    history.push(&State { revision: 2, ..state(3, 100) });
+    history.note(7, 101);
+    history.note(7, 40);
+    history.note(8, 50);
+    let marks: Vec<_> = history.marks(&(0..200)).cloned().collect();
+    assert_eq!(marks, [(40, Mark::Note), (100, Mark::Settings(2)), (101, Mark::Note)]);
+}
+
+#[test]
 fn another_number_of_masses_starts_anew_at_a_place_of_its_own() {
     let mut history = filled(100);
     history.push(&State { run_id: 8, ..state(1, 0) });

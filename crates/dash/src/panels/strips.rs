@@ -119,6 +119,7 @@ fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut
         match mark {
             Mark::Lost(_) | Mark::Trip => upright(*step, theme::BAD),
             Mark::NewRun | Mark::Restart => upright(*step, theme::WARN),
+            Mark::Note => upright(*step, theme::FORWARD),
             Mark::Settings(_) => {}
         }
     }

@@ -3,10 +3,11 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use wire::{Bulletin, Carrier, Keeping, Listener, RecorderState, RecorderStatus, SharedListener};
+use wire::{Bulletin, Carrier, Keeping, Listener, RecorderState, RecorderStatus, Root, SharedListener};
 
 use crate::attach;
 use crate::failure::Failure;
+use crate::logging;
 use crate::output::{Cell, Format, Table};
 
 /// How long a recorder may take to say how it stands.
@@ -23,6 +24,8 @@ pub(crate) struct StatusArgs {
 #[derive(Debug, Serialize)]
 struct Document {
     benches: Vec<Bench>,
+    /// Where dashboards log, if `WHIRL_LOG` asks them to.
+    log: String,
 }
 
 /// One bench, as scripts read it. Of one that does not answer only the name and the processes are known: its numbers
@@ -214,6 +217,7 @@ fn first_word(listener: &mut SharedListener) -> Option<Recording> {
 /// The root cannot be read.
 pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
     let carrier = attach::carrier("status")?;
+    let log = logging::file(&Root::from_environment()?).display().to_string();
     let mut benches = Vec::new();
     for entry in carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running) {
         // One that ends while we look is no longer running.
@@ -261,6 +265,10 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
             Cell::from(&bench.state()),
         ]);
     }
-    let footer = if benches.is_empty() { "no bench is running under this root: `whirl up` starts one" } else { "" };
-    args.format.print(&Document { benches }, "", &table, footer)
+    let footer = if benches.is_empty() {
+        "no bench is running under this root: `whirl up` starts one".to_owned()
+    } else {
+        format!("dashboards log to {log} where WHIRL_LOG asks for it")
+    };
+    args.format.print(&Document { benches, log }, "", &table, &footer)
 }
