@@ -379,6 +379,8 @@ mod with {
         let path = root.path().join("s.rrd");
         let mut screen = Screen::start(root.path(), &["up", "three-mass", "--record", text(&path)], (120, 40));
         screen.wait_words("RUNNING");
+        // A key that comes before the settings are known changes nothing.
+        screen.wait_words("rev 1");
         screen.press("l");
         screen.wait_words("rev 2");
         std::thread::sleep(Duration::from_millis(700));
