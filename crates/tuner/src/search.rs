@@ -355,7 +355,7 @@ fn prove(
     }
     let (worst, mut gains) = kept.expect("at least one round");
     // A gain that the last step left beside its bound is at it: the difference is rounding, and reads badly.
-    for gain in gains.iter_mut().filter(|gain| problem.bound - gain.abs() < 1e-10 * problem.bound) {
+    for gain in gains.iter_mut().filter(|gain| (problem.bound - gain.abs()).abs() < 1e-10 * problem.bound) {
         *gain = problem.bound.copysign(*gain);
     }
     if varies {
