@@ -50,6 +50,10 @@ bench *ARGS:
 report:
     cargo run --release -- report --out out --page docs/report.md
 
+# The evidence for the gain search, docs/gain-search.md, computed anew (a minute)
+evidence:
+    cargo run --release -p study --example gain_search -- docs
+
 # The README's pictures, of a real bench, into docs/pictures
 screenshots:
     docs/pictures/make
