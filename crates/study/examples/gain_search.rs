@@ -8,7 +8,6 @@ use std::error::Error;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use rayon::prelude::*;
 use rotor::{ClosedLoop, Feedback, Rotor, builtin, circular};
@@ -27,7 +26,6 @@ const MANY: usize = 64;
 fn main() -> Done<()> {
     let folder = std::env::args().nth(1).unwrap_or_else(|| "docs".into());
     let folder = Path::new(&folder);
-    let begun = Instant::now();
     let rotor = builtin::rotor("three-mass").ok_or("no such rotor")?;
     let mut page = HEAD.to_owned();
     targets(&rotor, &mut page)?;
@@ -36,7 +34,6 @@ fn main() -> Done<()> {
     front(&rotor, &mut page, folder)?;
     in_simulation(&rotor, &mut page, folder)?;
     std::fs::write(folder.join("gain-search.md"), page)?;
-    println!("made in {:.0} s", begun.elapsed().as_secs_f64());
     Ok(())
 }
 

@@ -5,6 +5,7 @@
 use divan::Bencher;
 use tuner::{Family, Method, Options, Problem, Schedule, Stop, Structure, tune};
 
+#[expect(clippy::print_stdout, reason = "what each search ends with belongs beside its time")]
 fn main() {
     for (name, method) in [("nonsmooth", Method::Nonsmooth), ("powell", Method::Powell)] {
         let (problem, options) = asked(method);
