@@ -1,10 +1,11 @@
 //! What keys, the mouse and actions do.
 
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
 use crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;
-use rotor::{C64, Key, Settings};
+use rotor::{C64, Key, Rotor, Settings};
 
 use super::{App, Intent, Message, Mouse, lock};
 use crate::actions::{self, Action};
@@ -151,6 +152,18 @@ impl App<'_> {
         lock(&self.feed).settings()
     }
 
+    /// What is known of the bench: its settings and rotor. Says so if that is nothing yet.
+    pub(super) fn machine(&mut self) -> Option<(Settings, Arc<Rotor>)> {
+        let known = {
+            let feed = lock(&self.feed);
+            feed.settings().zip(feed.rotor())
+        };
+        if known.is_none() {
+            self.tell(Message::Bad("no settings are known yet".into()));
+        }
+        known
+    }
+
     /// Has a change made; one that would make a stable rotor unstable waits for a yes.
     fn edit(&mut self, edit: Edit) {
         if self.read_only {
@@ -162,14 +175,7 @@ impl App<'_> {
             self.send(edit);
             return;
         }
-        let (settings, rotor) = {
-            let feed = lock(&self.feed);
-            (feed.settings(), feed.rotor())
-        };
-        let (Some(settings), Some(rotor)) = (settings, rotor) else {
-            self.tell(Message::Bad("no settings are known yet".into()));
-            return;
-        };
+        let Some((settings, rotor)) = self.machine() else { return };
         let candidate = edit.applied(&settings).and_then(|settings| WhatIf::of(&rotor, settings));
         let is_stable = WhatIf::of(&rotor, settings).is_some_and(|now| !now.is_unstable());
         match candidate {

@@ -1,6 +1,6 @@
 //! Searching gains from the console: begin, say how it goes, and show what was found before it is applied.
 
-use super::{App, Message, lock};
+use super::{App, Message};
 use crate::clerk::Edit;
 use crate::layers::Layer;
 use crate::search::{Search, Wish};
@@ -19,14 +19,7 @@ impl App<'_> {
             self.tell(Message::Bad(format!("{}: `:search stop` ends it", search.words())));
             return;
         }
-        let (settings, rotor) = {
-            let feed = lock(&self.feed);
-            (feed.settings(), feed.rotor())
-        };
-        let (Some(settings), Some(rotor)) = (settings, rotor) else {
-            self.tell(Message::Bad("no settings are known yet".into()));
-            return;
-        };
+        let Some((settings, rotor)) = self.machine() else { return };
         let begun = Wish::read(words, settings.speed).and_then(|wish| Search::begin(&rotor, &settings, wish));
         match begun {
             Ok(search) => {

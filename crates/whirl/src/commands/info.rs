@@ -53,7 +53,7 @@ fn for_people(info: &Info) -> String {
     line(
         "happened",
         format!(
-            "{} changes of settings, {} trips, {} events in all",
+            "changes of settings: {}, trips: {}, events of any kind: {}",
             info.settings_changes,
             info.trips.len(),
             info.events
