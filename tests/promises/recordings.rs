@@ -227,6 +227,10 @@ mod with {
             random ^= random << 17;
             let path = root.path().join(format!("k{kill}.rrd"));
             let recorder = Recorder::start(&root, &path, &[]);
+            // One in four may be killed before its head is whole; the rest have as long as they need for it.
+            if kill % 4 != 0 {
+                wait("a whole head", || Recording::open(&path).is_ok());
+            }
             std::thread::sleep(Duration::from_micros(random % 900_000 / if kill % 5 == 0 { 1 } else { 10 }));
             let newest = root.run(&["tail", "--count", "1", "--json"]);
             recorder.kill();
@@ -256,7 +260,7 @@ mod with {
             }
             let _ = std::fs::remove_file(&path);
         }
-        assert!(unreadable < 50, "most have time for their head: {unreadable}");
+        assert!(unreadable <= 25, "whose head was seen can be read: {unreadable}");
         // The next recorder finds the bench free.
         let path = root.path().join("last.rrd");
         let recorder = Recorder::start(&root, &path, &[]);
