@@ -187,7 +187,7 @@ mod with {
         for line in lines {
             let fields: Vec<&str> = line.split(',').collect();
             let state = &recorded[&fields[step].parse().unwrap()];
-            assert!((4.0..=6.0).contains(&state.tau) && state.seq % 10 == 0);
+            assert!((4.0..=6.0).contains(&state.tau) && state.seq.is_multiple_of(10));
             assert_eq!(fields[y2].parse::<f64>().unwrap().to_bits(), state.masses[1].y.to_bits());
             rows += 1;
         }
@@ -310,8 +310,8 @@ mod with {
         let path = root.path().join("s.rrd");
         // A limit on the size of files stands for a disk that is full: the same refusal in the middle of a write.
         let mut command = Command::new("sh");
-        let limited = format!("trap '' XFSZ; ulimit -f 4000; exec \"$0\" record \"$1\" --as-child");
-        command.args(["-c", &limited]).arg(promises::program()).arg(&path).env("WHIRL_ROOT", root.path());
+        let limited = "trap '' XFSZ; ulimit -f 4000; exec \"$0\" record \"$1\" --as-child";
+        command.args(["-c", limited]).arg(promises::program()).arg(&path).env("WHIRL_ROOT", root.path());
         let ran = Recorder::of(&mut command).wait();
         assert_eq!(ran.code, Some(1), "{ran:?}");
         assert!(ran.stderr.contains("cannot go on writing") && ran.stderr.contains("stays readable"), "{ran:?}");

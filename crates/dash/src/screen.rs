@@ -99,7 +99,7 @@ pub(crate) mod tests {
 
     use super::*;
     use crate::feed::{Contact, Feed, tests};
-    use crate::panels::tests::text;
+    use crate::looks::still::text;
 
     static CURSOR: Cursor = Cursor { row: 0, typed: None };
     static HINTS: Message = Message::Hints;

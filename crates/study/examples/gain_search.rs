@@ -10,10 +10,10 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
-use rotor::{ClosedLoop, Feedback, Rotor, builtin, circular};
+use rotor::{Feedback, Rotor, builtin, circular};
+use study::force::until_settled;
 use study::plot::{Axis, Chart, Color, Look, Series, svg};
-use study::run::{Plan, Settle, run};
-use study::step_size::Fastest;
+use study::run::Settled;
 use tuner::{Family, Method, Options, Price, Problem, Schedule, Stop, Structure, Tuned, pareto, tune};
 
 type Done<T> = Result<T, Box<dyn Error>>;
@@ -240,18 +240,9 @@ fn front(rotor: &Rotor, page: &mut String, folder: &Path) -> Done<()> {
 
 /// Largest force and largest orbit of any mass once transients have died; nothing if the motion left all bounds.
 fn steady(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: f64) -> Done<Option<(f64, f64, bool)>> {
-    let closed_loop = ClosedLoop::new(rotor, feedback, speed, &vec![deadband; rotor.len()]);
-    let plan = Plan {
-        dtau: Fastest::of(&closed_loop)?.default_step(),
-        closed_loop,
-        largest_clearance: deadband,
-        impulses: Vec::new(),
-        duration: 3000.0,
-        settle: Settle::DetectAndStop,
-    };
-    let outcome = run(&plan, &mut [], &AtomicBool::new(false))?;
+    let outcome = until_settled(rotor, feedback, speed, deadband, 3000.0, &AtomicBool::new(false))?;
     let radius = outcome.max_displacement.iter().copied().fold(0.0, f64::max);
-    let settled = outcome.settled != study::run::Settled::No;
+    let settled = outcome.settled != Settled::No;
     Ok(outcome.diverged_at.is_none().then_some((outcome.max_force, radius, settled)))
 }
 

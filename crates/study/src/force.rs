@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use rotor::{ClosedLoop, Feedback, PoleError, Rotor};
 
-use crate::run::{Plan, RunError, Settle, Settled, run};
+use crate::run::{Outcome, Plan, RunError, Settle, Settled, run};
 use crate::step_size::Fastest;
 
 /// A point that has not settled by then, in `tau`, is given up and says so.
@@ -78,15 +78,30 @@ pub fn steady(
     deadband: f64,
     stop: &AtomicBool,
 ) -> Result<Point, ForceError> {
+    let outcome = until_settled(rotor, feedback, speed, deadband, LONGEST, stop)?;
+    Ok(Point { max_force: outcome.max_force, settled: outcome.settled, diverged_at: outcome.diverged_at })
+}
+
+/// The whole outcome of a run from rest at one speed and clearance, until transients have died or `longest` in `tau`.
+///
+/// # Errors
+/// As for [`sweep`].
+pub fn until_settled(
+    rotor: &Rotor,
+    feedback: &Feedback,
+    speed: f64,
+    deadband: f64,
+    longest: f64,
+    stop: &AtomicBool,
+) -> Result<Outcome, ForceError> {
     let closed_loop = ClosedLoop::new(rotor, feedback, speed, &vec![deadband; rotor.len()]);
     let plan = Plan {
         dtau: Fastest::of(&closed_loop)?.default_step(),
         closed_loop,
         largest_clearance: deadband,
         impulses: Vec::new(),
-        duration: LONGEST,
+        duration: longest,
         settle: Settle::DetectAndStop,
     };
-    let outcome = run(&plan, &mut [], stop)?;
-    Ok(Point { max_force: outcome.max_force, settled: outcome.settled, diverged_at: outcome.diverged_at })
+    Ok(run(&plan, &mut [], stop)?)
 }

@@ -12,9 +12,9 @@ use std::time::Instant;
 
 use rerun::{RecordingStreamBuilder, Scalars, TimeColumn};
 use rotor::{Settings, Stepper, builtin};
-use tape::{Batch, Head, Moment, Recording};
+use tape::{Batch, Head, Recording};
 use wire::message::{Flags, Point};
-use wire::{Bulletin, SettingsMessage, State};
+use wire::{Bulletin, Moment, SettingsMessage, State};
 
 /// Ten minutes at 1000 steps a second.
 const STEPS: usize = 600_000;

@@ -1,9 +1,8 @@
 //! Steps as columns: the form in which they are queued, written and read.
 
-use wire::State;
 use wire::message::{Flags, Point};
+use wire::{Moment, State};
 
-use crate::event::Moment;
 use crate::schema;
 
 /// Consecutive steps of one run, column by column. Doubles are kept bit for bit.

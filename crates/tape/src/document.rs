@@ -6,10 +6,10 @@
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Mass, Rotor, Scales, Settings};
 use serde::{Deserialize, Serialize};
-use wire::Happening;
 use wire::message::Trip;
+use wire::{Happening, Moment};
 
-use crate::event::{Event, Moment, Remark, What};
+use crate::event::{Event, Remark, What};
 use crate::recording::{Revision, Session, Source};
 use crate::schema::{self, Column};
 

@@ -1,17 +1,6 @@
 //! What happened during a session, and when: the events of the bench, and the recorder's own remarks.
 
-use wire::Happening;
-
-/// A point in a session, on its three time scales.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moment {
-    /// Step number since the simulation started: it only rises.
-    pub seq: u64,
-    /// Dimensionless time since the rotor was last at rest.
-    pub tau: f64,
-    /// Wall clock, nanoseconds since 1970.
-    pub wall_ns: u64,
-}
+use wire::{Happening, Moment};
 
 /// Something that happened on the bench: a [`wire::Event`] without the settings, which [`crate::Revision`]s hold.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,7 +42,7 @@ impl Event {
 impl From<&wire::Event> for Event {
     fn from(event: &wire::Event) -> Self {
         Self {
-            at: Moment { seq: event.seq, tau: event.tau, wall_ns: event.wall_ns },
+            at: event.into(),
             number: event.number,
             revision: event.revision,
             // A kind that this version does not know is not sent to it: the schema version keeps the two apart.

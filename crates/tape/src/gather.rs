@@ -6,10 +6,10 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use wire::{Bulletin, Event, State};
+use wire::{Bulletin, Event, Moment, State};
 
 use crate::batch::Batch;
-use crate::event::{Moment, Remark, What};
+use crate::event::{Remark, What};
 use crate::sink::Item;
 
 /// Gathers what a bench sends.
@@ -83,7 +83,7 @@ impl Gatherer {
             if missing > 0 {
                 self.close_batch();
                 self.lost += missing;
-                let at = Moment { seq: state.seq, tau: state.tau, wall_ns: state.wall_ns };
+                let at = Moment::from(state);
                 self.push(Item::Remark(Remark { at, what: What::Lost(missing) }));
             }
         }
@@ -91,7 +91,7 @@ impl Gatherer {
             self.opened = now;
         }
         self.batch.push(state);
-        self.last = Some(Moment { seq: state.seq, tau: state.tau, wall_ns: state.wall_ns });
+        self.last = Some(state.into());
         self.begin_tape();
         if self.batch.len() >= Self::BATCH_ROWS {
             self.close_batch();

@@ -4,10 +4,9 @@ use std::ops::ControlFlow;
 
 use serde::Serialize;
 
-use wire::Happening;
+use wire::{Happening, Moment};
 
 use crate::error::TapeError;
-use crate::event::Moment;
 use crate::recording::{Recording, is_tripped};
 
 /// A recording in short. Lengths in `e_t`, forces in `w0^2 e_t`, times in `tau`, unless a name says otherwise.

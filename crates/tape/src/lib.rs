@@ -27,7 +27,7 @@ mod sink;
 
 pub use batch::Batch;
 pub use error::TapeError;
-pub use event::{Event, Moment, Remark, What};
+pub use event::{Event, Remark, What};
 pub use info::{At, Damping, Info, Peak, TripInfo};
 pub use offline::OfflineTape;
 pub use recording::{Gap, Recording, Revision, Session, Source, Span};

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 
 use rotor::{C64, Motion, Rotor, Settings};
 use wire::message::{Flags, Point};
-use wire::{Bulletin, Happening, SettingsMessage, State, Text};
+use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
-use crate::event::{Event, Moment, Remark, What};
+use crate::event::{Event, Remark, What};
 use crate::gather::Gatherer;
 use crate::recording::{Session, Source};
 use crate::schema;

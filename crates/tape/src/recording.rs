@@ -9,11 +9,11 @@ use std::path::{Path, PathBuf};
 
 use rotor::{C64, Rotor, Scales, Settings};
 use wire::message::{Analysis, Flags, Health, Trip};
-use wire::{Bulletin, Happening, SettingsMessage, State, Text};
+use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
-use crate::event::{Event, Moment, Remark, What};
+use crate::event::{Event, Remark, What};
 
 /// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
 const KEPT: usize = 6;

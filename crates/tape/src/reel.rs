@@ -5,10 +5,10 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use rotor::Difference;
-use wire::{Bulletin, Happening, Keeping};
+use wire::{Bulletin, Happening, Keeping, Moment};
 
 use crate::error::TapeError;
-use crate::event::{Event, Moment, Remark, What};
+use crate::event::{Event, Remark, What};
 use crate::recording::Revision;
 use crate::sink::{self, Head, Item, Sink};
 

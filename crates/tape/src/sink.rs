@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use rotor::Spectrum;
-use wire::{Bulletin, Happening};
+use wire::{Bulletin, Happening, Moment};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
-use crate::event::{Event, Moment, Remark};
+use crate::event::{Event, Remark};
 use crate::recording::{Revision, Session, Source};
 use crate::schema;
 

@@ -1,13 +1,14 @@
 //! Files: what is written is what is read, whole or cut off anywhere. With the cargo feature `rerun`.
 #![cfg(feature = "rerun")]
+#![allow(clippy::unwrap_used, reason = "helpers of tests fail by panicking, as tests do")]
 
 use std::ops::ControlFlow;
 use std::path::Path;
 
 use rotor::{Settings, builtin};
-use tape::{Batch, Event, Head, Moment, Recording, Remark, What};
+use tape::{Batch, Event, Head, Recording, Remark, What};
 use wire::message::{Flags, Point, Trip};
-use wire::{Bulletin, Happening, SettingsMessage, State, Text};
+use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
 
 const RUN: u64 = 0xfeed_beef_0123_4567;
 

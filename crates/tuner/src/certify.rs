@@ -124,9 +124,7 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) ->
     };
     let centre = closed(&middle);
     let Ok(poles) = centre.poles() else { return (cut(None), f64::NEG_INFINITY, C64::ZERO, middle) };
-    let each = poles.iter().map(|&pole| (problem.measure.of(pole), pole));
-    let (value, pole) =
-        each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst });
+    let (value, pole) = problem.measure.worst(&poles);
     let Some(basis) = Basis::of(&centre, &poles) else { return (cut(None), value, pole, middle) };
     // Every corner; the first bit is the first axis that varies.
     let corner = |bits: usize| {

@@ -254,8 +254,7 @@ pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> (f64,
     };
     let closed = operating.close(&problem.structure.row(gains, point[0]));
     let Some((_, poles)) = closed else { return (f64::NEG_INFINITY, C64::ZERO) };
-    let each = poles.iter().map(|&pole| (problem.measure.of(pole), pole));
-    each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst })
+    problem.measure.worst(&poles)
 }
 
 #[cfg(test)]

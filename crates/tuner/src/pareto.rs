@@ -23,10 +23,11 @@ pub struct Point {
 
 impl Price {
     /// What given gains cost.
-    fn of(self, tuned: &Tuned) -> f64 {
+    #[must_use]
+    pub fn of(self, tuned: &Tuned) -> f64 {
         match self {
             Self::Force => tuned.force,
-            Self::Gain => tuned.gains.iter().fold(0.0, |most, gain| gain.abs().max(most)),
+            Self::Gain => tuned.largest_gain(),
         }
     }
 

@@ -121,6 +121,14 @@ pub struct Tuned {
     pub interrupted: bool,
 }
 
+impl Tuned {
+    /// The largest magnitude of any gain.
+    #[must_use]
+    pub fn largest_gain(&self) -> f64 {
+        self.gains.iter().fold(0.0, |most, gain| gain.abs().max(most))
+    }
+}
+
 /// A mode near the worst value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Active {
@@ -196,7 +204,7 @@ fn search(problem: &Problem, options: &Options, progress: &(dyn Fn(&Progress) + 
     climbs.sort_by(|a, b| b.value.total_cmp(&a.value));
     let values = climbs.iter().map(|climb| climb.value).collect();
     let best = climbs.swap_remove(0);
-    let mut tuned = finish(problem, options, best, &evaluations, &stop);
+    let mut tuned = prove(problem, options, best, &evaluations, &stop, options.method == Method::Nonsmooth);
     tuned.values = values;
     tuned.evaluations = evaluations.into_inner();
     tuned.elapsed = begun.elapsed();
@@ -281,22 +289,20 @@ pub(crate) fn exchange(
         let places = worst_places(problem, gains, scan, 6);
         evaluator.evaluations += scan.iter().product::<usize>() as u64;
         let mut value = places.first().map_or(known, |(value, _)| value.min(known));
-        if let (Some(limit), Some((force, _))) = (problem.force_limit, hardest_places(problem, gains, scan, 1).first())
-        {
-            value -= EXCESS * (force / limit - 1.0 - 1e-6).max(0.0);
-        }
-        if value > best.0 {
-            best = (value, gains.clone());
-        }
         let mut missed: Vec<Vec<f64>> = places
             .into_iter()
             .filter(|(value, _)| *value < known - 1e-6 * known.abs() - 1e-9)
             .map(|(_, point)| point)
             .collect();
         if let Some(limit) = problem.force_limit {
-            let hardest = hardest_places(problem, gains, scan, 3).into_iter();
+            let hardest = hardest_places(problem, gains, scan, 3);
+            let largest = hardest.first().map_or(0.0, |(force, _)| force / limit);
+            value -= EXCESS * (largest - 1.0 - 1e-6).max(0.0);
             let over = evaluator.largest_relative_force(gains).max(1.0) * limit * (1.0 + 1e-6);
-            missed.extend(hardest.filter(|(force, _)| *force > over).map(|(_, point)| point));
+            missed.extend(hardest.into_iter().filter(|(force, _)| *force > over).map(|(_, point)| point));
+        }
+        if value > best.0 {
+            best = (value, gains.clone());
         }
         if missed.is_empty() || stop.is_set() || method == Method::Powell || round + 1 == ROUNDS {
             break;
@@ -309,10 +315,6 @@ pub(crate) fn exchange(
     }
     *gains = best.1;
     best.0
-}
-
-fn finish(problem: &Problem, options: &Options, best: Climb, evaluations: &AtomicU64, stop: &Stop) -> Tuned {
-    prove(problem, options, best, evaluations, stop, options.method == Method::Nonsmooth)
 }
 
 /// Bounds the worst, improving the gains wherever the proof shows a place that was missed if `improving`.

@@ -21,6 +21,7 @@ mod error;
 mod event;
 mod memory;
 pub mod message;
+mod moment;
 mod ports;
 mod recorder;
 mod root;
@@ -35,6 +36,7 @@ pub use error::WireError;
 pub use event::{EVENTS_KEPT, Event, Happening};
 pub use memory::Memory;
 pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
+pub use moment::Moment;
 pub use ports::{
     BulletinSender, Carrier, Change, Commander, EventSender, Host, HostState, Inbox, Listener, RecorderSender,
     StateSender,

@@ -25,7 +25,7 @@ pub(super) fn frame(app: &mut App<'_>) -> String {
     let area = Rect::new(0, 0, 120, 40);
     let mut buffer = ratatui::buffer::Buffer::empty(area);
     app.render(area, &mut buffer);
-    crate::panels::tests::text(&buffer)
+    crate::looks::still::text(&buffer)
 }
 
 fn press(app: &mut App<'_>, keys: &[KeyCode]) {

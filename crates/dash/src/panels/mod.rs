@@ -51,6 +51,7 @@ fn write_right(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
+    use crate::looks::still::text;
 
     /// What a panel draws, as lines of text. Every panel is also drawn at every small size, and must not panic.
     pub(crate) fn drawn(width: u16, height: u16, draw: impl Fn(Rect, &mut Buffer)) -> String {
@@ -62,15 +63,5 @@ pub(crate) mod tests {
         let mut buffer = Buffer::empty(area);
         draw(area, &mut buffer);
         text(&buffer)
-    }
-
-    /// A buffer as lines of text.
-    pub(crate) fn text(buffer: &Buffer) -> String {
-        let area = buffer.area;
-        let line = |y| {
-            let cells: String = (area.left()..area.right()).map(|x| buffer[(x, y)].symbol()).collect();
-            cells.trim_end().to_owned() + "\n"
-        };
-        (area.top()..area.bottom()).map(line).collect()
     }
 }

@@ -2,18 +2,7 @@
 
 use std::ops::Range;
 
-use wire::{Bulletin, Happening, State};
-
-/// A point of a session, on its three time scales.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moment {
-    /// Step number since the simulation started: it only rises.
-    pub seq: u64,
-    /// Dimensionless time since the rotor was last at rest.
-    pub tau: f64,
-    /// Wall clock, nanoseconds since 1970.
-    pub wall_ns: u64,
-}
+use wire::{Bulletin, Happening, Moment, State};
 
 /// Something that happened, as [`wire::Event`] tells it.
 #[derive(Clone, Debug, PartialEq)]

@@ -10,7 +10,6 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
-use rotor::Settings;
 use wire::Happening;
 use wire::message::{Flags, Trip};
 
@@ -64,12 +63,6 @@ impl Beside<'_> {
     /// Control `[y, z]` at step `step` of the track.
     pub(crate) fn force(&self, step: usize) -> Option<[f64; 2]> {
         self.branch.force(self.loaded.seq_of(self.first + step as u64))
-    }
-
-    /// The settings in force in it.
-    #[allow(dead_code, reason = "panels that show what would be read it")]
-    pub(crate) fn settings(&self) -> &Settings {
-        self.branch.settings()
     }
 
     fn trip(&self) -> Option<Trip> {

@@ -9,14 +9,14 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use rotor::{C64, Key, Settings, Spectrum, builtin};
 use wire::message::{Analysis, Flags, Trip};
-use wire::{BenchName, Bulletin, Carrier, Change, Commander, Event, Happening, Listener, Memory, State};
+use wire::{BenchName, Bulletin, Carrier, Change, Commander, Event, Happening, Listener, Memory, Moment, State};
 
 use super::*;
 use crate::clerk::Edit;
 use crate::feed::Feed;
 use crate::layout::built_in;
+use crate::looks::still::text;
 use crate::panels::registry::Panels;
-use crate::panels::tests::text;
 use crate::replay::player::{Repeat, SPEEDS};
 use crate::screen::{self, View};
 use crate::view_time::ViewTime;
@@ -36,7 +36,7 @@ impl Session {
     }
 
     fn moment(state: &State) -> Moment {
-        Moment { seq: state.seq, tau: state.tau, wall_ns: state.wall_ns }
+        state.into()
     }
 }
 
@@ -77,7 +77,7 @@ impl Past for Session {
 
     fn events(&self) -> Vec<PastEvent> {
         let told = |event: &Event| PastEvent {
-            at: Moment { seq: event.seq, tau: event.tau, wall_ns: event.wall_ns },
+            at: event.into(),
             happening: event.happening().unwrap(),
             who: event.who.as_str().into(),
             why: event.why.as_str().into(),

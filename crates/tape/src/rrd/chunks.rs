@@ -11,8 +11,8 @@ use rerun::log::{Chunk, ChunkError, TimeColumn};
 use rerun::{ComponentDescriptor, TimePoint, Timeline};
 
 use crate::batch::Batch;
-use crate::event::Moment;
 use crate::schema;
+use wire::Moment;
 
 /// `tau` on its timeline, where 1 is a second.
 fn nanos(tau: f64) -> i64 {

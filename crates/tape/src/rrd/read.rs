@@ -94,7 +94,7 @@ struct Found {
     stretches: Vec<Stretch>,
     revisions: Vec<RevisionDocument>,
     told: Vec<Told>,
-    health: Vec<(crate::event::Moment, wire::message::Health)>,
+    health: Vec<(wire::Moment, wire::message::Health)>,
     notices: Vec<String>,
 }
 

@@ -10,13 +10,13 @@ use rerun::log::{Chunk, ChunkError, LogMsg, RowId};
 use rerun::{AsComponents, EntityPath, StoreKind, TimePoint};
 use rotor::Rotor;
 use wire::message::Health;
-use wire::{Bulletin, Happening};
+use wire::{Bulletin, Happening, Moment};
 
 use super::{chunks, scene, view};
 use crate::batch::Batch;
 use crate::document::{self, EventDocument, RevisionDocument, SessionDocument};
 use crate::error::TapeError;
-use crate::event::{Event, Moment, Remark, What};
+use crate::event::{Event, Remark, What};
 use crate::recording::Revision;
 use crate::schema;
 use crate::sink::{Head, Sink};

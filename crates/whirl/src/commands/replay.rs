@@ -3,9 +3,9 @@
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 
-use dash::{Moment, Past, PastEvent};
+use dash::{Past, PastEvent};
 use tape::{Gap, Recording};
-use wire::{Bulletin, Happening, State};
+use wire::{Bulletin, Happening, Moment, State};
 
 use crate::commands::dash::{ScreenArgs, ended};
 use crate::failure::Failure;
@@ -39,16 +39,15 @@ struct Tape {
 
 impl Tape {
     fn new(recording: Recording) -> Self {
-        let moment = |at: &tape::Moment| Moment { seq: at.seq, tau: at.tau, wall_ns: at.wall_ns };
         let of_bench = recording.events().iter().map(|event| PastEvent {
-            at: moment(&event.at),
+            at: event.at,
             happening: event.happening.clone(),
             who: event.who.clone(),
             why: event.why.clone(),
         });
         // What the recorder had to say stands among what happened.
         let of_recorder = recording.remarks().iter().map(|remark| PastEvent {
-            at: moment(&remark.at),
+            at: remark.at,
             happening: Happening::Note(remark.text()),
             who: "recorder".to_owned(),
             why: String::new(),
@@ -66,8 +65,7 @@ impl Past for Tape {
     }
 
     fn span(&self) -> Option<[Moment; 2]> {
-        let span = self.recording.span()?;
-        Some([span.first, span.last].map(|at| Moment { seq: at.seq, tau: at.tau, wall_ns: at.wall_ns }))
+        self.recording.span().map(|span| [span.first, span.last])
     }
 
     fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {

@@ -6,10 +6,10 @@ use rotor::file::FeedbackDocument;
 use rotor::{GainKind, damping_ratio};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use tuner::{Measure, Place, Problem, Stationarity, Tuned, judge, rank};
+use tuner::{Measure, Place, Problem, Stationarity, Stop, Tuned, judge, rank};
 
 use super::question::Asked;
-use super::{TuneArgs, Watch, stop, write_file};
+use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
 use crate::units::{Units, UnitsDocument};
@@ -63,7 +63,8 @@ pub(super) struct Document<'a> {
 pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(), Failure> {
     let watch = Watch::new();
     let options = |problem: &Problem| args.options(problem);
-    let places = rank(&asked.question(), &asked.choices(), &options, &|progress| watch.say(progress), stop(flag))?;
+    let places =
+        rank(&asked.question(), &asked.choices(), &options, &|progress| watch.say(progress), Stop::when(flag))?;
     watch.end();
     let best = &places[0];
     let problem = asked.problem(best.bearing, &best.sensors);
@@ -130,7 +131,7 @@ fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned) -> Result<(f
         return Ok((tuned.worst.value, tuned.worst.point[0]));
     }
     let plain = Problem { measure: Measure::default(), ..problem.clone() };
-    let judged = judge(&plain, &args.options(&plain), &tuned.gains, tuner::Stop::NEVER)?;
+    let judged = judge(&plain, &args.options(&plain), &tuned.gains, Stop::NEVER)?;
     Ok((judged.worst.value, judged.worst.point[0]))
 }
 

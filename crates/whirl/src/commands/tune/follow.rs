@@ -6,12 +6,12 @@ use rotor::GainKind;
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
 use study::plot::{Axis, Chart, Color, Look, Series};
-use tuner::{Tracked, track};
+use tuner::{Stop, Tracked, track};
 
 use super::answer::speed_text;
 use super::front::draw;
 use super::question::Asked;
-use super::{TuneArgs, Watch, stop, write_file};
+use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
 use crate::range::Range;
@@ -49,7 +49,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let (from, to) = asked.family.speeds();
     let speeds = Range { from, to }.points(args.track.unwrap_or(2) as usize);
     let (watch, begun) = (Watch::new(), std::time::Instant::now());
-    let found = track(&problem, &speeds, args.stiffness, &args.options(&problem), &|p| watch.say(p), stop(flag))?;
+    let found = track(&problem, &speeds, args.stiffness, &args.options(&problem), &|p| watch.say(p), Stop::when(flag))?;
     watch.end();
     let (units, worst) = (asked.units(), &found.judged.worst);
     let stable = worst.value > 0.0;

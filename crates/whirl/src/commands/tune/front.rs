@@ -6,10 +6,10 @@ use std::sync::atomic::AtomicBool;
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
 use study::plot::{Axis, Chart, Color, Look, Series, png, svg};
-use tuner::{Point, Price, pareto};
+use tuner::{Point, Price, Stop, pareto};
 
 use super::question::Asked;
-use super::{TuneArgs, Watch, stop, write_file};
+use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
 use crate::place;
@@ -42,10 +42,6 @@ struct PointDocument<'a> {
     file: Option<String>,
 }
 
-fn max_gain(point: &Point) -> f64 {
-    point.tuned.gains.iter().fold(0.0, |most, gain| gain.abs().max(most))
-}
-
 /// Searches, prints, draws and writes.
 pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(), Failure> {
     let [(bearing, sensors)] = &asked.choices()[..] else {
@@ -54,7 +50,8 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let problem = asked.problem(*bearing, sensors);
     let price: Price = args.pareto.map_or(Price::Force, Into::into);
     let watch = Watch::new();
-    let front = pareto(&problem, price, args.points as usize, &args.options(&problem), &|p| watch.say(p), stop(flag))?;
+    let front =
+        pareto(&problem, price, args.points as usize, &args.options(&problem), &|p| watch.say(p), Stop::when(flag))?;
     watch.end();
     let units = asked.units();
     let mass = asked.rotor().masses()[*bearing].mass;
@@ -67,8 +64,10 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         let tuned = &point.tuned;
         let limit = if price == Price::Force { units.force(point.limit, mass) } else { point.limit };
         let force = units.force(tuned.force, mass);
-        table
-            .row([limit, tuned.worst.value, units.speed(tuned.worst.point[0]), force, max_gain(point)].map(Cell::from));
+        table.row(
+            [limit, tuned.worst.value, units.speed(tuned.worst.point[0]), force, point.tuned.largest_gain()]
+                .map(Cell::from),
+        );
         let mut file = None;
         if let Some(folder) = &args.out
             && (tuned.worst.value > 0.0 || args.write_unstable)
@@ -82,7 +81,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
                 front.len(),
                 rounded(tuned.worst.value),
                 rounded(tuned.force),
-                rounded(max_gain(point))
+                rounded(point.tuned.largest_gain())
             );
             write_file(&path, &tuned.feedback, &[about])?;
             file = Some(path.display().to_string());
@@ -93,7 +92,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
             worst_speed: tuned.worst.point[0],
             proven: tuned.worst.proven,
             max_force: tuned.force,
-            max_gain: max_gain(point),
+            max_gain: point.tuned.largest_gain(),
             feedback: FeedbackDocument(&tuned.feedback),
             file,
         });
@@ -120,8 +119,8 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
 }
 
 fn chart(asked: &Asked, price: Price, front: &[Point]) -> Chart {
-    let cost = |point: &Point| if price == Price::Force { point.tuned.force } else { max_gain(point) };
-    let mut points: Vec<(f64, f64)> = front.iter().map(|point| (cost(point), point.tuned.worst.value)).collect();
+    let mut points: Vec<(f64, f64)> =
+        front.iter().map(|point| (price.of(&point.tuned), point.tuned.worst.value)).collect();
     points.reverse();
     let (far, high) = points.iter().fold((0.0_f64, 0.0_f64), |(x, y), p| (x.max(p.0), y.max(p.1)));
     let label = if price == Price::Force { "steady control force, linear rotor, w0^2 e_t" } else { "largest gain" };

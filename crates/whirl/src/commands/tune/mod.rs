@@ -7,12 +7,11 @@ mod question;
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use rotor::Feedback;
 use rotor::file::write_feedback;
-use tuner::{Method, Options, Price, Problem, Progress, Stop};
+use tuner::{Method, Options, Price, Problem, Progress};
 
 use crate::failure::Failure;
 use crate::output::{Format, rounded};
@@ -229,19 +228,10 @@ impl Watch {
     }
 }
 
-/// A search that ends early when `flag` is raised.
-fn stop(flag: &AtomicBool) -> Stop<'_> {
-    Stop::when(flag)
-}
-
-/// The text of a feedback file: what was asked, what was found, the feedback.
-fn file_of(feedback: &Feedback, comments: &[String]) -> String {
+/// Writes a feedback file: what was asked, what was found, the feedback.
+fn write_file(path: &Path, feedback: &Feedback, comments: &[String]) -> Result<(), Failure> {
     let command: Vec<String> = std::env::args().skip(1).collect();
     let head = format!("# whirl {}\n", command.join(" "));
-    head + &comments.iter().map(|line| format!("# {line}\n")).collect::<String>() + "\n" + &write_feedback(feedback)
-}
-
-/// Writes a feedback file.
-fn write_file(path: &Path, feedback: &Feedback, comments: &[String]) -> Result<(), Failure> {
-    place::write(path, &file_of(feedback, comments))
+    let comments: String = comments.iter().map(|line| format!("# {line}\n")).collect();
+    place::write(path, &(head + &comments + "\n" + &write_feedback(feedback)))
 }
