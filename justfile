@@ -23,7 +23,11 @@ ci:
 
 # What the README promises of the live bench, measured on this machine (2 minutes; Linux)
 measure:
-    cargo bench -p promises
+    cargo bench -p promises --bench measure
+
+# What a recorder costs the simulation (5 minutes, and minutes to build the first time; Linux)
+measure-recorder:
+    cargo bench -p promises --features rerun --bench recorder
 
 # Recordings: the sink, the reader and the commands, with rerun (minutes to build the first time)
 test-recordings:

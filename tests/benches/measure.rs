@@ -1,14 +1,17 @@
 //! Measures what the README promises of the live bench, on the machine at hand, and prints a table.
 //!
-//! `cargo bench -p promises`. It drives the real program in a real pseudo-terminal and reads the
+//! `cargo bench -p promises --bench measure`. It drives the real program in a real pseudo-terminal and reads the
 //! processes' own accounts in `/proc`: Linux only. It judges nothing; machines and their load differ.
 
 #![allow(clippy::print_stdout, reason = "a table on stdout is what it is for")]
+
+mod shared;
 
 use std::fs;
 use std::time::{Duration, Instant};
 
 use promises::{Root, Screen};
+use shared::{SIZE, machine, median, percentile, status};
 
 /// How long processor time is watched.
 const WATCH: Duration = Duration::from_secs(10);
@@ -16,8 +19,6 @@ const WATCH: Duration = Duration::from_secs(10);
 const LONG_WATCH: Duration = Duration::from_secs(60);
 /// Keys pressed to time their answers.
 const PRESSES: usize = 101;
-/// The screen of the promises.
-const SIZE: (u16, u16) = (200, 60);
 /// Clock ticks a second in `/proc/PID/stat`: fixed on Linux.
 const TICKS: f64 = 100.0;
 
@@ -114,10 +115,6 @@ fn key_to_screen(screen: &mut Screen) -> Vec<f64> {
     times
 }
 
-fn status(root: &Root) -> serde_json::Value {
-    root.run(&["status", "--json"]).json()["benches"][0].take()
-}
-
 fn simulation_of(root: &Root) -> u32 {
     status(root)["pid"].as_u64().expect("a running simulation") as u32
 }
@@ -142,23 +139,4 @@ fn resident(pid: u32) -> String {
     let line = status.lines().find(|line| line.starts_with("VmRSS:")).expect("an account of memory");
     let kilobytes: f64 = line.split_whitespace().nth(1).and_then(|text| text.parse().ok()).expect("a number");
     format!("{:.1} MB", kilobytes / 1024.0)
-}
-
-fn percentile(values: &mut [f64], share: f64) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[((values.len() - 1) as f64 * share).round() as usize]
-}
-
-fn median(values: &mut [f64]) -> f64 {
-    percentile(values, 0.5)
-}
-
-/// The machine, in a line.
-fn machine() -> String {
-    let cpus = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = cpus.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(": unknown processor");
-    let count = std::thread::available_parallelism().map_or(0, std::num::NonZero::get);
-    let load = fs::read_to_string("/proc/loadavg").unwrap_or_default();
-    let load = load.split_whitespace().next().unwrap_or("?").to_owned();
-    format!("{count} cores, {}; load average {load} at the end", model.trim_start_matches([' ', '\t', ':']))
 }

@@ -22,7 +22,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
-use wire::{BenchName, Carrier, Host, StateSender, WireError};
+use wire::{BenchName, Carrier, Host, MAX_BURST, StateSender, WireError};
 
 use crate::engine::{Engine, Exchange};
 use crate::intake::Intake;
@@ -184,17 +184,21 @@ fn step_until(
         let begun = clock.now_ns();
         let wake = pacer.wake(begun);
         exchange.counters.missed.fetch_add(wake.missed, Ordering::Relaxed);
-        for step in 0..wake.steps {
-            if engine.take_orders(exchange) {
-                clerk.unpark();
-            }
-            let tripped = engine.step();
-            let due_ns = started_ns + wake.due_ns(step);
-            states.send(|state| engine.fill(state, due_ns, wake.is_late))?;
-            if let Some(trip) = tripped {
-                exchange.report_trip(trip, engine.tau());
-                clerk.unpark();
-            }
+        let mut sent = 0;
+        while sent < wake.steps {
+            let burst = (wake.steps - sent).min(MAX_BURST as u32);
+            states.send(burst as usize, |place, state| {
+                let ordered = engine.take_orders(exchange);
+                let tripped = engine.step();
+                engine.fill(state, started_ns + wake.due_ns(sent + place as u32), wake.is_late);
+                if let Some(trip) = tripped {
+                    exchange.report_trip(trip, engine.tau());
+                }
+                if ordered || tripped.is_some() {
+                    clerk.unpark();
+                }
+            })?;
+            sent += burst;
         }
         exchange.counters.count(&wake, engine.tau());
         exchange.measure(wake.lateness_ns, (clock.now_ns() - begun) / u64::from(wake.steps));

@@ -8,7 +8,7 @@
 //!
 //! | service | pattern | what |
 //! |---|---|---|
-//! | `whirl/NAME/state` | publish-subscribe of [`State`] | every step, in order, oldest dropped if a reader sleeps |
+//! | `whirl/NAME/state` | publish-subscribe of slices of [`State`] | every step, in order; those that fall due together in one message, up to [`MAX_BURST`]; oldest dropped if a reader sleeps |
 //! | `whirl/NAME/bulletin` | publish-subscribe of [`Bulletin`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
 //! | `whirl/NAME/event` | publish-subscribe of [`Event`] | what happens, numbered, with the settings in force after it; the last [`EVENTS_KEPT`] reach late readers |
 //! | `whirl/NAME/recorder` | publish-subscribe of [`RecorderStatus`] | from the recorder, if there is one: file, size, losses; at least once a second |
@@ -38,8 +38,8 @@ pub use memory::Memory;
 pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
 pub use moment::Moment;
 pub use ports::{
-    BulletinSender, Carrier, Change, Commander, EventSender, Host, HostState, Inbox, Listener, RecorderSender,
-    StateSender,
+    BulletinSender, Carrier, Change, Commander, EventSender, Host, HostState, Inbox, Listener, MAX_BURST,
+    RecorderSender, StateSender,
 };
 pub use recorder::{Keeping, RecorderState, RecorderStatus};
 pub use root::Root;

@@ -6,6 +6,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use crate::message::Request;
+use crate::ports::check_burst;
 use crate::{
     Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, EVENTS_KEPT, Event, EventSender, Host, HostState,
     Inbox, Listener, RecorderSender, RecorderStatus, State, StateSender, WireError,
@@ -158,16 +159,16 @@ pub struct MemoryStates {
 }
 
 impl StateSender for MemoryStates {
-    fn send(&mut self, fill: impl FnOnce(&mut State)) -> Result<(), WireError> {
-        let mut state = State::default();
-        fill(&mut state);
+    fn send(&mut self, count: usize, mut fill: impl FnMut(usize, &mut State)) -> Result<(), WireError> {
+        check_burst(count)?;
+        let mut states = vec![State::default(); count];
+        states.iter_mut().enumerate().for_each(|(place, state)| fill(place, state));
         lock(&self.bench.mailboxes).retain(|mailbox| {
             let Some(mailbox) = mailbox.upgrade() else { return false };
             let mut mailbox = lock(&mailbox);
-            if mailbox.len() == STATES_KEPT {
-                mailbox.pop_front();
-            }
-            mailbox.push_back(state);
+            mailbox.extend(&states);
+            let surplus = mailbox.len().saturating_sub(STATES_KEPT);
+            mailbox.drain(..surplus);
             true
         });
         Ok(())

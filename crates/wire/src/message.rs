@@ -12,9 +12,9 @@ use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError, Scales};
 use crate::{SettingsMessage, Text};
 
 /// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
-/// One step of the simulation, sent at the full rate.
+/// One step of the simulation. Every step is sent, one after the other in slices of those that fell due together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
 #[type_name("whirl.State")]
 #[repr(C)]

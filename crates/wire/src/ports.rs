@@ -84,13 +84,20 @@ pub trait Host: Send + Sync {
     fn listeners(&self) -> usize;
 }
 
+/// The most states that are sent together.
+pub const MAX_BURST: usize = 32;
+
 /// Sends states. Never waits for a reader: one that sleeps loses the oldest.
 pub trait StateSender {
-    /// Lets `fill` write the next state where readers will find it, and sends it.
+    /// Lets `fill` write the next `count` states, told by their place from 0 on, where readers will find them, and
+    /// sends them together: 1 to [`MAX_BURST`].
+    ///
+    /// Steps that fall due together travel together, so that a reader costs the simulation a delivery a wake-up and
+    /// not a delivery a step.
     ///
     /// # Errors
-    /// There is no memory for it, or the carrier fails.
-    fn send(&mut self, fill: impl FnOnce(&mut State)) -> Result<(), WireError>;
+    /// There is no memory for them, there are none or too many, or the carrier fails.
+    fn send(&mut self, count: usize, fill: impl FnMut(usize, &mut State)) -> Result<(), WireError>;
 }
 
 /// Sends bulletins. The last one also reaches readers that come later.
@@ -125,6 +132,14 @@ pub trait RecorderSender {
     /// # Errors
     /// There is no memory for it, or the carrier fails.
     fn send(&mut self, status: &mut RecorderStatus) -> Result<(), WireError>;
+}
+
+/// Refuses what no burst can be.
+pub(crate) fn check_burst(count: usize) -> Result<(), WireError> {
+    if (1..=MAX_BURST).contains(&count) {
+        return Ok(());
+    }
+    Err(WireError::DoesNotFit(format!("{count} states at once: expected 1 to {MAX_BURST}")))
 }
 
 /// Receives requests and answers each.

@@ -19,17 +19,18 @@ use iceoryx2::service::builder::Builder;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 
 use crate::message::Request;
+use crate::ports::check_burst;
 use crate::shared_news::{self, EventService, RecorderService, SharedEvents, SharedRecorder};
 use crate::{
     Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Event, Host, HostState, Inbox, Listener,
-    RecorderStatus, Root, SCHEMA, State, StateSender, WireError,
+    MAX_BURST, RecorderStatus, Root, SCHEMA, State, StateSender, WireError,
 };
 
 /// The flavour of iceoryx2: between processes, ports bound to their thread, no locks.
 pub(crate) type Ipc = ipc::Service;
 
-/// States a reader may fall behind by: 0.8 s at 20 000 steps a second.
-const STATES_BUFFERED: usize = 16_384;
+/// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
+const BURSTS_BUFFERED: usize = 2048;
 /// Bulletins a reader may fall behind by.
 const BULLETINS_BUFFERED: usize = 32;
 /// Readers of one bench, and as many clients.
@@ -93,7 +94,7 @@ impl SharedMemory {
     fn attach(&self, bench: &BenchName) -> Result<(Node<Ipc>, StateService), WireError> {
         let node = self.node(&self.role)?;
         let states: StateService = Self::service(&node, bench, "state")?
-            .publish_subscribe::<State>()
+            .publish_subscribe::<[State]>()
             .open_with_attributes(&required_schema()?)
             .map_err(|error| opened(bench, error))?;
         if host_of(&states) == HostState::Gone {
@@ -103,7 +104,7 @@ impl SharedMemory {
     }
 }
 
-type StateService = publish_subscribe::PortFactory<Ipc, State, ()>;
+type StateService = publish_subscribe::PortFactory<Ipc, [State], ()>;
 type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
 type CommandService = request_response::PortFactory<Ipc, Request, (), Answer, ()>;
 type WakeService = event::PortFactory<Ipc>;
@@ -181,15 +182,15 @@ impl Carrier for SharedMemory {
         let define = || AttributeSpecifier::new().define(&key, &value).map_err(internal);
         let states: StateService = {
             let existing = Self::service(&node, bench, "state")?
-                .publish_subscribe::<State>()
+                .publish_subscribe::<[State]>()
                 .open_with_attributes(&required_schema()?);
             match existing.map_err(|error| opened(bench, error)) {
                 Ok(service) => service,
                 Err(WireError::NoBench(_)) => Self::service(&node, bench, "state")?
-                    .publish_subscribe::<State>()
+                    .publish_subscribe::<[State]>()
                     .enable_safe_overflow(true)
                     .history_size(0)
-                    .subscriber_max_buffer_size(STATES_BUFFERED)
+                    .subscriber_max_buffer_size(BURSTS_BUFFERED)
                     .subscriber_max_borrowed_samples(2)
                     .max_publishers(1)
                     .max_subscribers(MAX_READERS)
@@ -307,7 +308,8 @@ impl Host for SharedHost {
     type Inbox = SharedInbox;
 
     fn states(&self) -> Result<SharedStates, WireError> {
-        let publisher = self.states.publisher_builder().max_loaned_samples(1).create().map_err(|error| {
+        let builder = self.states.publisher_builder().max_loaned_samples(1).initial_max_slice_len(MAX_BURST);
+        let publisher = builder.create().map_err(|error| {
             if format!("{error:?}").contains("ExceedsMax") {
                 WireError::Taken(self.bench.clone())
             } else {
@@ -340,13 +342,14 @@ impl Host for SharedHost {
 /// See [`StateSender`].
 #[derive(Debug)]
 pub struct SharedStates {
-    publisher: Publisher<Ipc, State, ()>,
+    publisher: Publisher<Ipc, [State], ()>,
 }
 
 impl StateSender for SharedStates {
-    fn send(&mut self, fill: impl FnOnce(&mut State)) -> Result<(), WireError> {
-        let mut sample = self.publisher.loan().map_err(internal)?;
-        fill(sample.payload_mut());
+    fn send(&mut self, count: usize, mut fill: impl FnMut(usize, &mut State)) -> Result<(), WireError> {
+        check_burst(count)?;
+        let mut sample = self.publisher.loan_slice(count).map_err(internal)?;
+        sample.payload_mut().iter_mut().enumerate().for_each(|(place, state)| fill(place, state));
         sample.send().map_err(internal)?;
         Ok(())
     }
@@ -403,7 +406,7 @@ impl Inbox for SharedInbox {
 /// See [`Listener`].
 #[derive(Debug)]
 pub struct SharedListener {
-    states: Subscriber<Ipc, State, ()>,
+    states: Subscriber<Ipc, [State], ()>,
     bulletins: Subscriber<Ipc, Bulletin, ()>,
     events: Subscriber<Ipc, Event, ()>,
     recorders: Subscriber<Ipc, RecorderStatus, ()>,
@@ -418,8 +421,8 @@ impl Listener for SharedListener {
     fn drain(&mut self, mut visit: impl FnMut(&State)) -> Result<usize, WireError> {
         let mut count = 0;
         while let Some(sample) = self.states.receive().map_err(internal)? {
-            visit(sample.payload());
-            count += 1;
+            sample.payload().iter().for_each(&mut visit);
+            count += sample.payload().len();
         }
         Ok(count)
     }

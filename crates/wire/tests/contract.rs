@@ -9,7 +9,8 @@ use std::time::{Duration, Instant};
 use rotor::{C64, Settings, builtin};
 use wire::{
     Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, EVENTS_KEPT, EventSender, Happening, Host,
-    HostState, Inbox, Keeping, Listener, RecorderSender, RecorderState, RecorderStatus, State, StateSender, WireError,
+    HostState, Inbox, Keeping, Listener, MAX_BURST, RecorderSender, RecorderState, RecorderStatus, State, StateSender,
+    WireError,
 };
 
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -18,10 +19,11 @@ fn bench(name: &str) -> BenchName {
     name.parse().unwrap()
 }
 
-fn number(seq: u64) -> impl FnOnce(&mut State) {
-    move |state| {
-        state.seq = seq;
-        state.tau = seq as f64 * 0.5;
+/// States numbered from `first` on.
+fn number(first: u64) -> impl FnMut(usize, &mut State) {
+    move |place, state| {
+        state.seq = first + place as u64;
+        state.tau = state.seq as f64 * 0.5;
     }
 }
 
@@ -94,14 +96,40 @@ fn every_state_in_order(carrier: &impl Carrier) {
     let mut states = host.states().unwrap();
     let mut early = carrier.listen(&name).unwrap();
     assert_eq!(host.listeners(), 1);
-    (0..600).for_each(|seq| states.send(number(seq)).unwrap());
+    (0..600).for_each(|seq| states.send(1, number(seq)).unwrap());
     assert_eq!(drained(&mut early), (0..600).collect::<Vec<_>>());
     let mut late = carrier.listen(&name).unwrap();
-    (600..700).for_each(|seq| states.send(number(seq)).unwrap());
+    (600..700).for_each(|seq| states.send(1, number(seq)).unwrap());
     assert_eq!(drained(&mut late), (600..700).collect::<Vec<_>>());
     drop(late);
-    (700..800).for_each(|seq| states.send(number(seq)).unwrap());
+    (700..800).for_each(|seq| states.send(1, number(seq)).unwrap());
     assert_eq!(drained(&mut early), (600..800).collect::<Vec<_>>());
+}
+
+fn states_that_are_sent_together_arrive_one_by_one(carrier: &impl Carrier) {
+    let name = bench("bursts");
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    let mut listener = carrier.listen(&name).unwrap();
+    let mut sent = 0;
+    for count in [1, 20, 1, MAX_BURST, 3] {
+        states.send(count, number(sent)).unwrap();
+        sent += count as u64;
+    }
+    assert_eq!(drained(&mut listener), (0..sent).collect::<Vec<_>>());
+    for count in [0, MAX_BURST + 1] {
+        let refusal = states.send(count, number(sent)).err();
+        assert_eq!(
+            refusal.map(|error| error.to_string()).as_deref(),
+            Some(&*format!("{count} states at once: expected 1 to 32"))
+        );
+    }
+    // A burst is lost whole or not at all, and never out of order.
+    (0..5000).for_each(|burst| states.send(7, number(burst * 7)).unwrap());
+    let seen = drained(&mut listener);
+    let first = 35_000 - seen.len() as u64;
+    assert!(seen.len() >= 1000, "only {} kept", seen.len());
+    assert_eq!(seen, (first..35_000).collect::<Vec<_>>());
 }
 
 fn a_sleeping_reader_loses_the_oldest_and_holds_nobody_up(carrier: &impl Carrier) {
@@ -110,7 +138,7 @@ fn a_sleeping_reader_loses_the_oldest_and_holds_nobody_up(carrier: &impl Carrier
     let mut states = host.states().unwrap();
     let mut sleeper = carrier.listen(&name).unwrap();
     let sent = 20_000;
-    (0..sent).for_each(|seq| states.send(number(seq)).unwrap());
+    (0..sent).for_each(|seq| states.send(1, number(seq)).unwrap());
     let seen = drained(&mut sleeper);
     assert!(seen.len() >= 1000, "only {} kept", seen.len());
     assert_eq!(seen, (sent - seen.len() as u64..sent).collect::<Vec<_>>());
@@ -299,7 +327,7 @@ fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
     let mut states = host.states().unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     let mut commander = carrier.command(&name).unwrap();
-    states.send(number(5)).unwrap();
+    states.send(1, number(5)).unwrap();
     assert_eq!(listener.host(), HostState::Alive);
     drop((states, host));
     wait_for("the end", || (listener.host() == HostState::Gone).then_some(()));
@@ -307,7 +335,7 @@ fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
     let host = carrier.host(&name).unwrap();
     let mut states = host.states().unwrap();
     assert_eq!(listener.host(), HostState::Alive);
-    states.send(number(0)).unwrap();
+    states.send(1, number(0)).unwrap();
     assert_eq!(drained(&mut listener), [5, 0]);
     thread::scope(|scope| {
         scope.spawn(|| {
@@ -341,6 +369,7 @@ macro_rules! on {
             nobody_home
             one_simulation_a_name
             every_state_in_order
+            states_that_are_sent_together_arrive_one_by_one
             a_sleeping_reader_loses_the_oldest_and_holds_nobody_up
             the_last_bulletin_reaches_who_comes_later
             every_event_in_order_and_the_last_ones_for_who_comes_later
@@ -430,7 +459,7 @@ fn a_bench_of_another_version_is_told_so_in_words() {
     let node = NodeBuilder::new().name(&"sim".try_into().unwrap()).config(&config).create::<ipc::Service>().unwrap();
     let _other = node
         .service_builder(&"whirl/other/state".try_into().unwrap())
-        .publish_subscribe::<State>()
+        .publish_subscribe::<[State]>()
         .create_with_attributes(
             &AttributeSpecifier::new().define(&"whirl.schema".try_into().unwrap(), &"0".try_into().unwrap()).unwrap(),
         )
@@ -449,7 +478,7 @@ fn nothing_is_left_when_the_last_one_goes() {
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
     let host = carrier.host(&bench("brief")).unwrap();
     let mut states = host.states().unwrap();
-    states.send(number(1)).unwrap();
+    states.send(1, number(1)).unwrap();
     assert!(in_shared_memory(&root) > 0);
     drop((states, host, carrier, root));
     let left: Vec<_> = std::fs::read_dir("/dev/shm").unwrap().flatten().map(|e| e.file_name()).collect();
