@@ -14,11 +14,11 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
+use alarms::{Alarms, Reading};
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use ratatui::layout::Rect;
 use rotor::Settings;
 
-use crate::alarms::{Alarms, Reading};
 use crate::analysis::Desk;
 use crate::clerk::{Edit, Outcome};
 use crate::feed::Contact;
@@ -78,6 +78,8 @@ pub(crate) struct App<'a> {
     time: ViewTime,
     desk: Desk,
     alarms: Alarms,
+    /// Whether the terminal rings when something rises past a limit.
+    bell: bool,
     /// Told to the reader while the newest steps are not looked at.
     idle: Arc<AtomicBool>,
     layouts: Vec<Layout>,
@@ -126,6 +128,7 @@ impl<'a> App<'a> {
             time: ViewTime::LIVE,
             desk,
             alarms: Alarms::new(options.limits.clone()),
+            bell: options.bell,
             idle,
             layouts: options.layouts.clone(),
             layout: options.layout,
@@ -296,11 +299,11 @@ impl<'a> App<'a> {
         if self.player.is_some() {
             return false;
         }
-        let changed = self.alarms.read(reading);
-        if self.alarms.rings() {
+        let turns = self.alarms.read(reading);
+        if self.alarms.has_risen() && self.bell {
             Screen::ring();
         }
-        changed
+        !turns.is_empty()
     }
 
     fn tell(&mut self, message: Message) {

@@ -1,10 +1,10 @@
 //! The configuration file: keys of a person's own, limits of alarms, and the layout to start with.
 
+use alarms::{Limits, Watch};
 use rotor::file::{Problem, Problems};
 use toml::de::{DeTable, DeValue};
 
 use crate::actions::ACTIONS;
-use crate::alarms::Limits;
 use crate::keymap::{Chord, Keymap};
 
 /// What a configuration file says.
@@ -14,8 +14,10 @@ pub struct Config {
     pub keys: Keymap,
     /// The layout to start with, by name or file.
     pub layout: Option<String>,
-    /// Limits past which alarms rise.
+    /// Limits past which alarms rise, here and in recordings.
     pub limits: Limits,
+    /// Whether the terminal's bell rings when one rises.
+    pub bell: bool,
 }
 
 impl Config {
@@ -77,21 +79,25 @@ impl Config {
                     for (key, value) in alarms {
                         let written = text.get(value.span()).unwrap_or_default();
                         let name = &**key.get_ref();
-                        let read = match (name, limits(value.get_ref()), value.get_ref()) {
-                            ("bell", _, DeValue::Boolean(bell)) => {
-                                config.limits.bell = *bell;
+                        let watch = limited().find(|watch| watch.name() == name);
+                        let read = match (name, watch, limits(value.get_ref())) {
+                            ("bell", ..) => match value.get_ref() {
+                                DeValue::Boolean(bell) => {
+                                    config.bell = *bell;
+                                    Ok(())
+                                }
+                                _ => Err("true or false"),
+                            },
+                            (_, Some(watch), Some(limits)) => config.limits.set(watch, limits),
+                            (_, Some(_), None) => Err("[warning, alarm], two numbers, or \"off\""),
+                            (_, None, _) => {
+                                let expected = "bell, damping, orbit, force, saturation, lateness or losses";
+                                problem(key.span().start, &format!("'{name}'"), expected);
                                 Ok(())
                             }
-                            ("bell", ..) => Err("true or false"),
-                            (_, Some(limits), _) => config.limits.set(name, limits),
-                            (_, None, _) => Err("[warning, alarm], two numbers, or \"off\""),
                         };
-                        let known = name == "bell" || Limits::KEYS.iter().any(|(key, _)| *key == name);
-                        let unknown = format!("'{name}'");
-                        let (at, found) =
-                            if known { (value.span().start, written) } else { (key.span().start, &*unknown) };
                         if let Err(expected) = read {
-                            problem(at, found, expected);
+                            problem(value.span().start, written, expected);
                         }
                     }
                 }
@@ -120,12 +126,17 @@ impl Config {
         }
         text += "\n# Alarms: [warning, alarm], or \"off\". The bell is the terminal's.\n[alarms]\n# bell = false\n";
         let limits = Limits::default();
-        for (key, meaning) in Limits::KEYS {
-            let value = limits.get(key).map_or_else(|| "\"off\"".to_owned(), |[w, a]| format!("[{w:?}, {a:?}]"));
-            text += &format!("# {meaning}\n# {key} = {value}\n");
+        for watch in limited() {
+            let value = limits.pair(watch).map_or_else(|| "\"off\"".to_owned(), |[w, a]| format!("[{w:?}, {a:?}]"));
+            text += &format!("# {}\n# {watch} = {value}\n", watch.meaning());
         }
         text
     }
+}
+
+/// What a person can set limits of.
+fn limited() -> impl Iterator<Item = Watch> {
+    Watch::ALL.into_iter().filter(|watch| watch.has_limits())
 }
 
 /// `[warning, alarm]`, or `"off"`; the outer `None` is neither.
@@ -172,10 +183,10 @@ mod tests {
         let read =
             Config::read("[alarms]\nbell = true\norbit = [2, 3.5]\nlosses = \"off\"\ndamping = [0.05, 0.01]").unwrap();
         let limits = &read.limits;
-        assert!(limits.bell);
-        assert_eq!((limits.get("orbit"), limits.get("losses")), (Some([2.0, 3.5]), None));
-        assert_eq!((limits.get("damping"), limits.get("force")), (Some([0.05, 0.01]), None));
-        assert_eq!(limits.get("lateness"), Limits::default().get("lateness"));
+        assert!(read.bell);
+        assert_eq!((limits.pair(Watch::Orbit), limits.pair(Watch::Losses)), (Some([2.0, 3.5]), None));
+        assert_eq!((limits.pair(Watch::Damping), limits.pair(Watch::Force)), (Some([0.05, 0.01]), None));
+        assert_eq!(limits.pair(Watch::Lateness), Limits::default().pair(Watch::Lateness));
     }
 
     #[test]

@@ -4,10 +4,10 @@
 use std::sync::Arc;
 use std::time::Instant;
 
+use alarms::{Gauge, Reading};
 use rotor::{Rotor, Settings};
 use wire::{Bulletin, Event, Happening, RecorderStatus, State};
 
-use crate::alarms::{Gauge, Reading};
 use crate::history::History;
 use crate::journal::Journal;
 use crate::picture::Picture;
@@ -134,6 +134,7 @@ impl Feed {
     /// Takes in an event.
     pub(crate) fn happen(&mut self, event: &Event) {
         let is_news = self.journal.hear(event);
+        self.gauge.happen(event);
         if is_news && let Some(Happening::Note(_)) = event.happening() {
             self.history.note(event.run_id, event.seq);
         }

@@ -6,6 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use alarms::Alarms;
 use crossbeam::channel;
 use ratatui::backend::CrosstermBackend;
 use ratatui::buffer::Buffer;
@@ -13,7 +14,6 @@ use ratatui::layout::Rect;
 use ratatui::{Terminal, TerminalOptions, Viewport};
 use wire::{BenchName, Bulletin, Carrier, State};
 
-use crate::alarms::Alarms;
 use crate::analysis::Desk;
 use crate::feed::Feed;
 use crate::link::{self, Shared, Wires, lock};

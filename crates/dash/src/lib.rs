@@ -8,7 +8,6 @@
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
 
 mod actions;
-mod alarms;
 mod analysis;
 mod app;
 mod clerk;
@@ -36,7 +35,6 @@ mod theme;
 mod view_time;
 mod what_if;
 
-pub use alarms::Limits as AlarmLimits;
 pub use config::Config;
 pub use headless::{Frames, Headless, Still, portrait};
 pub use keymap::Keymap;

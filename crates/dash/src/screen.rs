@@ -1,11 +1,11 @@
 //! The screen: a line that says how things stand, the panels of a [`Layout`], a line of hints, and what lies on top.
 
+use alarms::Alarms;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
-use crate::alarms::Alarms;
 use crate::analysis::Desk;
 use crate::keymap::Keymap;
 use crate::layers::Layer;

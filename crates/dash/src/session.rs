@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use alarms::Limits;
 use crossbeam::channel;
 use wire::{BenchName, Carrier};
 
-use crate::alarms::Limits;
 use crate::analysis::Desk;
 use crate::app::{App, Streams};
 use crate::clerk;
@@ -66,6 +66,8 @@ pub struct Options {
     pub wishes: Wishes,
     /// Limits past which alarms rise.
     pub limits: Limits,
+    /// Whether the terminal's bell rings when one rises.
+    pub bell: bool,
     /// What keys stand for.
     pub keys: Keymap,
     /// The folder in which gains are kept by name.
@@ -82,6 +84,7 @@ impl Default for Options {
             layout: 0,
             wishes: Wishes::default(),
             limits: Limits::default(),
+            bell: false,
             keys: Keymap::default(),
             presets: None,
             read_only: false,

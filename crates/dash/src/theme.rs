@@ -60,14 +60,11 @@ pub(crate) fn badge(color: Color) -> Style {
     Style::new().fg(color).add_modifier(Modifier::BOLD | Modifier::REVERSED)
 }
 
-/// Minimum damping below which a rotor is stable but only just: API 684 asks for a log decrement of 0.1, which is this.
-pub(crate) const MARGINAL_DAMPING: f64 = 0.0159;
-
 /// The colour and the word for a minimum damping.
 pub(crate) fn verdict(min_damping: f64) -> (Color, &'static str) {
     if min_damping <= 0.0 {
         (BAD, "UNSTABLE")
-    } else if min_damping < MARGINAL_DAMPING {
+    } else if min_damping < alarms::MARGINAL_DAMPING {
         (WARN, "marginal")
     } else {
         (GOOD, "stable")

@@ -10,6 +10,7 @@
 //! └─────────────────────────────────────────────────────────────────┘
 //! ```
 
+use alarms::{Entry, Level, Watch};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::Style;
@@ -17,7 +18,6 @@ use ratatui::text::{Line, Span};
 
 use super::status::{level_color, level_words};
 use super::{framed, write};
-use crate::alarms::{Entry, Level, Watch};
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
@@ -78,8 +78,8 @@ fn draw_standings(view: &View<'_>, rows: &mut impl ExactSizeIterator<Item = Rect
 }
 
 fn draw_entry(entry: &Entry, row: Rect, buffer: &mut Buffer) {
-    let fell = entry.fell_ns.map_or_else(|| "     now".to_owned(), clock);
-    let when = format!("{} to {fell}  ", clock(entry.rose_ns));
+    let fell = entry.fell.map_or_else(|| "     now".to_owned(), |at| clock(at.wall_ns));
+    let when = format!("{} to {fell}  ", clock(entry.rose.wall_ns));
     let what = if entry.cause.is_empty() {
         format!("{} {}, limit {}", entry.watch.name(), short(entry.worst, 5), short(entry.limit, 5))
     } else {
@@ -102,10 +102,11 @@ pub(crate) fn clock(wall_ns: u64) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
+    use alarms::{Alarms, Reading};
+    use wire::Moment;
+
     use super::*;
-    use crate::alarms::tests::damping;
-    use crate::alarms::{Alarms, Reading};
     use crate::feed::tests;
     use crate::panels::tests::drawn;
     use crate::screen::tests::view;
@@ -113,6 +114,15 @@ mod tests {
     fn frame(alarms: &Alarms, width: u16, height: u16) -> String {
         let picture = tests::picture();
         drawn(width, height, |area, buffer| draw(&View { alarms, ..view(&picture) }, area, buffer))
+    }
+
+    fn at(second: u64) -> Reading {
+        Reading::new(Moment { wall_ns: second * 1_000_000_000, ..Moment::default() })
+    }
+
+    /// A reading of damping.
+    pub(crate) fn damping(second: u64, value: f64) -> Reading {
+        at(second).with(Watch::Damping, value)
     }
 
     /// Unstable from second 50 607 to 50 611, and tripped since.
@@ -123,8 +133,7 @@ mod tests {
         alarms.read(&damping(50_611, 0.05));
         alarms.acknowledge();
         let cause = "orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t";
-        let trip = Reading { wall_ns: 50_620_000_000_000, trip: Some(cause.into()), ..Reading::default() };
-        alarms.read(&trip);
+        alarms.read(&at(50_620).tripped(cause));
         alarms
     }
 

@@ -12,6 +12,7 @@
 //! └──────────────────────────────────────────────────┘
 //! ```
 
+use alarms::Watch;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -80,7 +81,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let [y, z] = track.force(now).map(|part| part * factor);
     let most = picture.peak_force * factor;
     let within = track.range(Channel::Force, picture.window.clone()).map_or(0.0, |[_, high]| high * factor);
-    let limit = view.alarms.force_limit().map(|limit| limit * factor);
+    let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * factor);
     let full = limit.unwrap_or(most).max(f64::MIN_POSITIVE);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
     let mut bar = |name: &str, value: f64, color: Color| {

@@ -5,6 +5,7 @@
 //!  RUNNING  default  three-mass  R 2.5  tau 412  1000/s  late 51/124 us  lost 0  age 3 ms
 //! ```
 
+use alarms::{Alarms, Level};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -13,7 +14,6 @@ use ratatui::widgets::Widget;
 use wire::{Keeping, RecorderState, RecorderStatus};
 
 use crate::actions::ACTIONS;
-use crate::alarms::{Alarms, Level};
 use crate::feed::Contact;
 use crate::layers::Layer;
 use crate::picture::Picture;
@@ -224,8 +224,8 @@ mod tests {
     use wire::message::Trip;
 
     use super::*;
-    use crate::alarms;
     use crate::feed::tests;
+    use crate::panels::alarms::tests::damping;
     use crate::panels::tests::drawn;
     use crate::screen::tests::view;
     use crate::view_time::ViewTime;
@@ -309,14 +309,14 @@ mod tests {
             let frame = drawn(90, 1, |area, buffer| draw_top(&View { alarms, ..view(&picture) }, area, buffer));
             frame.trim_end().to_owned()
         };
-        alarms.read(&alarms::tests::damping(1, 0.3));
+        alarms.read(&damping(1, 0.3));
         assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
-        alarms.read(&alarms::tests::damping(2, -0.3));
-        alarms.read(&alarms::tests::damping(3, 0.3));
+        alarms.read(&damping(2, -0.3));
+        alarms.read(&damping(3, 0.3));
         assert!(told(&alarms).ends_with(" !! ALARM damping"), "{}", told(&alarms));
         alarms.acknowledge();
         assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
-        alarms.read(&alarms::tests::damping(4, 0.01));
+        alarms.read(&damping(4, 0.01));
         assert!(told(&alarms).ends_with(" ! WARNING damping"), "{}", told(&alarms));
     }
 

@@ -78,6 +78,7 @@ impl ScreenArgs {
             layout,
             wishes,
             limits: config.limits,
+            bell: config.bell,
             keys: config.keys,
             presets: folders::presets(),
             read_only: self.read_only,

@@ -6,13 +6,17 @@ use super::*;
 
 /// Alarms on damping alone: a warning at 0.1, an alarm at 0, a margin of 0.02.
 fn alarms() -> Alarms {
-    let none = Limits { saturation: None, lateness: None, losses: None, ..Limits::default() };
-    Alarms::new(Limits { damping: Some(Limit::below(0.1, 0.0, 0.02)), ..none })
+    Alarms::new(Limits::none().having(Watch::Damping, Limit::below(0.1, 0.0, 0.02)))
 }
 
 /// A reading of damping, a second after the one before.
-pub(crate) fn damping(second: u64, value: f64) -> Reading {
-    Reading { wall_ns: second * 1_000_000_000, damping: Some(value), ..Reading::default() }
+fn damping(second: u64, value: f64) -> Reading {
+    second_of(second).with(Watch::Damping, value)
+}
+
+/// A reading of nothing.
+fn second_of(second: u64) -> Reading {
+    Reading::new(Moment { seq: 1000 * second, tau: 10.0 * second as f64, wall_ns: second * 1_000_000_000 })
 }
 
 fn read(alarms: &mut Alarms, values: impl IntoIterator<Item = f64>) {
@@ -48,7 +52,7 @@ proptest! {
     fn nothing_is_told_without_a_crossing(values in prop::collection::vec(0.1001..1.0, 0..60)) {
         let mut alarms = alarms();
         read(&mut alarms, values);
-        prop_assert_eq!((alarms.shown(), alarms.entries().count(), alarms.rings()), (Level::Fine, 0, false));
+        prop_assert_eq!((alarms.shown(), alarms.entries().count(), alarms.has_risen()), (Level::Fine, 0, false));
     }
 
     /// Trembling within the margin about a limit is one alarm; so is trembling about both, a warning that grows.
@@ -58,7 +62,7 @@ proptest! {
         alarms.read(&damping(0, limit));
         let mut changes = 0;
         for (second, noise) in (1..).zip(noise) {
-            changes += usize::from(alarms.read(&damping(second, limit + noise)));
+            changes += alarms.read(&damping(second, limit + noise)).len();
         }
         prop_assert_eq!((alarms.entries().count(), changes), (1, 0));
     }
@@ -88,9 +92,9 @@ proptest! {
         read(&mut alarms, values.iter().copied());
         let entries: Vec<&Entry> = alarms.entries().collect();
         prop_assert!(entries.len() <= KEPT);
-        prop_assert!(entries.windows(2).all(|pair| pair[0].rose_ns > pair[1].rose_ns));
+        prop_assert!(entries.windows(2).all(|pair| pair[0].rose.seq > pair[1].rose.seq));
         for entry in entries {
-            prop_assert!(entry.fell_ns.is_none_or(|fell| fell > entry.rose_ns));
+            prop_assert!(entry.fell.is_none_or(|fell| fell.seq > entry.rose.seq));
             prop_assert!(values.contains(&entry.worst) && level(entry.worst) == entry.level);
         }
     }
@@ -104,13 +108,13 @@ fn a_warning_that_grows_is_one_story_that_must_be_seen_anew() {
     alarms.read(&damping(2, -0.01));
     assert_eq!((alarms.entries().count(), alarms.unseen(), alarms.shown()), (1, 1, Level::Alarm));
     let entry = alarms.entries().next().unwrap();
-    assert_eq!((entry.worst, entry.limit, entry.rose_ns), (-0.01, 0.0, 1_000_000_000));
+    assert_eq!((entry.worst, entry.limit, entry.rose.wall_ns), (-0.01, 0.0, 1_000_000_000));
 }
 
 #[test]
 fn a_trip_is_an_alarm_with_its_cause_until_it_is_acknowledged() {
     let mut alarms = alarms();
-    let trip = |cause: &str| Reading { wall_ns: 5, trip: Some(cause.into()), ..Reading::default() };
+    let trip = |cause: &str| second_of(5).tripped(cause);
     alarms.read(&trip(""));
     assert_eq!(alarms.shown(), Level::Fine);
     alarms.read(&trip("orbit of mass 2 reached 1000.5 e_t"));
@@ -125,19 +129,54 @@ fn a_trip_is_an_alarm_with_its_cause_until_it_is_acknowledged() {
 fn what_is_unknown_changes_nothing_and_what_has_no_limit_never_alarms() {
     let mut alarms = alarms();
     read(&mut alarms, [0.05]);
-    alarms.read(&Reading { wall_ns: 9, orbit: Some(1e9), force: Some(f64::NAN), ..Reading::default() });
+    alarms.read(&second_of(9).with(Watch::Orbit, 1e9).with(Watch::Force, f64::NAN));
     assert_eq!((alarms.shown(), alarms.entries().count()), (Level::Warning, 1));
     let orbit = alarms.standings().find(|(watch, ..)| *watch == Watch::Orbit).unwrap();
     assert_eq!((orbit.1.value, orbit.1.at, orbit.2), (Some(1e9), Level::Fine, None));
 }
 
 #[test]
-fn the_bell_rings_once_for_each_rise_and_only_where_it_is_wanted() {
-    let mut silent = alarms();
-    read(&mut silent, [-1.0]);
-    assert!(!silent.rings());
-    let mut loud = alarms();
-    loud.limits.bell = true;
-    read(&mut loud, [-1.0, -1.0]);
-    assert_eq!((loud.rings(), loud.rings()), (true, false));
+fn a_rise_is_told_once() {
+    let mut alarms = alarms();
+    read(&mut alarms, [-1.0, -1.0]);
+    assert_eq!((alarms.has_risen(), alarms.has_risen()), (true, false));
+}
+
+#[test]
+fn every_crossing_is_a_turn_with_its_value_its_limit_and_its_step() {
+    let mut alarms = alarms();
+    let mut turns = Vec::new();
+    for (second, value) in (1..).zip([0.5, 0.05, -0.1, -0.3, 0.05, 0.11, 0.2]) {
+        turns.extend(alarms.read(&damping(second, value)));
+    }
+    use Level::{Alarm, Fine, Warning};
+    let told: Vec<_> = turns.iter().map(|t| (t.at.seq, t.before, t.level, t.value, t.limit, t.worst)).collect();
+    let expected = [
+        (2000, Fine, Warning, 0.05, 0.1, 0.05),
+        (3000, Warning, Alarm, -0.1, 0.0, -0.1),
+        (5000, Alarm, Warning, 0.05, 0.0, -0.3),
+        (7000, Warning, Fine, 0.2, 0.1, -0.3),
+    ];
+    assert_eq!(told, expected);
+}
+
+proptest! {
+    /// Whoever has the turns alone sees what the judge saw, but for what nobody asked them to acknowledge.
+    #[test]
+    fn turns_tell_it_all(values in prop::collection::vec(-0.3..0.5, 1..60)) {
+        let mut alarms = alarms();
+        let mut turns = Vec::new();
+        for (second, value) in (1..).zip(values) {
+            turns.extend(alarms.read(&damping(second, value)));
+        }
+        alarms.acknowledge();
+        let recalled = Alarms::recalled(alarms.limits().clone(), &turns);
+        let at = |alarms: &Alarms| alarms.standings().map(|(_, standing, _)| standing.at).collect::<Vec<_>>();
+        prop_assert_eq!(at(&recalled), at(&alarms));
+        // Only a turn tells of a worst value: what has grown worse since the last one is told when it ends.
+        let stories = |alarms: &Alarms| alarms.entries().map(|e| (e.level, e.limit, e.rose, e.fell)).collect::<Vec<_>>();
+        prop_assert_eq!(stories(&recalled), stories(&alarms));
+        let worst = |alarms: &Alarms| alarms.entries().filter(|e| e.fell.is_some()).map(|e| e.worst).collect::<Vec<_>>();
+        prop_assert_eq!(worst(&recalled), worst(&alarms));
+    }
 }

@@ -1,0 +1,220 @@
+//! Takes readings from what comes in: the worst of all steps since the last reading, so that no peak falls between two, and
+//! shares over the last ten seconds.
+
+use std::collections::VecDeque;
+
+use wire::message::{Flags, Point};
+use wire::{Bulletin, Event, Moment, State};
+
+use crate::{Reading, Sample, Watch};
+
+/// Over how long shares and losses are counted, in nanoseconds.
+const WINDOW_NS: u64 = 10_000_000_000;
+/// Least time between two counts within the window.
+const COUNT_NS: u64 = 250_000_000;
+
+/// What has come in since the last reading.
+#[derive(Clone, Debug, Default)]
+pub struct Gauge {
+    run_id: u64,
+    last: Moment,
+    orbit: Option<Sample>,
+    force: Option<Sample>,
+    steps: u64,
+    saturated: u64,
+    counts: VecDeque<Counts>,
+    damping: Option<Sample>,
+    trip: Option<String>,
+    /// The last change of settings that was heard of: its run, its revision, and from when on it held.
+    changed: Option<(u64, u64, Moment)>,
+}
+
+/// Counters at one moment.
+#[derive(Clone, Copy, Debug, Default)]
+struct Counts {
+    wall_ns: u64,
+    lost: u64,
+    steps: u64,
+    late: u64,
+    missed: u64,
+}
+
+impl Gauge {
+    /// Takes in one step. A new run starts anew.
+    pub fn hear(&mut self, state: &State) {
+        self.follow(state.run_id);
+        self.last = state.into();
+        self.steps += 1;
+        self.saturated += u64::from(state.flags.has(Flags::SATURATED));
+        let [y, z] = state.force_delivered;
+        let radius = state.points().iter().map(Point::radius).fold(0.0, f64::max);
+        let at = self.last;
+        let worst = |kept: &mut Option<Sample>, value: f64| {
+            if kept.is_none_or(|kept| value > kept.value) {
+                *kept = Some(Sample { value, at });
+            }
+        };
+        worst(&mut self.orbit, radius);
+        worst(&mut self.force, y.hypot(z));
+    }
+
+    /// Takes in an event: from which step on which settings hold.
+    pub fn happen(&mut self, event: &Event) {
+        if self.changed.is_none_or(|(run, revision, _)| run != event.run_id || revision < event.revision) {
+            self.changed = Some((event.run_id, event.revision, event.into()));
+        }
+    }
+
+    /// Takes in a bulletin, and how many steps have been lost to us so far.
+    pub fn learn(&mut self, bulletin: &Bulletin, lost: u64) {
+        self.follow(bulletin.run_id);
+        self.last.wall_ns = self.last.wall_ns.max(bulletin.wall_ns);
+        let analysis = &bulletin.analysis;
+        if analysis.count == 0 || self.damping.is_none_or(|known| known.value != analysis.min_damping) {
+            let here = self.changed.filter(|(run, revision, _)| (*run, *revision) == (self.run_id, analysis.revision));
+            let at = here.map_or(self.last, |(.., at)| at);
+            self.damping = (analysis.count > 0).then_some(Sample { value: analysis.min_damping, at });
+        }
+        let trip = &bulletin.trip;
+        self.trip = Some(if trip.is_tripped() { trip.to_string() } else { String::new() });
+        let health = &bulletin.health;
+        let counts =
+            Counts { wall_ns: bulletin.wall_ns, lost, steps: health.steps, late: health.late, missed: health.missed };
+        if self.counts.back().is_none_or(|last| counts.wall_ns >= last.wall_ns + COUNT_NS) {
+            self.counts.push_back(counts);
+        }
+        // One beyond the window stays: the window is what has come since it.
+        while self.counts.get(1).is_some_and(|second| second.wall_ns + WINDOW_NS < counts.wall_ns) {
+            self.counts.pop_front();
+        }
+    }
+
+    fn follow(&mut self, run_id: u64) {
+        if run_id != self.run_id {
+            *self = Self { run_id, changed: self.changed, ..Self::default() };
+        }
+    }
+
+    /// What is to be held against the limits now; what follows is another reading.
+    pub fn take(&mut self) -> Reading {
+        let at = self.last;
+        let mut reading = Reading::new(at);
+        let sample = |value: f64| Some(Sample { value, at });
+        reading.set(Watch::Damping, self.damping);
+        reading.set(Watch::Orbit, self.orbit.take());
+        reading.set(Watch::Force, self.force.take());
+        if self.steps > 0 {
+            reading.set(Watch::Saturation, sample(self.saturated as f64 / self.steps as f64));
+        }
+        (self.steps, self.saturated) = (0, 0);
+        if let (Some(first), Some(last)) = (self.counts.front(), self.counts.back()) {
+            reading.set(Watch::Losses, sample(last.lost.saturating_sub(first.lost) as f64));
+            let missed = last.missed.saturating_sub(first.missed);
+            let due = last.steps.saturating_sub(first.steps) + missed;
+            let late = last.late.saturating_sub(first.late) + missed;
+            if due > 0 {
+                reading.set(Watch::Lateness, sample(late as f64 / due as f64));
+            }
+        }
+        match &self.trip {
+            Some(cause) => reading.tripped(cause),
+            None => reading,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wire::message::{Analysis, Trip};
+
+    use super::*;
+
+    fn state(seq: u64) -> State {
+        let mut state = State { run_id: 7, seq, tau: seq as f64 / 100.0, count: 3, ..State::default() };
+        state.masses[1].y = 2.5;
+        state
+    }
+
+    fn bulletin() -> Box<Bulletin> {
+        Box::new(Bulletin { run_id: 7, ..Bulletin::default() })
+    }
+
+    fn value(reading: &Reading, watch: Watch) -> Option<f64> {
+        reading.get(watch).map(|sample| sample.value)
+    }
+
+    #[test]
+    fn no_peak_falls_between_two_readings_and_its_step_is_known() {
+        let mut gauge = Gauge::default();
+        for seq in 0..100 {
+            let mut state = state(seq);
+            if seq == 42 {
+                state.masses[1].y = 900.0;
+                state.force_delivered = [-30.0, 40.0];
+                state.flags = Flags::SATURATED;
+            }
+            gauge.hear(&state);
+        }
+        let reading = gauge.take();
+        let at = Moment { seq: 42, tau: 0.42, wall_ns: 0 };
+        assert_eq!(reading.get(Watch::Orbit), Some(Sample { value: 900.0, at }));
+        assert_eq!(reading.get(Watch::Force), Some(Sample { value: 50.0, at }));
+        assert_eq!((value(&reading, Watch::Saturation), reading.at.seq), (Some(0.01), 99));
+        gauge.hear(&state(100));
+        let after = gauge.take();
+        assert_eq!((value(&after, Watch::Orbit), value(&after, Watch::Saturation)), (Some(2.5), Some(0.0)));
+        assert_eq!(gauge.take().get(Watch::Orbit), None, "nothing heard is nothing known");
+    }
+
+    #[test]
+    fn shares_and_losses_are_of_the_last_ten_seconds() {
+        let mut gauge = Gauge::default();
+        let mut learn = |second: u64, late: u64, missed: u64, lost: u64| {
+            let mut bulletin = bulletin();
+            bulletin.wall_ns = second * 1_000_000_000;
+            (bulletin.health.steps, bulletin.health.late, bulletin.health.missed) = (1000 * second, late, missed);
+            gauge.learn(&bulletin, lost);
+            let reading = gauge.take();
+            (value(&reading, Watch::Lateness), value(&reading, Watch::Losses))
+        };
+        assert_eq!(learn(100, 50, 7, 3), (None, Some(0.0)), "what was before we came is not ours");
+        assert_eq!(learn(101, 150, 7, 3), (Some(0.1), Some(0.0)));
+        assert_eq!(learn(102, 150, 1007, 8), (Some(1100.0 / 3000.0), Some(5.0)));
+        for second in 103..=112 {
+            learn(second, 150, 1007, 8);
+        }
+        assert_eq!(learn(113, 150, 1007, 8), (Some(0.0), Some(0.0)));
+    }
+
+    #[test]
+    fn a_trip_brings_its_cause_and_a_new_run_starts_anew() {
+        let mut gauge = Gauge::default();
+        let mut bulletin = bulletin();
+        bulletin.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
+        gauge.learn(&bulletin, 0);
+        let reading = gauge.take();
+        assert!(reading.cause.starts_with("orbit of mass 2 reached 1000.5"), "{}", reading.cause);
+        assert_eq!(value(&reading, Watch::Trip), Some(1.0));
+        gauge.hear(&State { run_id: 8, ..state(0) });
+        assert_eq!(gauge.take().get(Watch::Trip), None);
+    }
+
+    #[test]
+    fn damping_is_of_the_step_from_which_its_settings_hold() {
+        let mut gauge = Gauge::default();
+        gauge.hear(&state(500));
+        let mut bulletin = bulletin();
+        bulletin.analysis = Analysis { revision: 3, count: 6, min_damping: 0.05, ..Analysis::default() };
+        gauge.learn(&bulletin, 0);
+        assert_eq!(gauge.take().get(Watch::Damping), Some(Sample { value: 0.05, at: (&state(500)).into() }));
+        gauge.happen(&Event { run_id: 7, seq: 510, tau: 5.1, revision: 4, ..Event::default() });
+        gauge.happen(&Event { run_id: 7, seq: 530, tau: 5.3, revision: 4, ..Event::default() });
+        gauge.hear(&state(560));
+        bulletin.analysis = Analysis { revision: 4, count: 6, min_damping: -0.01, ..Analysis::default() };
+        gauge.learn(&bulletin, 0);
+        gauge.hear(&state(600));
+        gauge.learn(&bulletin, 0);
+        let at = Moment { seq: 510, tau: 5.1, wall_ns: 0 };
+        assert_eq!(gauge.take().get(Watch::Damping), Some(Sample { value: -0.01, at }));
+    }
+}

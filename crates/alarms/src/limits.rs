@@ -1,0 +1,143 @@
+//! The limits that alarms are held against.
+
+use crate::{Level, Watch};
+
+/// Damping ratio below which a rotor is stable but only just: API 684 asks for a log decrement of 0.1, which is this.
+pub const MARGINAL_DAMPING: f64 = 0.0159;
+
+/// The share of a limit by which a value must come back.
+const MARGIN: f64 = 0.05;
+/// Margin by which a damping ratio must come back.
+const DAMPING_MARGIN: f64 = 0.0005;
+
+/// Two limits of one value, and the margin by which it must come back.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// From here on it is a warning.
+    pub warning: f64,
+    /// From here on it is an alarm.
+    pub alarm: f64,
+    /// By how much it must come back to count as within.
+    pub margin: f64,
+    /// Whether little of it is bad, as of damping.
+    pub below: bool,
+}
+
+impl Limit {
+    /// Bad is what is above.
+    #[must_use]
+    pub fn above(warning: f64, alarm: f64) -> Self {
+        Self { warning, alarm, margin: MARGIN * warning.abs().min(alarm.abs()), below: false }
+    }
+
+    /// Bad is what is at or below.
+    #[must_use]
+    pub fn below(warning: f64, alarm: f64, margin: f64) -> Self {
+        Self { warning, alarm, margin, below: true }
+    }
+
+    /// The limit of a level.
+    #[must_use]
+    pub fn at(&self, level: Level) -> f64 {
+        if level == Level::Alarm { self.alarm } else { self.warning }
+    }
+
+    /// The level of `value`, if it has been at `before`.
+    pub(crate) fn level(&self, value: f64, before: Level) -> Level {
+        let past = |level: Level| {
+            let margin = if before >= level { self.margin } else { 0.0 };
+            if self.below { value <= self.at(level) + margin } else { value > self.at(level) - margin }
+        };
+        [Level::Alarm, Level::Warning].into_iter().find(|level| past(*level)).unwrap_or(Level::Fine)
+    }
+
+    pub(crate) fn is_worse(&self, value: f64, than: f64) -> bool {
+        if self.below { value < than } else { value > than }
+    }
+}
+
+/// The limits of everything that is watched. What has none is never alarmed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Limits([Option<Limit>; Watch::COUNT]);
+
+impl Default for Limits {
+    /// Damping: a warning below a log decrement of 0.1, an alarm where the rotor is unstable. Orbit and force: none until
+    /// somebody says what the machine bears.
+    fn default() -> Self {
+        Self::none()
+            .having(Watch::Damping, Limit::below(MARGINAL_DAMPING, 0.0, DAMPING_MARGIN))
+            .having(Watch::Saturation, Limit::above(0.0, 0.1))
+            .having(Watch::Lateness, Limit::above(0.01, 0.1))
+            .having(Watch::Losses, Limit::above(0.0, 1000.0))
+    }
+}
+
+impl Limits {
+    /// Nothing is an alarm but a trip.
+    #[must_use]
+    pub fn none() -> Self {
+        let mut limits = [None; Watch::COUNT];
+        limits[Watch::Trip as usize] = Some(Limit { warning: 0.5, alarm: 0.5, margin: 0.0, below: false });
+        Self(limits)
+    }
+
+    /// The same with another limit.
+    #[must_use]
+    pub fn having(mut self, watch: Watch, limit: Limit) -> Self {
+        self.0[watch as usize] = Some(limit);
+        self
+    }
+
+    /// The limit of something, if it has one.
+    #[must_use]
+    pub fn of(&self, watch: Watch) -> Option<Limit> {
+        self.0[watch as usize]
+    }
+
+    /// The same, its warning and its alarm.
+    #[must_use]
+    pub fn pair(&self, watch: Watch) -> Option<[f64; 2]> {
+        self.of(watch).map(|limit| [limit.warning, limit.alarm])
+    }
+
+    /// Sets the limits of something, warning and alarm, or takes them away.
+    ///
+    /// # Errors
+    /// What was expected instead: something that has limits, or numbers in order.
+    pub fn set(&mut self, watch: Watch, limits: Option<[f64; 2]>) -> Result<(), &'static str> {
+        let below = watch == Watch::Damping;
+        self.0[watch as usize] = match limits {
+            _ if !watch.has_limits() => return Err("something that has limits: a trip is always an alarm"),
+            None => None,
+            Some(pair) if !pair.iter().all(|limit| limit.is_finite()) => return Err("finite numbers"),
+            Some([warning, alarm]) if below && warning >= alarm => Some(Limit::below(warning, alarm, DAMPING_MARGIN)),
+            Some([warning, alarm]) if !below && warning <= alarm => Some(Limit::above(warning, alarm)),
+            Some(_) if below => return Err("the alarm at or below the warning"),
+            Some(_) => return Err("the alarm at or above the warning"),
+        };
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn limits_are_set_in_order_and_a_trip_has_none_to_set() {
+        let mut limits = Limits::none();
+        for watch in Watch::ALL.into_iter().filter(|watch| watch.has_limits()) {
+            assert_eq!(limits.pair(watch), None);
+            let pair = if watch == Watch::Damping { [0.2, 0.1] } else { [0.1, 0.2] };
+            limits.set(watch, Some(pair)).unwrap();
+            assert_eq!(limits.pair(watch), Some(pair));
+            let [warning, alarm] = pair;
+            assert!(limits.set(watch, Some([alarm, warning])).is_err(), "{watch}");
+            assert!(limits.set(watch, Some([0.1, f64::NAN])).is_err(), "{watch}");
+            assert_eq!(limits.pair(watch), Some(pair), "what is refused changes nothing");
+        }
+        assert!(limits.set(Watch::Trip, None).is_err() && limits.of(Watch::Trip).is_some());
+        limits.set(Watch::Orbit, None).unwrap();
+        assert_eq!(limits.of(Watch::Orbit), None);
+    }
+}

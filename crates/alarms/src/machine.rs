@@ -1,0 +1,223 @@
+//! Alarms: what is past a limit, what has been, and whether a person has seen it.
+//!
+//! ```text
+//!              rises                       acknowledged
+//!   quiet ────────────▶ past, unseen ─────────────────────▶ past, seen
+//!     ▲                     │ falls                             │ falls
+//!     │    acknowledged     ▼                                   │
+//!     └─────────────── within, unseen        quiet ◀────────────┘
+//! ```
+//!
+//! An alarm stays until a person has acknowledged it, even if all is well again by then. A value must come back past its
+//! limit by a margin before it counts as within: one that trembles about the limit is one alarm, not a hundred. How readings
+//! are taken is [`crate::Gauge`]'s business, what they are held against [`Limits`]'s.
+
+use std::collections::VecDeque;
+
+use wire::Moment;
+
+use crate::{Level, Limit, Limits, Reading, Turn, Watch};
+
+/// Entries kept of what has been.
+const KEPT: usize = 256;
+
+/// One rise past a limit, and what became of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// What rose.
+    pub watch: Watch,
+    /// The worst level that it reached.
+    pub level: Level,
+    /// The worst value.
+    pub worst: f64,
+    /// The limit of that level.
+    pub limit: f64,
+    /// Why, where there is more to say than the value.
+    pub cause: String,
+    /// When it rose.
+    pub rose: Moment,
+    /// When it was within its limits again.
+    pub fell: Option<Moment>,
+    /// When a person acknowledged it, nanoseconds since 1970.
+    pub seen_ns: Option<u64>,
+}
+
+/// How one watched thing stands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Standing {
+    /// The level it is at, with the margin of [`Limit`].
+    pub at: Level,
+    /// The worst level that no one has acknowledged.
+    pub unseen: Level,
+    /// The last value known.
+    pub value: Option<f64>,
+}
+
+impl Standing {
+    /// What must be shown: where it is, or where it has been unseen.
+    #[must_use]
+    pub fn shown(&self) -> Level {
+        self.at.max(self.unseen)
+    }
+}
+
+/// The state of all alarms.
+#[derive(Clone, Debug, Default)]
+pub struct Alarms {
+    limits: Limits,
+    standings: [Standing; Watch::COUNT],
+    entries: VecDeque<Entry>,
+    rose: bool,
+    last_ns: u64,
+}
+
+impl Alarms {
+    /// Nothing has happened yet.
+    #[must_use]
+    pub fn new(limits: Limits) -> Self {
+        Self { limits, ..Self::default() }
+    }
+
+    /// How things stood after these turns, which somebody else has seen.
+    #[must_use]
+    pub fn recalled<'a>(limits: Limits, turns: impl IntoIterator<Item = &'a Turn>) -> Self {
+        let mut alarms = Self::new(limits);
+        turns.into_iter().for_each(|turn| alarms.follow(turn));
+        alarms.acknowledge();
+        alarms
+    }
+
+    /// Holds a reading against the limits. Returns every crossing.
+    pub fn read(&mut self, reading: &Reading) -> Vec<Turn> {
+        self.last_ns = reading.at.wall_ns;
+        let mut turns = Vec::new();
+        for watch in Watch::ALL {
+            let Some(sample) = reading.get(watch).filter(|sample| sample.value.is_finite()) else { continue };
+            let (value, standing) = (sample.value, &mut self.standings[watch as usize]);
+            standing.value = Some(value);
+            let Some(limit) = self.limits.of(watch) else { continue };
+            let before = standing.at;
+            let level = limit.level(value, before);
+            let worst = if before > Level::Fine { self.worsen(watch, limit, value) } else { value };
+            if level == before {
+                continue;
+            }
+            let turn = Turn {
+                at: if level > before { sample.at } else { reading.at },
+                watch,
+                before,
+                level,
+                value,
+                limit: limit.at(level.max(before)),
+                worst,
+                cause: if watch == Watch::Trip { reading.cause.clone() } else { String::new() },
+            };
+            self.follow(&turn);
+            turns.push(turn);
+        }
+        turns
+    }
+
+    /// Takes a turn as it was taken by whoever judged.
+    pub fn follow(&mut self, turn: &Turn) {
+        self.last_ns = self.last_ns.max(turn.at.wall_ns);
+        let standing = &mut self.standings[turn.watch as usize];
+        standing.at = turn.level;
+        standing.value = Some(turn.value);
+        if turn.rises() {
+            standing.unseen = standing.unseen.max(turn.level);
+            self.rose = true;
+            self.rise(turn);
+        } else if let Some(entry) = self.open(turn.watch) {
+            entry.worst = turn.worst;
+            entry.fell = (turn.level == Level::Fine).then_some(turn.at);
+        }
+    }
+
+    /// The entry of a watched thing that has not come back yet.
+    fn open(&mut self, watch: Watch) -> Option<&mut Entry> {
+        self.entries.iter_mut().rev().find(|entry| entry.watch == watch).filter(|entry| entry.fell.is_none())
+    }
+
+    fn rise(&mut self, turn: &Turn) {
+        if let Some(entry) = self.open(turn.watch) {
+            // A warning that grows into an alarm is one story, however often it does; it must be seen anew.
+            entry.level = entry.level.max(turn.level);
+            entry.limit = turn.limit;
+            entry.worst = turn.worst;
+            entry.seen_ns = None;
+            return;
+        }
+        if self.entries.len() == KEPT {
+            self.entries.pop_front();
+        }
+        self.entries.push_back(Entry {
+            watch: turn.watch,
+            level: turn.level,
+            worst: turn.worst,
+            limit: turn.limit,
+            cause: turn.cause.clone(),
+            rose: turn.at,
+            fell: None,
+            seen_ns: None,
+        });
+    }
+
+    /// Takes a value of something past its limit. Returns the worst since it rose.
+    fn worsen(&mut self, watch: Watch, limit: Limit, value: f64) -> f64 {
+        let Some(entry) = self.open(watch) else { return value };
+        if limit.is_worse(value, entry.worst) {
+            entry.worst = value;
+        }
+        entry.worst
+    }
+
+    /// A person has seen it all. Returns how many there were to see.
+    pub fn acknowledge(&mut self) -> usize {
+        for standing in &mut self.standings {
+            standing.unseen = Level::Fine;
+        }
+        let mut count = 0;
+        for entry in self.entries.iter_mut().filter(|entry| entry.seen_ns.is_none()) {
+            entry.seen_ns = Some(self.last_ns);
+            count += 1;
+        }
+        count
+    }
+
+    /// Whether something has risen since this was last asked.
+    pub fn has_risen(&mut self) -> bool {
+        std::mem::take(&mut self.rose)
+    }
+
+    /// How each watched thing stands, with its limit, if it has one.
+    pub fn standings(&self) -> impl Iterator<Item = (Watch, Standing, Option<Limit>)> + '_ {
+        Watch::ALL.into_iter().zip(self.standings).map(|(watch, standing)| (watch, standing, self.limits.of(watch)))
+    }
+
+    /// The limits that readings are held against.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// The worst that must be shown.
+    #[must_use]
+    pub fn shown(&self) -> Level {
+        self.standings.iter().map(Standing::shown).max().unwrap_or_default()
+    }
+
+    /// What has been, newest first.
+    pub fn entries(&self) -> impl Iterator<Item = &Entry> + '_ {
+        self.entries.iter().rev()
+    }
+
+    /// How many of them no one has acknowledged.
+    #[must_use]
+    pub fn unseen(&self) -> usize {
+        self.entries.iter().filter(|entry| entry.seen_ns.is_none()).count()
+    }
+}
+
+#[cfg(test)]
+mod tests;

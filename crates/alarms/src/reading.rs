@@ -1,0 +1,57 @@
+//! What the watched things are at one moment.
+
+use wire::Moment;
+
+use crate::Watch;
+
+/// A value, and when it was so.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// The value; [`Watch::meaning`] says what it is.
+    pub value: f64,
+    /// The step it belongs to: of a peak, the one that had it.
+    pub at: Moment,
+}
+
+/// What the watched things are at one moment. What is unknown changes nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Reading {
+    /// The newest step that it takes in.
+    pub at: Moment,
+    /// Why the machine has tripped; empty while it runs.
+    pub cause: String,
+    samples: [Option<Sample>; Watch::COUNT],
+}
+
+impl Reading {
+    /// Nothing is known yet.
+    #[must_use]
+    pub fn new(at: Moment) -> Self {
+        Self { at, ..Self::default() }
+    }
+
+    /// The same with a value that is so at its own moment.
+    #[must_use]
+    pub fn with(mut self, watch: Watch, value: f64) -> Self {
+        self.set(watch, Some(Sample { value, at: self.at }));
+        self
+    }
+
+    /// The same with a trip, or without one if there is no cause.
+    #[must_use]
+    pub fn tripped(mut self, cause: &str) -> Self {
+        cause.clone_into(&mut self.cause);
+        self.with(Watch::Trip, f64::from(u8::from(!cause.is_empty())))
+    }
+
+    /// What is known of something.
+    #[must_use]
+    pub fn get(&self, watch: Watch) -> Option<Sample> {
+        self.samples[watch as usize]
+    }
+
+    /// Sets what is known of something.
+    pub fn set(&mut self, watch: Watch, sample: Option<Sample>) {
+        self.samples[watch as usize] = sample;
+    }
+}
