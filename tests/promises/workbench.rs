@@ -59,13 +59,47 @@ fn two_gain_sets_are_compared_and_kept() {
     screen.wait_words("mine (");
     screen.press("mine\r");
     screen.wait_words("-0.4879");
-    // What others change can be taken back here.
-    assert_eq!(root.run(&["set", "speed=2.6"]).code, Some(0));
-    screen.wait_words("R 2.6");
-    screen.press("u");
-    screen.wait_words("made by set:");
-    screen.wait_words("R 2.5 ");
     quit(screen);
+}
+
+#[test]
+fn dashboards_share_one_history_of_changes_and_ask_before_undo_does_harm() {
+    let root = Root::new();
+    let simulation = root.simulate(&["three-mass"]);
+    let mut first = Screen::start(root.path(), &["dash"], SIZE);
+    let mut second = Screen::start(root.path(), &["dash"], SIZE);
+    first.wait_words("RUNNING");
+    second.wait_words("RUNNING");
+    // Two changes by others within one bulletin are two steps.
+    assert_eq!(root.run(&["set", "speed=2.6"]).code, Some(0));
+    assert_eq!(root.run(&["set", "deadband=0.5"]).code, Some(0));
+    first.wait_words("R 2.6");
+    first.press("u");
+    first.wait_words("undone: deadband 0.5 -> 1, made by set:");
+    first.press("u");
+    first.wait_words("undone: speed 2.6 -> 2.5, made by set:");
+    // The other sees who did it, and can do it again.
+    second.wait_words("R 2.5 ");
+    second.wait_words(&format!("by dash:{}", first.pid()));
+    second.press("\x12");
+    second.wait_words("done again: speed 2.5 -> 2.6, made by set:");
+    first.wait_words(&format!("by dash:{}", second.pid()));
+    // From unstable settings back to good ones nobody asks; forward again somebody does.
+    first.press(":speed 9\r");
+    first.wait_words("UNSTABLE with that");
+    first.press("y");
+    first.wait_words("speed = 9, from step");
+    second.wait_words("R 9 ");
+    second.press("u");
+    second.wait_words("undone: speed 9 -> 2.6, made by dash:");
+    second.press("\x12");
+    second.wait_words("UNSTABLE with that");
+    second.press("n");
+    second.wait("the question to close", |text| (!text.contains("UNSTABLE with that")).then_some(()));
+    assert_eq!(root.run(&["status", "--json"]).json()["benches"][0]["speed"], 2.6);
+    quit(first);
+    quit(second);
+    assert_eq!(simulation.end().code, Some(0));
 }
 
 #[test]

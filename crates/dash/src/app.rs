@@ -177,10 +177,7 @@ impl<'a> App<'a> {
                 }
                 recv(streams.outcomes) -> outcome => {
                     if let Ok(outcome) = outcome {
-                        self.tell(match outcome {
-                            Outcome::Done(text) => Message::Good(text),
-                            Outcome::Refused(text) => Message::Bad(text),
-                        });
+                        self.learn(outcome);
                     }
                     drawn.stale = true;
                 }
@@ -259,13 +256,35 @@ impl<'a> App<'a> {
 
     /// What the change that is being typed, or waits for a yes, would mean.
     fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
-        let edit = match self.layers.last()? {
-            Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.parse().ok()?)]),
-            Layer::Ask(edit, _) | Layer::Offer(edit, _) => edit.clone(),
+        let present = picture.settings.as_ref()?;
+        let settings = match self.layers.last()? {
+            Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.parse().ok()?)]).applied(present)?,
+            Layer::Offer(edit, _) => edit.applied(present)?,
+            Layer::Ask(_, settings, _) => (**settings).clone(),
             _ => return None,
         };
-        let settings = edit.applied(picture.settings.as_ref()?)?;
         WhatIf::of(picture.rotor.as_ref()?, settings)
+    }
+
+    /// What became of an edit.
+    fn learn(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Done(text) => self.tell(Message::Good(text)),
+            Outcome::Swapped(text, before) => {
+                self.held = Some(*before);
+                self.tell(Message::Good(text));
+            }
+            Outcome::Refused(text) => self.tell(Message::Bad(text)),
+            Outcome::Asks(edit, settings, damping) => {
+                let why = format!("UNSTABLE with that: minimum damping {damping:.4}");
+                // No key that was meant for something else may answer.
+                if self.layers.is_empty() {
+                    self.layers.push(Layer::Ask(edit, settings, why));
+                } else if !matches!(self.layers.last(), Some(Layer::Ask(..))) {
+                    self.tell(Message::Bad(format!("{why}: not done")));
+                }
+            }
+        }
     }
 
     /// What time alone brings. Returns whether it shows.

@@ -52,9 +52,9 @@ pub fn portrait<C: Carrier>(
 ) -> io::Result<Option<Still>> {
     let mut headless = Headless::new(&bench.to_string(), options);
     let stop = Arc::new(AtomicBool::new(false));
-    let (bulletins, _nobody) = channel::bounded(1);
+    let (news, _nobody) = channel::bounded(1);
     let (wake, _never) = channel::bounded(1);
-    let wires = Wires { bulletins, wake, idle: Arc::default(), stop: stop.clone() };
+    let wires = Wires { news, wake, idle: Arc::default(), stop: stop.clone() };
     let reader = link::spawn(carrier, bench.clone(), headless.feed.clone(), wires)?;
     let start = Instant::now();
     while start.elapsed() < after {

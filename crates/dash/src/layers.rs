@@ -1,6 +1,7 @@
 //! What lies on top of the panels: a stack of layers, the topmost of which gets the keys.
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+use rotor::Settings;
 
 use crate::clerk::Edit;
 
@@ -20,8 +21,8 @@ pub(crate) enum Layer {
     Command(String),
     /// What the lists shall show is being typed.
     Filter(String),
-    /// A change that would harm waits for a yes, and how it would.
-    Ask(Edit, String),
+    /// A change that would harm waits for a yes: the settings that it leads to, and how it would harm.
+    Ask(Edit, Box<Settings>, String),
     /// A change is offered, and why.
     Offer(Edit, String),
 }

@@ -1,7 +1,7 @@
 //! The dashboard: telemetry in, frames out, commands back.
 //!
 //! Three threads beside the one that draws. The **reader** ([`link`]) drains states and bulletins into a bounded
-//! [`feed`]; the **clerk** ([`clerk`]) carries edits to the simulation and keeps the undo stacks; the **keyboard**
+//! [`feed`]; the **clerk** ([`clerk`]) carries edits to the simulation and knows what can be undone; the **keyboard**
 //! ([`input`]) turns terminal events and signals into messages. The loop in [`app`] takes input first, then answers,
 //! then the clock, and draws a [`picture::Picture`], made from the [`history`] and the [`view_time`]: pausing stops the view, never the data.
 //!

@@ -6,8 +6,9 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::Sender;
-use wire::{BenchName, Bulletin, Carrier, HostState, Listener, WireError};
+use wire::{BenchName, Carrier, HostState, Listener, WireError};
 
+use crate::clerk::News;
 use crate::feed::{Contact, Feed};
 
 /// How often we look for new states: a fraction of a frame, and of the buffer at any rate.
@@ -34,8 +35,8 @@ pub(crate) fn lock(feed: &Shared) -> MutexGuard<'_, Feed> {
 /// What the reader tells others, and is told.
 #[derive(Debug)]
 pub(crate) struct Wires {
-    /// Every bulletin, for the clerk.
-    pub(crate) bulletins: Sender<Arc<Bulletin>>,
+    /// Every bulletin and every event, for the clerk.
+    pub(crate) news: Sender<News>,
     /// A token when something has come that should not wait for the next frame.
     pub(crate) wake: Sender<()>,
     /// Nobody watches the motion: there is no hurry.
@@ -90,7 +91,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
             let mut feed = lock(feed);
             if let Some(bulletin) = bulletin {
                 // If the clerk is behind it has a newer one coming.
-                let _ = wires.bulletins.try_send(Arc::new(*bulletin));
+                let _ = wires.news.try_send(News::Bulletin(Arc::new(*bulletin)));
                 let news = (bulletin.revision, bulletin.trip.is_tripped());
                 if news != told {
                     told = news;
@@ -99,7 +100,11 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
                 }
                 feed.read(bulletin);
             }
-            listener.events(|event| feed.happen(event))?;
+            listener.events(|event| {
+                // What does not fit there shows by its revision.
+                let _ = wires.news.try_send(News::Event(Box::new(*event)));
+                feed.happen(event);
+            })?;
             listener.drain(|state| feed.hear(state, now))?
         };
         let poll = if wires.idle.load(Ordering::Relaxed) { IDLE_POLL } else { POLL };

@@ -21,6 +21,8 @@ use crate::link::{self, Shared, Wires};
 use crate::looks::{Look, Wishes};
 use crate::terminal::Screen;
 
+/// News that may wait for the clerk, who may wait a second for an answer: all events that a late reader is told, and bulletins.
+const NEWS_WAITING: usize = 2 * wire::EVENTS_KEPT;
 /// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
 const EDITS_WAITING: usize = 64;
 
@@ -135,7 +137,7 @@ pub fn run<'a, C: Carrier>(
     let stop = Arc::new(AtomicBool::new(false));
     let why = format!("waiting for bench '{bench}'");
     let feed: Shared = Arc::new(Mutex::new(Feed::with_bound(&why, options.history)));
-    let (send_bulletin, bulletins) = channel::bounded(64);
+    let (send_news, news) = channel::bounded(NEWS_WAITING);
     let (edits, take_edits) = channel::bounded(EDITS_WAITING);
     let (send_outcome, outcomes) = channel::unbounded();
     let (send_input, inputs) = channel::unbounded();
@@ -145,9 +147,9 @@ pub fn run<'a, C: Carrier>(
     let (wake, wakes) = channel::bounded(1);
     let idle = Arc::new(AtomicBool::new(false));
     let desk = Desk::open(&wake)?;
-    let wires = Wires { bulletins: send_bulletin, wake, idle: idle.clone(), stop: stop.clone() };
+    let wires = Wires { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
     let reader = link::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
-    let clerk = clerk::spawn(carrier, bench.clone(), take_edits, bulletins, send_outcome)?;
+    let clerk = clerk::spawn(carrier, bench.clone(), take_edits, news, send_outcome)?;
     let screen = Screen::take(Look::of_environment(options.wishes))?;
     input::keyboard(send_input, stop.clone())?;
     let mut app = App::new(bench.to_string(), feed, edits, keeper, desk, idle, options).recording_with(scribe);

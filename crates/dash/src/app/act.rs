@@ -15,7 +15,6 @@ use crate::panels::settings::rows;
 use crate::picture::Picture;
 use crate::screen;
 use crate::session::Ended;
-use crate::what_if::WhatIf;
 
 /// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
 const IMPULSE: f64 = -2.5;
@@ -81,9 +80,12 @@ impl App<'_> {
                 Typed::Complete | Typed::Else => {}
             },
             Some(Layer::Ask(..) | Layer::Offer(..)) => {
-                let Some(Layer::Ask(edit, _) | Layer::Offer(edit, _)) = self.layers.pop() else { return };
-                match key.code {
-                    KeyCode::Char('y' | 'Y') => self.send(edit),
+                let asked = self.layers.pop();
+                match (asked, key.code) {
+                    (Some(Layer::Ask(edit, settings, _)), KeyCode::Char('y' | 'Y')) => {
+                        self.send(Edit::Sure(Box::new(edit), settings));
+                    }
+                    (Some(Layer::Offer(edit, _)), KeyCode::Char('y' | 'Y')) => self.send(edit),
                     _ => self.tell(Message::Hints),
                 }
             }
@@ -136,7 +138,7 @@ impl App<'_> {
         let Some(Layer::Value(typed)) = self.layers.pop() else { return };
         let Some(key) = self.selected() else { return };
         match typed.parse::<f64>() {
-            Ok(value) => self.edit(Edit::Set(vec![(key, value)])),
+            Ok(value) => self.send(Edit::Set(vec![(key, value)])),
             Err(_) => self.tell(Message::Bad(format!("{key} = '{typed}': expected a number"))),
         }
     }
@@ -164,32 +166,14 @@ impl App<'_> {
         known
     }
 
-    /// Has a change made; one that would make a stable rotor unstable waits for a yes.
-    fn edit(&mut self, edit: Edit) {
-        if self.read_only {
-            self.tell(Message::Bad("read-only: this dashboard changes nothing".into()));
-            return;
-        }
-        if self.player.is_some() {
-            // Nothing can be harmed there: it is a what-if itself.
-            self.send(edit);
-            return;
-        }
-        let Some((settings, rotor)) = self.machine() else { return };
-        let candidate = edit.applied(&settings).and_then(|settings| WhatIf::of(&rotor, settings));
-        let is_stable = WhatIf::of(&rotor, settings).is_some_and(|now| !now.is_unstable());
-        match candidate {
-            Some(candidate) if is_stable && candidate.is_unstable() => {
-                let damping = candidate.min_damping;
-                self.layers.push(Layer::Ask(edit, format!("UNSTABLE with that: minimum damping {damping:.4}")));
-            }
-            _ => self.send(edit),
-        }
-    }
-
+    /// Has something done. On a bench the clerk does it, and asks first if it would make a stable rotor unstable.
     fn send(&mut self, edit: Edit) {
         if self.player.is_some() {
+            let before = self.settings();
             if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
+                if matches!(edit, Edit::Swap(_)) {
+                    self.held = before;
+                }
                 self.tell(Message::Good(words));
             }
         } else if self.read_only {
@@ -219,14 +203,14 @@ impl App<'_> {
                 self.row = self.row.saturating_add_signed(rows_down).min(count.saturating_sub(1));
             }
             Action::Nudge(steps) => match self.selected() {
-                Some(key) => self.edit(Edit::Nudge(key, steps * key.parameter.step)),
+                Some(key) => self.send(Edit::Nudge(key, steps * key.parameter.step)),
                 None => self.tell(Message::Bad("no settings are known yet".into())),
             },
             Action::Type => self.layers.push(Layer::Value(String::new())),
-            Action::Set(values) => self.edit(Edit::Set(values)),
+            Action::Set(values) => self.send(Edit::Set(values)),
             Action::Undo => self.send(Edit::Undo),
             Action::Redo => self.send(Edit::Redo),
-            Action::Off => self.edit(Edit::Off),
+            Action::Off => self.send(Edit::Off),
             Action::Impulse => {
                 let bearing = self.settings().map(|s| s.feedback.bearing);
                 if let Some(mass) = bearing {
@@ -268,14 +252,7 @@ impl App<'_> {
                 self.tell(Message::Good("held: change the settings, then swap switches between the two".into()));
             }
             Action::Swap => match self.held.clone() {
-                Some(held) => {
-                    let before = self.layers.len();
-                    self.edit(Edit::Become(Box::new((settings.clone(), held)), "swapped".into()));
-                    // A change that waits for a yes may never come.
-                    if self.layers.len() == before && !self.read_only {
-                        self.held = Some(settings);
-                    }
-                }
+                Some(held) => self.send(Edit::Swap(Box::new(held))),
                 None => self.tell(Message::Bad("nothing is held to switch to: hold the settings first".into())),
             },
             Action::Save(name) => {
@@ -288,7 +265,7 @@ impl App<'_> {
             Action::Load(name) => match self.presets.load(&name, settings.deadband.len()) {
                 Ok(feedback) => {
                     let wanted = Settings { feedback, ..settings.clone() };
-                    self.edit(Edit::Become(Box::new((settings, wanted)), format!("gains '{name}'")));
+                    self.send(Edit::Become(Box::new((settings, wanted)), format!("gains '{name}'")));
                 }
                 Err(why) => self.tell(Message::Bad(why)),
             },

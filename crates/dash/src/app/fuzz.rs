@@ -124,7 +124,13 @@ fn play(events: u64, seed: u64) {
                 }
             }
         }
-        edits.try_iter().for_each(drop);
+        for edit in edits.try_iter() {
+            // Every third would do harm.
+            let settings = lock(&app.feed).settings();
+            if let (Some(settings), 0) = (settings, dice.below(3)) {
+                app.learn(Outcome::Asks(edit, Box::new(settings), -0.1));
+            }
+        }
         if app.quit.is_some() {
             app.quit = None;
         }

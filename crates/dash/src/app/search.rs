@@ -54,13 +54,14 @@ impl App<'_> {
                     found.min_damping, found.worst_speed
                 );
                 let change = Box::new((found.before, found.settings));
+                let candidate = Box::new(change.1.clone());
                 self.message = (Message::Hints, std::time::Instant::now());
                 let edit = Edit::Become(change, format!("gains searched {wish}"));
                 let holds = found.min_damping > 0.0;
                 self.layers.push(if holds {
                     Layer::Offer(edit, what)
                 } else {
-                    Layer::Ask(edit, format!("UNSTABLE: {what}"))
+                    Layer::Ask(edit, candidate, format!("UNSTABLE: {what}"))
                 });
             }
             Err(why) => self.tell(Message::Bad(format!("search {wish}: {why}"))),

@@ -177,7 +177,7 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let line = match view.layers.last() {
         Some(Layer::Command(text)) => prompt(":", text),
         Some(Layer::Filter(text)) => prompt("/", text),
-        Some(Layer::Ask(_, why)) => Line::from(vec![
+        Some(Layer::Ask(_, _, why)) => Line::from(vec![
             Span::styled(format!(" {why} "), theme::badge(theme::BAD)),
             Span::styled(" y ", Style::new().bold()),
             Span::styled("does it all the same, any other key forgets it", theme::quiet()),

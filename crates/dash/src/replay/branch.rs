@@ -132,25 +132,11 @@ impl Branch {
                 wish.acts.push((at + 1, Act::Restart));
                 "restarts from rest".to_owned()
             }
-            Edit::Nudge(key, delta) => {
-                wish.settings.nudge(*key, *delta).map_err(|error| error.to_string())?;
-                format!("{key}")
-            }
-            Edit::Set(values) => {
-                for (key, value) in values {
-                    wish.settings.set(*key, *value).map_err(|error| error.to_string())?;
-                }
-                clerk::words(values)
-            }
-            Edit::Off => {
-                wish.settings.feedback = wish.settings.feedback.off();
-                "control off".to_owned()
-            }
-            Edit::Become(change, what) => {
-                clerk::carry_over(&change.0, &change.1, &mut wish.settings);
-                what.clone()
-            }
             Edit::Note(_) => return Err("a recording takes no more notes".into()),
+            edit => {
+                edit.change(&mut wish.settings)?;
+                edit.what()
+            }
         };
         wish.settings.check(&self.root.rotor).map_err(|error| error.to_string())?;
         self.done.push(std::mem::replace(&mut self.wish, wish));
