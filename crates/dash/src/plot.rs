@@ -64,9 +64,7 @@ impl Plot {
     fn set(&mut self, column: f64, row: f64, color: Color) {
         let (width, height) = self.size();
         if (0.0..width).contains(&column) && (0.0..height).contains(&row) {
-            let (column, row) = (column as usize, row as usize);
-            let cell = &mut self.cells[row / 4 * usize::from(self.area.width) + column / 2];
-            *cell = (cell.0 | BITS[row % 4][column % 2], color);
+            light(&mut self.cells, usize::from(self.area.width), column as usize, row as usize, color);
         }
     }
 
@@ -80,17 +78,35 @@ impl Plot {
     pub(crate) fn line(&mut self, from: [f64; 2], to: [f64; 2], color: Color) {
         let (x0, y0) = self.dots(from[0], from[1]);
         let (x1, y1) = self.dots(to[0], to[1]);
+        if self.cells.is_empty() {
+            return;
+        }
         let Some([t0, t1]) = self.visible([x0, y0], [x1, y1]) else { return };
         let along = |t: f64| [x0 + (x1 - x0) * t, y0 + (y1 - y0) * t];
         let ([xa, ya], [xb, yb]) = (along(t0), along(t1));
-        // From dot to dot in whole numbers, so that rounding leaves no gaps.
-        let (width, height) = self.size();
-        let whole = |value: f64, limit: f64| value.clamp(0.0, limit - 1.0).floor();
-        let (xa, xb, ya, yb) = (whole(xa, width), whole(xb, width), whole(ya, height), whole(yb, height));
-        let steps = (xb - xa).abs().max((yb - ya).abs());
-        for step in 0..=steps as u32 {
-            let t = if steps > 0.0 { f64::from(step) / steps } else { 0.0 };
-            self.set((xa + (xb - xa) * t).round(), (ya + (yb - ya) * t).round(), color);
+        // From dot to dot in whole numbers (Bresenham): rounding leaves no gaps, and a dot costs two additions.
+        let (width, height) = (i32::from(self.area.width) * 2, i32::from(self.area.height) * 4);
+        let whole = |value: f64, limit: i32| (value as i32).clamp(0, limit - 1);
+        let (mut column, mut row) = (whole(xa, width), whole(ya, height));
+        let (across, down) = (whole(xb, width) - column, whole(yb, height) - row);
+        let steps = across.abs().max(down.abs());
+        // What is left of a dot, in half steps.
+        let (mut beside, mut below) = (steps, steps);
+        let advance = |place: &mut i32, left: &mut i32, change: i32| {
+            *left += 2 * change;
+            if *left >= 2 * steps {
+                (*place, *left) = (*place + 1, *left - 2 * steps);
+            } else if *left < 0 {
+                (*place, *left) = (*place - 1, *left + 2 * steps);
+            }
+        };
+        let columns = usize::from(self.area.width);
+        for step in 0..=steps {
+            light(&mut self.cells, columns, column as usize, row as usize, color);
+            if step < steps {
+                advance(&mut column, &mut beside, across);
+                advance(&mut row, &mut below, down);
+            }
         }
     }
 
@@ -112,9 +128,7 @@ impl Plot {
                 (Some((_, Some(there))), Some(at))
                     if at[0].abs_diff(there[0]) <= 1 && at[1].abs_diff(there[1]) <= 1 =>
                 {
-                    let [column, row] = at;
-                    let cell = &mut self.cells[row / 4 * columns + column / 2];
-                    *cell = (cell.0 | BITS[row % 4][column % 2], color);
+                    light(&mut self.cells, columns, at[0], at[1], color);
                 }
                 (Some((from, _)), _) => self.line(from, point, color),
                 (None, _) => self.dot(point[0], point[1], color),
@@ -171,6 +185,12 @@ impl Plot {
             }
         }
     }
+}
+
+/// Sets the dot at a column and row of dots, in view, of a plot that is `columns` cells wide.
+fn light(cells: &mut [(u8, Color)], columns: usize, column: usize, row: usize, color: Color) {
+    let cell = &mut cells[row / 4 * columns + column / 2];
+    *cell = (cell.0 | BITS[row % 4][column % 2], color);
 }
 
 /// The least round number that is not below `value`: scales that move rarely and read well.
@@ -231,6 +251,20 @@ mod tests {
         plot.line([20.0, 0.0], [20.0, 9.0], Color::Red);
         plot.line([f64::NAN, 0.0], [4.0, 4.0], Color::Red);
         assert_eq!(painted(&plot), ["      ", "      ", " ⠉⠉⠉⠉ ", "      "]);
+    }
+
+    #[test]
+    fn upright_lines_have_every_dot() {
+        for (from, to) in [(0.5, 7.5), (6.5, 2.5), (3.5, 3.5), (-9.0, 4.5), (5.5, 90.0)] {
+            let window = Window { x: [0.0, 8.0], y: [0.0, 8.0] };
+            let (mut line, mut dots) = (Plot::new(AREA, window), Plot::new(AREA, window));
+            line.line([2.5, from], [2.5, to], Color::Red);
+            (0..8)
+                .map(|row| f64::from(row) + 0.5)
+                .filter(|y| (*y >= from.min(to)) && *y <= from.max(to))
+                .for_each(|y| dots.dot(2.5, y, Color::Red));
+            assert_eq!(painted(&line), painted(&dots), "{from} to {to}");
+        }
     }
 
     #[test]

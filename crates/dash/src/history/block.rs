@@ -192,11 +192,14 @@ impl Block {
             let group_ends = (at / GROUP + 1) * GROUP;
             if at.is_multiple_of(GROUP) && group_ends <= to {
                 widen(range, self.groups[at / GROUP * ranged(self.masses) + column]);
-                at = group_ends;
             } else {
-                widen(range, [self.value(channel, at); 2]);
-                at += 1;
+                let steps = at..group_ends.min(to);
+                match self.values.get(column * STEPS..(column + 1) * STEPS) {
+                    Some(values) => values[steps].iter().for_each(|value| widen(range, [*value; 2])),
+                    None => steps.for_each(|at| widen(range, [self.value(channel, at); 2])),
+                }
             }
+            at = group_ends;
         }
     }
 }
