@@ -56,7 +56,7 @@ fn two_gain_sets_are_compared_and_kept() {
     screen.press("b");
     screen.wait_words("-0.5879");
     screen.press("o");
-    screen.wait_words("mine (");
+    screen.wait_words("mine  min damping ");
     screen.press("mine\r");
     screen.wait_words("-0.4879");
     quit(screen);

@@ -49,6 +49,7 @@ impl Screen {
         // Not the configuration and the gains of whoever runs the tests; neither is there until something is kept.
         command.env("XDG_CONFIG_HOME", root.join("config"));
         command.env("XDG_DATA_HOME", root.join("data"));
+        command.env("XDG_STATE_HOME", root.join("state"));
         command.env("TERM", "xterm-256color");
         let child = pair.slave.spawn_command(command).expect("whirl starts");
         let mut output = pair.master.try_clone_reader().expect("a readable terminal");

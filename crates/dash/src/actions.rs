@@ -36,6 +36,8 @@ pub(crate) enum Action {
     Save(String),
     /// Take gains kept under a name.
     Load(String),
+    /// Delete gains kept under a name.
+    Delete(String),
     /// Put a note on the record.
     Note(String),
     /// Stop and go on with the picture.
@@ -131,7 +133,11 @@ pub(crate) const ACTIONS: &[Row] = &[
         name: "command",
         argument: "[TEXT]",
         meaning: "type a command",
-        keys: &[keys(&[(":", "")], "type a command: tab completes it, enter does it", Some("command"))],
+        keys: &[keys(
+            &[(":", "")],
+            "type a command: tab completes it, up recalls earlier ones, enter does it",
+            Some("command"),
+        )],
         make: |text| Ok(Action::Command(text.to_owned())),
     },
     Row {
@@ -216,13 +222,20 @@ pub(crate) const ACTIONS: &[Row] = &[
         name: "load",
         argument: "NAME",
         meaning: "take gains that were kept",
-        keys: &[keys(&[("o", "")], "take gains that were kept", None)],
+        keys: &[keys(&[("o", "")], "take gains that were kept; lists them with their minimum damping", None)],
         make: |name| Ok(Action::Load(name.to_owned())),
+    },
+    Row {
+        name: "delete",
+        argument: "NAME",
+        meaning: "delete gains that were kept, after a yes",
+        keys: &[keys(&[("D", "")], "delete gains that were kept", None)],
+        make: |name| Ok(Action::Delete(name.to_owned())),
     },
     Row {
         name: "search",
         argument: "[A..B] [robust]|stop",
-        meaning: "search gains for the present speed or a range; robust: for any deadband; you see them before they apply",
+        meaning: "search gains for the present speed or a range; robust: for any deadband",
         keys: &[keys(&[("S", "")], "search better gains, to be seen before they apply", None)],
         make: |words| Ok(Action::Search(words.to_owned())),
     },
@@ -452,13 +465,23 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
             named.chain(settings()).collect()
         }
         Some("layout") => layouts.to_vec(),
-        Some("load" | "save") => presets.to_vec(),
+        Some("load" | "save" | "delete") => presets.to_vec(),
         Some("set") => settings().collect(),
         Some("search") => ["robust", "stop"].map(str::to_owned).to_vec(),
         Some(_) => Vec::new(),
     };
     let whole = |candidate: String| if before.is_empty() { candidate } else { format!("{before} {candidate}") };
     candidates.into_iter().filter(|candidate| candidate.starts_with(word)).map(whole).collect()
+}
+
+/// What a completion means: what a command does, what a setting is. Empty for anything else.
+pub(crate) fn meaning(word: &str) -> String {
+    let word = word.trim_end();
+    if let Some(row) = ACTIONS.iter().find(|row| row.name == word) {
+        return format!("{} {}", row.argument, row.meaning).trim_start().to_owned();
+    }
+    let setting = word.strip_suffix('=').and_then(|name| PARAMETERS.iter().find(|parameter| parameter.name == name));
+    setting.map_or_else(String::new, |parameter| parameter.meaning.to_owned())
 }
 
 /// What all of some lines begin with.

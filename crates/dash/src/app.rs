@@ -3,6 +3,7 @@
 mod act;
 #[cfg(test)]
 mod fuzz;
+mod keys;
 mod past;
 mod recording;
 mod search;
@@ -19,6 +20,7 @@ use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use ratatui::layout::Rect;
 use rotor::Settings;
 
+use crate::actions;
 use crate::analysis::Desk;
 use crate::clerk::{Edit, Outcome};
 use crate::feed::Contact;
@@ -32,6 +34,7 @@ use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
 use crate::picture::Picture;
 use crate::presets::Presets;
+use crate::recall::Recall;
 use crate::replay::Player;
 use crate::screen::{self, View};
 use crate::search::Search;
@@ -87,6 +90,7 @@ pub(crate) struct App<'a> {
     layout: usize,
     panels: Panels,
     presets: Presets,
+    recall: Recall,
     /// Settings to compare with.
     held: Option<Settings>,
     read_only: bool,
@@ -134,6 +138,7 @@ impl<'a> App<'a> {
             layout: options.layout,
             panels: Panels::new(),
             presets: Presets(options.presets.clone()),
+            recall: Recall::read(options.commands.clone()),
             held: None,
             read_only: options.read_only,
             area: Rect::default(),
@@ -231,8 +236,8 @@ impl<'a> App<'a> {
             Layer::Value(typed) => Some(typed.clone()),
             _ => None,
         });
-        let completions = match self.layers.last() {
-            Some(Layer::Command(line)) => self.offers(line, &picture),
+        let offers = match self.layers.last() {
+            Some(Layer::Command(line)) => self.offers(line.text(), &picture),
             _ => Vec::new(),
         };
         let view = View {
@@ -242,7 +247,7 @@ impl<'a> App<'a> {
             cursor: &Cursor { row: self.row, typed },
             message: &self.message.0,
             layers: &self.layers,
-            completions: &completions,
+            offers: &offers,
             filter: &self.filter,
             keymap: &self.keymap,
             what_if: what_if.as_ref(),
@@ -258,7 +263,8 @@ impl<'a> App<'a> {
     fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
         let present = picture.settings.as_ref()?;
         let settings = match self.layers.last()? {
-            Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.parse().ok()?)]).applied(present)?,
+            Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.text().parse().ok()?)]).applied(present)?,
+            Layer::Command(line) => self.candidate(&actions::parse(line.text()).ok()?, present)?,
             Layer::Offer(edit, _) => edit.applied(present)?,
             Layer::Ask(_, settings, _) => (**settings).clone(),
             _ => return None,

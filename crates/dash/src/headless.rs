@@ -125,7 +125,7 @@ impl Headless {
             desk: &self.desk,
             alarms: &self.alarms,
             layers: &[],
-            completions: &[],
+            offers: &[],
             filter: "",
             keymap: &self.options.keys,
             what_if: None,

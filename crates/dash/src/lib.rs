@@ -26,12 +26,14 @@ mod panels;
 mod picture;
 mod plot;
 mod presets;
+mod recall;
 mod replay;
 mod screen;
 mod search;
 mod session;
 mod terminal;
 mod theme;
+mod typing;
 mod view_time;
 mod what_if;
 

@@ -46,6 +46,29 @@ impl Presets {
         Ok(file)
     }
 
+    /// Whether something is kept as `name`.
+    pub(crate) fn has(&self, name: &str) -> bool {
+        self.file(name).is_ok_and(|file| file.exists())
+    }
+
+    /// Deletes the gains kept as `name`. Returns where they were.
+    ///
+    /// # Errors
+    /// In words: none of that name, or a file that cannot be deleted.
+    pub(crate) fn delete(&self, name: &str) -> Result<PathBuf, String> {
+        let file = self.file(name)?;
+        match fs::remove_file(&file) {
+            Ok(()) => Ok(file),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.none(name)),
+            Err(error) => Err(format!("{}: cannot be deleted: {error}", file.display())),
+        }
+    }
+
+    /// What is said where nothing is kept as `name`.
+    pub(crate) fn none(&self, name: &str) -> String {
+        format!("no gains are kept as '{name}': there are {}", self.list())
+    }
+
     /// The gains kept as `name`.
     ///
     /// # Errors
@@ -57,7 +80,7 @@ impl Presets {
             _ => fs::read_to_string(&file),
         };
         let text = text.map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => format!("no gains are kept as '{name}': there are {}", self.list()),
+            std::io::ErrorKind::NotFound => self.none(name),
             _ => format!("{}: {error}", file.display()),
         })?;
         let read = read_feedback(&text, Some(masses)).map_err(|problems| problems.in_file(&file.display().to_string()));
@@ -77,10 +100,17 @@ impl Presets {
         names
     }
 
-    /// The minimum damping that the gains kept as `name` would give, if they fit.
-    pub(crate) fn min_damping(&self, name: &str, rotor: &Rotor, settings: &Settings) -> Option<f64> {
-        let feedback = self.load(name, rotor.len()).ok()?;
-        Some(WhatIf::of(rotor, Settings { feedback, ..settings.clone() })?.min_damping)
+    /// What the gains kept as `name` would do under `settings`, in words.
+    pub(crate) fn words(&self, name: &str, rotor: &Rotor, settings: &Settings) -> String {
+        let Ok(feedback) = self.load(name, rotor.len()) else { return "does not fit".into() };
+        let in_force = if feedback == settings.feedback { ", in force" } else { "" };
+        match WhatIf::of(rotor, Settings { feedback, ..settings.clone() }) {
+            None => "does not fit".into(),
+            Some(then) => {
+                let unstable = if then.is_unstable() { " UNSTABLE" } else { "" };
+                format!("min damping {:.4}{unstable} at R {}{in_force}", then.min_damping, settings.speed)
+            }
+        }
     }
 
     fn list(&self) -> String {

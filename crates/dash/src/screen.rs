@@ -10,6 +10,7 @@ use crate::analysis::Desk;
 use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::layout::Layout;
+use crate::panels::offers::{self, Offer};
 use crate::panels::registry::Panels;
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
@@ -37,7 +38,7 @@ pub(crate) struct View<'a> {
     /// What lies on top of the panels, the topmost last.
     pub(crate) layers: &'a [Layer],
     /// What can follow the command that is being typed.
-    pub(crate) completions: &'a [String],
+    pub(crate) offers: &'a [Offer],
     /// What lists shall show; everything if it is empty.
     pub(crate) filter: &'a str,
     pub(crate) keymap: &'a Keymap,
@@ -72,6 +73,7 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
         panels.draw(kind, view, place, buffer);
     }
     status::draw_foot(view, foot, buffer);
+    offers::draw(view.offers, body, buffer);
     let help = view.layers.iter().find_map(|layer| match layer {
         Layer::Help(from) => Some(*from),
         _ => None,
@@ -119,7 +121,7 @@ pub(crate) mod tests {
             desk: &DESK,
             alarms: &ALARMS,
             layers: &[],
-            completions: &[],
+            offers: &[],
             filter: "",
             keymap: &KEYMAP,
             what_if: None,

@@ -74,6 +74,8 @@ pub struct Options {
     pub keys: Keymap,
     /// The folder in which gains are kept by name.
     pub presets: Option<PathBuf>,
+    /// The file in which commands are kept from session to session.
+    pub commands: Option<PathBuf>,
     /// Whether the machine is only looked at.
     pub read_only: bool,
 }
@@ -89,6 +91,7 @@ impl Default for Options {
             bell: false,
             keys: Keymap::default(),
             presets: None,
+            commands: None,
             read_only: false,
         }
     }

@@ -1,4 +1,4 @@
-//! Where a person's own files are: the configuration and the data folder of the desktop conventions.
+//! Where a person's own files are: the configuration, data and state folders of the desktop conventions.
 
 use std::path::PathBuf;
 
@@ -11,6 +11,11 @@ fn project() -> Option<ProjectDirs> {
 /// The folder of gains that are kept by name, if this user has a home.
 pub(crate) fn presets() -> Option<PathBuf> {
     project().map(|folders| folders.data_dir().join("presets"))
+}
+
+/// The file of commands that were typed in dashboards, if this user has a home.
+pub(crate) fn commands() -> Option<PathBuf> {
+    project().map(|folders| folders.state_dir().unwrap_or_else(|| folders.data_local_dir()).join("commands"))
 }
 
 /// The configuration file, if this user has a home.

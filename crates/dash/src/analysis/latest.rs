@@ -3,6 +3,7 @@
 
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
 
 /// A function, computed elsewhere, and its newest answer.
 #[derive(Debug)]
@@ -17,6 +18,7 @@ pub(crate) struct Latest<Q, A> {
 struct Place<Q, A> {
     slots: Mutex<Slots<Q, A>>,
     news: Condvar,
+    answered: Condvar,
 }
 
 #[derive(Debug)]
@@ -25,7 +27,8 @@ struct Slots<Q, A> {
     asked: Option<Q>,
     /// Whether it still waits.
     waits: bool,
-    answer: Option<Arc<A>>,
+    /// The newest answer, and to what.
+    answer: Option<(Q, Arc<A>)>,
     closed: bool,
 }
 
@@ -39,7 +42,11 @@ impl<Q: Clone + PartialEq, A> Latest<Q, A> {
     /// Answers on the thread that asks.
     pub(crate) fn inline(work: fn(&Q) -> A) -> Self {
         let slots = Slots { asked: None, waits: false, answer: None, closed: false };
-        Self { place: Arc::new(Place { slots: Mutex::new(slots), news: Condvar::new() }), work, thread: None }
+        Self {
+            place: Arc::new(Place { slots: Mutex::new(slots), news: Condvar::new(), answered: Condvar::new() }),
+            work,
+            thread: None,
+        }
     }
 
     /// The newest answer there is, if there is any; the question is set to work unless it is the last one again.
@@ -51,10 +58,27 @@ impl<Q: Clone + PartialEq, A> Latest<Q, A> {
                 slots.waits = true;
                 self.place.news.notify_one();
             } else {
-                slots.answer = Some(Arc::new((self.work)(question)));
+                slots.answer = Some((question.clone(), Arc::new((self.work)(question))));
             }
         }
-        slots.answer.clone()
+        slots.answer.as_ref().map(|(_, answer)| answer.clone())
+    }
+
+    /// The answer to this very question, if it comes within `patience`; else it is still being worked on.
+    pub(crate) fn ask_for(&self, question: &Q, patience: Duration) -> Option<Arc<A>> {
+        self.ask(question);
+        let deadline = Instant::now() + patience;
+        let mut slots = self.place.slots();
+        loop {
+            if let Some((_, answer)) = slots.answer.as_ref().filter(|(of, _)| of == question) {
+                return Some(answer.clone());
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            if left.is_zero() {
+                return None;
+            }
+            slots = self.place.answered.wait_timeout(slots, left).unwrap_or_else(PoisonError::into_inner).0;
+        }
     }
 }
 
@@ -65,12 +89,13 @@ impl<Q: Clone + Send + 'static, A: Send + Sync + 'static> Latest<Q, A> {
     /// The thread cannot be started.
     pub(crate) fn spawn(name: &str, work: fn(&Q) -> A, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
         let slots = Slots { asked: None, waits: false, answer: None, closed: false };
-        let place = Arc::new(Place { slots: Mutex::new(slots), news: Condvar::new() });
+        let place = Arc::new(Place { slots: Mutex::new(slots), news: Condvar::new(), answered: Condvar::new() });
         let there = place.clone();
         let thread = std::thread::Builder::new().name(name.into()).spawn(move || {
             while let Some(question) = next(&there) {
                 let answer = Arc::new(work(&question));
-                there.slots().answer = Some(answer);
+                there.slots().answer = Some((question, answer));
+                there.answered.notify_all();
                 wake();
             }
         })?;
@@ -142,7 +167,9 @@ mod tests {
         wakes.recv().unwrap();
         assert_eq!(begins.recv(), Ok(9), "2 to 8 were overtaken");
         assert_eq!(latest.ask(&question(9)).as_deref(), Some(&1), "the newest answer there is");
+        assert_eq!(latest.ask_for(&question(9), Duration::from_millis(1)), None, "that is of another question");
         open.send(()).unwrap();
+        assert_eq!(latest.ask_for(&question(9), Duration::from_secs(60)).as_deref(), Some(&9));
         wakes.recv().unwrap();
         assert_eq!(latest.ask(&question(9)).as_deref(), Some(&9));
         drop(latest);

@@ -6,6 +6,7 @@ mod over_speed;
 mod spectra;
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use crossbeam::channel::Sender;
 
@@ -15,7 +16,10 @@ pub(crate) use over_speed::tests;
 pub(crate) use over_speed::{OverSpeed, Question};
 pub(crate) use spectra::{Fall, Orbit, OrbitSpectrum, Over, Row, Waterfall};
 
-/// What is being computed for the panels. Asking never waits: it brings the newest answer there is.
+/// How long a frame may wait for what a person is typing at this moment.
+const PART_OF_A_FRAME: Duration = Duration::from_millis(12);
+
+/// What is being computed for the panels. Asking hardly waits: it brings the newest answer there is.
 #[derive(Debug)]
 pub(crate) struct Desk {
     current: Latest<Question, OverSpeed>,
@@ -63,9 +67,9 @@ impl Desk {
         self.current.ask(question)
     }
 
-    /// The same of settings that would be; for a moment, of those asked about before.
+    /// The same of settings that would be: theirs and no others. Waits a part of a frame; nothing if it takes longer.
     pub(crate) fn over_speed_of_candidate(&self, question: &Question) -> Option<Arc<OverSpeed>> {
-        self.candidate.ask(question)
+        self.candidate.ask_for(question, PART_OF_A_FRAME)
     }
 
     /// The spectrum of an orbit; for a moment, of an earlier one.

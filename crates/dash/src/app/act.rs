@@ -1,145 +1,31 @@
-//! What keys, the mouse and actions do.
+//! What actions and the mouse do. What keys do is [`super::keys`]'s.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use crossterm::event::{KeyCode, KeyEvent, MouseButton, MouseEvent, MouseEventKind};
+use crossterm::event::{MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;
 use rotor::{C64, Key, Rotor, Settings};
 
 use super::{App, Intent, Message, Mouse, lock};
-use crate::actions::{self, Action};
+use crate::actions::Action;
 use crate::clerk::Edit;
-use crate::layers::{Layer, Typed, type_number, type_text};
+use crate::layers::{Deed, Layer};
 use crate::panels::settings::rows;
-use crate::picture::Picture;
 use crate::screen;
 use crate::session::Ended;
+use crate::typing::Typing;
 
 /// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
 const IMPULSE: f64 = -2.5;
-/// Completions that are offered at the foot.
-const OFFERED: usize = 12;
 
 impl App<'_> {
-    pub(super) fn press(&mut self, key: KeyEvent) {
-        let action = self.keymap.action(key);
-        // Ctrl-c quits whatever is being typed; q does unless it is a letter of a text.
-        let types_text = matches!(self.layers.last(), Some(Layer::Command(_) | Layer::Filter(_)));
-        let is_letter = matches!(key.code, KeyCode::Char(_))
-            && key.modifiers.difference(crossterm::event::KeyModifiers::SHIFT).is_empty();
-        if action == Some(Action::Quit) && !(types_text && is_letter) {
-            self.quit = Some(Ended::Quit);
-            return;
-        }
-        match self.layers.last_mut() {
-            None => {
-                if let Some(action) = action {
-                    self.act(action);
-                }
-            }
-            Some(Layer::Help(from)) => match action {
-                Some(Action::Select(rows)) => *from = from.saturating_add_signed(rows).min(1000),
-                Some(Action::Filter) => self.act(Action::Filter),
-                Some(Action::Help | Action::Escape | Action::Type) => drop(self.layers.pop()),
-                _ => match key.code {
-                    KeyCode::PageDown | KeyCode::Char(' ') => *from = (*from + 10).min(1000),
-                    KeyCode::PageUp => *from = from.saturating_sub(10),
-                    _ => {}
-                },
-            },
-            Some(Layer::Value(typed)) => match type_number(typed, key) {
-                Typed::Done => self.take_typed(),
-                Typed::Dropped => drop(self.layers.pop()),
-                // Another row drops what was typed; other keys neither type nor act by accident.
-                Typed::Else => {
-                    if let Some(action @ (Action::Select(_) | Action::Help)) = action {
-                        self.layers.pop();
-                        self.act(action);
-                    }
-                }
-                Typed::Taken | Typed::Complete => {}
-            },
-            Some(Layer::Command(line)) => match type_text(line, key) {
-                Typed::Done => {
-                    let line = std::mem::take(line);
-                    self.layers.pop();
-                    self.command(&line);
-                }
-                Typed::Dropped => drop(self.layers.pop()),
-                Typed::Complete => self.complete(),
-                Typed::Taken | Typed::Else => {}
-            },
-            Some(Layer::Filter(text)) => match type_text(text, key) {
-                Typed::Done => drop(self.layers.pop()),
-                Typed::Dropped => {
-                    self.layers.pop();
-                    self.filter.clear();
-                }
-                Typed::Taken => self.filter.clone_from(text),
-                Typed::Complete | Typed::Else => {}
-            },
-            Some(Layer::Ask(..) | Layer::Offer(..)) => {
-                let asked = self.layers.pop();
-                match (asked, key.code) {
-                    (Some(Layer::Ask(edit, settings, _)), KeyCode::Char('y' | 'Y')) => {
-                        self.send(Edit::Sure(Box::new(edit), settings));
-                    }
-                    (Some(Layer::Offer(edit, _)), KeyCode::Char('y' | 'Y')) => self.send(edit),
-                    _ => self.tell(Message::Hints),
-                }
-            }
-        }
-    }
-
-    /// Carries out a command line.
-    fn command(&mut self, line: &str) {
-        if line.trim().is_empty() {
-            return;
-        }
-        match actions::parse(line) {
-            Ok(action) => self.act(action),
-            Err(why) => self.tell(Message::Bad(why)),
-        }
-    }
-
-    /// Types on what all that can follow have in common.
-    fn complete(&mut self) {
-        let layouts: Vec<String> = self.layouts.iter().map(|layout| layout.name().to_owned()).collect();
-        let presets = self.presets.names();
-        if let Some(Layer::Command(line)) = self.layers.last_mut() {
-            let common = actions::common(&actions::completions(line, &layouts, &presets));
-            if common.len() > line.len() {
-                *line = common;
-            }
-        }
-    }
-
-    /// What can follow a command line, as the foot shows it: kept gains with the minimum damping that they would give.
-    pub(super) fn offers(&self, line: &str, picture: &Picture) -> Vec<String> {
-        let layouts: Vec<String> = self.layouts.iter().map(|layout| layout.name().to_owned()).collect();
-        let of_presets = line.starts_with("load ") || line.starts_with("save ");
-        let presets = if of_presets { self.presets.names() } else { Vec::new() };
-        let offered = actions::completions(line, &layouts, &presets).into_iter().take(OFFERED);
-        let told = |line: String| {
-            let word = line.trim_end().rsplit(' ').next().unwrap_or_default().to_owned();
-            let (Some(rotor), Some(settings), true) = (&picture.rotor, &picture.settings, of_presets) else {
-                return word;
-            };
-            match self.presets.min_damping(&word, rotor, settings) {
-                Some(damping) => format!("{word} ({damping:.4})"),
-                None => format!("{word} (does not fit)"),
-            }
-        };
-        offered.map(told).collect()
-    }
-
-    fn take_typed(&mut self) {
+    pub(super) fn take_typed(&mut self) {
         let Some(Layer::Value(typed)) = self.layers.pop() else { return };
         let Some(key) = self.selected() else { return };
-        match typed.parse::<f64>() {
+        match typed.text().parse::<f64>() {
             Ok(value) => self.send(Edit::Set(vec![(key, value)])),
-            Err(_) => self.tell(Message::Bad(format!("{key} = '{typed}': expected a number"))),
+            Err(_) => self.tell(Message::Bad(format!("{key} = '{}': expected a number", typed.text()))),
         }
     }
 
@@ -150,7 +36,7 @@ impl App<'_> {
         rows.get(self.row.min(rows.len().saturating_sub(1))).copied()
     }
 
-    fn settings(&self) -> Option<Settings> {
+    pub(super) fn settings(&self) -> Option<Settings> {
         lock(&self.feed).settings()
     }
 
@@ -167,7 +53,7 @@ impl App<'_> {
     }
 
     /// Has something done. On a bench the clerk does it, and asks first if it would make a stable rotor unstable.
-    fn send(&mut self, edit: Edit) {
+    pub(super) fn send(&mut self, edit: Edit) {
         if self.player.is_some() {
             let before = self.settings();
             if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
@@ -195,8 +81,8 @@ impl App<'_> {
                 }
             }
             Action::Help => self.layers.push(Layer::Help(0)),
-            Action::Command(line) => self.layers.push(Layer::Command(line)),
-            Action::Filter => self.layers.push(Layer::Filter(self.filter.clone())),
+            Action::Command(line) => self.layers.push(Layer::Command(Typing::from(&*line))),
+            Action::Filter => self.layers.push(Layer::Filter(Typing::from(&*self.filter))),
             Action::Suspend => self.suspend = true,
             Action::Select(rows_down) => {
                 let count = self.settings().map_or(0, |settings| rows(&settings).len());
@@ -206,7 +92,7 @@ impl App<'_> {
                 Some(key) => self.send(Edit::Nudge(key, steps * key.parameter.step)),
                 None => self.tell(Message::Bad("no settings are known yet".into())),
             },
-            Action::Type => self.layers.push(Layer::Value(String::new())),
+            Action::Type => self.layers.push(Layer::Value(Typing::default())),
             Action::Set(values) => self.send(Edit::Set(values)),
             Action::Undo => self.send(Edit::Undo),
             Action::Redo => self.send(Edit::Redo),
@@ -226,7 +112,7 @@ impl App<'_> {
             Action::Restart => self.restart(),
             Action::Record => self.record(),
             Action::Search(words) => self.search(&words),
-            Action::Hold | Action::Swap | Action::Save(_) | Action::Load(_) => self.compare(action),
+            Action::Hold | Action::Swap | Action::Save(_) | Action::Load(_) | Action::Delete(_) => self.compare(action),
             Action::Pause if self.time.is_live() => self.look(|time, kept, _| time.pause(kept)),
             Action::Pause => self.look(|time, _, _| time.resume()),
             Action::Seek(by) => self.look(|time, kept, seconds| time.seek(by, kept, seconds)),
@@ -255,13 +141,16 @@ impl App<'_> {
                 Some(held) => self.send(Edit::Swap(Box::new(held))),
                 None => self.tell(Message::Bad("nothing is held to switch to: hold the settings first".into())),
             },
-            Action::Save(name) => {
-                let kept = self.presets.save(&name, &settings.feedback);
-                self.tell(match kept {
-                    Ok(file) => Message::Good(format!("gains kept as '{name}': {}", file.display())),
-                    Err(why) => Message::Bad(why),
-                });
+            Action::Save(name) if self.presets.has(&name) => {
+                let why = format!("'{name}' is kept already{}: replace?", self.told_of(&name));
+                self.layers.push(Layer::Confirm(Deed::Replace(name), why));
             }
+            Action::Save(name) => self.save(&name, &settings),
+            Action::Delete(name) if self.presets.has(&name) => {
+                let why = format!("delete the gains '{name}'{}?", self.told_of(&name));
+                self.layers.push(Layer::Confirm(Deed::Delete(name), why));
+            }
+            Action::Delete(name) => self.tell(Message::Bad(self.presets.none(&name))),
             Action::Load(name) => match self.presets.load(&name, settings.deadband.len()) {
                 Ok(feedback) => {
                     let wanted = Settings { feedback, ..settings.clone() };
@@ -270,6 +159,35 @@ impl App<'_> {
                 Err(why) => self.tell(Message::Bad(why)),
             },
             _ => {}
+        }
+    }
+
+    /// What gains that are kept would do, in brackets.
+    fn told_of(&mut self, name: &str) -> String {
+        let known = self.machine();
+        known
+            .map_or_else(String::new, |(settings, rotor)| format!(" ({})", self.presets.words(name, &rotor, &settings)))
+    }
+
+    fn save(&mut self, name: &str, settings: &Settings) {
+        self.tell(match self.presets.save(name, &settings.feedback) {
+            Ok(file) => Message::Good(format!("gains kept as '{name}': {}", file.display())),
+            Err(why) => Message::Bad(why),
+        });
+    }
+
+    /// Does to files what a person has said yes to.
+    pub(super) fn confirmed(&mut self, deed: Deed) {
+        match deed {
+            Deed::Replace(name) => {
+                if let Some((settings, _)) = self.machine() {
+                    self.save(&name, &settings);
+                }
+            }
+            Deed::Delete(name) => self.tell(match self.presets.delete(&name) {
+                Ok(file) => Message::Good(format!("gains '{name}' deleted: {}", file.display())),
+                Err(why) => Message::Bad(why),
+            }),
         }
     }
 
@@ -337,7 +255,7 @@ impl App<'_> {
                 *from = from.saturating_add_signed(3 * lines as isize).min(1000);
                 return;
             }
-            (Some(Layer::Help(_) | Layer::Ask(..) | Layer::Offer(..)), _) => return,
+            (Some(Layer::Help(_) | Layer::Ask(..) | Layer::Offer(..) | Layer::Confirm(..)), _) => return,
             _ => {}
         }
         let (area, position) = (self.area, Position::new(at.0, at.1));

@@ -199,7 +199,7 @@ fn gains_are_kept_and_taken_back() {
     press(&mut app, &[Enter]);
     assert!(matches!(&app.message.0, Message::Good(told) if told.contains("good.toml")), "{:?}", app.message.0);
     type_in(&mut app, "o");
-    assert!(frame(&mut app).contains("good (0.0535)"), "{}", frame(&mut app));
+    assert!(frame(&mut app).contains("good  min damping 0.0535 at R 2.5, in force"), "{}", frame(&mut app));
     type_in(&mut app, "good");
     press(&mut app, &[Enter]);
     assert!(matches!(&taken.try_iter().collect::<Vec<_>>()[..], [Edit::Become(..)]));
@@ -210,6 +210,74 @@ fn gains_are_kept_and_taken_back() {
         press(&mut app, &[Enter]);
         assert!(matches!(&app.message.0, Message::Bad(why) if why.contains(complaint)), "{:?}", app.message.0);
     }
+}
+
+#[test]
+fn gains_of_a_name_that_is_taken_are_replaced_and_deleted_only_after_a_yes() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { presets: Some(folder.path().to_owned()), ..Options::default() };
+    let (mut app, _taken) = dashboard(&options);
+    let file = folder.path().join("good.toml");
+    let commanded = |app: &mut App<'_>, line: &str, answer| {
+        type_in(app, line);
+        press(app, &[Enter, answer]);
+    };
+    commanded(&mut app, ":save good", Esc);
+    let first = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, first.replace("-0.5879", "0.25")).unwrap();
+    type_in(&mut app, ":save good");
+    press(&mut app, &[Enter]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("'good' is kept already (min damping ") && shown.contains(" y does it"), "{shown}");
+    press(&mut app, &[Char('n')]);
+    assert!(std::fs::read_to_string(&file).unwrap().contains("0.25"));
+    commanded(&mut app, ":save good", Char('y'));
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), first);
+    commanded(&mut app, ":delete good", Char('n'));
+    assert!(file.exists());
+    commanded(&mut app, "Dgood", Char('y'));
+    assert!(!file.exists() && matches!(&app.message.0, Message::Good(told) if told.contains("'good' deleted")));
+    commanded(&mut app, ":delete good", Esc);
+    assert_eq!(app.message.0, Message::Bad("no gains are kept as 'good': there are none yet".into()));
+}
+
+#[test]
+fn a_command_shows_what_it_would_do_while_it_is_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { presets: Some(folder.path().to_owned()), ..Options::default() };
+    let (mut app, taken) = dashboard(&options);
+    app.layout = 2;
+    for (line, then) in [(":kd=-0.2", "0."), (":set speed=9 kd=0", "-0."), (":off", "-0."), (":speed 9", "-0.")] {
+        type_in(&mut app, line);
+        let shown = frame(&mut app);
+        assert!(shown.contains(&format!("then {then}")) && shown.contains("│? "), "{line}:\n{shown}");
+        press(&mut app, &[Esc]);
+        assert!(!frame(&mut app).contains("then "), "{line}");
+    }
+    type_in(&mut app, ":save mine");
+    press(&mut app, &[Enter]);
+    type_in(&mut app, ":load mine");
+    assert!(frame(&mut app).contains("then 0.0535"));
+    assert!(taken.is_empty());
+}
+
+#[test]
+fn earlier_commands_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { commands: Some(folder.path().join("commands")), ..Options::default() };
+    let (mut app, taken) = dashboard(&options);
+    type_in(&mut app, ":note one");
+    press(&mut app, &[Enter]);
+    let (mut next, taken_next) = dashboard(&options);
+    type_in(&mut next, ":no");
+    press(&mut next, &[Up]);
+    assert_eq!(next.layers, [Layer::Command("note one".into())]);
+    press(&mut next, &[Down]);
+    assert_eq!(next.layers, [Layer::Command("no".into())]);
+    press(&mut next, &[Up, Left, Left, Left, Char('x'), Enter]);
+    assert_eq!(taken_next.try_iter().chain(taken.try_iter()).count(), 2);
+    let kept = std::fs::read_to_string(folder.path().join("commands")).unwrap();
+    assert_eq!(kept, "note one\nnote xone\n");
 }
 
 #[test]

@@ -32,8 +32,8 @@ struct Facts<'a> {
     pub(crate) speed: f64,
     /// The minimum damping at that speed.
     pub(crate) min_damping: f64,
-    /// What would be: its curve, its speed and its minimum damping there.
-    pub(crate) candidate: Option<(&'a OverSpeed, f64, f64)>,
+    /// What would be: its curve, once that is computed, its speed and its minimum damping there.
+    pub(crate) candidate: Option<(Option<&'a OverSpeed>, f64, f64)>,
     /// Scales of an SI rotor: its speeds are shown in rpm.
     pub(crate) scales: Option<Scales>,
 }
@@ -50,9 +50,9 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let would_be = view.what_if.and_then(|what_if| {
         let settings = &what_if.settings;
         let question = Question::at(era.rotor.clone()?, settings.feedback.clone(), settings.speed);
-        Some((view.desk.over_speed_of_candidate(&question)?, settings.speed, what_if.min_damping))
+        Some((view.desk.over_speed_of_candidate(&question), settings.speed, what_if.min_damping))
     });
-    let candidate = would_be.as_ref().map(|(over_speed, speed, damping)| (&**over_speed, *speed, *damping));
+    let candidate = would_be.as_ref().map(|(over_speed, speed, damping)| (over_speed.as_deref(), *speed, *damping));
     draw_facts(&Facts { over_speed: &over_speed, speed, min_damping, candidate, scales }, area, buffer);
 }
 
@@ -84,7 +84,8 @@ fn draw_facts(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
     }
     if let Some((candidate, _, min_damping)) = facts.candidate {
         let (color, word) = theme::verdict(min_damping);
-        let would = format!("? {min_damping:.4} {word}  {}", stable_words(candidate, facts.scales));
+        let range = candidate.map_or_else(|| "computing …".to_owned(), |curve| stable_words(curve, facts.scales));
+        let would = format!("? {min_damping:.4} {word}  {range}");
         write(buffer, inner, inner.left(), foot + 1, &would, theme::loud(color));
     }
 }
@@ -94,7 +95,8 @@ fn draw_curves(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
         return;
     }
     let over_speed = facts.over_speed;
-    let all = facts.candidate.iter().flat_map(|(candidate, ..)| &candidate.min_damping).chain(&over_speed.min_damping);
+    let would_be = facts.candidate.and_then(|(candidate, ..)| candidate);
+    let all = would_be.iter().flat_map(|candidate| &candidate.min_damping).chain(&over_speed.min_damping);
     let [low, high] = all.fold([0.0, 0.0], |[low, high]: [f64; 2], d| [low.min(*d), high.max(*d)]);
     let high = if high > 0.0 { high } else { 0.05 };
     let top = nice_ceiling(1.05 * high);
@@ -107,7 +109,9 @@ fn draw_curves(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
     plot.line([0.0, 0.0], [over_speed.top(), 0.0], theme::GRID);
     plot.line([facts.speed, bottom], [facts.speed, top], theme::CURSOR);
     if let Some((candidate, speed, _)) = facts.candidate {
-        curve(candidate, |_| theme::CANDIDATE, true, &mut plot);
+        if let Some(candidate) = candidate {
+            curve(candidate, |_| theme::CANDIDATE, true, &mut plot);
+        }
         if speed != facts.speed {
             dotted_line(speed, [bottom, top], area, &mut plot);
         }
@@ -216,12 +220,15 @@ mod tests {
     #[test]
     fn a_candidate_that_would_be_unstable_says_so_in_words() {
         let (now, off) = (over_speed("three-mass", "composite"), over_speed("three-mass", "off"));
-        let candidate = Some((&off, 2.5, off.at(2.5)));
+        let candidate = Some((Some(&off), 2.5, off.at(2.5)));
         let facts = Facts { over_speed: &now, speed: 2.5, min_damping: now.at(2.5), candidate, scales: None };
         let frame = frame(&facts, 60, 14);
         assert!(frame.contains("UNSTABLE  stable 0 to 1.776"), "{frame}");
         assert!(frame.contains('◆') && frame.contains('◇'), "{frame}");
         insta::assert_snapshot!("damping_over_speed_candidate", frame);
+        let facts = Facts { candidate: Some((None, 2.5, off.at(2.5))), ..facts };
+        let frame = drawn(60, 16, |area, buffer| draw_facts(&facts, area, buffer));
+        assert!(frame.contains("UNSTABLE  computing …"), "{frame}");
     }
 
     #[test]

@@ -9,6 +9,7 @@ pub(crate) mod force;
 pub(crate) mod force_budget;
 pub(crate) mod help;
 pub(crate) mod modes;
+pub(crate) mod offers;
 pub(crate) mod orbits;
 pub(crate) mod poles;
 pub(crate) mod raw;

@@ -12,7 +12,8 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::{Modifier, Style};
-use ratatui::text::Line;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::Widget;
 use rotor::{Gain, Key, Scope, Settings};
 
 use super::registry::{Intent, Mouse, Panel};
@@ -20,6 +21,7 @@ use super::{framed, write, write_right};
 use crate::actions::Action;
 use crate::screen::View;
 use crate::theme;
+use crate::typing::Typing;
 
 /// What a person is doing with the settings.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,7 +29,7 @@ pub(crate) struct Cursor {
     /// The selected row.
     pub(crate) row: usize,
     /// What has been typed, while a value is being typed.
-    pub(crate) typed: Option<String>,
+    pub(crate) typed: Option<Typing>,
 }
 
 /// The rows of the panel: every key there is, but one deadband for all masses where they are all alike, and no index on
@@ -98,9 +100,9 @@ fn draw_row(settings: &Settings, key: Key, cursor: Option<&Cursor>, row: Rect, b
     write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
     write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style);
     let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
-    let (value, style) = match typed {
-        Some(typed) => (format!("{typed}_"), theme::badge(theme::WARN)),
-        None => (value_of(settings, key), style),
+    let value = match typed {
+        Some(typed) => typed.spans(theme::badge(theme::WARN)),
+        None => vec![Span::styled(value_of(settings, key), style)],
     };
     // As much of the step as there is room for; the value always is.
     let parameter = key.parameter;
@@ -112,7 +114,10 @@ fn draw_row(settings: &Settings, key: Key, cursor: Option<&Cursor>, row: Rect, b
     let room = if step.is_empty() { 0 } else { step.chars().count().max(5) as u16 };
     write(buffer, row, row.right().saturating_sub(room), row.top(), &step, theme::quiet());
     let gap = if room > 0 { room + 2 } else { 0 };
-    write_right(buffer, Rect { width: row.width.saturating_sub(gap), ..row }, row.top(), &value, style);
+    let value = Line::from(value);
+    let place = Rect { width: row.width.saturating_sub(gap), ..row };
+    let width = (value.width() as u16).min(place.width);
+    value.render(Rect { x: place.right() - width, width, ..place }, buffer);
 }
 
 /// A value as short as it can be told, with a word if it is a schedule.

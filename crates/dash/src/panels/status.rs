@@ -20,6 +20,7 @@ use crate::picture::Picture;
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
+use crate::typing::Typing;
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color) {
@@ -167,11 +168,10 @@ pub(crate) enum Message {
 
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
 pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let prompt = |sign: &str, text: &str| {
-        let mut spans = vec![Span::styled(format!(" {sign}{text}_"), Style::new().bold())];
-        for offer in view.completions {
-            spans.push(Span::styled(format!("  {offer}"), theme::quiet()));
-        }
+    let prompt = |sign: &str, line: &Typing| {
+        let bold = Style::new().bold();
+        let mut spans = vec![Span::styled(format!(" {sign}"), bold)];
+        spans.extend(line.spans(bold));
         Line::from(spans)
     };
     let line = match view.layers.last() {
@@ -181,6 +181,11 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             Span::styled(format!(" {why} "), theme::badge(theme::BAD)),
             Span::styled(" y ", Style::new().bold()),
             Span::styled("does it all the same, any other key forgets it", theme::quiet()),
+        ]),
+        Some(Layer::Confirm(_, why)) => Line::from(vec![
+            Span::styled(format!(" {why} "), theme::badge(theme::WARN)),
+            Span::styled(" y ", Style::new().bold()),
+            Span::styled("does it, any other key forgets it", theme::quiet()),
         ]),
         Some(Layer::Offer(_, why)) => Line::from(vec![
             Span::styled(format!(" {why} "), theme::badge(theme::GOOD)),

@@ -16,7 +16,7 @@ pub(crate) struct ConfigArgs {
 
 #[derive(Debug, clap::Subcommand)]
 enum Action {
-    /// Print the paths of the configuration file, your layouts and your gains
+    /// Print the paths of the configuration file, your layouts, your gains and the commands you typed
     Path,
     /// Check the configuration file and print it
     Show,
@@ -35,6 +35,7 @@ pub(crate) fn run(args: &ConfigArgs) -> Result<(), Failure> {
                 ("configuration", folders::config_file()),
                 ("layouts", crate::layouts::folder()),
                 ("gains", folders::presets()),
+                ("commands", folders::commands()),
             ];
             let line = |(what, path): (&str, Option<std::path::PathBuf>)| {
                 let path =

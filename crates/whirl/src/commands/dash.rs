@@ -81,6 +81,7 @@ impl ScreenArgs {
             bell: config.bell,
             keys: config.keys,
             presets: folders::presets(),
+            commands: folders::commands(),
             read_only: self.read_only,
         })
     }
