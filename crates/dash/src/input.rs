@@ -9,8 +9,9 @@ use crossterm::event::{self, Event, KeyEvent, KeyEventKind, MouseEvent, MouseEve
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
 use signal_hook::iterator::{Handle, Signals};
 
-/// How soon the keyboard thread notices that it shall end.
-const PATIENCE: Duration = Duration::from_millis(100);
+/// How soon the keyboard thread notices that it shall end; nobody waits for that. Crossterm spins through the last
+/// millisecond of every wait, so a short one costs processor time while nothing happens.
+const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Something from outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
