@@ -88,6 +88,15 @@ mod with {
         path.to_str().unwrap()
     }
 
+    /// Writes the user's configuration file.
+    fn configure(root: &Root, text: &str) -> PathBuf {
+        let folder = root.path().join("config/whirl");
+        std::fs::create_dir_all(&folder).unwrap();
+        let file = folder.join("config.toml");
+        std::fs::write(&file, text).unwrap();
+        file
+    }
+
     /// Every step of a recording by its number.
     fn steps(path: &Path) -> BTreeMap<u64, wire::State> {
         let mut steps = BTreeMap::new();
@@ -117,6 +126,7 @@ mod with {
     fn every_step_and_every_change_is_in_the_file_bit_for_bit() {
         let root = Root::new();
         let path = root.path().join("s.rrd");
+        configure(&root, "[alarms]\norbit = [0.001, 0.002]\n");
         let simulation = root.simulate(&["three-mass", "--rate", "5000"]);
         let recorder = Recorder::start(&root, &path, &[]);
         let tail = root.run(&["tail", "--count", "4000", "--json"]);
@@ -165,6 +175,15 @@ mod with {
         let info = info(&path);
         assert_eq!((&info["lost"], &info["settings_changes"]), (&0.into(), &2.into()), "{info}");
         assert_eq!(info["trips"][0]["revision"], 3, "{info}");
+        // Alarms, by the user's own limits, at the step whose value it was.
+        let alarms = info["alarms"].as_array().unwrap();
+        let orbit = alarms.iter().find(|alarm| alarm["watch"] == "orbit").unwrap_or_else(|| panic!("{info}"));
+        let radius = |step: &Value| {
+            let state = &recorded[&step.as_u64().unwrap()];
+            state.points().iter().map(wire::message::Point::radius).fold(0.0, f64::max)
+        };
+        assert!(radius(&orbit["from"]["step"]) > 0.001, "{orbit}");
+        assert_eq!((&orbit["level"], &info["alarm_limits"]["orbit"][0]), (&"alarm".into(), &0.001.into()), "{info}");
         assert!(info["max_force"]["value"].is_f64() && info["min_damping"]["value"].is_f64());
     }
 
@@ -291,6 +310,12 @@ mod with {
             assert!(ran.stderr.contains(why), "{options:?}: {ran:?}");
         }
         assert_eq!(std::fs::read(&taken).unwrap(), b"mine");
+
+        let config = configure(&root, "[alarms]\norbit = [5, 3]\n");
+        let ran = record(&root.path().join("s.rrd"), &[]);
+        assert_eq!(ran.code, Some(2), "{ran:?}");
+        assert!(ran.stderr.contains("config.toml:2:9: [5, 3]: expected the alarm at or above"), "{ran:?}");
+        std::fs::remove_file(config).unwrap();
 
         let first = root.path().join("first.rrd");
         let recorder = Recorder::start(&root, &first, &[]);

@@ -117,6 +117,8 @@ impl Root {
     pub fn whirl(&self) -> Command {
         let mut command = whirl();
         command.env("WHIRL_ROOT", self.path());
+        // Not the configuration of whoever runs the tests.
+        command.env("XDG_CONFIG_HOME", self.path().join("config")).env("XDG_DATA_HOME", self.path().join("data"));
         command
     }
 

@@ -18,7 +18,7 @@ use wire::Moment;
 
 use crate::{Level, Limit, Limits, Reading, Turn, Watch};
 
-/// Entries kept of what has been.
+/// Entries kept of what has been read.
 const KEPT: usize = 256;
 
 /// One rise past a limit, and what became of it.
@@ -78,7 +78,7 @@ impl Alarms {
         Self { limits, ..Self::default() }
     }
 
-    /// How things stood after these turns, which somebody else has seen.
+    /// How things stood after these turns, which somebody else has judged and seen. Every entry stays.
     #[must_use]
     pub fn recalled<'a>(limits: Limits, turns: impl IntoIterator<Item = &'a Turn>) -> Self {
         let mut alarms = Self::new(limits);
@@ -103,7 +103,7 @@ impl Alarms {
                 continue;
             }
             let turn = Turn {
-                at: if level > before { sample.at } else { reading.at },
+                at: sample.at,
                 watch,
                 before,
                 level,
@@ -114,6 +114,9 @@ impl Alarms {
             };
             self.follow(&turn);
             turns.push(turn);
+            if self.entries.len() > KEPT {
+                self.entries.pop_front();
+            }
         }
         turns
     }
@@ -148,9 +151,6 @@ impl Alarms {
             entry.seen_ns = None;
             return;
         }
-        if self.entries.len() == KEPT {
-            self.entries.pop_front();
-        }
         self.entries.push_back(Entry {
             watch: turn.watch,
             level: turn.level,
@@ -183,6 +183,11 @@ impl Alarms {
             count += 1;
         }
         count
+    }
+
+    /// Takes what is known of something, without judging it.
+    pub fn see(&mut self, watch: Watch, value: Option<f64>) {
+        self.standings[watch as usize].value = value;
     }
 
     /// Whether something has risen since this was last asked.

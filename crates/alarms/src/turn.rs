@@ -9,7 +9,7 @@ use crate::{Level, Watch};
 /// Something went from one level to another.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Turn {
-    /// When: where it grew worse, the step whose value that was; where it came back, the newest step by then.
+    /// When: the step whose value that is.
     pub at: Moment,
     /// What.
     pub watch: Watch,

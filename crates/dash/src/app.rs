@@ -253,7 +253,7 @@ impl<'a> App<'a> {
             what_if: what_if.as_ref(),
             read_only: self.read_only,
             desk: &self.desk,
-            alarms: &self.alarms,
+            alarms: self.player.as_ref().map_or(&self.alarms, Player::alarms),
             replay: self.player.as_ref().map(|player| player.shown(&picture)),
         };
         look(&view, &self.layouts[self.layout], &mut self.panels)

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
+use alarms::Level;
 use rotor::{Difference, Settings};
 use wire::{Event, Happening};
 
-use crate::replay::PastEvent;
+use crate::replay::{PastEvent, PastWhat};
 
 /// Entries kept.
 const KEPT: usize = 500;
@@ -21,6 +22,8 @@ pub(crate) struct Entry {
     pub(crate) what: String,
     /// What kind of thing.
     pub(crate) happening: Happening,
+    /// How bad it is, of an alarm.
+    pub(crate) level: Level,
     /// Who did it.
     pub(crate) who: String,
     /// Why; may be empty.
@@ -52,17 +55,25 @@ impl Journal {
         };
         let what = if difference.is_empty() { happening.to_string() } else { difference };
         let (who, why) = (event.who.as_str().to_owned(), event.why.as_str().to_owned());
-        self.push(Entry { wall_ns: event.wall_ns, tau: event.tau, what, happening, who, why });
+        self.push(Entry { wall_ns: event.wall_ns, tau: event.tau, what, happening, level: Level::Fine, who, why });
         true
     }
 
     /// Takes in an event of a recording.
     pub(crate) fn recall(&mut self, event: &PastEvent) {
-        self.push(Entry {
+        let what = event.what.to_string();
+        let (happening, level) = match &event.what {
+            PastWhat::Happening(happening) => (happening.clone(), Level::Fine),
+            PastWhat::Alarm(turn) => (Happening::Note(what.clone()), turn.level),
+            PastWhat::Remark(words) => (Happening::Note(words.clone()), Level::Fine),
+        };
+        // There are as many as there are: all of them stay.
+        Arc::make_mut(&mut self.entries).push(Entry {
             wall_ns: event.at.wall_ns,
             tau: event.at.tau,
-            what: event.happening.to_string(),
-            happening: event.happening.clone(),
+            what,
+            happening,
+            level,
             who: event.who.clone(),
             why: event.why.clone(),
         });
@@ -70,7 +81,7 @@ impl Journal {
 
     fn push(&mut self, entry: Entry) {
         let entries = Arc::make_mut(&mut self.entries);
-        if entries.len() == KEPT {
+        if entries.len() >= KEPT {
             entries.remove(0);
         }
         entries.push(entry);

@@ -43,5 +43,5 @@ pub use keymap::Keymap;
 pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
 pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use panels::registry::panels;
-pub use replay::{Past, PastEvent, replay};
+pub use replay::{Past, PastEvent, PastWhat, replay};
 pub use session::{DashError, Ended, Keeper, Options, Scribe, run};

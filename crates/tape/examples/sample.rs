@@ -29,7 +29,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     settings.deadband.fill(1.0);
     settings.trip = 20.0;
     let options = sim::Options { bench: bench.clone(), rate_hz: RATE_HZ, dtau: DTAU };
-    let order = Order { bench: bench.clone(), path, keep: Keep { min_free: 0, ..Keep::default() }, follow: false };
+    let keep = Keep { min_free: 0, ..Keep::default() };
+    let order = Order { bench: bench.clone(), path, keep, follow: false, limits: alarms::Limits::default() };
     let (stop_sim, stop_tape) = (AtomicBool::new(false), AtomicBool::new(false));
     let (ready, is_ready) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {

@@ -3,6 +3,9 @@
 //! Every field that a later version adds must be optional here, so that files without it stay readable. Numbers read back
 //! to the last bit (`float_roundtrip` of serde_json); feedback is the text of its own file, which does so too.
 
+use std::collections::BTreeMap;
+
+use alarms::{Limits, Turn, Watch};
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Mass, Rotor, Scales, Settings};
 use serde::{Deserialize, Serialize};
@@ -46,6 +49,9 @@ pub(crate) struct SessionDocument {
     started_ns: u64,
     rate_hz: f64,
     dtau: f64,
+    /// What alarms are held against: warning and alarm, or null where there is no limit. Absent if nobody judges.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    alarm_limits: Option<BTreeMap<String, Option<[f64; 2]>>>,
     rotor: RotorDocument,
     columns: Vec<ColumnDocument>,
 }
@@ -103,6 +109,10 @@ impl SessionDocument {
             started_ns: session.started_ns,
             rate_hz: session.rate_hz,
             dtau: session.dtau,
+            alarm_limits: session.limits.as_ref().map(|limits| {
+                let limited = Watch::ALL.into_iter().filter(|watch| watch.has_limits());
+                limited.map(|watch| (watch.name().to_owned(), limits.pair(watch))).collect()
+            }),
             rotor: RotorDocument {
                 name: rotor.name().to_owned(),
                 masses: rotor.masses().iter().map(mass).collect(),
@@ -137,9 +147,20 @@ impl SessionDocument {
             started_ns: self.started_ns,
             rate_hz: self.rate_hz,
             dtau: self.dtau,
+            limits: self.alarm_limits.map(limits_of).transpose()?,
         };
         Ok((session, rotor, scales))
     }
+}
+
+fn limits_of(document: BTreeMap<String, Option<[f64; 2]>>) -> Result<Limits, BadDocument> {
+    let mut limits = Limits::none();
+    // What a later version watches beyond that is not ours to judge.
+    let known = document.into_iter().filter_map(|(name, pair)| Some((name.parse::<Watch>().ok()?, pair)));
+    for (watch, pair) in known {
+        limits.set(watch, pair).map_err(|expected| bad(format!("limits of {watch}: expected {expected}")))?;
+    }
+    Ok(limits)
 }
 
 /// Settings, whole, and the poles under them.
@@ -192,7 +213,8 @@ impl RevisionDocument {
     }
 }
 
-/// An event of the bench, or a remark of the recorder: those have the kinds `begins`, `lost`, `ends` and `continues`.
+/// An event of the bench, or a remark of the recorder: those have the kinds `begins`, `lost`, `ends`, `continues` and
+/// `alarm`.
 #[derive(Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct EventDocument {
@@ -222,6 +244,8 @@ pub(crate) struct EventDocument {
     velocity: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     trip: Option<TripDocument>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    alarm: Option<AlarmDocument>,
     /// Late: steps late, deadlines given up. Lost: steps.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     count: Vec<u64>,
@@ -234,6 +258,47 @@ struct TripDocument {
     step: u64,
     radius: f64,
     limit: f64,
+}
+
+/// A turn of an alarm: names as [`alarms::Watch`] and [`alarms::Level`] have them.
+#[derive(Debug, Serialize, Deserialize)]
+struct AlarmDocument {
+    watch: String,
+    before: String,
+    level: String,
+    value: f64,
+    limit: f64,
+    worst: f64,
+}
+
+impl From<&Turn> for AlarmDocument {
+    fn from(turn: &Turn) -> Self {
+        let Turn { watch, before, level, value, limit, worst, .. } = turn;
+        Self {
+            watch: watch.name().to_owned(),
+            before: before.name().to_owned(),
+            level: level.name().to_owned(),
+            value: *value,
+            limit: *limit,
+            worst: *worst,
+        }
+    }
+}
+
+impl AlarmDocument {
+    /// `None` if it is of something that this version does not watch.
+    fn read(&self, at: Moment) -> Option<Turn> {
+        Some(Turn {
+            at,
+            watch: self.watch.parse().ok()?,
+            before: self.before.parse().ok()?,
+            level: self.level.parse().ok()?,
+            value: self.value,
+            limit: self.limit,
+            worst: self.worst,
+            cause: String::new(),
+        })
+    }
 }
 
 impl From<&Event> for EventDocument {
@@ -280,9 +345,15 @@ impl From<&Remark> for EventDocument {
             What::Lost(count) => ("lost", "", vec![*count]),
             What::Ends(why) => ("ends", why.as_str(), vec![]),
             What::Continues(next) => ("continues", next.as_str(), vec![]),
+            What::Alarm(_) => ("alarm", "", vec![]),
             What::Other(text) => ("other", text.as_str(), vec![]),
         };
-        Self { kind: kind.to_owned(), seq, tau, wall_ns, text: text.to_owned(), count, ..Self::default() }
+        // Older versions know no alarms, and show the words of what they do not know.
+        let (text, alarm) = match &r.what {
+            What::Alarm(turn) => (turn.to_string(), Some(turn.into())),
+            _ => (text.to_owned(), None),
+        };
+        Self { kind: kind.to_owned(), seq, tau, wall_ns, text, count, alarm, ..Self::default() }
     }
 }
 
@@ -310,6 +381,10 @@ impl EventDocument {
             "lost" => return remark(What::Lost(count(0))),
             "ends" => return remark(What::Ends(self.text)),
             "continues" => return remark(What::Continues(self.text)),
+            "alarm" => {
+                let turn = self.alarm.and_then(|alarm| alarm.read(at));
+                return remark(turn.map_or(What::Other(self.text), What::Alarm));
+            }
             "started" => Happening::Started,
             "settings" => Happening::Settings,
             "refused" => Happening::Refused { asked: request_name(&self.asked), reason: self.text },

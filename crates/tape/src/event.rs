@@ -1,5 +1,7 @@
 //! What happened during a session, and when: the events of the bench, and the recorder's own remarks.
 
+use alarms::{Level, Turn, Watch};
+use wire::message::Trip;
 use wire::{Happening, Moment};
 
 /// Something that happened on the bench: a [`wire::Event`] without the settings, which [`crate::Revision`]s hold.
@@ -64,7 +66,7 @@ pub struct Remark {
 }
 
 /// What a recorder has to say.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum What {
     /// The file begins here.
     Begins,
@@ -74,6 +76,8 @@ pub enum What {
     Ends(String),
     /// The file ends here as it should, and the recording goes on in the next, which has this name.
     Continues(String),
+    /// Something went past one of the limits of alarms, or came back.
+    Alarm(Turn),
     /// What a later version has to say.
     Other(String),
 }
@@ -87,7 +91,16 @@ impl Remark {
             What::Lost(count) => format!("{count} steps lost"),
             What::Ends(why) => format!("recording ends: {why}"),
             What::Continues(next) => format!("recording goes on in {next}"),
+            What::Alarm(turn) => turn.to_string(),
             What::Other(what) => what.clone(),
         }
     }
+}
+
+/// A trip, or the restart after one, as the turn of an alarm: recordings hold them as events already.
+pub(crate) fn turn_of(at: Moment, tripped: Option<&Trip>) -> Turn {
+    let on = tripped.is_some();
+    let [level, before] = if on { [Level::Alarm, Level::Fine] } else { [Level::Fine, Level::Alarm] };
+    let cause = tripped.map_or_else(String::new, ToString::to_string);
+    Turn { at, watch: Watch::Trip, before, level, value: f64::from(u8::from(on)), limit: 0.5, worst: 1.0, cause }
 }

@@ -119,6 +119,11 @@ impl Gatherer {
         }
     }
 
+    /// Takes in what the recorder itself has to say.
+    pub(crate) fn remark(&mut self, remark: Remark) {
+        self.push(Item::Remark(remark));
+    }
+
     /// Closes the batch if its steps have waited long enough, or at once.
     pub(crate) fn flush(&mut self, now: Option<Instant>) {
         if now.is_none_or(|now| now.saturating_duration_since(self.opened) >= Self::BATCH_AGE) {

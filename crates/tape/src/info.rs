@@ -1,9 +1,12 @@
 //! What a recording holds, in a page: how long, how fast, how complete, and the moments that matter.
 
+use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
+use alarms::{Alarms, Entry, Limits, Watch};
 use serde::Serialize;
 
+use wire::message::Point;
 use wire::{Happening, Moment};
 
 use crate::error::TapeError;
@@ -54,6 +57,10 @@ pub struct Info {
     pub events: usize,
     /// The trips.
     pub trips: Vec<TripInfo>,
+    /// The alarms that rose, trips aside; in order.
+    pub alarms: Vec<AlarmInfo>,
+    /// What they were held against: warning and alarm, null where there is no limit. Null if nobody judged.
+    pub alarm_limits: Option<BTreeMap<&'static str, Option<[f64; 2]>>>,
     /// The smallest damping ratio under any settings in force; null if no poles are known.
     pub min_damping: Option<Damping>,
     /// The largest control force; null without steps.
@@ -93,6 +100,36 @@ pub struct TripInfo {
     pub revision: u64,
 }
 
+/// An alarm, from where it rose to where it was within its limits again.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct AlarmInfo {
+    /// What was past its limit.
+    pub watch: &'static str,
+    /// `warning` or `alarm`: the worst that it was.
+    pub level: &'static str,
+    /// The worst value.
+    pub worst: f64,
+    /// The limit of that level.
+    pub limit: f64,
+    /// Where it rose.
+    pub from: At,
+    /// Where it was within its limits again; null if it was not until the end.
+    pub to: Option<At>,
+}
+
+impl From<&Entry> for AlarmInfo {
+    fn from(entry: &Entry) -> Self {
+        Self {
+            watch: entry.watch.name(),
+            level: entry.level.name(),
+            worst: entry.worst,
+            limit: entry.limit,
+            from: entry.rose.into(),
+            to: entry.fell.map(At::from),
+        }
+    }
+}
+
 /// Settings with the smallest damping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Damping {
@@ -125,6 +162,9 @@ impl Info {
     pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
         let (mut force, mut radius) = (None::<Peak>, None::<Peak>);
         let mut held = false;
+        let recalled = Alarms::recalled(Limits::none(), &recording.turns());
+        let mut alarms: Vec<Entry> = recalled.entries().filter(|entry| entry.watch != Watch::Trip).cloned().collect();
+        alarms.reverse();
         recording.visit(0..u64::MAX, 1, |state| {
             // A machine that is held repeats the step that tripped it.
             let is_held = std::mem::replace(&mut held, is_tripped(state)) && held;
@@ -133,6 +173,15 @@ impl Info {
             }
             let at = At { step: state.seq, tau: state.tau, wall_ns: state.wall_ns };
             let [y, z] = state.force_delivered;
+            // A turn tells the worst until then: that of an alarm that never ended is for us to find.
+            for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.rose.seq <= state.seq) {
+                let value = match entry.watch {
+                    Watch::Orbit => state.points().iter().map(Point::radius).fold(0.0, f64::max),
+                    Watch::Force => y.hypot(z),
+                    _ => continue,
+                };
+                entry.worst = entry.worst.max(value);
+            }
             larger(&mut force, Peak { value: y.hypot(z), at, mass: None });
             for (mass, point) in state.points().iter().enumerate() {
                 larger(&mut radius, Peak { value: point.radius(), at, mass: Some(mass + 1) });
@@ -157,6 +206,12 @@ impl Info {
             }
             _ => None,
         });
+        for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.watch == Watch::Damping) {
+            let since = in_force.iter().filter(|r| r.from >= entry.rose.seq && !r.poles.is_empty());
+            entry.worst = since.map(|r| r.min_damping).fold(entry.worst, f64::min);
+        }
+        let limited = || Watch::ALL.into_iter().filter(|watch| watch.has_limits());
+        let pairs = |limits: &Limits| limited().map(|watch| (watch.name(), limits.pair(watch))).collect();
         Ok(Self {
             file: recording.path().display().to_string(),
             bytes: recording.bytes(),
@@ -179,6 +234,8 @@ impl Info {
             settings_changes: in_force.len().saturating_sub(1),
             events: recording.events().len(),
             trips: trips.collect(),
+            alarms: alarms.iter().map(AlarmInfo::from).collect(),
+            alarm_limits: session.limits.as_ref().map(pairs),
             min_damping: least.map(|r| Damping { value: r.min_damping, step: r.from.max(first), revision: r.revision }),
             max_force: force,
             max_radius: radius,

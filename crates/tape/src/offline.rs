@@ -76,10 +76,11 @@ impl OfflineTape {
             started_ns: 0,
             rate_hz: 0.0,
             dtau,
+            limits: None,
         };
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let part = target.with_file_name(format!(".{name}-{}.part", std::process::id()));
-        let head = Head { session, bulletin };
+        let head = Head { session, bulletin, standing: Vec::new() };
         let mut sink = sink::create(&part, &head)?;
         let part = Unfinished(part);
         sink.revision(&head.revision(), Moment::default())?;

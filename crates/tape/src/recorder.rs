@@ -7,13 +7,16 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use alarms::{Limits, Turn};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use wire::{
     BenchName, Carrier, HostState, Keeping, Listener, RecorderSender, RecorderState, RecorderStatus, Text, WireError,
 };
 
 use crate::error::TapeError;
+use crate::event::{Remark, What};
 use crate::gather::Gatherer;
+use crate::judge::Judge;
 use crate::reel::{Keep, Reel};
 use crate::sink::Item;
 
@@ -37,6 +40,14 @@ pub struct Order {
     pub keep: Keep,
     /// Goes on with the next simulation of the same name when one ends.
     pub follow: bool,
+    /// What is past these is written down as an alarm.
+    pub limits: Limits,
+}
+
+impl Order {
+    fn reel(&self) -> Result<Reel, TapeError> {
+        Reel::new(&self.path, self.bench.as_str(), self.keep.clone(), self.limits.clone())
+    }
 }
 
 /// How a recording went.
@@ -89,7 +100,7 @@ pub fn record<C: Carrier>(
     stop: &AtomicBool,
     progress: impl FnMut(Progress),
 ) -> Result<Summary, TapeError> {
-    let reel = Reel::new(&order.path, order.bench.as_str(), order.keep.clone())?;
+    let reel = order.reel()?;
     let mut voice = Voice::new(carrier.recorder(&order.bench)?, order);
     let tally = Tally::default();
     let (sender, receiver) = bounded(QUEUE);
@@ -125,17 +136,26 @@ fn listen(
     mut progress: impl FnMut(Progress),
 ) -> Result<(u64, &'static str), TapeError> {
     let mut gatherer = Gatherer::new();
+    let mut judge = Judge::new(order.limits.clone());
     let began = Instant::now();
     let mut heard = began;
     let mut told = None::<Instant>;
     let why = loop {
         let now = Instant::now();
-        let states = listener.drain(|state| gatherer.state(state, now))?;
+        let states = listener.drain(|state| {
+            gatherer.state(state, now);
+            judge.state(state);
+        })?;
         // Events before the bulletin: it must not be news what an event has told already.
-        listener.events(|event| gatherer.event(event))?;
+        listener.events(|event| {
+            gatherer.event(event);
+            judge.event(event);
+        })?;
         if let Some(bulletin) = listener.bulletin()? {
+            judge.bulletin(&bulletin, gatherer.lost());
             gatherer.bulletin(bulletin);
         }
+        note(&mut gatherer, judge.turns(Some(now)));
         gatherer.flush(Some(now));
         if !deliver(&mut gatherer, sender) {
             // The writer has ended, and says itself why.
@@ -160,6 +180,7 @@ fn listen(
         }
         std::thread::sleep(LISTEN);
     };
+    note(&mut gatherer, judge.turns(None));
     gatherer.flush(None);
     while let Some(item) = gatherer.next() {
         if sender.send(Message::Item(item)).is_err() {
@@ -168,6 +189,11 @@ fn listen(
     }
     let _ = sender.send(Message::End(why));
     Ok((gatherer.lost(), why))
+}
+
+/// Has alarms put on tape.
+fn note(gatherer: &mut Gatherer, turns: Vec<Turn>) {
+    turns.into_iter().for_each(|turn| gatherer.remark(Remark { at: turn.at, what: What::Alarm(turn) }));
 }
 
 /// One thing for the writing thread.
@@ -261,7 +287,7 @@ fn absolute(path: &Path) -> PathBuf {
 /// # Errors
 /// The path is taken or no place for a file, or this build cannot record.
 pub fn check(order: &Order) -> Result<(), TapeError> {
-    Reel::new(&order.path, order.bench.as_str(), order.keep.clone()).map(drop)
+    order.reel().map(drop)
 }
 
 /// Whether what is kept can be kept: how much memory, or how short a stretch.

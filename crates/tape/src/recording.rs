@@ -7,13 +7,14 @@
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 
+use alarms::{Limits, Turn};
 use rotor::{C64, Rotor, Scales, Settings};
 use wire::message::{Analysis, Flags, Health, Trip};
 use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
-use crate::event::{Event, Remark, What};
+use crate::event::{self, Event, Remark, What};
 
 /// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
 const KEPT: usize = 6;
@@ -39,6 +40,8 @@ pub struct Session {
     pub rate_hz: f64,
     /// Advance of `tau` per step.
     pub dtau: f64,
+    /// What alarms were held against; `None` if nobody judged, as in runs without a bench and before there were alarms.
+    pub limits: Option<Limits>,
 }
 
 /// Where a recording comes from.
@@ -180,6 +183,7 @@ impl Recording {
         contents.events.sort_by_key(|e| e.number);
         contents.events.dedup_by_key(|e| e.number);
         contents.remarks.sort_by_key(|r| r.at.seq);
+        once(&mut contents.remarks);
         let gaps = gaps(&contents.stretches);
         let trips = trips(&contents.events);
         Self { path: path.to_owned(), contents, gaps, trips, decoder, at_hand: Vec::new() }
@@ -348,6 +352,27 @@ impl Recording {
         &self.contents.remarks
     }
 
+    /// Every turn of an alarm, trips and the restarts after them among them, in order.
+    #[must_use]
+    pub fn turns(&self) -> Vec<Turn> {
+        let mut held = false;
+        let of_bench = self.contents.events.iter().filter_map(|event| match &event.happening {
+            Happening::Tripped(trip) => {
+                held = true;
+                Some(event::turn_of(event.at, Some(trip)))
+            }
+            Happening::Restarted if std::mem::take(&mut held) => Some(event::turn_of(event.at, None)),
+            _ => None,
+        });
+        let of_recorder = self.contents.remarks.iter().filter_map(|remark| match &remark.what {
+            What::Alarm(turn) => Some(turn.clone()),
+            _ => None,
+        });
+        let mut turns: Vec<Turn> = of_bench.chain(of_recorder).collect();
+        turns.sort_by_key(|turn| turn.at.seq);
+        turns
+    }
+
     /// Steps that are missing between the first and the last.
     #[must_use]
     pub fn gaps(&self) -> &[Gap] {
@@ -435,6 +460,19 @@ fn analysis(revision: &Revision) -> Analysis {
         *place = [pole.re, pole.im];
     }
     analysis
+}
+
+/// Alarms in force stand at the head of every part again: each is kept once.
+fn once(remarks: &mut Vec<Remark>) {
+    let mut kept: Vec<Remark> = Vec::with_capacity(remarks.len());
+    for remark in remarks.drain(..) {
+        let same_step = kept.iter().rev().take_while(|other| other.at.seq == remark.at.seq);
+        let is_alarm = matches!(remark.what, What::Alarm(_));
+        if !(is_alarm && same_step.into_iter().any(|other| other.what == remark.what)) {
+            kept.push(remark);
+        }
+    }
+    *remarks = kept;
 }
 
 /// What is missing between and within stretches.

@@ -4,6 +4,7 @@
 use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
+use alarms::Limits;
 use rotor::Difference;
 use wire::{Bulletin, Happening, Keeping, Moment};
 
@@ -45,7 +46,7 @@ type Open = Box<dyn FnMut(&Path, &Head) -> Result<Box<dyn Sink>, TapeError> + Se
 pub struct Reel {
     open: Open,
     path: PathBuf,
-    bench: String,
+    subject: Subject,
     keep: Keep,
     /// How things stand now; `None` before the first run.
     head: Option<Head>,
@@ -58,6 +59,19 @@ pub struct Reel {
     bytes: u64,
     last: Moment,
     wait: Wait,
+}
+
+/// Whose recording it is.
+#[derive(Debug)]
+struct Subject {
+    bench: String,
+    limits: Limits,
+}
+
+impl Subject {
+    fn head(&self, bulletin: Box<Bulletin>) -> Head {
+        Head::live(bulletin, &self.bench).judged_by(self.limits.clone())
+    }
 }
 
 struct Part {
@@ -84,21 +98,21 @@ struct Wait {
 }
 
 impl Reel {
-    /// A reel on `path`, for a bench called `bench`. Nothing is written yet.
+    /// A reel on `path`, for a bench called `bench` that is held against `limits`. Nothing is written yet.
     ///
     /// # Errors
     /// The path is taken or no place for a file, or this build cannot record.
-    pub fn new(path: &Path, bench: &str, keep: Keep) -> Result<Self, TapeError> {
+    pub fn new(path: &Path, bench: &str, keep: Keep, limits: Limits) -> Result<Self, TapeError> {
         sink::available()?;
-        Self::with(path, bench, keep, Box::new(sink::create))
+        Self::with(path, Subject { bench: bench.to_owned(), limits }, keep, Box::new(sink::create))
     }
 
-    fn with(path: &Path, bench: &str, keep: Keep, open: Open) -> Result<Self, TapeError> {
+    fn with(path: &Path, subject: Subject, keep: Keep, open: Open) -> Result<Self, TapeError> {
         check(path)?;
         Ok(Self {
             open,
             path: path.to_owned(),
-            bench: bench.to_owned(),
+            subject,
             keep,
             head: None,
             file: None,
@@ -171,7 +185,7 @@ impl Reel {
                     self.close(What::Continues(name(&next)))?;
                 }
                 self.last = at;
-                self.head = Some(Head::live(bulletin, &self.bench));
+                self.head = Some(self.subject.head(bulletin));
                 self.begin()
             }
             Item::Steps(batch) => {
@@ -205,7 +219,12 @@ impl Reel {
                 let (Some(part), Some(head)) = (&mut self.file, &self.head) else { return Ok(()) };
                 part.sink.health(&head.bulletin, at)
             }
-            Item::Remark(remark) => self.file.as_mut().map_or(Ok(()), |part| part.sink.remark(&remark)),
+            Item::Remark(remark) => {
+                if let Some(head) = &mut self.head {
+                    head.heed(&remark);
+                }
+                self.file.as_mut().map_or(Ok(()), |part| part.sink.remark(&remark))
+            }
         }
     }
 
@@ -238,6 +257,9 @@ impl Reel {
         self.parts += 1;
         sink.revision(&head.revision(), self.last)?;
         sink.remark(&Remark { at: self.last, what: What::Begins })?;
+        for remark in &head.standing {
+            sink.remark(remark)?;
+        }
         self.file = Some(Part { path, sink, began_ns: None });
         Ok(())
     }
@@ -321,7 +343,7 @@ impl Reel {
             self.wait = Wait::default();
         }
         self.wait.items.push_back(item);
-        self.wait.let_go(now_ns.saturating_sub(window_ns), &self.bench);
+        self.wait.let_go(now_ns.saturating_sub(window_ns), &self.subject);
         if trips {
             self.wait.until_ns = Some(now_ns + after_ns(seconds));
             self.head = self.wait.head.take();
@@ -340,7 +362,7 @@ fn after_ns(seconds: f64) -> u64 {
 
 impl Wait {
     /// Lets go of everything before the first steps that reach past `oldest_ns`; settings among it go into the head.
-    fn let_go(&mut self, oldest_ns: u64, bench: &str) {
+    fn let_go(&mut self, oldest_ns: u64, subject: &Subject) {
         loop {
             let is_new = |item: &Item| match item {
                 Item::Steps(batch) => batch.span().is_some_and(|(_, last)| last.wall_ns >= oldest_ns),
@@ -359,10 +381,15 @@ impl Wait {
             }
             for item in self.items.drain(..upto) {
                 match item {
-                    Item::Run(bulletin, _) => self.head = Some(Head::live(bulletin, bench)),
+                    Item::Run(bulletin, _) => self.head = Some(subject.head(bulletin)),
                     Item::Event(event) => {
                         if let Some(head) = &mut self.head {
                             head.follow(&event);
+                        }
+                    }
+                    Item::Remark(remark) => {
+                        if let Some(head) = &mut self.head {
+                            head.heed(&remark);
                         }
                     }
                     _ => {}
@@ -403,6 +430,7 @@ fn free_bytes(path: &Path) -> Option<u64> {
 mod tests {
     use std::sync::{Arc, Mutex};
 
+    use alarms::{Level, Turn, Watch};
     use wire::message::Trip;
     use wire::{SettingsMessage, State};
 
@@ -472,7 +500,8 @@ mod tests {
                 std::fs::write(path, "").unwrap();
                 Ok(Box::new(Noting { name: name(path), log: shared.clone(), bytes: 0 }))
             });
-            let reel = Reel::with(&folder.path().join("s.rrd"), "rig", keep, open).unwrap();
+            let subject = Subject { bench: "rig".into(), limits: Limits::default() };
+            let reel = Reel::with(&folder.path().join("s.rrd"), subject, keep, open).unwrap();
             Self { reel, log, folder }
         }
 
@@ -548,6 +577,44 @@ mod tests {
         );
         let files = bench.reel.finish("enough").unwrap();
         assert_eq!(files.iter().map(|f| name(f)).collect::<Vec<_>>(), ["s.rrd", "s-2.rrd"]);
+    }
+
+    fn alarm(seq: u64, level: Level) -> Item {
+        let before = if level == Level::Fine { Level::Alarm } else { Level::Fine };
+        let at = Moment { seq, ..Moment::default() };
+        let (watch, cause) = (Watch::Damping, String::new());
+        let turn = Turn { at, watch, before, level, value: seq as f64, limit: 0.0, worst: 0.0, cause };
+        Item::Remark(Remark { at, what: What::Alarm(turn) })
+    }
+
+    #[test]
+    fn an_alarm_in_force_stands_at_the_head_of_every_part_until_it_ends() {
+        let mut bench = Bench::new(Keep { split: Some(1000), ..keep(Keeping::All) });
+        bench.run();
+        bench.second(0);
+        bench.reel.take(alarm(5, Level::Alarm)).unwrap();
+        bench.second(1);
+        bench.second(2);
+        bench.reel.take(alarm(25, Level::Fine)).unwrap();
+        bench.second(3);
+        let said = bench.log();
+        let told: Vec<&str> = said.iter().filter(|line| line.contains("damping")).map(String::as_str).collect();
+        let rose = "alarm: damping 5, limit 0";
+        let [again, further] = [2, 3].map(|part| format!("s-{part}.rrd {rose}"));
+        let fell = "s-3.rrd damping within its limits again: 25, at worst 0";
+        assert_eq!(told, [&format!("s.rrd {rose}"), &again, &further, fell], "{said:?}");
+    }
+
+    #[test]
+    fn an_alarm_before_the_time_that_a_trip_looks_back_is_told_all_the_same() {
+        let mut bench = Bench::new(keep(Keeping::Pretrigger(3.0)));
+        bench.run();
+        bench.second(0);
+        bench.reel.take(alarm(5, Level::Warning)).unwrap();
+        (1..20).for_each(|second| bench.second(second));
+        bench.event(&Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }), 1);
+        let said = bench.log();
+        assert_eq!(said[2], "s.rrd warning: damping 5, limit 0", "{said:?}");
     }
 
     #[test]

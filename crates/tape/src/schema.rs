@@ -6,7 +6,7 @@
 //! | `/steps` | every step, one row each, one struct with the fields of [`columns`] |
 //! | `/settings` | every change: the settings whole, as JSON, and as text for people; `/settings/values`, each as a series |
 //! | `/poles` | under each of them: the poles as points, exact in JSON with the settings; `/poles/min_damping` |
-//! | `/events` | who did what, when and why; trips, losses |
+//! | `/events` | who did what, when and why; trips, alarms, losses |
 //! | `/health` | how the simulation and the recorder keep up, as often as bulletins come |
 //! | `/orbits/massN` | curves for the eye, thinned out; `/orbits/massN/deadband`, the clearance in force |
 

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use alarms::{Level, Limits};
 use rotor::Spectrum;
 use wire::{Bulletin, Happening, Moment};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
-use crate::event::{Event, Remark};
+use crate::event::{Event, Remark, What};
 use crate::recording::{Revision, Session, Source};
 use crate::schema;
 
@@ -33,6 +34,8 @@ pub struct Head {
     pub session: Session,
     /// The slow picture as it stands at the beginning; its settings are those in force.
     pub bulletin: Box<Bulletin>,
+    /// The alarms in force: of each the turn with which it rose, and the last one.
+    pub standing: Vec<Remark>,
 }
 
 /// Takes what is recorded. Each call that returns has its bytes where a kill of this process does not reach them.
@@ -127,8 +130,32 @@ impl Head {
             started_ns: bulletin.started_ns,
             rate_hz: bulletin.rate_hz,
             dtau: bulletin.dtau,
+            limits: None,
         };
-        Self { session, bulletin }
+        Self { session, bulletin, standing: Vec::new() }
+    }
+
+    /// The same of a bench that is held against limits.
+    #[must_use]
+    pub fn judged_by(mut self, limits: Limits) -> Self {
+        self.session.limits = Some(limits);
+        self
+    }
+
+    /// Takes note of an alarm that is in force from here on, or no longer.
+    pub(crate) fn heed(&mut self, remark: &Remark) {
+        let What::Alarm(turn) = &remark.what else { return };
+        let is_same = |other: &Remark| matches!(&other.what, What::Alarm(other) if other.watch == turn.watch);
+        if turn.level == Level::Fine {
+            self.standing.retain(|other| !is_same(other));
+            return;
+        }
+        let rose = self.standing.iter().position(is_same);
+        let last = self.standing.iter().rposition(is_same);
+        if let Some(last) = last.filter(|last| Some(*last) != rose) {
+            self.standing.remove(last);
+        }
+        self.standing.push(remark.clone());
     }
 
     /// What came into force with an event that happened before the recording began: those that came late are told of it.

@@ -5,8 +5,9 @@
 use std::ops::ControlFlow;
 use std::path::Path;
 
+use alarms::{Level, Limit, Limits, Turn, Watch};
 use rotor::{Settings, builtin};
-use tape::{Batch, Event, Head, Recording, Remark, What};
+use tape::{Batch, Event, Head, Info, Recording, Remark, What};
 use wire::message::{Flags, Point, Trip};
 use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
 
@@ -61,7 +62,7 @@ fn at(seq: u64) -> Moment {
 
 /// A recording of steps 100 to 5100 with 50 missing, a change of settings and a trip.
 fn write(path: &Path) -> Vec<u64> {
-    let head = Head::live(bulletin(), "rig");
+    let head = Head::live(bulletin(), "rig").judged_by(limits());
     let mut sink = tape::create(path, &head).unwrap();
     let mut ends = vec![];
     sink.revision(&head.revision(), at(100)).unwrap();
@@ -82,6 +83,10 @@ fn write(path: &Path) -> Vec<u64> {
     sink.revision(&changed, told.at).unwrap();
     sink.event(&told).unwrap();
     sink.remark(&Remark { at: at(2150), what: What::Lost(50) }).unwrap();
+    for turn in turns() {
+        // As a part that goes on from another has it.
+        (0..2).for_each(|_| sink.remark(&Remark { at: turn.at, what: What::Alarm(turn.clone()) }).unwrap());
+    }
     for first in (2150..5150).step_by(500) {
         sink.steps(&batch(first..first + 500)).unwrap();
         ends.push(sink.bytes());
@@ -93,6 +98,23 @@ fn write(path: &Path) -> Vec<u64> {
     sink.remark(&Remark { at: at(5149), what: What::Ends("asked to stop".into()) }).unwrap();
     assert_eq!(sink.finish().unwrap(), path.metadata().unwrap().len());
     ends
+}
+
+/// An alarm that rises twice and falls once.
+fn turns() -> Vec<Turn> {
+    let turn = |seq, before, level, value: f64, worst| {
+        let (watch, limit, cause) = (Watch::Orbit, 1.0 / 3.0, String::new());
+        Turn { at: at(seq), watch, before, level, value, limit, worst, cause }
+    };
+    vec![
+        turn(2200, Level::Fine, Level::Warning, 0.4, 0.4),
+        turn(2210, Level::Warning, Level::Fine, 0.1 + 0.2, 0.5),
+        turn(3000, Level::Fine, Level::Alarm, 0.9, 0.9),
+    ]
+}
+
+fn limits() -> Limits {
+    Limits::none().having(Watch::Orbit, Limit::above(1.0 / 3.0, 0.5))
 }
 
 fn states(recording: &mut Recording) -> Vec<State> {
@@ -140,11 +162,36 @@ fn what_is_written_is_what_is_read() {
     let events = recording.events();
     assert_eq!(events.iter().map(|e| e.number).collect::<Vec<_>>(), [9, 10]);
     assert_eq!(events[0].text(), "settings changed by dash:7 (typed)");
+    assert_eq!(session_limits(&recording), limits());
+    let mut told = recording.turns();
+    let tripped = told.pop().unwrap();
+    assert_eq!((told, tripped.watch, tripped.at.seq), (turns(), Watch::Trip, 5000), "each once, and the trip");
+    let events = recording.events();
     let sent = recording.wire_event(&events[0]);
     assert_eq!(sent.settings.unpack().feedback.signals[0].gains[0].at(2.5), -0.125);
     let notices = recording.notices();
     assert_eq!(notices.len(), 2, "{notices:?}");
     assert!(notices[0].starts_with("begins at step 100") && notices[1].starts_with("50 steps are missing"));
+}
+
+fn session_limits(recording: &Recording) -> Limits {
+    recording.session().limits.clone().unwrap()
+}
+
+#[test]
+fn alarms_are_in_the_page_about_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.rrd");
+    write(&path);
+    let info = Info::of(&mut Recording::open(&path).unwrap()).unwrap();
+    let told: Vec<_> = info.alarms.iter().map(|a| (a.watch, a.level, a.from.step, a.to.map(|to| to.step))).collect();
+    assert_eq!(told, [("orbit", "warning", 2200, Some(2210)), ("orbit", "alarm", 3000, None)]);
+    assert_eq!((info.alarms[0].worst, info.alarms[0].limit), (0.5, 1.0 / 3.0));
+    // The second one never ended: the steps tell how far it went.
+    let radius = |seq: u64| state(seq).points().iter().map(Point::radius).fold(0.0, f64::max);
+    assert_eq!(info.alarms[1].worst, (3000..5150).map(radius).fold(0.9, f64::max));
+    let pairs = info.alarm_limits.unwrap();
+    assert_eq!((pairs["orbit"], pairs["damping"]), (Some([1.0 / 3.0, 0.5]), None));
 }
 
 #[test]
@@ -235,6 +282,8 @@ fn regress_a_recording_of_schema_1_is_read() {
     let read = states(&mut recording);
     assert_eq!(read.len() as u64, recording.rows());
     assert!(recording.gaps().is_empty() && read.len() > 2000);
+    // It was made before alarms were written down.
+    assert_eq!((recording.session().limits.clone(), recording.turns().len()), (None, 2), "the trip and its end");
     // It is what its README says: unstable, tripped, restarted under better gains, kicked, and quiet.
     let names: Vec<&str> = recording.events().iter().map(|e| e.happening.name()).filter(|n| *n != "late").collect();
     let at = |name: &str| names.iter().position(|n| *n == name).unwrap();

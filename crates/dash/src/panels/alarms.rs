@@ -43,7 +43,9 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if told == 0
         && let Some(row) = rows.next()
     {
-        write(buffer, row, row.x, row.y, "nothing has been past its limit", theme::quiet());
+        let unjudged = view.replay.as_ref().is_some_and(|show| !show.judged);
+        let words = if unjudged { "recorded without alarms" } else { "nothing has been past its limit" };
+        write(buffer, row, row.x, row.y, words, theme::quiet());
     }
 }
 
@@ -64,8 +66,9 @@ fn draw_standings(view: &View<'_>, rows: &mut impl ExactSizeIterator<Item = Rect
         };
         let state = match (limit, standing.value) {
             (None, _) => Span::styled("no limit", theme::quiet()),
-            (Some(_), None) => Span::styled("unknown", theme::quiet()),
-            (Some(_), Some(_)) => Span::styled(level_words(standing.at), theme::loud(level_color(standing.at))),
+            // A recorder that told of nothing has judged all the same.
+            (Some(_), None) if view.replay.is_none() => Span::styled("unknown", theme::quiet()),
+            (Some(_), _) => Span::styled(level_words(standing.at), theme::loud(level_color(standing.at))),
         };
         (watch.name(), cells, state)
     });

@@ -8,6 +8,7 @@
 //! └─────────────────────────────────────────────────────────┘
 //! ```
 
+use alarms::Level;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -16,6 +17,7 @@ use wire::Happening;
 
 use super::alarms::clock;
 use super::{framed, write};
+use crate::journal::Entry;
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
@@ -28,14 +30,17 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     }
     // While the newest step is looked at, nothing is after it.
     let until = picture.now.filter(|_| picture.behind > 0).map(|now| picture.track.wall_ns(now));
-    for (y, entry) in (inner.top()..inner.bottom()).zip(picture.events.iter().rev()) {
-        let is_after = until.is_some_and(|until| entry.wall_ns > until);
-        let (sign, color) = sign(&entry.happening);
+    let is_after = |entry: &Entry| until.is_some_and(|until| entry.wall_ns > until);
+    // What is after the cursor takes no more than a third: what was before it must be found.
+    let after = picture.events.iter().rev().take_while(|entry| is_after(entry)).count();
+    let skipped = after.saturating_sub(usize::from(inner.height / 3));
+    for (y, entry) in (inner.top()..inner.bottom()).zip(picture.events.iter().rev().skip(skipped)) {
+        let (sign, color) = sign(entry);
         let when = format!("{}  tau {:<7} ", clock(entry.wall_ns), short(entry.tau, 5));
         write(buffer, inner, inner.left(), y, &when, theme::quiet());
         let what = format!("{sign}{}", entry.what);
         let style = match color {
-            _ if is_after => theme::quiet(),
+            _ if is_after(entry) => theme::quiet(),
             Some(color) => theme::loud(color),
             None => Style::new(),
         };
@@ -47,8 +52,10 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
 }
 
 /// What stands before an event, and its colour.
-fn sign(happening: &Happening) -> (&'static str, Option<Color>) {
-    match happening {
+fn sign(entry: &Entry) -> (&'static str, Option<Color>) {
+    match entry.happening {
+        _ if entry.level == Level::Alarm => ("!! ", Some(theme::BAD)),
+        _ if entry.level == Level::Warning => ("! ", Some(theme::WARN)),
         Happening::Tripped(_) => ("!! ", Some(theme::BAD)),
         Happening::Refused { .. } | Happening::Late { .. } => ("! ", Some(theme::WARN)),
         Happening::Note(_) => ("● ", Some(theme::FORWARD)),
@@ -90,6 +97,33 @@ mod tests {
         insta::assert_snapshot!("events", frame);
         insta::assert_snapshot!("events_small", frame_of(40, 4));
         insta::assert_snapshot!("events_large", frame_of(140, 12));
+    }
+
+    #[test]
+    fn where_one_looks_back_there_is_what_had_happened_by_then() {
+        let mut feed = Feed::new("");
+        feed.read(tests::bulletin("three-mass", "composite"));
+        let settings = tests::bulletin("three-mass", "composite").settings.unpack();
+        for number in 1..=100 {
+            feed.happen(&event(number, &Happening::Note(format!("number {number}")), &settings));
+        }
+        // Steps a second apart, as the events are.
+        for seq in 0..100 {
+            feed.hear(
+                &wire::State { wall_ns: (50_600 + seq) * 1_000_000_000, ..tests::state(3, seq) },
+                std::time::Instant::now(),
+            );
+        }
+        let mut time = ViewTime::LIVE;
+        time.jump(50);
+        let picture = feed.picture(&time, std::time::Instant::now());
+        let view = crate::screen::View { time: &time, ..view(&picture) };
+        let frame = drawn(60, 11, |area, buffer| draw(&view, area, buffer));
+        let rows: Vec<&str> = frame.lines().collect();
+        assert!(
+            rows[1].contains("number 53") && rows[4].contains("number 50") && rows[9].contains("number 45"),
+            "{frame}"
+        );
     }
 
     #[test]

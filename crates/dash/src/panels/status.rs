@@ -85,8 +85,12 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         add(text, style);
     }
     Line::from(line).render(area, buffer);
-    // At the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
-    let told: Vec<Span<'_>> = alarms_told(view.alarms).collect();
+    draw_alarms(view.alarms, area, buffer);
+}
+
+/// Alarms at the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
+pub(crate) fn draw_alarms(alarms: &Alarms, area: Rect, buffer: &mut Buffer) {
+    let told: Vec<Span<'_>> = alarms_told(alarms).collect();
     let told = Line::from(told);
     let width = (told.width() as u16).min(area.width);
     told.render(Rect { x: area.right() - width, width, ..area }, buffer);

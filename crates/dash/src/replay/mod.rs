@@ -16,7 +16,7 @@ mod stage;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use past::{Past, PastEvent};
+pub use past::{Past, PastEvent, PastWhat};
 pub(crate) use player::Player;
 pub(crate) use show::{Beside, Show, draw_time, draw_top};
 pub use stage::replay;

@@ -2,19 +2,48 @@
 
 use std::ops::Range;
 
+use alarms::{Limits, Turn};
 use wire::{Bulletin, Happening, Moment, State};
 
-/// Something that happened, as [`wire::Event`] tells it.
+/// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PastEvent {
     /// When; its step is the first made with it.
     pub at: Moment,
     /// What.
-    pub happening: Happening,
+    pub what: PastWhat,
     /// Who did it.
     pub who: String,
     /// Why; may be empty.
     pub why: String,
+}
+
+/// What happened.
+#[derive(Clone, Debug, PartialEq)]
+pub enum PastWhat {
+    /// On the bench, as [`wire::Event`] tells it.
+    Happening(Happening),
+    /// Something went past its limit, or came back.
+    Alarm(Turn),
+    /// In the words of whoever recorded.
+    Remark(String),
+}
+
+impl PastEvent {
+    /// What happened on the bench, if that is what it tells of.
+    pub(crate) fn happening(&self) -> Option<&Happening> {
+        if let PastWhat::Happening(happening) = &self.what { Some(happening) } else { None }
+    }
+}
+
+impl std::fmt::Display for PastWhat {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Happening(happening) => happening.fmt(f),
+            Self::Alarm(turn) => turn.fmt(f),
+            Self::Remark(words) => f.write_str(words),
+        }
+    }
 }
 
 /// Steps of one run, and what is known about them. Errors are in words, for the person at the terminal.
@@ -37,8 +66,14 @@ pub trait Past {
     /// The first step made with each of the settings, ascending; the first may lie before the span.
     fn changes(&self) -> Vec<u64>;
 
-    /// What happened, ascending in step.
+    /// What happened, ascending in step; alarms among it, but for trips.
     fn events(&self) -> Vec<PastEvent>;
+
+    /// Every turn of an alarm, trips among them, ascending in step.
+    fn turns(&self) -> Vec<Turn>;
+
+    /// What alarms were held against; `None` if nobody judged.
+    fn limits(&self) -> Option<Limits>;
 
     /// Steps that are missing within the span, ascending.
     fn missing(&self) -> Vec<Range<u64>>;

@@ -3,8 +3,9 @@
 use std::ops::Range;
 use std::time::Instant;
 
+use alarms::{Alarms, Level, Limits, Turn, Watch};
 use rotor::Settings;
-use wire::{Happening, SettingsMessage, State};
+use wire::{Bulletin, Happening, SettingsMessage, State};
 
 use super::branch::{Act, Branch, Line, Root};
 use super::loaded::Loaded;
@@ -48,6 +49,11 @@ pub(crate) struct Player {
     masses: usize,
     pub(super) events: Vec<PastEvent>,
     pub(super) missing: Vec<Range<u64>>,
+    /// What alarms did, and how they stood where we stand: after so many of these turns.
+    turns: Vec<Turn>,
+    limits: Limits,
+    pub(super) judged: bool,
+    alarms: (usize, Alarms),
     /// What was done to the machine; gathered when it is first needed.
     acts: Option<Vec<(u64, Act)>>,
     pub(super) loaded: Loaded,
@@ -73,6 +79,10 @@ impl Player {
             masses: bulletin.masses as usize,
             events: past.events(),
             missing: past.missing(),
+            turns: past.turns(),
+            limits: past.limits().unwrap_or_else(Limits::none),
+            judged: past.limits().is_some(),
+            alarms: (usize::MAX, Alarms::default()),
             acts: None,
             loaded: Loaded::default(),
             reads_on: true,
@@ -111,6 +121,11 @@ impl Player {
     /// What is to be told about it.
     pub(crate) fn notices(&self) -> Vec<String> {
         self.past.notices()
+    }
+
+    /// How alarms stood at the moment.
+    pub(crate) fn alarms(&self) -> &Alarms {
+        &self.alarms.1
     }
 
     /// Whether it moves on by itself.
@@ -275,8 +290,39 @@ impl Player {
             }
             self.acts = Some(acts);
         }
+        self.recall_alarms(seq, &bulletin, feed);
         feed.stand_at(bulletin);
         Ok(())
+    }
+
+    /// Has alarms stand as they stood at step `seq`.
+    fn recall_alarms(&mut self, seq: u64, bulletin: &Bulletin, feed: &Feed) {
+        let turned = self.turns.partition_point(|turn| turn.at.seq <= seq);
+        if self.alarms.0 != turned {
+            self.alarms = (turned, Alarms::recalled(self.limits.clone(), &self.turns[..turned]));
+        }
+        let alarms = &mut self.alarms.1;
+        let place = self.loaded.place_of(seq);
+        let track = place.map(|place| feed.history().track(&(place..place + 1))).filter(|track| track.len() > 0);
+        let [mut orbit, mut force] = [None; 2];
+        if let Some(track) = track {
+            let radii = (0..track.masses()).map(|mass| track.place(0, mass)).map(|[y, z]| y.hypot(z));
+            orbit = Some(radii.fold(0.0, f64::max));
+            let [y, z] = track.force(0);
+            force = Some(y.hypot(z));
+        }
+        let damping = (bulletin.analysis.count > 0).then_some(bulletin.analysis.min_damping);
+        // Shares and counts over a stretch of time are known where they crossed a limit, and nowhere else.
+        let past = |watch: Watch| alarms.standings().find(|(of, ..)| *of == watch).map(|(_, standing, _)| standing);
+        let kept = |watch| past(watch).filter(|standing| standing.at > Level::Fine).and_then(|standing| standing.value);
+        let values = Watch::ALL.map(|watch| match watch {
+            Watch::Trip => Some(f64::from(u8::from(bulletin.trip.is_tripped()))),
+            Watch::Damping => damping,
+            Watch::Orbit => orbit,
+            Watch::Force => force,
+            Watch::Saturation | Watch::Lateness | Watch::Losses => kept(watch),
+        });
+        Watch::ALL.into_iter().zip(values).for_each(|(watch, value)| alarms.see(watch, value));
     }
 
     /// While paused the recording is read on, as far as there is room: going there is then immediate.
@@ -299,8 +345,8 @@ impl Player {
         let mut acts: Vec<(u64, Act)> = self
             .events
             .iter()
-            .filter_map(|event| match event.happening {
-                Happening::Impulse { mass, velocity } => Some((event.at.seq, Act::Impulse(mass, velocity))),
+            .filter_map(|event| match event.happening()? {
+                Happening::Impulse { mass, velocity } => Some((event.at.seq, Act::Impulse(*mass, *velocity))),
                 Happening::Restarted => Some((event.at.seq, Act::Restart)),
                 _ => None,
             })
@@ -379,8 +425,11 @@ impl Player {
     /// The line of time that the run was on at `state`: since the last restart or change of speed, if that is on file. A
     /// line that begins at the first step on file differs from the true one by rounding only.
     fn line(&mut self, state: &State, settings: &Settings) -> Result<Line, String> {
-        let restart =
-            self.events.iter().rev().find(|event| event.happening == Happening::Restarted && event.at.seq <= state.seq);
+        let restart = self
+            .events
+            .iter()
+            .rev()
+            .find(|event| event.happening() == Some(&Happening::Restarted) && event.at.seq <= state.seq);
         // Before its first step a machine is at rest.
         let rest = restart.map_or(0, |event| event.at.seq);
         let changes = self.past.changes();

@@ -5,6 +5,7 @@
 //! ├──────◇───────█───╎─────░░─────✗──┤ 12 steps are missing in 1 places, the first at step 7
 //! ```
 
+use alarms::Level;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -13,10 +14,11 @@ use ratatui::widgets::Widget;
 use wire::Happening;
 use wire::message::{Flags, Trip};
 
-use super::PastEvent;
 use super::branch::Branch;
 use super::loaded::Loaded;
 use super::player::{Player, Repeat};
+use super::{PastEvent, PastWhat};
+use crate::panels::status::draw_alarms;
 use crate::picture::Picture;
 use crate::plot::short;
 use crate::screen::View;
@@ -36,6 +38,8 @@ pub(crate) struct Show<'a> {
     events: &'a [PastEvent],
     missing: &'a [std::ops::Range<u64>],
     notices: Vec<String>,
+    /// Whether alarms were judged while it was made.
+    pub(crate) judged: bool,
     pub(crate) beside: Option<Beside<'a>>,
 }
 
@@ -93,6 +97,7 @@ impl Player {
             events: &self.events,
             missing: &self.missing,
             notices: self.notices(),
+            judged: self.judged,
             beside: self.branch.as_ref().map(beside),
         }
     }
@@ -100,10 +105,10 @@ impl Player {
 
 /// An event in a line: what, by whom, why.
 pub(super) fn words(event: &PastEvent) -> String {
-    let PastEvent { happening, who, why, .. } = event;
+    let PastEvent { what, who, why, .. } = event;
     let by = if who.is_empty() || who == "sim" { String::new() } else { format!(" by {who}") };
     let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
-    format!("{happening}{by}{why}")
+    format!("{what}{by}{why}")
 }
 
 /// `12:34.567`, or with hours.
@@ -145,6 +150,7 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
         add(format!("  {}  R {}", bulletin.rotor_name.as_str(), short(settings.speed, 4)), plain);
     }
     Line::from(line).render(area, buffer);
+    draw_alarms(view.alarms, area, buffer);
 }
 
 /// `WHAT IF from tau 120.00: min damping 0.0120 beside -0.0030`.
@@ -189,7 +195,7 @@ pub(crate) fn draw_time(show: &Show<'_>, area: Rect, buffer: &mut Buffer) {
     // The most important last, on top of what shares its place.
     for rank in 0..3 {
         for event in show.events {
-            let (of, sign, color) = sign_of(&event.happening);
+            let (of, sign, color) = sign_of(&event.what);
             if of == rank && (first..=last).contains(&event.at.seq) {
                 put(column(event.at.seq), sign, theme::loud(color));
             }
@@ -204,7 +210,16 @@ pub(crate) fn draw_time(show: &Show<'_>, area: Rect, buffer: &mut Buffer) {
 }
 
 /// How important an event is, and how it is drawn.
-fn sign_of(happening: &Happening) -> (u8, &'static str, Color) {
+fn sign_of(what: &PastWhat) -> (u8, &'static str, Color) {
+    let happening = match what {
+        PastWhat::Happening(happening) => happening,
+        PastWhat::Alarm(turn) => match turn.level {
+            Level::Alarm => return (2, "!", theme::BAD),
+            Level::Warning => return (1, "!", theme::WARN),
+            Level::Fine => return (0, "╎", theme::GRID),
+        },
+        PastWhat::Remark(_) => return (0, "╎", theme::GRID),
+    };
     match happening {
         Happening::Tripped(_) => (2, "✗", theme::BAD),
         Happening::Note(_) => (2, "▼", theme::GOOD),

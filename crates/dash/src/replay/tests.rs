@@ -5,6 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
+use alarms::{Alarms, Gauge, Level, Limit, Limits, Turn, Watch};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use rotor::{C64, Key, Settings, Spectrum, builtin};
@@ -76,13 +77,36 @@ impl Past for Session {
     }
 
     fn events(&self) -> Vec<PastEvent> {
+        let alarm = |turn: Turn| PastEvent {
+            at: turn.at,
+            what: PastWhat::Alarm(turn),
+            who: "recorder".into(),
+            why: String::new(),
+        };
         let told = |event: &Event| PastEvent {
             at: event.into(),
-            happening: event.happening().unwrap(),
+            what: PastWhat::Happening(event.happening().unwrap()),
             who: event.who.as_str().into(),
             why: event.why.as_str().into(),
         };
-        self.events.iter().map(told).collect()
+        let mut events: Vec<_> = self.events.iter().map(told).chain(self.turns().into_iter().map(alarm)).collect();
+        events.sort_by_key(|event| event.at.seq);
+        events
+    }
+
+    /// As a recorder judges, only more often.
+    fn turns(&self) -> Vec<Turn> {
+        let (mut gauge, mut alarms) = (Gauge::default(), Alarms::new(limits()));
+        let mut turns = Vec::new();
+        for stretch in self.states.chunks(50) {
+            stretch.iter().for_each(|state| gauge.hear(state));
+            turns.extend(alarms.read(&gauge.take()));
+        }
+        turns
+    }
+
+    fn limits(&self) -> Option<Limits> {
+        Some(limits())
     }
 
     fn missing(&self) -> Vec<std::ops::Range<u64>> {
@@ -99,6 +123,11 @@ impl Past for Session {
         let found = self.states.iter().rev().find(|state| state.tau <= tau);
         found.or(self.states.first()).map(|state| state.seq).ok_or_else(|| "empty".into())
     }
+}
+
+/// What the session is held against.
+fn limits() -> Limits {
+    Limits::none().having(Watch::Orbit, Limit::above(1.0, 2.5))
 }
 
 fn key(name: &str) -> Key {
@@ -224,14 +253,22 @@ impl Stage {
 
     /// What is on the screen.
     fn frame(&self, width: u16, height: u16) -> String {
+        self.frame_of("overview", width, height)
+    }
+
+    fn frame_of(&self, layout: &str, width: u16, height: u16) -> String {
         let area = Rect::new(0, 0, width, height);
         let mut buffer = Buffer::empty(area);
         let mut picture = self.feed.picture(&self.time, Instant::now());
         self.player.finish(&mut picture);
-        let view =
-            View { time: &self.time, replay: Some(self.player.shown(&picture)), ..screen::tests::view(&picture) };
+        let view = View {
+            time: &self.time,
+            alarms: self.player.alarms(),
+            replay: Some(self.player.shown(&picture)),
+            ..screen::tests::view(&picture)
+        };
         let layouts = built_in();
-        let layout = layouts.iter().find(|layout| layout.name() == "overview").unwrap();
+        let layout = layouts.iter().find(|there| there.name() == layout).unwrap();
         screen::draw(&view, layout, &mut Panels::new(), area, &mut buffer);
         text(&buffer)
     }
@@ -383,6 +420,40 @@ fn other_gains_are_run_on_beside_what_happened_until_they_are_dropped() {
     assert!(stage.player.drop_branch(&mut stage.feed, &mut stage.time).unwrap());
     assert!(!stage.frame(200, 50).contains("WHAT IF"));
     assert_eq!(stage.feed.settings().unwrap().trip, 1000.0);
+}
+
+/// Alarms stand as the recorder saw them at the moment, in their panel, on the line of time and among the events.
+#[test]
+fn what_was_alarmed_then_is_alarmed_there() {
+    let session = session();
+    let turns = session.turns();
+    let rise = turns.iter().find(|turn| turn.level == Level::Alarm).expect("an orbit past its limit");
+    let there = &session.states[rise.at.seq as usize];
+    let radius = there.points().iter().map(wire::message::Point::radius).fold(0.0, f64::max);
+    assert_eq!((radius, rise.watch), (rise.value, Watch::Orbit));
+    let mut stage = Stage::of(&session);
+    let operator = |stage: &Stage| stage.frame_of("operator", 200, 60);
+    stage.go(rise.at.seq - 1);
+    assert!(!operator(&stage).contains("!! ALARM"), "{}", operator(&stage));
+    stage.go(rise.at.seq);
+    let frame = operator(&stage);
+    assert!(frame.lines().next().unwrap().trim_end().ends_with("!! ALARM orbit"), "{frame}");
+    let events = stage.frame_of("replay", 200, 60);
+    assert!(events.contains("!! alarm: orbit"), "{events}");
+    let row = frame
+        .lines()
+        .find(|line| line.contains("orbit ") && line.contains("2.5000"))
+        .unwrap_or_else(|| panic!("{frame}"));
+    assert!(row.contains("!! ALARM"), "{frame}");
+    // Back again: it has not happened yet.
+    stage.go(rise.at.seq - 1);
+    assert!(!operator(&stage).contains("!! ALARM"));
+    let ended = turns.iter().find(|turn| !turn.rises() && turn.at.seq > rise.at.seq).expect("it comes back");
+    stage.go(ended.at.seq);
+    assert!(!operator(&stage).lines().next().unwrap().contains("ALARM"));
+    stage.go(rise.at.seq - 1);
+    let told = stage.player.go_to_event(1, &mut stage.feed, &mut stage.time).unwrap();
+    assert_eq!((stage.player.seq(), told.contains("alarm: orbit")), (rise.at.seq, true), "{told}");
 }
 
 #[test]

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use alarms::Level;
 use rerun::archetypes::{RecordingInfo, Scalars, SeriesLines, TextLog};
 use rerun::components::TextLogLevel;
 use rerun::external::re_log_encoding::{CrateVersion, EncodeError, Encoder, EncodingOptions, StreamHeader};
@@ -220,7 +221,15 @@ impl Sink for Writer {
     }
 
     fn remark(&mut self, remark: &Remark) -> Result<(), TapeError> {
-        let level = if matches!(remark.what, What::Lost(_)) { TextLogLevel::ERROR } else { TextLogLevel::DEBUG };
+        let level = match &remark.what {
+            What::Lost(_) => TextLogLevel::ERROR,
+            What::Alarm(turn) => match turn.level {
+                Level::Alarm => TextLogLevel::ERROR,
+                Level::Warning => TextLogLevel::WARN,
+                Level::Fine => TextLogLevel::INFO,
+            },
+            _ => TextLogLevel::DEBUG,
+        };
         let document = document::text(&EventDocument::from(remark));
         self.log(remark.at, remark.text(), level, &document)
     }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use tape::{At, Info, Recording};
+use tape::{AlarmInfo, At, Info, Recording};
 
 use crate::failure::Failure;
 use crate::output::{self, rounded};
@@ -53,14 +53,20 @@ fn for_people(info: &Info) -> String {
     line(
         "happened",
         format!(
-            "changes of settings: {}, trips: {}, events of any kind: {}",
+            "changes of settings: {}, trips: {}, alarms: {}, events of any kind: {}",
             info.settings_changes,
             info.trips.len(),
+            info.alarm_limits.as_ref().map_or_else(|| "not judged".to_owned(), |_| info.alarms.len().to_string()),
             info.events
         ),
     );
     for trip in &info.trips {
         line("trip", format!("{}, revision {}: {}", at(&trip.at), trip.revision, trip.why));
+    }
+    for AlarmInfo { watch, level, worst, limit, from, to } in &info.alarms {
+        let to = to.as_ref().map_or_else(|| "the end".to_owned(), at);
+        let past = format!("{watch} at worst {}, limit {}", rounded(*worst), rounded(*limit));
+        line(level, format!("{past}, from {} to {to}", at(from)));
     }
     if let Some(damping) = info.min_damping {
         line(

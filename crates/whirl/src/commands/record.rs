@@ -9,6 +9,7 @@ use tape::recorder::{self, Order, Progress, Summary};
 use wire::{BenchName, Keeping};
 
 use crate::attach::{self, BenchArgs};
+use crate::commands::config;
 use crate::commands::sim::{READY, stop_when_stdin_closes};
 use crate::companion::Companion;
 use crate::failure::Failure;
@@ -58,7 +59,9 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
         _ => Keeping::All,
     };
     let keep = Keep { keeping, split: args.split, min_free: args.min_free };
-    let order = Order { bench, path: args.file.clone(), keep, follow: args.follow };
+    // The same limits as the dashboard's.
+    let limits = config::read()?.limits;
+    let order = Order { bench, path: args.file.clone(), keep, follow: args.follow, limits };
     // What is wrong with the command line is said before anything is waited for.
     recorder::check(&order)?;
     let stop = interrupt::flag()?;

@@ -3,9 +3,10 @@
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 
-use dash::{Past, PastEvent};
-use tape::{Gap, Recording};
-use wire::{Bulletin, Happening, Moment, State};
+use alarms::{Limits, Turn};
+use dash::{Past, PastEvent, PastWhat};
+use tape::{Gap, Recording, What};
+use wire::{Bulletin, Moment, State};
 
 use crate::commands::dash::{ScreenArgs, ended};
 use crate::failure::Failure;
@@ -41,14 +42,17 @@ impl Tape {
     fn new(recording: Recording) -> Self {
         let of_bench = recording.events().iter().map(|event| PastEvent {
             at: event.at,
-            happening: event.happening.clone(),
+            what: PastWhat::Happening(event.happening.clone()),
             who: event.who.clone(),
             why: event.why.clone(),
         });
         // What the recorder had to say stands among what happened.
         let of_recorder = recording.remarks().iter().map(|remark| PastEvent {
             at: remark.at,
-            happening: Happening::Note(remark.text()),
+            what: match &remark.what {
+                What::Alarm(turn) => PastWhat::Alarm(turn.clone()),
+                _ => PastWhat::Remark(remark.text()),
+            },
             who: "recorder".to_owned(),
             why: String::new(),
         });
@@ -86,6 +90,14 @@ impl Past for Tape {
 
     fn events(&self) -> Vec<PastEvent> {
         self.events.clone()
+    }
+
+    fn turns(&self) -> Vec<Turn> {
+        self.recording.turns()
+    }
+
+    fn limits(&self) -> Option<Limits> {
+        self.recording.session().limits.clone()
     }
 
     fn missing(&self) -> Vec<Range<u64>> {
