@@ -66,6 +66,8 @@ pub(crate) enum Action {
     GoTo(f64),
     /// A recording: to its end, or its beginning.
     End(bool),
+    /// Keep a picture of the screen, in this file or in one named by bench and time.
+    Picture(String),
     /// Another layout, by its number counted from 1 or its name.
     Layout(String),
     /// Start to type a command; this much is typed already.
@@ -372,6 +374,13 @@ pub(crate) const ACTIONS: &[Row] = &[
             Some("layout"),
         )],
         make: |name| Ok(Action::Layout(name.to_owned())),
+    },
+    Row {
+        name: "picture",
+        argument: "[FILE]",
+        meaning: "keep a picture of the screen: FILE.svg or FILE.txt, else both, named by bench and time",
+        keys: &[keys(&[("P", "")], "keep a picture of the screen, as SVG and as text", None)],
+        make: |file| Ok(Action::Picture(file.to_owned())),
     },
     Row {
         name: "filter",

@@ -11,6 +11,7 @@ mod search;
 mod tests;
 
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -29,6 +30,7 @@ use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::layout::Layout;
 use crate::link::{Shared, lock};
+use crate::looks::Look;
 use crate::panels::registry::{Intent, Mouse, Panels};
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
@@ -94,6 +96,9 @@ pub(crate) struct App<'a> {
     /// Settings to compare with.
     held: Option<Settings>,
     read_only: bool,
+    /// Where pictures are kept, and how they look.
+    pictures: Option<PathBuf>,
+    look: Look,
     /// What the last frame was drawn on.
     area: Rect,
     /// Where a drag was last.
@@ -141,6 +146,8 @@ impl<'a> App<'a> {
             recall: Recall::read(options.commands.clone()),
             held: None,
             read_only: options.read_only,
+            pictures: options.pictures.clone(),
+            look: Look::of_picture(options.wishes),
             area: Rect::default(),
             dragged: None,
             suspend: false,

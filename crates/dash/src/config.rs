@@ -1,4 +1,4 @@
-//! The configuration file: keys of a person's own, limits of alarms, and the layout to start with.
+//! The configuration file: keys of a person's own, limits of alarms, looks, and the layout to start with.
 
 use alarms::{Limits, Watch};
 use rotor::file::{Problem, Problems};
@@ -6,6 +6,7 @@ use toml::de::{DeTable, DeValue};
 
 use crate::actions::ACTIONS;
 use crate::keymap::{Chord, Keymap};
+use crate::looks::ThemeName;
 
 /// What a configuration file says.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -14,6 +15,10 @@ pub struct Config {
     pub keys: Keymap,
     /// The layout to start with, by name or file.
     pub layout: Option<String>,
+    /// The theme.
+    pub theme: Option<ThemeName>,
+    /// Nothing but ASCII, whatever the locale says.
+    pub ascii: bool,
     /// Limits past which alarms rise, here and in recordings.
     pub limits: Limits,
     /// Whether the terminal's bell rings when one rises.
@@ -43,6 +48,13 @@ impl Config {
             match (&**key.get_ref(), value.get_ref()) {
                 ("layout", DeValue::String(layout)) => config.layout = Some(layout.to_string()),
                 ("layout", _) => problem(value.span().start, written, "the name of a layout"),
+                ("theme", DeValue::String(name)) => match name.parse() {
+                    Ok(theme) => config.theme = Some(theme),
+                    Err(_) => problem(value.span().start, written, &ThemeName::expected()),
+                },
+                ("theme", _) => problem(value.span().start, written, &ThemeName::expected()),
+                ("ascii", DeValue::Boolean(ascii)) => config.ascii = *ascii,
+                ("ascii", _) => problem(value.span().start, written, "true or false"),
                 ("keys", DeValue::Table(keys)) => {
                     let mut entries: Vec<_> = keys.iter().collect();
                     entries.sort_by_key(|(key, _)| key.span().start);
@@ -102,7 +114,9 @@ impl Config {
                     }
                 }
                 ("alarms", _) => problem(value.span().start, written, "[alarms], with limits"),
-                (other, _) => problem(key.span().start, &format!("'{other}'"), "layout, [keys] or [alarms]"),
+                (other, _) => {
+                    problem(key.span().start, &format!("'{other}'"), "layout, theme, ascii, [keys] or [alarms]")
+                }
             }
         }
         Problems::some(problems).map_or(Ok(config), Err)
@@ -113,7 +127,16 @@ impl Config {
     pub fn defaults() -> String {
         let mut text = String::from(
             "# Whirl's dashboard. What stands here is what holds without a file: change a line and take its # away.\n\n\
-             # The layout to start with: a name, or a file.\n# layout = \"overview\"\n\n\
+             # The layout to start with: a name, or a file.\n# layout = \"overview\"\n\n",
+        );
+        text += "# Colours. Full and colour-blind need a terminal with true colours.\n";
+        for (theme, meaning) in ThemeName::all() {
+            text += &format!("#   {theme}: {meaning}\n");
+        }
+        text += &format!("# theme = \"{}\"\n\n", ThemeName::default());
+        text += "# Nothing but ASCII on the screen, whatever the locale says.\n# ascii = false\n\n";
+        text.push_str(
+            "\
              # A key stands for a command; \"\" takes a key away. Commands: whatever can be typed after `:`.\n[keys]\n",
         );
         let keymap = Keymap::default();
@@ -176,6 +199,7 @@ mod tests {
         };
         assert_eq!(sorted(&read), sorted(&Config::default()));
         assert_eq!(read.layout.as_deref(), Some("overview"));
+        assert_eq!((read.theme, read.ascii), (Some(ThemeName::default()), false));
     }
 
     #[test]
@@ -192,8 +216,11 @@ mod tests {
     #[test]
     fn mistakes_are_told_by_line_and_column() {
         for (text, problem) in [
+            ("theme = \"dark\"", "1:9: \"dark\": expected default, full, contrast or colour-blind"),
+            ("theme = 1", "1:9: 1: expected default, full, contrast or colour-blind"),
+            ("ascii = 1", "1:9: 1: expected true or false"),
             ("layout = 3", "1:10: 3: expected the name of a layout"),
-            ("colour = 1", "1:1: 'colour': expected layout, [keys] or [alarms]"),
+            ("colour = 1", "1:1: 'colour': expected layout, theme, ascii, [keys] or [alarms]"),
             (
                 "[keys]\n\"x\" = \"fly\"",
                 "2:1: no command 'fly': tab shows what there is, ? the help: expected a command",

@@ -84,7 +84,6 @@ impl Headless {
     /// A dashboard that has heard nothing yet. A picture can have all colours.
     #[must_use]
     pub fn new(bench: &str, options: &Options) -> Self {
-        let has_all = |name: &str| (name == "COLORTERM").then(|| "truecolor".to_owned());
         Self {
             bench: bench.to_owned(),
             feed: Arc::new(Mutex::new(Feed::with_bound("waiting", options.history))),
@@ -92,7 +91,7 @@ impl Headless {
             panels: Panels::new(),
             alarms: Alarms::new(options.limits.clone()),
             desk: Desk::at_once(),
-            look: Look::choose(options.wishes, has_all),
+            look: Look::of_picture(options.wishes),
         }
     }
 

@@ -76,6 +76,8 @@ pub struct Options {
     pub presets: Option<PathBuf>,
     /// The file in which commands are kept from session to session.
     pub commands: Option<PathBuf>,
+    /// The folder in which pictures of the screen are kept that are not told where.
+    pub pictures: Option<PathBuf>,
     /// Whether the machine is only looked at.
     pub read_only: bool,
 }
@@ -92,6 +94,7 @@ impl Default for Options {
             keys: Keymap::default(),
             presets: None,
             commands: None,
+            pictures: None,
             read_only: false,
         }
     }

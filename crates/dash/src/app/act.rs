@@ -10,10 +10,13 @@ use rotor::{C64, Key, Rotor, Settings};
 use super::{App, Intent, Message, Mouse, lock};
 use crate::actions::Action;
 use crate::clerk::Edit;
+use crate::headless::Still;
 use crate::layers::{Deed, Layer};
+use crate::looks::still;
 use crate::panels::settings::rows;
 use crate::screen;
 use crate::session::Ended;
+use crate::still_file;
 use crate::typing::Typing;
 
 /// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
@@ -121,6 +124,7 @@ impl App<'_> {
             Action::Span(span) => self.look(|time, _, seconds| time.show(span, seconds)),
             Action::ZoomReset => self.look(|time, _, seconds| time.reset_span(seconds)),
             Action::Layout(name) => self.show(&name),
+            Action::Picture(file) => self.keep_picture(&file),
             // These are for recordings alone.
             Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_) => {}
         }
@@ -189,6 +193,24 @@ impl App<'_> {
                 Err(why) => Message::Bad(why),
             }),
         }
+    }
+
+    /// Keeps a picture of what the screen shows without what lies on top.
+    fn keep_picture(&mut self, file: &str) {
+        let Some(folder) = self.pictures.clone() else {
+            self.tell(Message::Bad("there is no folder for pictures here".into()));
+            return;
+        };
+        self.tell(Message::Hints);
+        let area = self.area;
+        let mut buffer = ratatui::buffer::Buffer::empty(area);
+        self.render(area, &mut buffer);
+        self.look.finish(&mut buffer);
+        let still = Still { text: still::text(&buffer), svg: still::svg(&buffer) };
+        self.tell(match still_file::keep(&still, &folder, &self.bench, file) {
+            Ok(told) => Message::Good(format!("picture kept: {told}")),
+            Err(why) => Message::Bad(format!("picture: {why}")),
+        });
     }
 
     /// Shows another layout, by number or name.

@@ -262,6 +262,25 @@ fn a_command_shows_what_it_would_do_while_it_is_typed() {
 }
 
 #[test]
+fn a_key_keeps_a_picture_of_the_screen_and_says_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { pictures: Some(folder.path().to_owned()), ..Options::default() };
+    let (mut app, _taken) = dashboard(&options);
+    let before = frame(&mut app);
+    for _ in 0..2 {
+        type_in(&mut app, ":picture now.txt");
+        press(&mut app, &[Enter]);
+    }
+    assert!(frame(&mut app).contains("now.txt is there already: nothing is overwritten"));
+    let kept = std::fs::read_to_string(folder.path().join("now.txt")).unwrap();
+    let lines = |text: &str| text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(lines(&kept), lines(&before), "but for the age of the data it is what the screen showed");
+    press(&mut app, &[Char('P')]);
+    assert!(matches!(&app.message.0, Message::Good(told) if told.contains(".svg and .txt")), "{:?}", app.message.0);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
 fn earlier_commands_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let options = Options { commands: Some(folder.path().join("commands")), ..Options::default() };

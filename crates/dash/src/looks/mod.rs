@@ -34,6 +34,13 @@ impl ThemeName {
         THEMES.iter().enumerate().map(|(at, theme)| (Self(at), theme.meaning))
     }
 
+    /// The names, as a sentence lists them.
+    pub(crate) fn expected() -> String {
+        let names = THEMES.map(|theme| theme.name);
+        let (last, first) = names.split_last().expect("there are themes");
+        format!("{} or {last}", first.join(", "))
+    }
+
     fn theme(self) -> &'static Theme {
         &THEMES[self.0]
     }
@@ -80,6 +87,11 @@ impl Look {
         let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).map(|value| value.to_lowercase());
         let foreign = locale.is_some_and(|locale| !(locale.contains("utf-8") || locale.contains("utf8")));
         Self { palette: set("NO_COLOR").is_none().then_some(palette), ascii: wishes.ascii || simple || foreign }
+    }
+
+    /// The look of a picture, which can have all colours and glyphs.
+    pub(crate) fn of_picture(wishes: Wishes) -> Self {
+        Self::choose(wishes, |name| (name == "COLORTERM").then(|| "truecolor".to_owned()))
     }
 
     /// The look of this process's environment.

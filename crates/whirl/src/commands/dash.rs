@@ -45,8 +45,8 @@ pub(crate) struct ScreenArgs {
     #[arg(long, value_name = "NAME|FILE")]
     layout: Option<String>,
     /// Colours: default (the terminal's own sixteen), full, contrast or colour-blind
-    #[arg(long, value_name = "NAME", default_value_t)]
-    theme: dash::ThemeName,
+    #[arg(long, value_name = "NAME")]
+    theme: Option<dash::ThemeName>,
     /// Show nothing but ASCII, whatever the locale says
     #[arg(long)]
     ascii: bool,
@@ -69,8 +69,9 @@ impl ScreenArgs {
     /// # Errors
     /// As [`ScreenArgs::options`].
     pub(crate) fn options_with(&self, layout: Option<&str>) -> Result<dash::Options, Failure> {
-        let wishes = dash::Wishes { theme: self.theme, ascii: self.ascii };
         let config = config::read()?;
+        let theme = self.theme.or(config.theme).unwrap_or_default();
+        let wishes = dash::Wishes { theme, ascii: self.ascii || config.ascii };
         let (layouts, layout) = layouts::choose(self.layout.as_deref().or(layout).or(config.layout.as_deref()))?;
         Ok(dash::Options {
             history: self.history as usize * 1_000_000,
@@ -82,6 +83,7 @@ impl ScreenArgs {
             keys: config.keys,
             presets: folders::presets(),
             commands: folders::commands(),
+            pictures: std::env::current_dir().ok(),
             read_only: self.read_only,
         })
     }
