@@ -75,6 +75,7 @@ mod tests {
 
     use super::*;
     use crate::analysis::Desk;
+    use crate::replay::Past as _;
     use crate::replay::tests::session;
     use crate::session::Options;
 
@@ -105,9 +106,16 @@ mod tests {
         assert_eq!((pressed(&[Char(']')]).0, pressed(&[End]).0), (last.min(2000), last));
         assert_eq!(pressed(&[End, Home]).0, 0);
         assert_eq!(pressed(&[End, Char('[')]).0, last.saturating_sub(2000));
-        let (first, _, told) = pressed(&[Char('n')]);
-        assert!(first > 100 && matches!(told, Message::Good(words) if words.starts_with("settings changed by test")));
-        assert_eq!(pressed(&[Char('n'), Char('n'), Char('N')]).0, first);
+        // Event by event as far as the first change of settings.
+        let mut steps: Vec<u64> = session().events().iter().map(|event| event.at.seq).filter(|seq| *seq > 0).collect();
+        steps.dedup();
+        let changed = session().changes()[1];
+        let count = steps.iter().position(|seq| *seq == changed).unwrap() + 1;
+        let (there, _, told) = pressed(&vec![Char('n'); count]);
+        assert_eq!(there, changed);
+        assert!(matches!(&told, Message::Good(words) if words.contains("settings changed by test")), "{told:?}");
+        let (first, ..) = pressed(&[Char('n')]);
+        assert_eq!((first, pressed(&[Char('n'), Char('n'), Char('N')]).0), (steps[0], first));
         assert!(matches!(pressed(&[Char('N')]).2, Message::Bad(words) if words == "no event before this"));
     }
 
