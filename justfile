@@ -58,6 +58,11 @@ report:
 evidence:
     cargo run --release -p study --example gain_search -- docs
 
+# Man pages and shell completions, docs/man and docs/completions, made from the program (a test compares)
+manual:
+    rm -rf docs/man docs/completions
+    cargo run -p promises --example manual -- docs
+
 # The README's pictures, of a real bench, into docs/pictures
 screenshots:
     docs/pictures/make

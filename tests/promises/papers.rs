@@ -38,3 +38,27 @@ fn the_readme_and_the_changelog_show_every_command() {
         );
     }
 }
+
+#[test]
+fn the_manual_and_the_completions_are_those_of_the_program() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    promises::manual::write(folder.path()).expect("it can be written");
+    let mut compared = 0;
+    for part in ["man", "completions"] {
+        let names = |folder: &Path| -> Vec<String> {
+            let entries = fs::read_dir(folder).expect("the folder is there").flatten();
+            let mut names: Vec<String> =
+                entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+            names.sort();
+            names
+        };
+        let (made, kept) = (folder.path().join(part), top().join("docs").join(part));
+        assert_eq!(names(&made), names(&kept), "docs/{part}: `just manual` makes it again");
+        for name in names(&made) {
+            let [made, kept] = [&made, &kept].map(|folder| fs::read_to_string(folder.join(&name)).expect("a text"));
+            assert!(made == kept, "docs/{part}/{name} is not of this program: `just manual` makes it again");
+            compared += 1;
+        }
+    }
+    assert!(compared > 20, "only {compared} files");
+}

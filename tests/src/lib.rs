@@ -1,5 +1,6 @@
 //! What every end-to-end test needs: the program, a root of its own, and what it printed.
 
+pub mod manual;
 mod screen;
 
 use std::path::{Path, PathBuf};

@@ -405,6 +405,21 @@ pub(crate) const ACTIONS: &[Row] = &[
     },
 ];
 
+/// The manual's table of keys: each with what it does.
+#[must_use]
+pub fn manual_keys() -> Vec<(String, &'static str)> {
+    let keymap = crate::keymap::Keymap::default();
+    let keys = ACTIONS.iter().flat_map(|row| row.keys.iter().map(move |keys| (row, keys)));
+    keys.map(|(row, keys)| (keymap.shown(row, keys), keys.meaning)).collect()
+}
+
+/// The manual's table of commands that can be typed: each with what it does.
+#[must_use]
+pub fn manual_commands() -> Vec<(String, &'static str)> {
+    let command = |row: &Row| (format!("{} {}", row.name, row.argument).trim_end().to_owned(), row.meaning);
+    ACTIONS.iter().map(command).collect()
+}
+
 fn number(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     number.ok_or_else(|| format!("'{text}': expected a number"))

@@ -115,7 +115,7 @@ impl Config {
                 }
                 ("alarms", _) => problem(value.span().start, written, "[alarms], with limits"),
                 (other, _) => {
-                    problem(key.span().start, &format!("'{other}'"), "layout, theme, ascii, [keys] or [alarms]")
+                    problem(key.span().start, &format!("'{other}'"), "layout, theme, ascii, [keys] or [alarms]");
                 }
             }
         }

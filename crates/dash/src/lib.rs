@@ -38,6 +38,7 @@ mod typing;
 mod view_time;
 mod what_if;
 
+pub use actions::{manual_commands, manual_keys};
 pub use config::Config;
 pub use headless::{Frames, Headless, Still, portrait};
 pub use keymap::Keymap;

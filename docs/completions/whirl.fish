@@ -1,0 +1,275 @@
+# Print an optspec for argparse to handle cmd's options that are independent of any subcommand.
+function __fish_whirl_global_optspecs
+    string join \n h/help V/version
+end
+
+function __fish_whirl_needs_command
+    # Figure out if the current invocation already has a command.
+    set -l cmd (commandline -opc)
+    set -e cmd[1]
+    argparse -s (__fish_whirl_global_optspecs) -- $cmd 2>/dev/null
+    or return
+    if set -q argv[1]
+        # Also print the command, so this can be used to figure out what it is.
+        echo $argv[1]
+        return 1
+    end
+    return 0
+end
+
+function __fish_whirl_using_subcommand
+    set -l cmd (__fish_whirl_needs_command)
+    test -z "$cmd"
+    and return 1
+    contains -- $cmd[1] $argv
+end
+
+complete -c whirl -n "__fish_whirl_needs_command" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c whirl -n "__fish_whirl_needs_command" -s V -l version -d 'Print version'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "up" -d 'Start a simulation and a dashboard on it; quitting the dashboard ends both'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "sim" -d 'Run the simulation process alone'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "dash" -d 'Show a dashboard on a running simulation'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "record" -d 'Record a running simulation in a file, every step'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "replay" -d 'Play a recording in the dashboard, and run on from any moment of it with other gains'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "info" -d 'Tell what a recording holds: length, rates, changes, losses, trips, extremes'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "export" -d 'Make a table of a recording, as CSV or Parquet'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "tail" -d 'Print live telemetry, or what happens'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "layout" -d 'List the layouts of the dashboard, show one as a file, or check files'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "config" -d 'Say where the configuration is, what it says, and what holds without one'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "set" -d 'Change gains, speed, deadband ... of a running simulation'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "note" -d 'Mark the present step of a running simulation with a note'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "status" -d 'List running benches: rates, lateness, losses, who is attached'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "clean" -d 'Remove what crashed processes left behind; never touches a live bench'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "poles" -d 'Print eigenvalues and minimum damping at one speed'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "trace" -d 'Print every pole as a branch over speed, or the Campbell diagram'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "thresholds" -d 'Print every speed at which a mode changes stability'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "modes" -d 'Print mode shapes and orbits at one speed'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "run" -d 'Simulate offline, as fast as it can'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the largest steady control force over speed'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "response" -d 'Print the exact synchronous response, all branches'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "cycles" -d 'Print the exact self-excited limit cycles, all branches'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "tune" -d 'Search the gains that damp the worst mode best, over speeds and deadband states'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "report" -d 'Make the NASA report again: every figure, and every printed number beside ours'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedback that assigns poles, or show which modes each bearing and sensor reaches'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "rotor" -d 'List the built-in rotors, show one as a file, or check files'
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l history -d 'Megabytes that the steps kept for looking back may take' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l record -d 'Record the session in FILE.rrd, by a process of its own' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand up" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l as-child -d 'Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when the parent dies'
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l history -d 'Megabytes that the steps kept for looking back may take' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l picture -d 'Take a picture of the screen, SVG or plain text, instead of showing it' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l size -d 'The size of that screen in cells' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l after -d 'Seconds to listen before the picture is taken' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l keep -d 'Keep the last so long only, such as 10min; in several files while it runs, joined at the end' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l pretrigger -d 'Write nothing until the machine trips; then the last so long before it, and a few seconds after' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l split -d 'Go on in FILE-2.rrd, FILE-3.rrd ... whenever a file is this large, such as 1GB' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l min-free -d 'End in good order when the disk has less room left than this' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l follow -d 'Go on with the next simulation of the same name when one ends'
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l as-child -d 'Serve a parent process: say `ready` once it records, and end when standard input closes'
+complete -c whirl -n "__fish_whirl_using_subcommand record" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l history -d 'Megabytes that the steps kept for looking back may take' -r
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand info" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand info" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l out -d 'Write this file instead: .csv or .parquet' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l from -d 'Steps from this tau on; after a restart tau begins at 0 again, and each stretch has its share' -r
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l to -d 'Steps up to this tau' -r
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l every -d 'Steps whose number is a multiple of N' -r
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l csv -d 'Write FILE.csv beside it'
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l parquet -d 'Write FILE.parquet beside it'
+complete -c whirl -n "__fish_whirl_using_subcommand export" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand tail" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tail" -l every -d 'Print every Nth step' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tail" -l count -d 'End after N lines' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tail" -l events -d 'Print what happens instead, who did it and why: first what has happened so far (the last 64), then what comes'
+complete -c whirl -n "__fish_whirl_using_subcommand tail" -l json -d 'Print JSON lines'
+complete -c whirl -n "__fish_whirl_using_subcommand tail" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and not __fish_seen_subcommand_from list panels show check" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and not __fish_seen_subcommand_from list panels show check" -f -a "list" -d 'List the layouts: built in, and yours'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and not __fish_seen_subcommand_from list panels show check" -f -a "panels" -d 'List the panels that a layout can have'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and not __fish_seen_subcommand_from list panels show check" -f -a "show" -d 'Print a layout as the TOML of its file'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and not __fish_seen_subcommand_from list panels show check" -f -a "check" -d 'Say what is wrong with layout files'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from list" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from list" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from list" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from panels" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from panels" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from panels" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from show" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand layout; and __fish_seen_subcommand_from check" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and not __fish_seen_subcommand_from path show defaults" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and not __fish_seen_subcommand_from path show defaults" -f -a "path" -d 'Print the paths of the configuration file, your layouts, your gains and the commands you typed'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and not __fish_seen_subcommand_from path show defaults" -f -a "show" -d 'Check the configuration file and print it'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and not __fish_seen_subcommand_from path show defaults" -f -a "defaults" -d 'Print what holds without a file, as a file to change'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and __fish_seen_subcommand_from path" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and __fish_seen_subcommand_from show" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand config; and __fish_seen_subcommand_from defaults" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand set" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand set" -l why -d 'Why, for the log of events: `whirl tail --events` shows it' -r
+complete -c whirl -n "__fish_whirl_using_subcommand set" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand set" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand note" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand note" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand note" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand status" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand status" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand status" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand clean" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand clean" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l points -d 'How many speeds, evenly spaced' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l campbell -d 'Print the Campbell diagram instead: frequencies, and critical speeds where a branch meets 0.5X or 1X'
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l over -d 'Spin speeds R to search, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points of an orbit, the last of which ends the whirl period' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as deadband.2=0.5 (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l duration -d 'How long, in tau = w0 t for any rotor' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l dtau -d 'Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l settle -d 'Take maxima and means from this tau on [default: 0 with impulses, else from where transients have died]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l impulse -d 'A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l out -d 'Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l every -d 'Write one step in every N' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l psd -d 'Two-sided power spectral density of y + j z at a mass, once settled' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand run" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l deadband -d 'Clearances of all support bearings to try, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l points -d 'How many speeds, evenly spaced' -r
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand force" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l points -d 'How many speeds, evenly spaced' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l set -d 'Any other setting, such as deadband.2=0.5 (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand response" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l points -d 'How many speeds, evenly spaced' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l set -d 'Any other setting, such as deadband.2=0.5 (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l over -d 'Every spin speed of a range, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l speed -d 'One spin speed R alone (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l signal -d 'What drives the bearing: the sum of all sensors with four gains, or four gains for each sensor' -r -f -a "composite\t'The sum of all sensors, with four gains: the report\'s'
+individual\t'Every sensor by itself, with four gains each'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l sensors -d 'The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing\'s and its neighbour\'s]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bearing -d 'The mass that carries the control bearing; or any, to compare all' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l gains -d 'How gains depend on speed: fixed, linear, or table:N for N values over the range' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bound -d 'The largest magnitude of any gain' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l force-limit -d 'The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l robust -d 'Hold for every stiffness that deadband can leave: of each support bearing by itself, or one factor for all' -r -f -a "deadband\t'The factor of each support bearing anywhere from 0 to 1, each by itself'
+deadband-common\t'One factor from 0 to 1 for all support bearings'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l delay -d 'Hold for a delay between measurement and force, one or a range, in tau (SI rotors: in s)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l vary -d 'Hold for every value of a parameter: damping.1=0.2..0.3, shaft.2=10%; repeatable, dimensionless' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l measure -d 'What a mode is worth: its damping ratio, or its decay rate' -r -f -a "ratio\t'Damping ratio, -Re / |lambda|'
+decay\t'Decay rate, -Re lambda per tau'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l mode-weights -d 'Weights of forward and backward whirl: a mode\'s damping ratio counts divided by its weight' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l method -d 'How a climb goes' -r -f -a "nonsmooth\t'Smoothing continuation with slopes, then convex steps on the modes that matter, and a proof'
+powell\t'Powell\'s direction sets, as in the report'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l starts -d 'How many climbs from random gains [default: 4 to 32, by how much there is to get wrong]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l seed -d 'What random numbers start from; the same seed gives the same answer' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l spread -d 'Random gains are drawn from -W to W' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l tolerance -d 'How sharply the worst over a continuous family is bounded' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l track -d 'Follow the gains over N speeds of the range: at each as good as can be, from one to the next with a penalty on jumps' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l stiffness -d 'What a gain that changes by 1 per unit of speed costs, in damping at each speed' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l pareto -d 'Trade damping for control force, or for the size of gains' -r -f -a "force\t'Steady control force of the linear rotor under its unbalance'
+gain\t'The largest gain'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l points -d 'How many points the trade has' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l plot -d 'Draw the trade, or the gains over speed, as .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l out -d 'Write the feedback to a file; with --pareto, a file a point into this folder' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l write-unstable -d 'Write it even if it does not hold the rotor'
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c whirl -n "__fish_whirl_using_subcommand report" -l out -d 'Write page, figures and data into this folder; files of other names in it are left alone' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand report" -l page -d 'Write the page alone, as Markdown without pictures' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand report" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand report" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand report" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l poles -d 'Wanted poles, two for each mass, per unit of tau = w0 t for any rotor: "re,im;re,im;..."' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l reference -d 'Reference speed R0 of the cancelling law (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm) at which the poles are assigned or the table is made' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l bearing -d 'The mass that carries the control bearing' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l out -d 'Write the feedback to a file instead' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l cancel -d 'The cancelling law kc = zeta (R0 - R), which holds the poles of R0 at every speed (one mass)'
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l table -d 'List how well a bearing or sensor at each mass reaches each mode'
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -f -a "list" -d 'List the built-in rotors'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -f -a "show" -d 'Print a rotor, or feedback for it, as the TOML of its file'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -f -a "check" -d 'Say what is wrong with rotor and feedback files'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from list" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from list" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from list" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from show" -l feedback -d 'Print this feedback for the rotor instead' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from show" -l dimensionless -d 'Print an SI rotor in dimensionless form'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from show" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from show" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -l for -d 'Check feedback files against this rotor' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -l feedback -d 'Take every file for feedback, whatever is in it'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -s h -l help -d 'Print help'
