@@ -26,6 +26,7 @@ mod ports;
 mod recorder;
 mod root;
 mod settings_message;
+mod shared_commands;
 mod shared_memory;
 mod shared_news;
 mod text;

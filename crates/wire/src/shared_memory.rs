@@ -5,25 +5,21 @@
 //! new simulation finds the services of the old one, still held open by a reader, fit for use.
 
 use std::fmt::Debug;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use iceoryx2::node::NodeView;
-use iceoryx2::port::client::Client;
-use iceoryx2::port::listener::ListenerWaitError;
-use iceoryx2::port::notifier::Notifier;
 use iceoryx2::port::publisher::Publisher;
-use iceoryx2::port::server::Server;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::service::builder::Builder;
-use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
+use iceoryx2::service::port_factory::publish_subscribe;
 
-use crate::message::Request;
 use crate::ports::check_burst;
+use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
 use crate::shared_news::{self, EventService, RecorderService, SharedEvents, SharedRecorder};
 use crate::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, Event, Host, HostState, Inbox, Listener,
-    MAX_BURST, RecorderStatus, Root, SCHEMA, State, StateSender, WireError,
+    BenchName, Bulletin, BulletinSender, Carrier, Event, Host, HostState, Listener, MAX_BURST, RecorderStatus, Root,
+    SCHEMA, State, StateSender, WireError,
 };
 
 /// The flavour of iceoryx2: between processes, ports bound to their thread, no locks.
@@ -106,8 +102,6 @@ impl SharedMemory {
 
 type StateService = publish_subscribe::PortFactory<Ipc, [State], ()>;
 type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
-type CommandService = request_response::PortFactory<Ipc, Request, (), Answer, ()>;
-type WakeService = event::PortFactory<Ipc>;
 
 pub(crate) fn internal(error: impl Debug) -> WireError {
     WireError::Internal(format!("{error:?}"))
@@ -216,8 +210,8 @@ impl Carrier for SharedMemory {
             .open_or_create()
             .map_err(|error| opened(bench, error))?;
         let events = shared_news::event_service(&node, bench)?;
-        let (commands, wake) = command_services(&node, bench)?;
-        Ok(SharedHost { states, bulletins, events, commands, wake, bench: bench.clone(), _root: self.root.clone() })
+        let commands = CommandServices::open(&node, bench)?;
+        Ok(SharedHost { states, bulletins, events, commands, bench: bench.clone(), _root: self.root.clone() })
     }
 
     fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
@@ -253,10 +247,7 @@ impl Carrier for SharedMemory {
 
     fn command(&self, bench: &BenchName) -> Result<SharedCommander, WireError> {
         let (node, _) = self.attach(bench)?;
-        let (commands, wake) = command_services(&node, bench)?;
-        let client = commands.client_builder().create().map_err(|error| full(bench, "client")(format!("{error:?}")))?;
-        let bell = wake.notifier_builder().create().map_err(|error| full(bench, "client")(format!("{error:?}")))?;
-        Ok(SharedCommander { client, bell, bench: bench.clone(), _root: self.root.clone() })
+        CommandServices::open(&node, bench)?.commander(bench, &self.root)
     }
 
     fn recorder(&self, bench: &BenchName) -> Result<SharedRecorder, WireError> {
@@ -266,36 +257,13 @@ impl Carrier for SharedMemory {
     }
 }
 
-fn command_services(node: &Node<Ipc>, bench: &BenchName) -> Result<(CommandService, WakeService), WireError> {
-    let commands = SharedMemory::service(node, bench, "command")?
-        .request_response::<Request, Answer>()
-        .max_servers(1)
-        .max_clients(MAX_READERS)
-        .max_nodes(4 * MAX_READERS)
-        .max_active_requests_per_client(2)
-        .max_response_buffer_size(2)
-        // The request of a client that died waiting is worth nothing to anybody.
-        .enable_fire_and_forget_requests(false)
-        .open_or_create()
-        .map_err(|error| opened(bench, error))?;
-    let wake = SharedMemory::service(node, bench, "wake")?
-        .event()
-        .max_listeners(1)
-        .max_notifiers(MAX_READERS)
-        .max_nodes(4 * MAX_READERS)
-        .open_or_create()
-        .map_err(|error| opened(bench, error))?;
-    Ok((commands, wake))
-}
-
 /// A bench's name, held in shared memory.
 #[derive(Debug)]
 pub struct SharedHost {
     states: StateService,
     bulletins: BulletinService,
     events: EventService,
-    commands: CommandService,
-    wake: WakeService,
+    commands: CommandServices,
     bench: BenchName,
     // Last, so that everything above is closed before the lease ends.
     _root: Root,
@@ -329,9 +297,7 @@ impl Host for SharedHost {
     }
 
     fn inbox(&self) -> Result<SharedInbox, WireError> {
-        let server = self.commands.server_builder().create().map_err(internal)?;
-        let bell = self.wake.listener_builder().create().map_err(internal)?;
-        Ok(SharedInbox { server, bell })
+        self.commands.inbox()
     }
 
     fn listeners(&self) -> usize {
@@ -367,39 +333,6 @@ impl BulletinSender for SharedBulletins {
         *sample.payload_mut() = *bulletin;
         sample.send().map_err(internal)?;
         Ok(())
-    }
-}
-
-/// See [`Inbox`].
-#[derive(Debug)]
-pub struct SharedInbox {
-    server: Server<Ipc, Request, (), Answer, ()>,
-    bell: iceoryx2::port::listener::Listener<Ipc>,
-}
-
-impl Inbox for SharedInbox {
-    fn serve(&mut self, patience: Duration, mut answer: impl FnMut(&Request) -> Answer) -> Result<usize, WireError> {
-        let mut served = 0;
-        let mut waited = false;
-        loop {
-            while let Some(request) = self.server.receive().map_err(internal)? {
-                let reply = answer(request.payload());
-                // A client that has given up, or died, does not hear the answer: that is its own affair.
-                if let Err(error) = request.send_copy(reply) {
-                    tracing::debug!(?error, "an answer was not delivered");
-                }
-                served += 1;
-            }
-            if served > 0 || waited {
-                return Ok(served);
-            }
-            match self.bell.timed_wait(|_| (), patience) {
-                // A signal, such as the one that continues a stopped process, ends the wait and nothing else.
-                Ok(_) | Err(ListenerWaitError::InterruptSignal) => {}
-                Err(error) => return Err(internal(error)),
-            }
-            waited = true;
-        }
     }
 }
 
@@ -455,47 +388,5 @@ impl Listener for SharedListener {
 
     fn host(&self) -> HostState {
         host_of(&self.service)
-    }
-}
-
-/// See [`Commander`].
-#[derive(Debug)]
-pub struct SharedCommander {
-    client: Client<Ipc, Request, (), Answer, ()>,
-    bell: Notifier<Ipc>,
-    bench: BenchName,
-    _root: Root,
-}
-
-impl Commander for SharedCommander {
-    fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError> {
-        let deadline = Instant::now() + patience;
-        let pending = loop {
-            let mut loan = self.client.loan().map_err(internal)?;
-            *loan.payload_mut() = *request;
-            let pending = loan.send().map_err(internal)?;
-            if pending.number_of_server_connections() > 0 {
-                break pending;
-            }
-            // Nobody has it: a simulation that is just starting, or restarting, may open its inbox in time.
-            if Instant::now() >= deadline {
-                return Err(WireError::NoAnswer(self.bench.clone()));
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        };
-        if let Err(error) = self.bell.notify() {
-            // The simulation also looks by itself, only later.
-            tracing::debug!(?error, "the simulation could not be woken");
-        }
-        loop {
-            if let Some(response) = pending.receive().map_err(internal)? {
-                return Ok(*response.payload());
-            }
-            if Instant::now() >= deadline {
-                return Err(WireError::NoAnswer(self.bench.clone()));
-            }
-            // An answer takes some tens of microseconds and one step of the simulation.
-            std::thread::sleep(Duration::from_micros(100));
-        }
     }
 }
