@@ -3,8 +3,7 @@
 use std::cell::Cell;
 
 use crate::family::{Node, Piece};
-use crate::follow::{Walk, defect, pair};
-use crate::trace::TraceError;
+use crate::follow::{TraceError, Walk, defect, pair};
 use crate::{C64, PoleError};
 
 /// What changes sign.

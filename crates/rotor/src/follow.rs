@@ -8,12 +8,30 @@
 
 use std::cell::Cell;
 
-use crate::C64;
 use crate::family::{Node, Piece};
-use crate::trace::TraceError;
+use crate::{C64, PoleError};
 
 /// A step is halved at most this often: a millionth of a millionth of its length, below which rounding decides.
 const DEEPEST: u32 = 40;
+
+/// Why there is no trace.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TraceError {
+    /// The speeds are not finite, or do not rise.
+    #[error("the speeds of a trace must be finite and rise")]
+    Speeds,
+    /// Modes come so close, or so often, that following them takes more evaluations than are allowed.
+    #[error(
+        "the modes near R = {speed} cannot be told apart in the evaluations allowed: try a narrower range of speeds"
+    )]
+    Unresolved {
+        /// Where it came to an end.
+        speed: f64,
+    },
+    /// The poles cannot be computed.
+    #[error(transparent)]
+    Poles(#[from] PoleError),
+}
 
 /// Walks along a piece, calling `visit` with both ends of every step that is believed.
 pub(crate) struct Walk<'a> {

@@ -44,6 +44,7 @@ pub use closed_loop::ClosedLoop;
 pub use difference::Difference;
 pub use eigen::{PoleError, eigenvalues};
 pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
+pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
@@ -52,7 +53,7 @@ pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
 pub use stepper::{Motion, Stepper, stepper};
 pub use thresholds::{Stability, Threshold, thresholds};
-pub use trace::{Branch, CriticalSpeed, Trace, TraceError, critical_speeds, trace};
+pub use trace::{Branch, CriticalSpeed, Trace, critical_speeds, trace};
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.
 pub type C64 = num_complex::Complex<f64>;

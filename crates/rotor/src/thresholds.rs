@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, Schur};
 
 use crate::crossing::{Quantity, crossings};
 use crate::family::{Piece, pieces, whirl_of};
-use crate::trace::TraceError;
+use crate::follow::TraceError;
 use crate::{C64, Feedback, Rotor, Whirl};
 
 /// Rotors with at most this many masses get the certificate: 64 unknowns, a few milliseconds.

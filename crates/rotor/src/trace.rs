@@ -4,8 +4,8 @@ use std::cell::Cell;
 
 use crate::crossing::{Quantity, crossings};
 use crate::family::{Node, Piece, pieces, whirl_of};
-use crate::follow::Walk;
-use crate::{C64, Feedback, Mode, PoleError, Rotor, Whirl, damping_ratio};
+use crate::follow::{TraceError, Walk};
+use crate::{C64, Feedback, Mode, Rotor, Whirl, damping_ratio};
 
 /// Poles over speed, branch by branch.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,25 +45,6 @@ pub struct CriticalSpeed {
     pub pole: C64,
     /// The sense of whirl: unbalance drives forward modes only.
     pub whirl: Whirl,
-}
-
-/// Why there is no trace.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TraceError {
-    /// The speeds are not finite, or do not rise.
-    #[error("the speeds of a trace must be finite and rise")]
-    Speeds,
-    /// Modes come so close, or so often, that following them takes more evaluations than are allowed.
-    #[error(
-        "the modes near R = {speed} cannot be told apart in the evaluations allowed: try a narrower range of speeds"
-    )]
-    Unresolved {
-        /// Where it came to an end.
-        speed: f64,
-    },
-    /// The poles cannot be computed.
-    #[error(transparent)]
-    Poles(#[from] PoleError),
 }
 
 /// Follows every pole of the linear rotor over `speeds`, which must rise; a bend in a gain table may lie anywhere.

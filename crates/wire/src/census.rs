@@ -6,7 +6,8 @@ use std::time::Duration;
 use iceoryx2::node::NodeView;
 use iceoryx2::prelude::*;
 
-use crate::shared_memory::{HOST_ROLE, Ipc};
+use crate::iceoryx::Ipc;
+use crate::shared_memory::HOST_ROLE;
 use crate::{BenchName, SharedMemory, WireError};
 
 /// A bench, and who has it open.

@@ -19,6 +19,7 @@ mod bench_name;
 mod census;
 mod error;
 mod event;
+mod iceoryx;
 mod memory;
 pub mod message;
 mod moment;

@@ -9,9 +9,9 @@ use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, request_response};
 
+use crate::iceoryx::{Ipc, MAX_READERS, full, internal, opened, service};
 use crate::message::Request;
-use crate::shared_memory::{Ipc, MAX_READERS, full, internal, opened};
-use crate::{Answer, BenchName, Commander, Inbox, Root, SharedMemory, WireError};
+use crate::{Answer, BenchName, Commander, Inbox, Root, WireError};
 
 /// The two services of a bench that carry requests.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub(crate) struct CommandServices {
 impl CommandServices {
     /// Opens them, or makes them.
     pub(crate) fn open(node: &Node<Ipc>, bench: &BenchName) -> Result<Self, WireError> {
-        let commands = SharedMemory::service(node, bench, "command")?
+        let commands = service(node, bench, "command")?
             .request_response::<Request, Answer>()
             .max_servers(1)
             .max_clients(MAX_READERS)
@@ -34,7 +34,7 @@ impl CommandServices {
             .enable_fire_and_forget_requests(false)
             .open_or_create()
             .map_err(|error| opened(bench, error))?;
-        let wake = SharedMemory::service(node, bench, "wake")?
+        let wake = service(node, bench, "wake")?
             .event()
             .max_listeners(1)
             .max_notifiers(MAX_READERS)
@@ -53,9 +53,8 @@ impl CommandServices {
 
     /// The side of whoever asks.
     pub(crate) fn commander(&self, bench: &BenchName, root: &Root) -> Result<SharedCommander, WireError> {
-        let full = |detail: String| full(bench, "client")(detail);
-        let client = self.commands.client_builder().create().map_err(|error| full(format!("{error:?}")))?;
-        let bell = self.wake.notifier_builder().create().map_err(|error| full(format!("{error:?}")))?;
+        let client = self.commands.client_builder().create().map_err(|error| full(bench, "client", error))?;
+        let bell = self.wake.notifier_builder().create().map_err(|error| full(bench, "client", error))?;
         Ok(SharedCommander { client, bell, bench: bench.clone(), _root: root.clone() })
     }
 }

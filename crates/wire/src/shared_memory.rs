@@ -4,34 +4,27 @@
 //! one publisher, which makes the state service the lock on a bench's name; sizes do not depend on the bench, so that a
 //! new simulation finds the services of the old one, still held open by a reader, fit for use.
 
-use std::fmt::Debug;
 use std::time::Duration;
 
 use iceoryx2::node::NodeView;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
-use iceoryx2::service::builder::Builder;
 use iceoryx2::service::port_factory::publish_subscribe;
 
+use crate::iceoryx::{Ipc, MAX_READERS, full, internal, opened, service};
 use crate::ports::check_burst;
 use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
-use crate::shared_news::{self, EventService, RecorderService, SharedEvents, SharedRecorder};
+use crate::shared_news::{self, EventService, RECORDER_ROLE, RecorderService, SharedEvents, SharedRecorder};
 use crate::{
     BenchName, Bulletin, BulletinSender, Carrier, Event, Host, HostState, Listener, MAX_BURST, RecorderStatus, Root,
     SCHEMA, State, StateSender, WireError,
 };
 
-/// The flavour of iceoryx2: between processes, ports bound to their thread, no locks.
-pub(crate) type Ipc = ipc::Service;
-
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
 const BURSTS_BUFFERED: usize = 2048;
 /// Bulletins a reader may fall behind by.
 const BULLETINS_BUFFERED: usize = 32;
-/// Readers of one bench, and as many clients.
-pub(crate) const MAX_READERS: usize = 16;
-
 /// The node name of a simulation; readers are called by their role.
 pub(crate) const HOST_ROLE: &str = "sim";
 
@@ -81,15 +74,9 @@ impl SharedMemory {
             })
     }
 
-    /// The builder of one of a bench's services.
-    pub(crate) fn service(node: &Node<Ipc>, bench: &BenchName, topic: &str) -> Result<Builder<Ipc>, WireError> {
-        let name = ServiceName::new(&format!("whirl/{bench}/{topic}")).map_err(internal)?;
-        Ok(node.service_builder(&name))
-    }
-
     fn attach(&self, bench: &BenchName) -> Result<(Node<Ipc>, StateService), WireError> {
         let node = self.node(&self.role)?;
-        let states: StateService = Self::service(&node, bench, "state")?
+        let states: StateService = service(&node, bench, "state")?
             .publish_subscribe::<[State]>()
             .open_with_attributes(&required_schema()?)
             .map_err(|error| opened(bench, error))?;
@@ -102,36 +89,6 @@ impl SharedMemory {
 
 type StateService = publish_subscribe::PortFactory<Ipc, [State], ()>;
 type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
-
-pub(crate) fn internal(error: impl Debug) -> WireError {
-    WireError::Internal(format!("{error:?}"))
-}
-
-/// iceoryx2's reasons for not opening or creating a service, in words for people. They are told apart by name, because
-/// each pattern has its own error type with the same variants.
-pub(crate) fn opened(bench: &BenchName, error: impl Debug) -> WireError {
-    let detail = format!("{error:?}");
-    let says = |words: &[&str]| words.iter().any(|word| detail.contains(word));
-    if says(&["DoesNotExist", "IsMarkedForDestruction"]) {
-        WireError::NoBench(bench.clone())
-    } else if says(&["Incompatible", "VersionMismatch", "DoesNotSupport"]) {
-        WireError::Version { bench: bench.clone(), detail }
-    } else if says(&["ExceedsMax"]) {
-        WireError::Full { bench: bench.clone(), what: "process" }
-    } else if says(&["CorruptedState", "HangsInCreation"]) {
-        // Two iceoryx2 versions on one service look like this too.
-        WireError::LeftBehind { bench: bench.clone(), detail }
-    } else {
-        WireError::Internal(detail)
-    }
-}
-
-pub(crate) fn full(bench: &BenchName, what: &'static str) -> impl FnOnce(String) -> WireError {
-    let bench = bench.clone();
-    move |detail| {
-        if detail.contains("ExceedsMax") { WireError::Full { bench, what } } else { WireError::Internal(detail) }
-    }
-}
 
 fn schema_attribute()
 -> Result<(iceoryx2::service::attribute::AttributeKey, iceoryx2::service::attribute::AttributeValue), WireError> {
@@ -175,12 +132,12 @@ impl Carrier for SharedMemory {
         let (key, value) = schema_attribute()?;
         let define = || AttributeSpecifier::new().define(&key, &value).map_err(internal);
         let states: StateService = {
-            let existing = Self::service(&node, bench, "state")?
+            let existing = service(&node, bench, "state")?
                 .publish_subscribe::<[State]>()
                 .open_with_attributes(&required_schema()?);
             match existing.map_err(|error| opened(bench, error)) {
                 Ok(service) => service,
-                Err(WireError::NoBench(_)) => Self::service(&node, bench, "state")?
+                Err(WireError::NoBench(_)) => service(&node, bench, "state")?
                     .publish_subscribe::<[State]>()
                     .enable_safe_overflow(true)
                     .history_size(0)
@@ -198,7 +155,7 @@ impl Carrier for SharedMemory {
         if states.dynamic_config().number_of_publishers() > 0 {
             return Err(WireError::Taken(bench.clone()));
         }
-        let bulletins = Self::service(&node, bench, "bulletin")?
+        let bulletins = service(&node, bench, "bulletin")?
             .publish_subscribe::<Bulletin>()
             .enable_safe_overflow(true)
             .history_size(1)
@@ -215,31 +172,24 @@ impl Carrier for SharedMemory {
     }
 
     fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
-        let (node, service) = self.attach(bench)?;
-        let states =
-            service.subscriber_builder().create().map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
-        let bulletins: BulletinService = Self::service(&node, bench, "bulletin")?
+        let (node, state_service) = self.attach(bench)?;
+        let bulletins: BulletinService = service(&node, bench, "bulletin")?
             .publish_subscribe::<Bulletin>()
             .open()
             .map_err(|error| opened(bench, error))?;
-        let bulletins =
-            bulletins.subscriber_builder().create().map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
-        let events = shared_news::event_service(&node, bench)?
-            .subscriber_builder()
-            .create()
-            .map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
         let recorder_service = shared_news::recorder_service(&node, bench)?;
-        let recorders = recorder_service
-            .subscriber_builder()
-            .create()
-            .map_err(|error| full(bench, "reader")(format!("{error:?}")))?;
+        let refused = |error| full(bench, "reader", error);
+        let states = state_service.subscriber_builder().create().map_err(refused)?;
+        let bulletins = bulletins.subscriber_builder().create().map_err(refused)?;
+        let events = shared_news::event_service(&node, bench)?.subscriber_builder().create().map_err(refused)?;
+        let recorders = recorder_service.subscriber_builder().create().map_err(refused)?;
         Ok(SharedListener {
             states,
             bulletins,
             events,
             recorders,
             recorder: None,
-            service,
+            state_service,
             recorder_service,
             _root: self.root.clone(),
         })
@@ -253,7 +203,7 @@ impl Carrier for SharedMemory {
     fn recorder(&self, bench: &BenchName) -> Result<SharedRecorder, WireError> {
         // The bench must be there, and of our version.
         drop(self.attach(bench)?);
-        SharedRecorder::claim(self, bench)
+        SharedRecorder::claim(&self.node(RECORDER_ROLE)?, bench, &self.root)
     }
 }
 
@@ -345,7 +295,7 @@ pub struct SharedListener {
     recorders: Subscriber<Ipc, RecorderStatus, ()>,
     /// The last that was heard of a recorder.
     recorder: Option<Box<RecorderStatus>>,
-    service: StateService,
+    state_service: StateService,
     recorder_service: RecorderService,
     _root: Root,
 }
@@ -387,6 +337,6 @@ impl Listener for SharedListener {
     }
 
     fn host(&self) -> HostState {
-        host_of(&self.service)
+        host_of(&self.state_service)
     }
 }

@@ -8,13 +8,11 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe;
 
-use crate::shared_memory::{Ipc, MAX_READERS, internal, opened};
-use crate::{
-    BenchName, EVENTS_KEPT, Event, EventSender, RecorderSender, RecorderStatus, Root, SharedMemory, WireError,
-};
+use crate::iceoryx::{Ipc, MAX_READERS, internal, opened, service};
+use crate::{BenchName, EVENTS_KEPT, Event, EventSender, RecorderSender, RecorderStatus, Root, WireError};
 
 /// The node name of a recorder's status: its process lives as long as the node does, and the kernel drops its locks.
-const RECORDER_ROLE: &str = "record";
+pub(crate) const RECORDER_ROLE: &str = "record";
 
 /// Statuses that a reader may fall behind by: only the latest counts.
 const STATUSES_BUFFERED: usize = 4;
@@ -23,7 +21,7 @@ pub(crate) type EventService = publish_subscribe::PortFactory<Ipc, Event, ()>;
 pub(crate) type RecorderService = publish_subscribe::PortFactory<Ipc, RecorderStatus, ()>;
 
 pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<EventService, WireError> {
-    SharedMemory::service(node, bench, "event")?
+    service(node, bench, "event")?
         .publish_subscribe::<Event>()
         .enable_safe_overflow(true)
         .history_size(EVENTS_KEPT)
@@ -38,7 +36,7 @@ pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<Event
 
 /// Made by whoever needs it first: readers wait for recorders, and recorders for readers.
 pub(crate) fn recorder_service(node: &Node<Ipc>, bench: &BenchName) -> Result<RecorderService, WireError> {
-    SharedMemory::service(node, bench, "recorder")?
+    service(node, bench, "recorder")?
         .publish_subscribe::<RecorderStatus>()
         .enable_safe_overflow(true)
         .history_size(1)
@@ -101,9 +99,9 @@ pub struct SharedRecorder {
 }
 
 impl SharedRecorder {
-    pub(crate) fn claim(carrier: &SharedMemory, bench: &BenchName) -> Result<Self, WireError> {
-        let node = carrier.node(RECORDER_ROLE)?;
-        let service = recorder_service(&node, bench)?;
+    /// Claims `bench` with a node called [`RECORDER_ROLE`].
+    pub(crate) fn claim(node: &Node<Ipc>, bench: &BenchName, root: &Root) -> Result<Self, WireError> {
+        let service = recorder_service(node, bench)?;
         // A recorder that was killed still holds its place until it is cleared away.
         let _ = service.blocking_cleanup_dead_nodes(Duration::from_secs(1));
         let publisher = service.publisher_builder().max_loaned_samples(1).create().map_err(|error| {
@@ -113,7 +111,7 @@ impl SharedRecorder {
                 internal(error)
             }
         })?;
-        Ok(Self { publisher, _service: service, _root: carrier.root().clone() })
+        Ok(Self { publisher, _service: service, _root: root.clone() })
     }
 }
 

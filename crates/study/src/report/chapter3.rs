@@ -1,7 +1,7 @@
 //! The figures of chapter III: one mass, and the law that cancels its seal.
 
 use super::evidence::Evidence;
-use super::figures::Entry;
+use super::figure::Entry;
 use super::pole_chart::View;
 use super::{Data, ReportError, force_chart, orbit_chart, pole_chart, spectrum_chart};
 use crate::plot::{Chart, Color, Look, Series};

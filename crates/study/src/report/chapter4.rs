@@ -1,7 +1,7 @@
 //! The figures of chapter IV: three masses on a flexible shaft, one bearing, one composite signal.
 
 use super::evidence::Evidence;
-use super::figures::Entry;
+use super::figure::Entry;
 use super::motion::Record;
 use super::pole_chart::View;
 use super::{Data, ReportError, force_chart, orbit_chart, pole_chart, shape_chart, spectrum_chart};

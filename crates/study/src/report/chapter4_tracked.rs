@@ -3,7 +3,7 @@
 use rotor::GainKind;
 
 use super::evidence::Evidence;
-use super::figures::Entry;
+use super::figure::Entry;
 use super::pole_chart::View;
 use super::searched::{constant_gains, whole_speeds};
 use super::{Data, ReportError, pole_chart};

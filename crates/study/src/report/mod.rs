@@ -11,6 +11,7 @@ mod compare;
 mod corrections;
 mod data;
 mod evidence;
+mod figure;
 mod figures;
 mod force_chart;
 mod html;
@@ -33,7 +34,7 @@ use rotor::{PoleError, TraceError};
 
 pub use compare::{Comparison, Ours, Printed, Verdict};
 pub use data::Data;
-pub use figures::Figure;
+pub use figure::Figure;
 
 use crate::force::ForceError;
 use crate::plot::RasterError;
