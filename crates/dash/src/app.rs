@@ -238,7 +238,9 @@ impl<'a> App<'a> {
         if let Some(player) = &self.player {
             player.finish(&mut picture);
         }
-        let what_if = self.what_if(&picture);
+        // What is typed comes first; then what is run on beside a recording.
+        let beside = || self.player.as_ref().and_then(|player| player.what_if().cloned());
+        let what_if = self.what_if(&picture).or_else(beside);
         let typed = self.layers.iter().rev().find_map(|layer| match layer {
             Layer::Value(typed) => Some(typed.clone()),
             _ => None,

@@ -58,6 +58,8 @@ pub trait Stepper: Send {
     fn set_clock(&mut self, tau: f64, angle: f64, steps: u64, dtau: f64);
     /// Puts every mass where `displacement` and `velocity` say; missing ones are at rest in the centre.
     fn place(&mut self, displacement: &[C64], velocity: &[C64]);
+    /// The same rotor in the same motion once more: both go on alike, to the last bit.
+    fn twin(&self) -> Box<dyn Stepper>;
 }
 
 /// A stepper for `closed_loop`, at rest.
@@ -363,5 +365,9 @@ impl<const N: usize, const L: usize> Stepper for Chain<N, L> {
     fn place(&mut self, displacement: &[C64], velocity: &[C64]) {
         self.p = std::array::from_fn(|i| displacement.get(i).copied().unwrap_or_default());
         self.v = std::array::from_fn(|i| velocity.get(i).copied().unwrap_or_default());
+    }
+
+    fn twin(&self) -> Box<dyn Stepper> {
+        Box::new(self.clone())
     }
 }

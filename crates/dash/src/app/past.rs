@@ -92,7 +92,9 @@ mod tests {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }
         assert!(taken.is_empty(), "nothing is sent to anybody");
+        let shown = app.with_view(|view, _, _| view.what_if.is_some());
         let player = app.player.as_ref().unwrap();
+        assert_eq!(shown, player.has_branch(), "what it means is shown as long as it is there");
         (player.seq(), player.has_branch(), app.message.0.clone())
     }
 

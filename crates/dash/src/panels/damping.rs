@@ -43,7 +43,9 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let told = log_decrement.map(|d| short(d, 5));
     let then = view.what_if.map(|candidate| {
         let (color, word) = theme::verdict(candidate.min_damping);
-        (format!("then {:.4} {word}", candidate.min_damping), theme::loud(color))
+        // A machine that runs on beside a recording is there already.
+        let when = if view.replay.is_some() { "what if" } else { "then" };
+        (format!("{when} {:.4} {word}", candidate.min_damping), theme::loud(color))
     });
     if large {
         BigText::builder()

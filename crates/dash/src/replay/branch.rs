@@ -3,15 +3,26 @@
 //! Everything else that was done to the machine is done to this one too: impulses, restarts and changes of other settings
 //! come at the steps at which they came. With nothing changed it reproduces what happened to the last bit, as far as the
 //! recording tells on which line of time the run was ([`Line`]).
+//!
+//! It may run on for as long as the recording does. What it remembers is bounded: where it was lately, step by step
+//! ([`Rows`]), and how it was now and then, so that what is forgotten can be run anew when somebody goes back to it. A long
+//! way is gone in stages, so that nobody waits for it with a dead screen.
 
-use rotor::{C64, MAX_MASSES, Rotor, Settings, Spectrum, Stepper};
+use std::ops::Range;
+
+use rotor::{C64, Rotor, Settings};
 use wire::State;
 use wire::message::Trip;
 
+use super::machine::Machine;
+use super::rows::Rows;
 use crate::clerk::{self, Edit};
+use crate::what_if::WhatIf;
 
-/// Numbers that the steps of a branch may take: a million steps of three masses, 64 MB.
-const MOST: usize = 8_000_000;
+/// Steps that are made at once: a tenth of a second or so.
+const AT_ONCE: u64 = 200_000;
+/// Steps from one memory of how the machine was to the next.
+const STRIDE: u64 = 1 << 16;
 
 /// Something that was done to the machine, before the step of that number.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,30 +68,20 @@ pub(crate) struct Branch {
     wish: Wish,
     done: Vec<Wish>,
     undone: Vec<Wish>,
-    run: Run,
-}
-
-/// The machine in motion.
-struct Run {
-    stepper: Box<dyn Stepper>,
-    /// The settings in force.
-    settings: Settings,
-    min_damping: Option<f64>,
-    /// The number of the next step.
-    next: u64,
-    trip: Option<Trip>,
-    /// The last state in which everything was finite: position and velocity.
-    good: ([C64; MAX_MASSES], [C64; MAX_MASSES]),
-    /// Step after step from the root on: `u_y`, `u_z`, then `y`, `z` of every mass.
-    rows: Vec<f64>,
+    machine: Machine,
+    rows: Rows,
+    /// How it was at the root and every [`STRIDE`] steps from there, as far as it has come; never empty.
+    memories: Vec<Machine>,
 }
 
 impl Branch {
     /// A machine that goes on from `root` as it was.
     pub(crate) fn new(root: Root) -> Self {
         let wish = Wish { settings: root.settings.clone(), acts: Vec::new() };
-        let run = Run::new(&root, &wish.settings);
-        Self { root, wish, done: Vec::new(), undone: Vec::new(), run }
+        let machine = Machine::new(&root, &wish.settings);
+        let rows = Self::rows_from(&machine, &root);
+        let memories = vec![machine.clone()];
+        Self { root, wish, done: Vec::new(), undone: Vec::new(), machine, rows, memories }
     }
 
     /// The same wishes from another moment on.
@@ -90,6 +91,18 @@ impl Branch {
         moved
     }
 
+    /// No more than where a machine is now.
+    fn rows_from(machine: &Machine, root: &Root) -> Rows {
+        let mut rows = Rows::new(2 + 2 * root.rotor.len(), machine.seq);
+        rows.push(machine.row());
+        rows
+    }
+
+    /// Its time where it begins.
+    pub(crate) fn tau(&self) -> f64 {
+        self.root.state.tau
+    }
+
     /// The step it begins after.
     pub(crate) fn from(&self) -> u64 {
         self.root.state.seq
@@ -97,17 +110,17 @@ impl Branch {
 
     /// The settings in force in it.
     pub(crate) fn settings(&self) -> &Settings {
-        &self.run.settings
+        &self.machine.settings
     }
 
-    /// The smallest damping ratio under them.
-    pub(crate) fn min_damping(&self) -> Option<f64> {
-        self.run.min_damping
+    /// What they mean: poles and the smallest damping ratio.
+    pub(crate) fn judged(&self) -> Option<&WhatIf> {
+        self.machine.judged.as_ref()
     }
 
     /// What has tripped it, if it has.
     pub(crate) fn trip(&self) -> Option<Trip> {
-        self.run.trip
+        self.machine.trip
     }
 
     /// Takes an edit at step `at`, not before the root. Returns what was done, in words, or why not.
@@ -144,126 +157,75 @@ impl Branch {
         Ok(words)
     }
 
-    /// Runs it all over again from the root on, as far as step `to`: the wishes hold from the beginning.
-    pub(crate) fn rerun(&mut self, to: u64, acts: &[(u64, Act)]) {
-        self.run = Run::new(&self.root, &self.wish.settings);
-        self.advance(to, acts);
+    /// Begins all over again at the root: the wishes hold from the beginning.
+    pub(crate) fn begin(&mut self) {
+        self.machine = Machine::new(&self.root, &self.wish.settings);
+        self.rows = Self::rows_from(&self.machine, &self.root);
+        self.memories = vec![self.machine.clone()];
     }
 
-    /// Runs on as far as step `to`; `acts` is what was done to the recorded machine, ascending in step.
-    pub(crate) fn advance(&mut self, to: u64, acts: &[(u64, Act)]) {
-        let mut recorded = acts.partition_point(|(at, _)| *at < self.run.next);
-        while self.run.next <= to && self.run.rows.len() < MOST {
-            let seq = self.run.next;
+    /// Runs on towards the end of `wanted`, by so many steps at most that nobody notices, and remembers where it has been
+    /// within `wanted`; `acts` is what was done to the recorded machine, ascending in step.
+    pub(crate) fn advance(&mut self, wanted: Range<u64>, acts: &[(u64, Act)]) {
+        self.turn_to(&wanted);
+        let mut recorded = acts.partition_point(|(at, _)| *at <= self.machine.seq);
+        for _ in 0..AT_ONCE {
+            let seq = self.machine.seq + 1;
+            if seq >= wanted.end {
+                return;
+            }
             while let Some((_, act)) = acts.get(recorded).filter(|(at, _)| *at == seq) {
-                self.run.act(&self.root, &self.wish, act);
+                let act = match act {
+                    Act::Settings(there) => Act::Settings(self.wish.carried_to(&self.root, there)),
+                    other => other.clone(),
+                };
+                self.machine.act(&self.root, &act);
                 recorded += 1;
             }
             for (_, act) in self.wish.acts.iter().filter(|(at, _)| *at == seq) {
-                self.run.act(&self.root, &self.wish, act);
+                self.machine.act(&self.root, act);
             }
-            self.run.step(self.root.dtau);
+            self.machine.step(self.root.dtau);
+            self.rows.push(self.machine.row());
+            let is_new = self.memories.last().is_none_or(|last| last.seq + STRIDE <= seq);
+            if is_new && (seq - self.from()).is_multiple_of(STRIDE) {
+                self.memories.push(self.machine.clone());
+            }
         }
     }
 
-    fn row(&self, seq: u64) -> Option<&[f64]> {
-        let width = 2 + 2 * self.root.rotor.len();
-        let at = usize::try_from(seq.checked_sub(self.from())?).ok()?.checked_mul(width)?;
-        self.run.rows.get(at..at + width)
+    /// Goes back to a memory where steps that are wanted have been forgotten, or on to one that is nearer than we are.
+    fn turn_to(&mut self, wanted: &Range<u64>) {
+        let from = wanted.start.max(wanted.end.saturating_sub(self.rows.room() / 2)).max(self.from());
+        let near = self.memories.partition_point(|memory| memory.seq <= from).max(1) - 1;
+        let forgotten = self.rows.range().start > from;
+        if forgotten || self.memories[near].seq > self.machine.seq {
+            self.machine = self.memories[near].clone();
+            self.rows = Self::rows_from(&self.machine, &self.root);
+        }
     }
 
-    /// Displacement `[y, z]` of a mass at step `seq`, if it has come to that.
+    /// How many steps it is away from step `seq`.
+    pub(crate) fn lag(&self, seq: u64) -> u64 {
+        seq.saturating_sub(self.machine.seq)
+    }
+
+    /// Displacement `[y, z]` of a mass at step `seq`, if it is known there.
     pub(crate) fn place(&self, seq: u64, mass: usize) -> Option<[f64; 2]> {
-        self.row(seq).map(|row| [row[2 + 2 * mass], row[3 + 2 * mass]])
+        self.rows.get(seq).map(|row| [row[2 + 2 * mass], row[3 + 2 * mass]])
     }
 
     /// Control `[y, z]` at step `seq`.
     pub(crate) fn force(&self, seq: u64) -> Option<[f64; 2]> {
-        self.row(seq).map(|row| [row[0], row[1]])
+        self.rows.get(seq).map(|row| [row[0], row[1]])
     }
 }
 
-impl Run {
-    fn new(root: &Root, wanted: &Settings) -> Self {
-        let of = |settings: &Settings| settings.closed_loop(&root.rotor);
-        let mut stepper = rotor::stepper(&of(&root.settings));
-        let points = root.state.points();
-        let [displacement, velocity]: [Vec<C64>; 2] = [
-            points.iter().map(|point| C64::new(point.y, point.z)).collect(),
-            points.iter().map(|point| C64::new(point.vy, point.vz)).collect(),
-        ];
-        stepper.place(&displacement, &velocity);
-        stepper.set_clock(root.line.tau, root.line.angle, root.line.steps, root.dtau);
-        stepper.load(&of(wanted));
-        let held = root.state.flags.has(wire::Flags::TRIPPED);
-        let mut run = Self {
-            stepper,
-            settings: wanted.clone(),
-            min_damping: None,
-            next: root.state.seq + 1,
-            trip: held.then(Trip::default),
-            good: ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]),
-            rows: Vec::new(),
-        };
-        run.good.0[..displacement.len()].copy_from_slice(&displacement);
-        run.good.1[..velocity.len()].copy_from_slice(&velocity);
-        run.keep();
-        run.judge(&root.rotor);
-        run
-    }
-
-    fn act(&mut self, root: &Root, wish: &Wish, act: &Act) {
-        match act {
-            Act::Impulse(mass, velocity) => self.stepper.kick(*mass, *velocity),
-            Act::Restart => {
-                self.stepper.rest();
-                self.trip = None;
-            }
-            Act::Settings(recorded) => {
-                let mut settings = recorded.clone();
-                clerk::carry_over(&root.settings, &wish.settings, &mut settings);
-                self.stepper.load(&settings.closed_loop(&root.rotor));
-                self.settings = settings;
-                self.judge(&root.rotor);
-            }
-        }
-    }
-
-    /// The minimum damping under the settings in force.
-    fn judge(&mut self, rotor: &Rotor) {
-        self.min_damping = Spectrum::of(&self.settings.closed_loop(rotor)).ok().map(|spectrum| spectrum.min_damping());
-    }
-
-    /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held.
-    fn step(&mut self, dtau: f64) {
-        if self.trip.is_none() {
-            self.stepper.step(dtau);
-            let (motion, control) = (self.stepper.motion(), self.stepper.control());
-            let (n, radius) = (motion.displacement.len(), motion.largest_radius());
-            if motion.is_finite() && radius.is_finite() && control.re.is_finite() && control.im.is_finite() {
-                self.good.0[..n].copy_from_slice(motion.displacement);
-                self.good.1[..n].copy_from_slice(motion.velocity);
-                if radius > self.settings.trip {
-                    self.trip = Some(self.tripped(1, n));
-                }
-            } else {
-                self.stepper.place(&self.good.0[..n], &self.good.1[..n]);
-                self.trip = Some(self.tripped(2, n));
-            }
-        }
-        self.keep();
-        self.next += 1;
-    }
-
-    fn tripped(&self, cause: u32, masses: usize) -> Trip {
-        let radius = |mass: &usize| self.good.0[*mass].norm();
-        let mass = (0..masses).max_by(|a, b| radius(a).total_cmp(&radius(b))).unwrap_or(0);
-        Trip { cause, mass: mass as u32 + 1, step: self.next, radius: radius(&mass), limit: self.settings.trip }
-    }
-
-    fn keep(&mut self) {
-        let control = self.stepper.control();
-        self.rows.extend([control.re, control.im]);
-        self.rows.extend(self.stepper.motion().displacement.iter().flat_map(|p| [p.re, p.im]));
+impl Wish {
+    /// Recorded settings with what is wished in place of what was.
+    fn carried_to(&self, root: &Root, recorded: &Settings) -> Settings {
+        let mut settings = recorded.clone();
+        clerk::carry_over(&root.settings, &self.settings, &mut settings);
+        settings
     }
 }

@@ -9,8 +9,10 @@
 
 mod branch;
 mod loaded;
+mod machine;
 mod past;
 mod player;
+mod rows;
 mod show;
 mod stage;
 #[cfg(test)]

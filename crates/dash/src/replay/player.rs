@@ -13,6 +13,7 @@ use super::{Past, PastEvent};
 use crate::clerk::Edit;
 use crate::feed::Feed;
 use crate::view_time::ViewTime;
+use crate::what_if::WhatIf;
 
 /// Speeds to choose from, in times the speed at which it was recorded.
 pub(crate) const SPEEDS: [f64; 13] = [0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0];
@@ -135,7 +136,17 @@ impl Player {
 
     /// Whether it has something to do soon: it plays, or reads on in passing.
     pub(crate) fn is_busy(&self) -> bool {
-        self.is_playing() || self.reads_on
+        self.is_playing() || self.reads_on || self.lags()
+    }
+
+    /// Whether the machine beside has not come as far as the moment.
+    fn lags(&self) -> bool {
+        self.branch.as_ref().is_some_and(|branch| branch.lag(self.seq()) > 0)
+    }
+
+    /// What the settings of the machine beside mean, if there is one.
+    pub(crate) fn what_if(&self) -> Option<&WhatIf> {
+        self.branch.as_ref().and_then(Branch::judged)
     }
 
     /// How fast, in times the speed at which it was recorded.
@@ -163,6 +174,9 @@ impl Player {
     /// Lets time pass. Returns whether that shows.
     pub(crate) fn tick(&mut self, feed: &mut Feed, time: &mut ViewTime, now: Instant) -> Result<bool, String> {
         let Some(ticked) = self.ticked else {
+            if self.lags() {
+                return self.show(feed, time, false).map(|()| true);
+            }
             self.fetch_in_passing(feed)?;
             return Ok(false);
         };
@@ -282,7 +296,7 @@ impl Player {
         if self.branch.is_some() {
             let acts = self.gathered();
             if let Some(branch) = &mut self.branch {
-                branch.advance(seq, &acts);
+                branch.advance(wanted.start..seq + 1, &acts);
                 // What edits apply to is what is in force beside, once there is something beside.
                 if let Ok(settings) = SettingsMessage::pack(branch.settings()) {
                     bulletin.settings = settings;
@@ -375,12 +389,10 @@ impl Player {
                 Some(branch) => branch.moved_to(root),
             });
         }
-        let acts = self.gathered();
         let words = match &mut self.branch {
-            Some(branch) => branch.edit(edit, here).inspect(|_| branch.rerun(here, &acts)),
+            Some(branch) => branch.edit(edit, here).inspect(|_| branch.begin()),
             None => Err("no step to run on from".into()),
         };
-        self.acts = Some(acts);
         if words.is_err() && fresh {
             self.branch = None;
         }

@@ -50,6 +50,8 @@ pub(crate) struct Beside<'a> {
     loaded: &'a Loaded,
     /// Place of the track's first step.
     first: u64,
+    /// The step we stand at.
+    seq: u64,
 }
 
 impl std::fmt::Debug for Beside<'_> {
@@ -85,7 +87,7 @@ impl Player {
 
     /// What is shown of it beside the picture.
     pub(crate) fn shown(&self, picture: &Picture) -> Show<'_> {
-        let beside = |branch| Beside { branch, loaded: &self.loaded, first: picture.track.first() };
+        let beside = |branch| Beside { branch, loaded: &self.loaded, first: picture.track.first(), seq: self.seq() };
         Show {
             name: self.name(),
             seq: self.seq(),
@@ -155,14 +157,18 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
 
 /// `WHAT IF from tau 120.00: min damping 0.0120 beside -0.0030`.
 fn what_if(beside: &Beside<'_>, picture: &Picture) -> String {
-    let first = (0..picture.track.len()).find(|step| beside.place(*step, 0).is_some());
-    let from = first.map_or_else(String::new, |step| format!(" from tau {}", short(picture.track.tau(step), 5)));
+    let from = short(beside.branch.tau(), 5);
+    let lag = beside.branch.lag(beside.seq);
+    if lag > 0 {
+        let (way, gone) = (beside.seq - beside.branch.from(), beside.seq - beside.branch.from() - lag);
+        return format!("WHAT IF from tau {from}: running on, {} % of the way  ", 100 * gone / way.max(1));
+    }
     let damping =
         |damping: Option<f64>| damping.map_or_else(|| "unknown".to_owned(), |damping| format!("{damping:.4}"));
-    let here = damping(beside.branch.min_damping());
+    let here = damping(beside.branch.judged().map(|judged| judged.min_damping));
     let recorded = damping(picture.poles().map(|(least, _)| least));
     let trip = if beside.trip().is_some() { ", TRIPS" } else { "" };
-    format!("WHAT IF{from}: min damping {here} beside {recorded}{trip}  ")
+    format!("WHAT IF from tau {from}: min damping {here} beside {recorded}{trip}  ")
 }
 
 /// The line of time: what happened where, and where we stand.

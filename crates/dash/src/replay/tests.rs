@@ -264,6 +264,7 @@ impl Stage {
         let view = View {
             time: &self.time,
             alarms: self.player.alarms(),
+            what_if: self.player.what_if(),
             replay: Some(self.player.shown(&picture)),
             ..screen::tests::view(&picture)
         };
@@ -454,6 +455,117 @@ fn what_was_alarmed_then_is_alarmed_there() {
     stage.go(rise.at.seq - 1);
     let told = stage.player.go_to_event(1, &mut stage.feed, &mut stage.time).unwrap();
     assert_eq!((stage.player.seq(), told.contains("alarm: orbit")), (rise.at.seq, true), "{told}");
+}
+
+/// Poles, damping and damping over speed of the machine beside stand beside those of the recorded one.
+#[test]
+fn the_poles_of_what_if_stand_beside_those_that_were() {
+    let session = session();
+    let mut stage = Stage::of(&session);
+    stage.go(100);
+    let ghosts = |stage: &Stage| stage.frame_of("replay", 200, 60).matches('◇').count();
+    let before = ghosts(&stage);
+    stage.edit(&Edit::Off).unwrap();
+    let off = stage.player.what_if().unwrap().clone();
+    assert!(off.is_unstable() && off.poles.len() == 6);
+    let frame = stage.frame_of("replay", 200, 60);
+    // Ghosts among the poles and at the foot of the second curve; the damping of both.
+    assert!(ghosts(&stage) >= before + 6, "{frame}");
+    assert!(
+        frame.contains(&format!("WHAT IF from tau 1.0100: min damping {:.4} beside 0.0", off.min_damping)),
+        "{frame}"
+    );
+    let overview = stage.frame(200, 50);
+    assert!(overview.contains(&format!("what if {:.4} UNSTABLE", off.min_damping)), "{overview}");
+    let over_speed = stage.frame_of("tuning", 200, 60);
+    assert!(over_speed.contains(&format!("? {:.4} UNSTABLE", off.min_damping)), "{over_speed}");
+    stage.player.drop_branch(&mut stage.feed, &mut stage.time).unwrap();
+    assert_eq!(ghosts(&stage), before);
+}
+
+/// The session's machine at rest for two million steps, made as they are asked for.
+struct Long(Session);
+
+impl Past for Long {
+    fn name(&self) -> String {
+        "long".into()
+    }
+
+    fn span(&self) -> Option<[Moment; 2]> {
+        Some([0, 1_999_999].map(|seq| Moment { seq, ..Moment::default() }))
+    }
+
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
+        let made = |seq: u64| State { seq, tau: (seq + 1) as f64 * 0.01, ..self.0.states[0] };
+        (range.start..range.end.min(2_000_000)).for_each(|seq| each(&made(seq)));
+        Ok(())
+    }
+
+    fn bulletin_at(&mut self, _: u64) -> Box<Bulletin> {
+        self.0.bulletin_at(0)
+    }
+
+    fn changes(&self) -> Vec<u64> {
+        vec![0]
+    }
+
+    fn events(&self) -> Vec<PastEvent> {
+        Vec::new()
+    }
+
+    fn turns(&self) -> Vec<Turn> {
+        Vec::new()
+    }
+
+    fn limits(&self) -> Option<Limits> {
+        None
+    }
+
+    fn missing(&self) -> Vec<std::ops::Range<u64>> {
+        Vec::new()
+    }
+
+    fn notices(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    fn at_tau(&mut self, _: f64) -> Result<u64, String> {
+        Ok(0)
+    }
+}
+
+/// However far it is, the machine beside arrives, says how far it has come, and remembers no more than it must. Where it has
+/// been and is gone to again, it is what it was.
+#[test]
+fn a_long_way_is_gone_in_stages_and_what_is_forgotten_is_run_anew() {
+    let (mut feed, mut time) = (Feed::with_bound("", 60_000_000), ViewTime::LIVE);
+    let player = Player::new(Box::new(Long(session())), &mut feed, &mut time).unwrap();
+    let mut stage = Stage { player, feed, time };
+    stage.edit(&Edit::Nudge(key("kd"), 0.25)).unwrap();
+    let arrive = |stage: &mut Stage, seq: u64| {
+        stage.go(seq);
+        let mut stages = 0;
+        while stage.player.tick(&mut stage.feed, &mut stage.time, Instant::now()).unwrap() {
+            stages += 1;
+        }
+        let branch = stage.player.branch.as_ref().unwrap();
+        let bits = |back: u64| branch.place(seq - back, 2).map(|place| place.map(f64::to_bits));
+        let known: Vec<_> = [0, 1, 999, 9999].map(bits).into_iter().collect();
+        assert!(known.iter().all(Option::is_some), "{seq}: {known:?}");
+        (known, stages)
+    };
+    let near = arrive(&mut stage, 150_000).0;
+    stage.go(1_900_000);
+    let frame = stage.frame(200, 50);
+    assert!(frame.contains("WHAT IF from tau 0.0100: running on, 18 % of the way"), "{frame}");
+    let (far, stages) = arrive(&mut stage, 1_900_000);
+    assert!(stages > 5, "{stages}");
+    assert!(stage.frame(200, 50).contains("beside"));
+    assert_eq!(stage.player.branch.as_ref().unwrap().place(150_000, 2), None, "forgotten");
+    let (again, stages) = arrive(&mut stage, 150_000);
+    assert_eq!((again, stages), (near, 0), "run anew from not far before");
+    let (again, stages) = arrive(&mut stage, 1_900_000);
+    assert!(again == far && stages < 4, "{stages}");
 }
 
 #[test]

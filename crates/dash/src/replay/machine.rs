@@ -1,0 +1,107 @@
+//! A machine in motion beside the recorded one, stepped as the simulation steps it.
+
+use rotor::{C64, MAX_MASSES, Settings, Stepper};
+use wire::message::Trip;
+
+use super::branch::{Act, Root};
+use crate::what_if::WhatIf;
+
+/// The machine as it is after a step.
+pub(super) struct Machine {
+    stepper: Box<dyn Stepper>,
+    /// The settings in force.
+    pub(super) settings: Settings,
+    /// What they mean: poles and damping.
+    pub(super) judged: Option<WhatIf>,
+    /// The number of the last step.
+    pub(super) seq: u64,
+    pub(super) trip: Option<Trip>,
+    /// The last state in which everything was finite: position and velocity.
+    good: ([C64; MAX_MASSES], [C64; MAX_MASSES]),
+}
+
+impl Clone for Machine {
+    fn clone(&self) -> Self {
+        let Self { stepper, settings, judged, seq, trip, good } = self;
+        let (settings, judged) = (settings.clone(), judged.clone());
+        Self { stepper: stepper.twin(), settings, judged, seq: *seq, trip: *trip, good: *good }
+    }
+}
+
+impl Machine {
+    /// The machine as it was at `root`, under other settings.
+    pub(super) fn new(root: &Root, wanted: &Settings) -> Self {
+        let of = |settings: &Settings| settings.closed_loop(&root.rotor);
+        let mut stepper = rotor::stepper(&of(&root.settings));
+        let points = root.state.points();
+        let [displacement, velocity]: [Vec<C64>; 2] = [
+            points.iter().map(|point| C64::new(point.y, point.z)).collect(),
+            points.iter().map(|point| C64::new(point.vy, point.vz)).collect(),
+        ];
+        stepper.place(&displacement, &velocity);
+        stepper.set_clock(root.line.tau, root.line.angle, root.line.steps, root.dtau);
+        stepper.load(&of(wanted));
+        let held = root.state.flags.has(wire::Flags::TRIPPED);
+        let mut machine = Self {
+            stepper,
+            settings: wanted.clone(),
+            judged: WhatIf::of(&root.rotor, wanted.clone()),
+            seq: root.state.seq,
+            trip: held.then(Trip::default),
+            good: ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]),
+        };
+        machine.good.0[..displacement.len()].copy_from_slice(&displacement);
+        machine.good.1[..velocity.len()].copy_from_slice(&velocity);
+        machine
+    }
+
+    /// Something is done to it.
+    pub(super) fn act(&mut self, root: &Root, act: &Act) {
+        match act {
+            Act::Impulse(mass, velocity) => self.stepper.kick(*mass, *velocity),
+            Act::Restart => {
+                self.stepper.rest();
+                self.trip = None;
+            }
+            Act::Settings(settings) => {
+                self.stepper.load(&settings.closed_loop(&root.rotor));
+                self.judged = WhatIf::of(&root.rotor, settings.clone());
+                self.settings = settings.clone();
+            }
+        }
+    }
+
+    /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held.
+    pub(super) fn step(&mut self, dtau: f64) {
+        self.seq += 1;
+        if self.trip.is_some() {
+            return;
+        }
+        self.stepper.step(dtau);
+        let (motion, control) = (self.stepper.motion(), self.stepper.control());
+        let (n, radius) = (motion.displacement.len(), motion.largest_radius());
+        if motion.is_finite() && radius.is_finite() && control.re.is_finite() && control.im.is_finite() {
+            self.good.0[..n].copy_from_slice(motion.displacement);
+            self.good.1[..n].copy_from_slice(motion.velocity);
+            if radius > self.settings.trip {
+                self.trip = Some(self.tripped(1, n));
+            }
+        } else {
+            self.stepper.place(&self.good.0[..n], &self.good.1[..n]);
+            self.trip = Some(self.tripped(2, n));
+        }
+    }
+
+    fn tripped(&self, cause: u32, masses: usize) -> Trip {
+        let radius = |mass: &usize| self.good.0[*mass].norm();
+        let mass = (0..masses).max_by(|a, b| radius(a).total_cmp(&radius(b))).unwrap_or(0);
+        Trip { cause, mass: mass as u32 + 1, step: self.seq, radius: radius(&mass), limit: self.settings.trip }
+    }
+
+    /// Its numbers in a row: `u_y`, `u_z`, then `y`, `z` of every mass.
+    pub(super) fn row(&self) -> impl Iterator<Item = f64> + '_ {
+        let control = self.stepper.control();
+        let places = self.stepper.motion().displacement.iter().flat_map(|p| [p.re, p.im]);
+        [control.re, control.im].into_iter().chain(places)
+    }
+}
