@@ -72,6 +72,8 @@ pub(crate) enum Action {
     Layout(String),
     /// Start to type a command; this much is typed already.
     Command(String),
+    /// Move the lists by so many rows.
+    Scroll(isize),
     /// Start to type what the lists shall show.
     Filter,
     /// Show and hide the help.
@@ -370,7 +372,7 @@ pub(crate) const ACTIONS: &[Row] = &[
                 ("8", "8"),
                 ("9", "9"),
             ],
-            "another layout: overview, operator, tuning, whirl, replay",
+            "another layout: overview, operator, tuning, whirl, replay, diagnosis",
             Some("layout"),
         )],
         make: |name| Ok(Action::Layout(name.to_owned())),
@@ -383,10 +385,17 @@ pub(crate) const ACTIONS: &[Row] = &[
         make: |file| Ok(Action::Picture(file.to_owned())),
     },
     Row {
+        name: "scroll",
+        argument: "ROWS",
+        meaning: "scroll the lists on the screen by so many rows",
+        keys: &[keys(&[("pageup", "-5"), ("pagedown", "5")], "scroll the lists: events, alarms, modes, numbers", None)],
+        make: |rows| whole(rows).map(|rows| Action::Scroll(rows as isize)),
+    },
+    Row {
         name: "filter",
         argument: "",
-        meaning: "type what the lists shall show",
-        keys: &[keys(&[("/", "")], "type what the lists shall show", None)],
+        meaning: "type what the lists shall show: events, alarms, modes, numbers, settings, this help",
+        keys: &[keys(&[("/", "")], "type what the lists shall show; esc shows all again", None)],
         make: |_| Ok(Action::Filter),
     },
     Row {

@@ -163,7 +163,7 @@ pub(crate) mod tests {
     fn every_layout_has_its_screen() {
         let picture = tests::picture();
         for layout in crate::layout::built_in() {
-            for (width, height) in [SMALLEST, (80, 24), (200, 60)] {
+            for (width, height) in [SMALLEST, (80, 24), (120, 40), (200, 60)] {
                 let name = format!("{}_{width}x{height}", layout.name());
                 if layout.name() != "overview" {
                     insta::assert_snapshot!(name, frame_of(layout.name(), &picture, width, height, false));

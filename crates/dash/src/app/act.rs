@@ -13,7 +13,7 @@ use crate::clerk::Edit;
 use crate::headless::Still;
 use crate::layers::{Deed, Layer};
 use crate::looks::still;
-use crate::panels::settings::rows;
+use crate::panels::settings::{rows, shown_rows};
 use crate::screen;
 use crate::session::Ended;
 use crate::still_file;
@@ -88,8 +88,11 @@ impl App<'_> {
             Action::Filter => self.layers.push(Layer::Filter(Typing::from(&*self.filter))),
             Action::Suspend => self.suspend = true,
             Action::Select(rows_down) => {
-                let count = self.settings().map_or(0, |settings| rows(&settings).len());
-                self.row = self.row.saturating_add_signed(rows_down).min(count.saturating_sub(1));
+                let keys = self.settings().map(|settings| rows(&settings)).unwrap_or_default();
+                let shown = shown_rows(&keys, &self.filter, self.row);
+                let at = shown.iter().position(|row| *row == self.row).unwrap_or(shown.len());
+                let to = at.saturating_add_signed(rows_down).min(shown.len().saturating_sub(1));
+                self.row = shown.get(to).copied().unwrap_or(0);
             }
             Action::Nudge(steps) => match self.selected() {
                 Some(key) => self.send(Edit::Nudge(key, steps * key.parameter.step)),
@@ -123,6 +126,7 @@ impl App<'_> {
             Action::Zoom(factor) => self.look(|time, _, seconds| time.zoom(factor, seconds)),
             Action::Span(span) => self.look(|time, _, seconds| time.show(span, seconds)),
             Action::ZoomReset => self.look(|time, _, seconds| time.reset_span(seconds)),
+            Action::Scroll(rows) => self.scroll(rows),
             Action::Layout(name) => self.show(&name),
             Action::Picture(file) => self.keep_picture(&file),
             // These are for recordings alone.
@@ -193,6 +197,16 @@ impl App<'_> {
                 Err(why) => Message::Bad(why),
             }),
         }
+    }
+
+    /// Moves the lists on the screen.
+    fn scroll(&mut self, rows: isize) {
+        let area = self.area;
+        self.with_view(|view, layout, panels| {
+            for (kind, _) in screen::panels(view, layout, area) {
+                panels.scroll(kind, rows);
+            }
+        });
     }
 
     /// Keeps a picture of what the screen shows without what lies on top.

@@ -281,6 +281,45 @@ fn a_key_keeps_a_picture_of_the_screen_and_says_where() {
 }
 
 #[test]
+fn a_filter_holds_for_all_lists_and_the_selected_setting_is_never_hidden() {
+    let (mut app, taken) = dashboard(&Options::default());
+    app.layout = 2;
+    type_in(&mut app, "/kc");
+    press(&mut app, &[Enter]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("▶ speed") && shown.contains("  kc ") && !shown.contains("  deadband "), "{shown}");
+    assert!(shown.contains("/kc 0 of 6"), "no mode has that in its row:\n{shown}");
+    press(&mut app, &[Down]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("▶ kc") && !shown.contains("  speed "), "{shown}");
+    press(&mut app, &[Right]);
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kc"), 0.01)]);
+    press(&mut app, &[Esc]);
+    assert!(frame(&mut app).contains("  speed "));
+}
+
+#[test]
+fn lists_scroll_by_key_and_wheel() {
+    let (mut app, _taken) = dashboard(&Options::default());
+    let settings = tests::bulletin("three-mass", "composite").settings.unpack();
+    for number in 1..=90 {
+        let note = wire::Happening::Note(format!("no. {number}."));
+        lock(&app.feed).happen(&crate::journal::tests::event(number, &note, &settings));
+    }
+    app.layout = 5;
+    assert!(frame(&mut app).contains("no. 90."));
+    press(&mut app, &[KeyCode::PageDown]);
+    let shown = frame(&mut app);
+    assert!(!shown.contains("no. 86.") && shown.contains("no. 85.") && shown.contains("5 more ▲"), "{shown}");
+    press(&mut app, &[KeyCode::PageUp, KeyCode::PageUp]);
+    assert!(frame(&mut app).contains("no. 90."));
+    let shown = frame(&mut app);
+    let row = shown.lines().position(|line| line.contains("no. 88.")).unwrap() as u16;
+    app.point(MouseEvent { kind: MouseEventKind::ScrollDown, column: 5, row, modifiers: KeyModifiers::NONE });
+    assert!(frame(&mut app).contains("3 more ▲"));
+}
+
+#[test]
 fn earlier_commands_come_back() {
     let folder = tempfile::tempdir().unwrap();
     let options = Options { commands: Some(folder.path().join("commands")), ..Options::default() };

@@ -21,12 +21,13 @@ use rotor::file::Problems;
 use crate::panels::registry::KINDS;
 
 /// Names and files of the built-in layouts, in the order of their digits.
-pub const BUILT_IN: [(&str, &str); 5] = [
+pub const BUILT_IN: [(&str, &str); 6] = [
     ("overview", include_str!("../../../../layouts/overview.toml")),
     ("operator", include_str!("../../../../layouts/operator.toml")),
     ("tuning", include_str!("../../../../layouts/tuning.toml")),
     ("whirl", include_str!("../../../../layouts/whirl.toml")),
     ("replay", include_str!("../../../../layouts/replay.toml")),
+    ("diagnosis", include_str!("../../../../layouts/diagnosis.toml")),
 ];
 
 /// Which panel where, for terminals of different sizes.

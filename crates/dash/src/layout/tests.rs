@@ -79,3 +79,12 @@ fn problems_name_line_and_column() {
     );
     assert!(wrong("[[screen]\n").contains(": expected TOML"));
 }
+
+#[test]
+fn every_panel_is_in_a_built_in_layout() {
+    for (at, kind) in KINDS.iter().enumerate() {
+        let large = Rect::new(0, 0, 200, 58);
+        let is_shown = built_in().iter().any(|layout| layout.places(large).iter().any(|(shown, _)| *shown == at));
+        assert!(is_shown, "no layout shows {}", kind.name);
+    }
+}

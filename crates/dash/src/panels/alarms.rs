@@ -16,31 +16,55 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
+use super::list::{List, mark, passes, told};
+use super::registry::Panel;
 use super::status::{level_color, level_words};
 use super::{framed, write};
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The panel; its list is that of what has been.
+#[derive(Debug, Default)]
+pub(crate) struct AlarmList {
+    list: List,
+}
+
+impl Panel for AlarmList {
+    fn scroll(&mut self, rows: isize) {
+        self.list.scroll(rows);
+    }
+
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(&mut self.list, view, area, buffer);
+    }
+}
+
+fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let alarms = view.alarms;
     let mut title = vec![Span::raw(" alarms ")];
     if alarms.unseen() > 0 {
         let text = format!(" {} not acknowledged: a ", alarms.unseen());
         title.push(Span::styled(text, theme::badge(level_color(alarms.shown()))));
     }
+    let all = alarms.entries().count();
+    let entries: Vec<&Entry> = alarms.entries().filter(|entry| passes(view.filter, &words(entry))).collect();
+    title.push(Span::raw(told(view.filter, entries.len(), all)));
     let inner = framed(Line::from(title), area, buffer);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
     // What has been matters more than what is watched, where there is no room for both.
-    let told = alarms.entries().count();
+    let told = entries.len();
     let watched = Watch::ALL.len() + 1;
     if usize::from(inner.height) > watched.min(told + 2) {
         draw_standings(view, &mut rows, told.min(3), buffer);
     }
-    for (row, entry) in rows.by_ref().zip(alarms.entries()) {
+    let below = Rect { y: inner.bottom() - rows.len() as u16, height: rows.len() as u16, ..inner };
+    let in_view = list.rows(told, below.height, 0);
+    for (row, entry) in rows.by_ref().zip(&entries[in_view.clone()]) {
         draw_entry(entry, row, buffer);
     }
-    if told == 0
+    mark(&in_view, told, area, buffer);
+    if all == 0
         && let Some(row) = rows.next()
     {
         let unjudged = view.replay.as_ref().is_some_and(|show| !show.judged);
@@ -80,14 +104,26 @@ fn draw_standings(view: &View<'_>, rows: &mut impl ExactSizeIterator<Item = Rect
     }
 }
 
-fn draw_entry(entry: &Entry, row: Rect, buffer: &mut Buffer) {
+/// When, how bad and what, as a row shows it.
+fn words(entry: &Entry) -> String {
+    format!("{}{} {}", when(entry), level_words(entry.level), what(entry))
+}
+
+fn when(entry: &Entry) -> String {
     let fell = entry.fell.map_or_else(|| "     now".to_owned(), |at| clock(at.wall_ns));
-    let when = format!("{} to {fell}  ", clock(entry.rose.wall_ns));
-    let what = if entry.cause.is_empty() {
+    format!("{} to {fell}  ", clock(entry.rose.wall_ns))
+}
+
+fn what(entry: &Entry) -> String {
+    if entry.cause.is_empty() {
         format!("{} {}, limit {}", entry.watch.name(), short(entry.worst, 5), short(entry.limit, 5))
     } else {
         format!("{}: {}", entry.watch.name(), entry.cause)
-    };
+    }
+}
+
+fn draw_entry(entry: &Entry, row: Rect, buffer: &mut Buffer) {
+    let (when, what) = (when(entry), what(entry));
     let color = level_color(entry.level);
     write(buffer, row, row.x, row.y, &when, theme::quiet());
     let x = row.x + when.len() as u16;
@@ -116,7 +152,7 @@ pub(crate) mod tests {
 
     fn frame(alarms: &Alarms, width: u16, height: u16) -> String {
         let picture = tests::picture();
-        drawn(width, height, |area, buffer| draw(&View { alarms, ..view(&picture) }, area, buffer))
+        drawn(width, height, |area, buffer| AlarmList::default().draw(&View { alarms, ..view(&picture) }, area, buffer))
     }
 
     fn at(second: u64) -> Reading {

@@ -16,39 +16,75 @@ use ratatui::text::Line;
 use wire::Happening;
 
 use super::alarms::clock;
+use super::list::{List, mark, passes, told};
+use super::registry::Panel;
 use super::{framed, write};
 use crate::journal::Entry;
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let inner = framed(Line::from(" events "), area, buffer);
-    let picture = view.picture;
-    if picture.events.is_empty() {
-        write(buffer, inner, inner.left(), inner.top(), "nothing has happened", theme::quiet());
+/// The list.
+#[derive(Debug, Default)]
+pub(crate) struct Events {
+    list: List,
+}
+
+impl Panel for Events {
+    fn scroll(&mut self, rows: isize) {
+        self.list.scroll(rows);
     }
-    // While the newest step is looked at, nothing is after it.
-    let until = picture.now.filter(|_| picture.behind > 0).map(|now| picture.track.wall_ns(now));
-    let is_after = |entry: &Entry| until.is_some_and(|until| entry.wall_ns > until);
-    // What is after the cursor takes no more than a third: what was before it must be found.
-    let after = picture.events.iter().rev().take_while(|entry| is_after(entry)).count();
-    let skipped = after.saturating_sub(usize::from(inner.height / 3));
-    for (y, entry) in (inner.top()..inner.bottom()).zip(picture.events.iter().rev().skip(skipped)) {
-        let (sign, color) = sign(entry);
-        let when = format!("{}  tau {:<7} ", clock(entry.wall_ns), short(entry.tau, 5));
-        write(buffer, inner, inner.left(), y, &when, theme::quiet());
-        let what = format!("{sign}{}", entry.what);
-        let style = match color {
-            _ if is_after(entry) => theme::quiet(),
-            Some(color) => theme::loud(color),
-            None => Style::new(),
-        };
-        let x = inner.left() + when.chars().count() as u16;
-        write(buffer, inner, x, y, &what, style);
-        let by = if entry.why.is_empty() { entry.who.clone() } else { format!("{}, {}", entry.who, entry.why) };
-        write(buffer, inner, x + what.chars().count() as u16 + 2, y, &by, theme::quiet());
+
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        let picture = view.picture;
+        let shown: Vec<&Entry> =
+            picture.events.iter().rev().filter(|entry| passes(view.filter, &words(entry))).collect();
+        let title = format!(" events {}", told(view.filter, shown.len(), picture.events.len()));
+        let inner = framed(Line::from(title), area, buffer);
+        if picture.events.is_empty() {
+            write(buffer, inner, inner.left(), inner.top(), "nothing has happened", theme::quiet());
+        }
+        // While the newest step is looked at, nothing is after it.
+        let until = picture.now.filter(|_| picture.behind > 0).map(|now| picture.track.wall_ns(now));
+        let is_after = |entry: &Entry| until.is_some_and(|until| entry.wall_ns > until);
+        // What is after the cursor takes no more than a third: what was before it must be found.
+        let after = shown.iter().take_while(|entry| is_after(entry)).count();
+        let first = after.saturating_sub(usize::from(inner.height / 3));
+        let rows = self.list.rows(shown.len(), inner.height, first);
+        for (y, entry) in (inner.top()..inner.bottom()).zip(&shown[rows.clone()]) {
+            draw_entry(entry, is_after(entry), Rect { y, height: 1, ..inner }, buffer);
+        }
+        mark(&rows, shown.len(), area, buffer);
     }
+}
+
+/// When, what and who, as a row shows them.
+fn words(entry: &Entry) -> String {
+    format!("{}{}{}", when(entry), sign(entry).0, what_and_who(entry).join("  "))
+}
+
+fn when(entry: &Entry) -> String {
+    format!("{}  tau {:<7} ", clock(entry.wall_ns), short(entry.tau, 5))
+}
+
+fn what_and_who(entry: &Entry) -> [String; 2] {
+    let by = if entry.why.is_empty() { entry.who.clone() } else { format!("{}, {}", entry.who, entry.why) };
+    [entry.what.clone(), by]
+}
+
+fn draw_entry(entry: &Entry, is_after: bool, row: Rect, buffer: &mut Buffer) {
+    let (sign, color) = sign(entry);
+    let (when, [what, by]) = (when(entry), what_and_who(entry));
+    write(buffer, row, row.x, row.y, &when, theme::quiet());
+    let what = format!("{sign}{what}");
+    let style = match color {
+        _ if is_after => theme::quiet(),
+        Some(color) => theme::loud(color),
+        None => Style::new(),
+    };
+    let x = row.x + when.chars().count() as u16;
+    write(buffer, row, x, row.y, &what, style);
+    write(buffer, row, x + what.chars().count() as u16 + 2, row.y, &by, theme::quiet());
 }
 
 /// What stands before an event, and its colour.
@@ -88,7 +124,8 @@ mod tests {
         let trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
         feed.happen(&event(4, &Happening::Tripped(trip), &settings));
         let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame_of = |width, height| drawn(width, height, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame_of =
+            |width, height| drawn(width, height, |area, buffer| Events::default().draw(&view(&picture), area, buffer));
         let frame = frame_of(100, 7);
         let rows: Vec<&str> = frame.lines().collect();
         assert!(rows[1].contains("14:03:24") && rows[1].contains("!! tripped: orbit of mass 2"), "{frame}");
@@ -118,7 +155,7 @@ mod tests {
         time.jump(50);
         let picture = feed.picture(&time, std::time::Instant::now());
         let view = crate::screen::View { time: &time, ..view(&picture) };
-        let frame = drawn(60, 11, |area, buffer| draw(&view, area, buffer));
+        let frame = drawn(60, 11, |area, buffer| Events::default().draw(&view, area, buffer));
         let rows: Vec<&str> = frame.lines().collect();
         assert!(
             rows[1].contains("number 53") && rows[4].contains("number 50") && rows[9].contains("number 45"),
@@ -129,7 +166,38 @@ mod tests {
     #[test]
     fn nothing_is_told_as_such() {
         let picture = tests::picture();
-        let frame = drawn(40, 4, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(40, 4, |area, buffer| Events::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("nothing has happened"), "{frame}");
+    }
+
+    #[test]
+    fn a_long_list_is_scrolled_and_filtered() {
+        let now = std::time::Instant::now();
+        let mut feed = Feed::new("");
+        let settings = tests::bulletin("three-mass", "composite").settings.unpack();
+        for number in 1..=40 {
+            let text = format!("{} {number}", if number % 4 == 0 { "Hum" } else { "quiet" });
+            feed.happen(&event(number, &Happening::Note(text), &settings));
+        }
+        let picture = feed.picture(&ViewTime::LIVE, now);
+        let mut events = Events::default();
+        let frame_of = |events: &mut Events, filter: &str| {
+            let area = Rect::new(0, 0, 80, 7);
+            let mut buffer = Buffer::empty(area);
+            events.draw(&View { filter, ..view(&picture) }, area, &mut buffer);
+            crate::looks::still::text(&buffer)
+        };
+        assert!(frame_of(&mut events, "").contains("35 more ▼"));
+        events.scroll(10);
+        let middle = frame_of(&mut events, "");
+        assert!(
+            middle.contains("10 more ▲") && middle.contains("quiet 30") && middle.contains("25 more ▼"),
+            "{middle}"
+        );
+        let hums = frame_of(&mut events, "note hum");
+        assert!(
+            hums.contains(" events  /note hum 10 of 40 ") && hums.contains("Hum 4") && !hums.contains("quiet"),
+            "{hums}"
+        );
     }
 }

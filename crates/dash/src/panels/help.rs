@@ -7,6 +7,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Clear, Paragraph, Widget};
 use rotor::PARAMETERS;
 
+use super::list::passes;
 use crate::actions::ACTIONS;
 use crate::screen::View;
 use crate::theme;
@@ -24,8 +25,7 @@ const SIGNS: [(&str, &str); 7] = [
 
 /// Draws it over `area`, from line `from` on.
 pub(crate) fn draw(view: &View<'_>, from: usize, area: Rect, buffer: &mut Buffer) {
-    let wanted = view.filter.to_lowercase();
-    let matches = |line: &Line<'_>| wanted.is_empty() || line.to_string().to_lowercase().contains(&wanted);
+    let matches = |line: &Line<'_>| passes(view.filter, &line.to_string());
     let lines: Vec<Line<'_>> = lines(view).into_iter().filter(matches).collect();
     let count = lines.len();
     let height = (count as u16 + 2).min(area.height);

@@ -8,6 +8,7 @@ pub(crate) mod events;
 pub(crate) mod force;
 pub(crate) mod force_budget;
 pub(crate) mod help;
+pub(crate) mod list;
 pub(crate) mod modes;
 pub(crate) mod offers;
 pub(crate) mod orbits;

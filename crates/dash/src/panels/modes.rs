@@ -17,8 +17,9 @@ use ratatui::text::Line;
 use rotor::{C64, Mode, Spectrum, Whirl};
 
 use super::damping_over_speed::speed_text;
+use super::list::{List, mark, passes, told};
 use super::registry::Panel;
-use super::{framed, write, write_right};
+use super::{framed, write};
 use crate::history::Era;
 use crate::plot::short;
 use crate::screen::View;
@@ -35,6 +36,7 @@ const PART: u16 = 11;
 #[derive(Debug, Default)]
 pub(crate) struct Modes {
     known: Option<(Arc<Era>, Vec<Mode>)>,
+    list: List,
 }
 
 impl Panel for Modes {
@@ -46,29 +48,27 @@ impl Panel for Modes {
         let speed = era.settings.speed;
         let scales = era.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
         let unit = if scales.is_some() { "rpm" } else { "R" };
-        let inner = framed(Line::from(format!(" modes at {unit} {} ", speed_text(speed, scales))), area, buffer);
         if self.known.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, era)) {
             self.known = Some((era.clone(), modes(era)));
         }
         let modes = self.known.as_ref().map_or(&[][..], |(_, modes)| modes);
+        let words = |mode: &Mode| cells(mode, speed).join(" ");
+        let shown: Vec<(usize, &Mode)> =
+            modes.iter().enumerate().filter(|(_, mode)| passes(view.filter, &words(mode))).collect();
+        let title =
+            format!(" modes at {unit} {} {}", speed_text(speed, scales), told(view.filter, shown.len(), modes.len()));
+        let inner = framed(Line::from(title), area, buffer);
         heading(inner, buffer);
-        for (rank, mode) in modes.iter().enumerate() {
-            let y = inner.y + 1 + rank as u16;
-            if y >= inner.bottom() {
-                if inner.height > 1 {
-                    let hidden = modes.len() - rank + 1;
-                    write_right(
-                        buffer,
-                        inner,
-                        inner.bottom() - 1,
-                        &format!(" {hidden} more ▼"),
-                        theme::loud(theme::WARN),
-                    );
-                }
-                break;
-            }
-            row(mode, rank == 0, speed, Rect { y, height: 1, ..inner }, buffer);
+        let below = Rect { y: inner.y + 1, height: inner.height.saturating_sub(1), ..inner };
+        let rows = self.list.rows(shown.len(), below.height, 0);
+        for (y, (rank, mode)) in (below.y..).zip(&shown[rows.clone()]) {
+            row(mode, *rank == 0, speed, Rect { y, height: 1, ..below }, buffer);
         }
+        mark(&rows, shown.len(), area, buffer);
+    }
+
+    fn scroll(&mut self, rows: isize) {
+        self.list.scroll(rows);
     }
 }
 
@@ -90,6 +90,18 @@ fn heading(area: Rect, buffer: &mut Buffer) {
     write(buffer, area, x, area.y, "  shape, by mass", theme::quiet());
 }
 
+/// What stands in the columns before the shape.
+fn cells(mode: &Mode, speed: f64) -> [String; 5] {
+    let ratio = if speed > 0.0 { short(mode.frequency() / speed, 4) } else { "-".into() };
+    [
+        format!("{:.4}", mode.damping()),
+        short(mode.log_decrement(), 5),
+        short(mode.frequency(), 5),
+        ratio,
+        format!("  {}", mode.whirl()),
+    ]
+}
+
 fn row(mode: &Mode, least: bool, speed: f64, area: Rect, buffer: &mut Buffer) {
     let (sign, color) = match mode.whirl() {
         Whirl::Forward => ("▲", theme::FORWARD),
@@ -100,14 +112,7 @@ fn row(mode: &Mode, least: bool, speed: f64, area: Rect, buffer: &mut Buffer) {
         write(buffer, area, area.x, area.y, "◆", theme::loud(verdict));
     }
     write(buffer, area, area.x + 1, area.y, sign, theme::loud(color));
-    let ratio = if speed > 0.0 { short(mode.frequency() / speed, 4) } else { "-".into() };
-    let cells = [
-        format!("{:.4}", mode.damping()),
-        short(mode.log_decrement(), 5),
-        short(mode.frequency(), 5),
-        ratio,
-        format!("  {}", mode.whirl()),
-    ];
+    let cells = cells(mode, speed);
     let plain = if least { theme::loud(verdict) } else { Style::new() };
     let mut x = area.x + SIGNS;
     for ((name, width), text) in COLUMNS.into_iter().zip(cells) {

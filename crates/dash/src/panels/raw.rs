@@ -16,6 +16,8 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::Line;
 
+use super::list::{List, mark, passes, told};
+use super::registry::Panel;
 use super::{framed, write};
 use crate::plot::short;
 use crate::screen::View;
@@ -25,12 +27,27 @@ use crate::theme;
 const DIGITS: usize = 6;
 const WIDTH: usize = 10;
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The table.
+#[derive(Debug, Default)]
+pub(crate) struct Raw {
+    list: List,
+}
+
+impl Panel for Raw {
+    fn scroll(&mut self, rows: isize) {
+        self.list.scroll(rows);
+    }
+
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(&mut self.list, view, area, buffer);
+    }
+}
+
+fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let (track, Some(now)) = (&view.picture.track, view.picture.now) else {
         framed(Line::from(" step "), area, buffer);
         return;
     };
-    let inner = framed(Line::from(format!(" step at tau {} ", short(track.tau(now), 8))), area, buffer);
     let number = |value: f64| format!("{:>WIDTH$}", short(value, DIGITS));
     let numbers = |values: &[f64]| values.iter().copied().map(number).collect::<String>();
     let (angle, plain) = (track.angle(now), Style::new());
@@ -49,9 +66,15 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     lines.push((format!("u commanded {}", numbers(&[cy, cz, cy.hypot(cz)])), plain));
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
-    for (y, (line, style)) in (inner.top()..inner.bottom()).zip(lines) {
-        write(buffer, inner, inner.left(), y, &line, style);
+    let all = lines.len();
+    lines.retain(|(line, _)| passes(view.filter, line));
+    let title = format!(" step at tau {} {}", short(track.tau(now), 8), told(view.filter, lines.len(), all));
+    let inner = framed(Line::from(title), area, buffer);
+    let rows = list.rows(lines.len(), inner.height, 0);
+    for (y, (line, style)) in (inner.top()..inner.bottom()).zip(&lines[rows.clone()]) {
+        write(buffer, inner, inner.left(), y, line, *style);
     }
+    mark(&rows, lines.len(), area, buffer);
 }
 
 #[cfg(test)]
@@ -65,7 +88,7 @@ mod tests {
     #[test]
     fn every_number_of_the_step_is_there() {
         let picture = tests::picture();
-        let frame = drawn(64, 10, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(64, 10, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
         insta::assert_snapshot!("raw", frame);
         let last = tests::state(3, 2999);
         for (mass, point) in last.points().iter().enumerate() {
@@ -81,11 +104,11 @@ mod tests {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
         let empty = feed.picture(&ViewTime::LIVE, now);
-        drawn(64, 10, |area, buffer| draw(&view(&empty), area, buffer));
+        drawn(64, 10, |area, buffer| Raw::default().draw(&view(&empty), area, buffer));
         let flags = wire::message::Flags::contact(0b10) | wire::message::Flags::SATURATED;
         feed.hear(&wire::State { flags, ..tests::state(3, 0) }, now);
         let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(64, 10, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(64, 10, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("flags contact.2 saturated"), "{frame}");
     }
 }

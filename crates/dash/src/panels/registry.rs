@@ -16,8 +16,14 @@ pub(crate) trait Panel {
     /// Draws it; any area must do.
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer);
 
+    /// Moves its list, if it is one, by so many rows.
+    fn scroll(&mut self, _rows: isize) {}
+
     /// What the mouse at a position of its area asks for.
-    fn mouse(&mut self, _view: &View<'_>, _area: Rect, _mouse: Mouse, _at: Position) -> Option<Intent> {
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scroll(3 * notches as isize);
+        }
         None
     }
 }
@@ -126,15 +132,15 @@ pub(crate) const KINDS: &[Kind] = &[
         name: "alarms",
         meaning: "what is watched, its limits, and what has been past them",
         least: (30, 4),
-        make: || Box::new(alarms::draw),
+        make: || Box::<alarms::AlarmList>::default(),
     },
     Kind {
         name: "events",
         meaning: "what happened: who changed what and why, trips, notes",
         least: (30, 3),
-        make: || Box::new(events::draw),
+        make: || Box::<events::Events>::default(),
     },
-    Kind { name: "raw", meaning: "every number of one step", least: (40, 5), make: || Box::new(raw::draw) },
+    Kind { name: "raw", meaning: "every number of one step", least: (40, 5), make: || Box::<raw::Raw>::default() },
 ];
 
 /// Name, meaning, and smallest width and height of every panel.
@@ -161,6 +167,11 @@ impl Panels {
         at: Position,
     ) -> Option<Intent> {
         self.0[kind].get_or_insert_with(KINDS[kind].make).mouse(view, area, mouse, at)
+    }
+
+    /// Moves the list of the panel in row `kind` of the table, if it is one.
+    pub(crate) fn scroll(&mut self, kind: usize, rows: isize) {
+        self.0[kind].get_or_insert_with(KINDS[kind].make).scroll(rows);
     }
 
     /// Draws the panel in row `kind` of the table.

@@ -16,6 +16,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
 use rotor::{Gain, Key, Scope, Settings};
 
+use super::list::{passes, told};
 use super::registry::{Intent, Mouse, Panel};
 use super::{framed, write, write_right};
 use crate::actions::Action;
@@ -46,6 +47,13 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
     rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
 }
 
+/// The places of the rows that a filter lets through, and of the selected one, which is never hidden.
+pub(crate) fn shown_rows(rows: &[Key], filter: &str, selected: usize) -> Vec<usize> {
+    let row = |key: &Key| format!("{key} {}", key.parameter.meaning);
+    let places = rows.iter().enumerate().filter(|(at, key)| *at == selected || passes(filter, &row(key)));
+    places.map(|(at, _)| at).collect()
+}
+
 /// The settings: a click selects one, a drag nudges it a step a cell, the wheel selects the next.
 pub(crate) struct SettingsPanel;
 
@@ -56,41 +64,45 @@ impl Panel for SettingsPanel {
 
     fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
         let inner = area.inner(Margin::new(1, 1));
-        let count = rows(view.picture.settings.as_ref()?).len();
+        let selected = view.cursor.row;
+        let shown = shown_rows(&rows(view.picture.settings.as_ref()?), view.filter, selected);
         match mouse {
             Mouse::Wheel(notches) => Some(Intent::Do(Action::Select(notches as isize))),
             Mouse::Drag(0) => None,
             Mouse::Drag(cells) => Some(Intent::Do(Action::Nudge(f64::from(cells)))),
             Mouse::Click => {
-                let row = first_row(view.cursor.row, count, inner.height) + usize::from(at.y.checked_sub(inner.y)?);
-                (inner.contains(at) && row < count).then_some(Intent::Row(row))
+                let first = first_row(&shown, selected, inner.height);
+                let row = shown.get(first + usize::from(at.y.checked_sub(inner.y)?))?;
+                inner.contains(at).then_some(Intent::Row(*row))
             }
         }
     }
 }
 
-/// The first row in view: the selected one is.
-fn first_row(selected: usize, count: usize, height: u16) -> usize {
-    let height = usize::from(height);
-    (selected + 1).saturating_sub(height).min(count.saturating_sub(height))
+/// The first of the rows in view: the selected one is.
+fn first_row(shown: &[usize], selected: usize, height: u16) -> usize {
+    let (height, count) = (usize::from(height), shown.len());
+    let at = shown.iter().position(|row| *row == selected).unwrap_or(count.saturating_sub(1));
+    (at + 1).saturating_sub(height).min(count.saturating_sub(height))
 }
 
 fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let (picture, cursor) = (view.picture, view.cursor);
+    let keys = picture.settings.as_ref().map(rows).unwrap_or_default();
+    let shown = shown_rows(&keys, view.filter, cursor.row);
+    let passed = told(view.filter, shown.len(), keys.len());
     let title = match &picture.bulletin {
-        Some(bulletin) => format!(" settings  rev {} by {} ", bulletin.revision, bulletin.changed_by.as_str()),
+        Some(bulletin) => format!(" settings  rev {} by {} {passed}", bulletin.revision, bulletin.changed_by.as_str()),
         None => " settings ".to_owned(),
     };
     let inner = framed(Line::from(title), area, buffer);
     let Some(settings) = &picture.settings else { return };
-    let rows = rows(settings);
-    let height = usize::from(inner.height);
-    let first = first_row(cursor.row, rows.len(), inner.height);
-    for (at, key) in rows.iter().enumerate().skip(first).take(height) {
-        let row = Rect { y: inner.y + (at - first) as u16, height: 1, ..inner };
-        draw_row(settings, *key, (at == cursor.row).then_some(cursor), row, buffer);
+    let first = first_row(&shown, cursor.row, inner.height);
+    for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
+        let row = Rect { y, height: 1, ..inner };
+        draw_row(settings, keys[*at], (*at == cursor.row).then_some(cursor), row, buffer);
     }
-    if rows.len() > first + height && inner.height > 0 {
+    if shown.len() > first + usize::from(inner.height) && inner.height > 0 {
         write_right(buffer, inner, inner.bottom() - 1, "▼", theme::loud(theme::WARN));
     }
 }
