@@ -5,7 +5,9 @@ use rotor::{C64, ControlRow, MAX_MASSES, Quadratic};
 use crate::Problem;
 use crate::delay::Delayed;
 use crate::force::Synchronous;
-use crate::minimax::EXCESS;
+
+/// Price of a violated constraint, in worth per unit: above any multiplier that one has in practice.
+pub(crate) const EXCESS: f64 = 10.0;
 
 /// A condition with its equations of motion at hand.
 #[derive(Clone, Debug)]

@@ -14,17 +14,16 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use crate::evaluate::Evaluator;
+use crate::evaluate::{EXCESS, Evaluator};
 use crate::least_norm::least_norm;
 use crate::quadratic_program::Program;
 use crate::rows::{Kind, Row, Rows};
 use crate::stop::Stop;
 
+/// Steps of a polish, at most.
 const STEPS: usize = 100;
 /// A step that promises less than this, relative to the worst value, is not worth taking.
 const NEGLIGIBLE: f64 = 1e-8;
-/// Price of a violated constraint, in worth per unit: above any multiplier that one has in practice.
-pub(crate) const EXCESS: f64 = 10.0;
 
 /// Improves `gains`, in place; they never get worse. Ends when the trust radius falls below `last_radius` or a step promises
 /// nothing worth having. Poles of one condition nearer each other than `merge`, relative to their size, are treated as a

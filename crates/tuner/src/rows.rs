@@ -10,8 +10,7 @@
 use rotor::C64;
 
 use crate::Measure;
-use crate::evaluate::{Evaluator, Reading};
-use crate::minimax::EXCESS;
+use crate::evaluate::{EXCESS, Evaluator, Reading};
 use crate::quadratic_program::dot;
 
 /// No more values than this enter one step: the worst ones.

@@ -9,8 +9,8 @@ use rotor::Feedback;
 
 use crate::certify::{self, Certificate, certify};
 use crate::conditions::{counts, hardest_places, worst_places};
-use crate::evaluate::{Evaluator, worst_at};
-use crate::minimax::{EXCESS, Stationarity, polish, stationarity};
+use crate::evaluate::{EXCESS, Evaluator, worst_at};
+use crate::minimax::{Stationarity, polish, stationarity};
 use crate::stop::Stop;
 use crate::{Problem, ProblemError, powell, smooth};
 

@@ -37,6 +37,16 @@ pub enum Ours {
     },
 }
 
+/// A number of ours, with as many decimals as are sure.
+pub(super) fn number(value: f64, decimals: usize) -> Ours {
+    Ours::Number { value, decimals }
+}
+
+/// A statement that we put to the test.
+pub(super) fn claim(holds: bool, found: String) -> Ours {
+    Ours::Claim { holds, found }
+}
+
 /// How a row agrees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]

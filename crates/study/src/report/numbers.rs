@@ -2,7 +2,7 @@
 
 use rotor::{C64, Rotor, Trace, Whirl};
 
-use super::compare::{Comparison, Ours, Printed};
+use super::compare::{Comparison, Ours, Printed, claim, number};
 use super::evidence::Evidence;
 use super::{ReportError, numbers4};
 
@@ -14,14 +14,6 @@ pub(super) fn all(evidence: &Evidence) -> Result<Vec<Comparison>, ReportError> {
     let mut rows = chapter3(evidence)?;
     rows.extend(numbers4::chapter4(evidence)?);
     Ok(rows)
-}
-
-pub(super) fn number(value: f64, decimals: usize) -> Ours {
-    Ours::Number { value, decimals }
-}
-
-pub(super) fn claim(holds: bool, found: String) -> Ours {
-    Ours::Claim { holds, found }
 }
 
 /// The largest distance of any pole of a trace from the pole that its branch starts with.

@@ -2,9 +2,8 @@
 
 use rotor::{C64, Whirl};
 
-use super::compare::{Comparison, Printed};
+use super::compare::{Comparison, Printed, claim, number};
 use super::evidence::Evidence;
-use super::numbers::{claim, number};
 use super::{ReportError, motion::Record, numbers_search};
 
 const BUILT_IN_REACH: &str = "With the built-in gains, whose first threshold is 7.07.";

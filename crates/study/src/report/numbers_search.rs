@@ -2,9 +2,8 @@
 
 use rotor::Stability;
 
-use super::compare::{Comparison, Printed};
+use super::compare::{Comparison, Printed, claim, number};
 use super::evidence::Evidence;
-use super::numbers::{claim, number};
 
 /// The speed at which tracked and constant gains are compared: inside the range of both, with control needed for every mode.
 const BETWEEN: f64 = 6.0;
