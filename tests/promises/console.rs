@@ -127,9 +127,9 @@ fn help_pause_typing_undo_and_redo_work() {
     screen.wait_words("impulse -2.5 on mass 1");
     screen.press(" ");
     screen.wait_words("PAUSED");
-    let still = screen.wait("a force", |text| number_after(text, "│now "));
+    let still = screen.wait("a force", |text| number_after(text, "│was "));
     std::thread::sleep(Duration::from_millis(400));
-    assert_eq!(number_after(&screen.text(), "│now "), Some(still));
+    assert_eq!(number_after(&screen.text(), "│was "), Some(still));
     screen.press(" ");
     screen.wait("the motion to go on", |text| number_after(text, "│now ").filter(|now| *now != still));
     screen.press("\x03");

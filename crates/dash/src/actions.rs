@@ -5,6 +5,10 @@
 
 use rotor::{Key, PARAMETERS};
 
+use crate::axis::Scaling;
+use crate::panels::registry::plots;
+use crate::panels::series::{self, Strip};
+
 /// What a person asks of the dashboard.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Action {
@@ -52,6 +56,16 @@ pub(crate) enum Action {
     Span(f64),
     /// Show as much time as at the start.
     ZoomReset,
+    /// Choose a plot by name, or the next (`1`) or the one before (`-1`).
+    Choose(String),
+    /// The scale of the values of a plot: of the named one, or of the chosen one.
+    Scale(Option<String>, Vec<Scaling>),
+    /// Move the read-out of the chosen plot.
+    Read(Read),
+    /// What the strips show; what the layout says if there is none.
+    Strips(Option<Vec<Strip>>),
+    /// The mass, counted from 0, and the frequencies of the spectra: `None` leaves them as they are.
+    Spectra(Option<Option<usize>>, Option<Scaling>),
     /// Start to record the bench, or end that.
     Record,
     /// All alarms have been seen.
@@ -84,6 +98,17 @@ pub(crate) enum Action {
     Suspend,
     /// End.
     Quit,
+}
+
+/// Where the read-out of a plot shall stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Read {
+    /// So many columns, or modes, further on.
+    Move(i32),
+    /// At a value as it stands on the axis.
+    At(f64),
+    /// Nowhere.
+    Off,
 }
 
 /// One action.
@@ -292,8 +317,12 @@ pub(crate) const ACTIONS: &[Row] = &[
     Row {
         name: "zoom",
         argument: "[TIMES]",
-        meaning: "show so many times as much time; without a number, as much as at the start",
-        keys: &[keys(&[("+", "0.5"), ("-", "2"), ("=", "")], "show less time, more, as at the start", None)],
+        meaning: "show so many times as much; without a number, as at the start",
+        keys: &[keys(
+            &[("+", "0.5"), ("-", "2"), ("=", "")],
+            "less time, more, as at the start; in some plots frequency or speed",
+            None,
+        )],
         make: |times| match times {
             "" => Ok(Action::ZoomReset),
             times => number(times).and_then(positive).map(Action::Zoom),
@@ -305,6 +334,49 @@ pub(crate) const ACTIONS: &[Row] = &[
         meaning: "show so many seconds",
         keys: &[],
         make: |seconds| number(seconds).and_then(positive).map(Action::Span),
+    },
+    Row {
+        name: "choose",
+        argument: "PLOT|STEPS",
+        meaning: "choose the plot whose scale and read-out keys change",
+        keys: &[keys(&[("tab", "1"), ("shift-tab", "-1")], "choose the next plot, the one before; esc none", None)],
+        make: |plot| Ok(Action::Choose(plot.to_owned())),
+    },
+    Row {
+        name: "scale",
+        argument: "[PLOT] auto|TIMES|LOW..HIGH",
+        meaning: "let values follow, show so many times as much, or fix their range",
+        keys: &[keys(&[("z", "0.5"), ("Z", "2")], "the chosen plot's values closer, wider; = lets them follow", None)],
+        make: scale,
+    },
+    Row {
+        name: "read",
+        argument: "left|right|VALUE|off",
+        meaning: "read the chosen plot at a frequency or speed, or the next mode",
+        keys: &[keys(&[(",", "left"), (".", "right")], "the chosen plot's read-out to the left, to the right", None)],
+        make: |there| match there {
+            "left" => Ok(Action::Read(Read::Move(-1))),
+            "right" => Ok(Action::Read(Read::Move(1))),
+            "off" => Ok(Action::Read(Read::Off)),
+            value => number(value).map(|value| Action::Read(Read::At(value))),
+        },
+    },
+    Row {
+        name: "strips",
+        argument: "SERIES...|auto",
+        meaning: "what the strips show: a word each, as y.1+z.1 force; auto: the layout's",
+        keys: &[],
+        make: |words| match words {
+            "auto" => Ok(Action::Strips(None)),
+            words => Strip::read_all(words).map(|strips| Action::Strips(Some(strips))),
+        },
+    },
+    Row {
+        name: "spectrum",
+        argument: "MASS|LOW..HIGH|auto",
+        meaning: "mass and frequencies of the spectra; auto: the bearing's mass, and all",
+        keys: &[],
+        make: spectra,
     },
     Row {
         name: "record",
@@ -429,6 +501,15 @@ pub fn manual_commands() -> Vec<(String, &'static str)> {
     ACTIONS.iter().map(command).collect()
 }
 
+/// What the mouse does, in the help.
+pub(crate) const MOUSE: [(&str, &str); 5] = [
+    ("click", "choose a plot; select a setting, a mode, a frequency or a speed"),
+    ("click on strips, damping", "look at that moment; the same on an event"),
+    ("click on an alarm", "acknowledge it; look at the moment of one that is"),
+    ("drag", "nudge the selected setting; on a plot, as click"),
+    ("wheel", "next setting; more or less time (strips), frequency, speed, or value"),
+];
+
 fn number(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     number.ok_or_else(|| format!("'{text}': expected a number"))
@@ -440,6 +521,45 @@ fn positive(number: f64) -> Result<f64, String> {
 
 fn whole(text: &str) -> Result<i64, String> {
     text.parse().map_err(|_| format!("'{text}': expected a whole number"))
+}
+
+/// `LOW..HIGH`.
+pub(crate) fn range(text: &str) -> Option<[f64; 2]> {
+    let (low, high) = text.split_once("..")?;
+    Some([number(low).ok()?, number(high).ok()?])
+}
+
+/// `poles -1..0.1 0..3`, `0.5`, `orbits auto`.
+fn scale(text: &str) -> Result<Action, String> {
+    let of = |word: &str| match (word, range(word)) {
+        ("auto", _) => Some(Scaling::Auto),
+        (_, Some(range)) => Some(Scaling::Fix(range)),
+        (word, None) => number(word).and_then(positive).ok().map(Scaling::Times),
+    };
+    let mut words = text.split_whitespace().peekable();
+    let plot = words.next_if(|word| of(word).is_none()).map(str::to_owned);
+    let scalings = words.map(|word| of(word).ok_or(word)).collect::<Result<Vec<_>, _>>();
+    match scalings {
+        Err(found) => Err(format!("'{found}': expected auto, TIMES above 0 or LOW..HIGH")),
+        Ok(scalings) if scalings.is_empty() => {
+            Err(format!("{text}: expected auto, TIMES or LOW..HIGH").trim_start().into())
+        }
+        Ok(scalings) => Ok(Action::Scale(plot, scalings)),
+    }
+}
+
+/// `2`, `2 -3..3`, `auto`.
+fn spectra(text: &str) -> Result<Action, String> {
+    let (mut mass, mut along) = (None, None);
+    for word in text.split_whitespace() {
+        match (word, range(word), word.parse::<usize>()) {
+            ("auto", ..) => (mass, along) = (Some(None), Some(Scaling::Auto)),
+            (_, Some(range), _) => along = Some(Scaling::Fix(range)),
+            (_, _, Ok(number @ 1..)) => mass = Some(Some(number - 1)),
+            _ => return Err(format!("'{word}': expected a mass, LOW..HIGH or auto")),
+        }
+    }
+    Ok(Action::Spectra(mass, along))
 }
 
 /// `kd=0.1 speed=3`, or `speed 3`.
@@ -501,6 +621,11 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
         Some("load" | "save" | "delete") => presets.to_vec(),
         Some("set") => settings().collect(),
         Some("search") => ["robust", "stop"].map(str::to_owned).to_vec(),
+        Some("choose") => plots().map(str::to_owned).collect(),
+        Some("scale") => plots().chain(["auto"]).map(str::to_owned).collect(),
+        Some("strips") => series::names().chain(["auto"]).map(str::to_owned).collect(),
+        Some("spectrum") => vec!["auto".to_owned()],
+        Some("read") => ["left", "right", "off"].map(str::to_owned).to_vec(),
         Some(_) => Vec::new(),
     };
     let whole = |candidate: String| if before.is_empty() { candidate } else { format!("{before} {candidate}") };
@@ -552,7 +677,26 @@ mod tests {
         assert_eq!(parse("kd.2=-1e-3"), Ok(Action::Set(vec![(key("kd.2"), -1e-3)])));
         assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::Set(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
         assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
+        let fix = |low, high| Scaling::Fix([low, high]);
+        assert_eq!(parse("scale 0.5"), Ok(Action::Scale(None, vec![Scaling::Times(0.5)])));
+        assert_eq!(parse("scale auto"), Ok(Action::Scale(None, vec![Scaling::Auto])));
+        assert_eq!(
+            parse("scale poles -1..0.1 0..3"),
+            Ok(Action::Scale(Some("poles".into()), vec![fix(-1.0, 0.1), fix(0.0, 3.0)]))
+        );
+        assert_eq!(parse("strips auto"), Ok(Action::Strips(None)));
+        assert!(matches!(parse("strips y.1+z.1 force"), Ok(Action::Strips(Some(strips))) if strips.len() == 2));
+        assert_eq!(parse("spectrum 2 -3..3"), Ok(Action::Spectra(Some(Some(1)), Some(fix(-3.0, 3.0)))));
+        assert_eq!(parse("spectrum auto"), Ok(Action::Spectra(Some(None), Some(Scaling::Auto))));
+        assert_eq!(parse("read -1.25"), Ok(Action::Read(Read::At(-1.25))));
         for (line, complaint) in [
+            ("scale", "scale : expected auto, TIMES or LOW..HIGH"),
+            ("scale orbits", "scale orbits: expected auto, TIMES or LOW..HIGH"),
+            ("scale orbits 1..x", "scale '1..x': expected auto, TIMES above 0 or LOW..HIGH"),
+            ("scale orbits -2", "scale '-2': expected auto, TIMES above 0 or LOW..HIGH"),
+            ("strips y.1+speed", "strips 'y.1+speed': expected series of one unit, and speed has another"),
+            ("spectrum 0", "spectrum '0': expected a mass, LOW..HIGH or auto"),
+            ("read there", "read 'there': expected a number"),
             ("fly", "no command 'fly': tab shows what there is, ? the help"),
             ("seek", "seek: expected seek SECONDS"),
             ("seek x", "seek 'x': expected a number"),
@@ -574,6 +718,9 @@ mod tests {
         assert_eq!(complete("se"), ["select ", "set ", "search ", "seek "]);
         assert_eq!(complete("layout o"), ["layout operator", "layout overview"]);
         assert_eq!(complete("load "), ["load good"]);
+        assert_eq!(complete("strips y.1 rad"), ["strips y.1 radius"]);
+        assert_eq!(complete("scale po"), ["scale poles"]);
+        assert!(complete("choose ").contains(&"choose spectrum".to_owned()));
         assert_eq!(complete("set kd=1 sp"), ["set kd=1 speed="]);
         assert!(complete("").len() > 20 && complete("").contains(&"speed=".to_owned()));
         assert_eq!(common(&complete("se")), "se");

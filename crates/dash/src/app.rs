@@ -5,6 +5,7 @@ mod act;
 mod fuzz;
 mod keys;
 mod past;
+mod plots;
 mod recording;
 mod search;
 #[cfg(test)]
@@ -35,6 +36,7 @@ use crate::panels::registry::{Intent, Mouse, Panels};
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
 use crate::picture::Picture;
+use crate::pointed::Pointed;
 use crate::presets::Presets;
 use crate::recall::Recall;
 use crate::replay::Player;
@@ -111,6 +113,8 @@ pub(crate) struct App<'a> {
     scribe: Option<&'a mut dyn Scribe>,
     /// A gain search under way.
     search: Option<Search>,
+    /// What is pointed at beside a moment.
+    pointed: Pointed,
 }
 
 impl<'a> App<'a> {
@@ -156,6 +160,7 @@ impl<'a> App<'a> {
             player: None,
             scribe: None,
             search: None,
+            pointed: Pointed::default(),
         }
     }
 
@@ -238,6 +243,9 @@ impl<'a> App<'a> {
         if let Some(player) = &self.player {
             player.finish(&mut picture);
         }
+        if let Some((_, poles)) = picture.poles() {
+            self.pointed.follow(poles);
+        }
         // What is typed comes first; then what is run on beside a recording.
         let beside = || self.player.as_ref().and_then(|player| player.what_if().cloned());
         let what_if = self.what_if(&picture).or_else(beside);
@@ -263,6 +271,7 @@ impl<'a> App<'a> {
             read_only: self.read_only,
             desk: &self.desk,
             alarms: self.player.as_ref().map_or(&self.alarms, Player::alarms),
+            pointed: &self.pointed,
             replay: self.player.as_ref().map(|player| player.shown(&picture)),
         };
         look(&view, &self.layouts[self.layout], &mut self.panels)
@@ -272,7 +281,10 @@ impl<'a> App<'a> {
     fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
         let present = picture.settings.as_ref()?;
         let settings = match self.layers.last()? {
-            Layer::Value(typed) => Edit::Set(vec![(self.selected()?, typed.text().parse().ok()?)]).applied(present)?,
+            Layer::Value(typed) => {
+                let typed = [(self.selected()?, typed.text().parse().ok()?)];
+                Edit::Set(picture.units().settings_of_typed(&typed)).applied(present)?
+            }
             Layer::Command(line) => self.candidate(&actions::parse(line.text()).ok()?, present)?,
             Layer::Offer(edit, _) => edit.applied(present)?,
             Layer::Ask(_, settings, _) => (**settings).clone(),

@@ -12,6 +12,7 @@ use crate::history::History;
 use crate::journal::Journal;
 use crate::picture::Picture;
 use crate::replay::PastEvent;
+use crate::units::Units;
 use crate::view_time::ViewTime;
 
 /// Steps before the cursor that a picture has in any case: all that an orbit shows.
@@ -177,6 +178,11 @@ impl Feed {
     /// The rotor, once it is known.
     pub(crate) fn rotor(&self) -> Option<Arc<Rotor>> {
         self.rotor.clone()
+    }
+
+    /// The units that settings are typed and shown in.
+    pub(crate) fn units(&self) -> Units {
+        Units::of(self.bulletin.as_ref().and_then(|bulletin| bulletin.scales()), Some(1.0))
     }
 
     /// What has happened.

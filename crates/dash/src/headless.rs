@@ -21,6 +21,7 @@ use crate::looks::{Look, still};
 use crate::panels::registry::Panels;
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
+use crate::pointed::Pointed;
 use crate::screen::{self, View};
 use crate::session::Options;
 use crate::terminal;
@@ -129,6 +130,7 @@ impl Headless {
             keymap: &self.options.keys,
             what_if: None,
             read_only: self.options.read_only,
+            pointed: &Pointed::default(),
             replay: None,
         };
         screen::draw(&view, &self.options.layouts[self.options.layout], &mut self.panels, area, buffer);

@@ -42,6 +42,9 @@ impl Chord {
             // A capital carries its shift in itself; terminals differ in whether they say so again.
             held -= KeyModifiers::SHIFT;
         }
+        if key.code == KeyCode::BackTab {
+            return Self(KeyCode::Tab, held | KeyModifiers::SHIFT);
+        }
         Self(key.code, held)
     }
 }
@@ -209,6 +212,7 @@ mod tests {
         assert_eq!(does(Char('q'), NONE), Some(Action::Quit));
         assert_eq!(does(Char('c'), CTRL), Some(Action::Quit));
         assert_eq!(does(Char('c'), NONE), None);
+        assert_eq!(does(KeyCode::BackTab, SHIFT), Some(Action::Choose("-1".into())));
         assert_eq!(does(Char('R'), SHIFT), Some(Action::Restart));
         assert_eq!(does(Char('r'), CTRL), Some(Action::Redo));
         assert_eq!(does(Right, SHIFT), Some(Action::Nudge(10.0)));

@@ -10,6 +10,7 @@
 mod actions;
 mod analysis;
 mod app;
+mod axis;
 mod clerk;
 mod config;
 mod feed;
@@ -25,6 +26,7 @@ mod looks;
 mod panels;
 mod picture;
 mod plot;
+mod pointed;
 mod presets;
 mod recall;
 mod replay;
@@ -35,6 +37,7 @@ mod still_file;
 mod terminal;
 mod theme;
 mod typing;
+mod units;
 mod view_time;
 mod what_if;
 

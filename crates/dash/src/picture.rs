@@ -11,6 +11,7 @@ use wire::{Bulletin, RecorderStatus};
 use crate::feed::Contact;
 use crate::history::{Block, Channel, Era, Mark, STEPS};
 use crate::journal::Entry;
+use crate::units::Units;
 
 /// Consecutive steps, shared with the history; the first has the index 0.
 #[derive(Clone, Debug, Default)]
@@ -206,6 +207,17 @@ impl Picture {
     pub(crate) fn poles(&self) -> Option<(f64, &[C64])> {
         let era = self.era.as_ref()?;
         (!era.poles.is_empty()).then_some((era.min_damping, &era.poles))
+    }
+
+    /// The units that things are shown in.
+    pub(crate) fn units(&self) -> Units {
+        let scales = self.bulletin.as_ref().and_then(|bulletin| bulletin.scales());
+        let mass = self.era.as_ref().and_then(|era| {
+            let rotor = era.rotor.as_ref().or(self.rotor.as_ref())?;
+            Some(rotor.masses().get(era.settings.feedback.bearing)?.mass)
+        });
+        // Before the first step no era is known, but the scales may be.
+        Units::of(scales, mass.or(scales.map(|_| 1.0)))
     }
 
     /// The least minimum damping that was in force over some steps, if any is known.

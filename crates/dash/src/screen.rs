@@ -11,11 +11,12 @@ use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::layout::Layout;
 use crate::panels::offers::{self, Offer};
-use crate::panels::registry::Panels;
+use crate::panels::registry::{Panels, Wish};
 use crate::panels::settings::Cursor;
 use crate::panels::status::Message;
 use crate::panels::{help, status};
 use crate::picture::Picture;
+use crate::pointed::Pointed;
 use crate::replay::{self, Show};
 use crate::theme;
 use crate::view_time::ViewTime;
@@ -45,6 +46,8 @@ pub(crate) struct View<'a> {
     /// What the change that is being typed or asked about would mean.
     pub(crate) what_if: Option<&'a WhatIf>,
     pub(crate) read_only: bool,
+    /// What a person points at.
+    pub(crate) pointed: &'a Pointed,
     /// The player, if this is a recording.
     pub(crate) replay: Option<Show<'a>>,
 }
@@ -69,8 +72,13 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
             replay::draw_time(show, line, buffer);
         }
     }
-    for (kind, place) in layout.places(body) {
+    let (places, strips) = layout.places_and_strips(body);
+    panels.wish_any(&Wish::StripsOfLayout(strips));
+    for (kind, place) in places {
         panels.draw(kind, view, place, buffer);
+        if view.pointed.plot == Some(kind) {
+            mark_chosen(place, buffer);
+        }
     }
     status::draw_foot(view, foot, buffer);
     offers::draw(view.offers, body, buffer);
@@ -80,6 +88,22 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     });
     if let Some(from) = help {
         help::draw(view, from, area, buffer);
+    }
+}
+
+/// Thin lines of a frame, and the thick ones of a chosen plot's.
+const THICK: [(&str, &str); 6] = [("┌", "┏"), ("┐", "┓"), ("└", "┗"), ("┘", "┛"), ("─", "━"), ("│", "┃")];
+
+/// Makes the frame around `area` that of the chosen plot; what is written on it stays.
+fn mark_chosen(area: Rect, buffer: &mut Buffer) {
+    let (last_column, last_row) = (area.right().saturating_sub(1), area.bottom().saturating_sub(1));
+    let edges = |x: &u16, y: &u16| *x == area.x || *x == last_column || *y == area.y || *y == last_row;
+    let cells = (area.top()..area.bottom()).flat_map(|y| (area.left()..area.right()).map(move |x| (x, y)));
+    for (x, y) in cells.filter(|(x, y)| edges(x, y)) {
+        let Some(cell) = buffer.cell_mut((x, y)) else { continue };
+        if let Some((_, thick)) = THICK.iter().find(|(thin, _)| *thin == cell.symbol()) {
+            cell.set_symbol(thick).set_style(theme::loud(theme::CURSOR));
+        }
     }
 }
 
@@ -108,6 +132,7 @@ pub(crate) mod tests {
     static KEYMAP: std::sync::LazyLock<Keymap> = std::sync::LazyLock::new(Keymap::default);
     static LIVE: ViewTime = ViewTime::LIVE;
     static DESK: LazyLock<Desk> = LazyLock::new(Desk::at_once);
+    static NOTHING: Pointed = Pointed { plot: None, mode: None, frequency: None, speed: None };
     static ALARMS: LazyLock<Alarms> = LazyLock::new(Alarms::default);
 
     /// A view of `picture` by somebody who has pressed nothing yet.
@@ -126,6 +151,7 @@ pub(crate) mod tests {
             keymap: &KEYMAP,
             what_if: None,
             read_only: false,
+            pointed: &NOTHING,
             replay: None,
         }
     }

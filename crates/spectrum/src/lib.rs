@@ -161,6 +161,20 @@ impl Spectrum {
         found.into_iter().map(|i| self.peak(i, speed)).collect()
     }
 
+    /// The line that the highest bin at most `within` from `frequency`, or the nearest bin, would be part of; `None` if
+    /// that lies outside the spectrum.
+    #[must_use]
+    pub fn at(&self, frequency: f64, within: f64, speed: f64) -> Option<Peak> {
+        let last = self.frequency.len().checked_sub(2)?;
+        let bin = |frequency: f64| ((frequency - self.frequency[0]) / self.resolution()).round();
+        let inside = |at: f64| (at >= 1.0 && at <= last as f64).then_some(at as usize);
+        let nearest = inside(bin(frequency))?;
+        let clamped = |at: f64| at.clamp(1.0, last as f64) as usize;
+        let (from, to) = (clamped(bin(frequency - within)).min(nearest), clamped(bin(frequency + within)).max(nearest));
+        let highest = (from..=to).max_by(|a, b| self.density[*a].total_cmp(&self.density[*b]))?;
+        Some(self.peak(highest, speed))
+    }
+
     fn peak(&self, i: usize, speed: f64) -> Peak {
         let bin = self.resolution();
         // For one line under a Hann window the amplitudes of neighbouring bins, in the ratio (1 + x) / (2 - x), tell how far beyond
@@ -218,6 +232,19 @@ mod tests {
             assert!((peak.frequency - frequency).abs() < 0.02 * spectrum.resolution(), "{peak:?}");
             assert!((peak.radius - radius).abs() < 1e-3 * radius, "{peak:?}");
         }
+    }
+
+    #[test]
+    fn a_line_is_found_near_a_frequency_and_nothing_outside() {
+        let samples = lines(60_000, 0.05, &[(2.0, 3.0), (0.5, -1.5)]);
+        let spectrum = welch(&samples, 0.05, segment_length(samples.len())).expect("enough");
+        for (near, radius, frequency) in [(3.02, 2.0, 3.0), (-1.47, 0.5, -1.5)] {
+            let found = spectrum.at(near, 0.1, 3.0).expect("inside");
+            assert!((found.radius - radius).abs() < 1e-3 && (found.frequency - frequency).abs() < 1e-3, "{found:?}");
+        }
+        assert!(spectrum.at(1.0, 0.0, 3.0).expect("inside").radius < 1e-3, "there is no line");
+        assert_eq!(spectrum.at(100.0, 0.1, 3.0), None);
+        assert_eq!(spectrum.at(f64::NAN, 0.1, 3.0), None);
     }
 
     #[test]

@@ -83,7 +83,6 @@ impl OverSpeed {
     }
 
     /// The smallest damping ratio at any speed in the range, exactly.
-    #[cfg(test)]
     pub(crate) fn at(&self, speed: f64) -> f64 {
         self.question.min_damping(speed)
     }

@@ -13,11 +13,13 @@ use crate::clerk::Edit;
 use crate::headless::Still;
 use crate::layers::{Deed, Layer};
 use crate::looks::still;
+use crate::panels::registry::KINDS;
 use crate::panels::settings::{rows, shown_rows};
 use crate::screen;
 use crate::session::Ended;
 use crate::still_file;
 use crate::typing::Typing;
+use crate::units::Units;
 
 /// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
 const IMPULSE: f64 = -2.5;
@@ -27,9 +29,20 @@ impl App<'_> {
         let Some(Layer::Value(typed)) = self.layers.pop() else { return };
         let Some(key) = self.selected() else { return };
         match typed.text().parse::<f64>() {
-            Ok(value) => self.send(Edit::Set(vec![(key, value)])),
+            Ok(value) => self.send(Edit::Set(self.units().settings_of_typed(&[(key, value)]))),
             Err(_) => self.tell(Message::Bad(format!("{key} = '{}': expected a number", typed.text()))),
         }
+    }
+
+    /// The units that settings are typed and shown in.
+    pub(super) fn units(&self) -> Units {
+        lock(&self.feed).units()
+    }
+
+    /// A setting raised by so many of its steps.
+    pub(super) fn nudge(&self, key: Key, steps: f64) -> Edit {
+        let units = self.units();
+        Edit::Nudge(key, steps * units.step(key) / units.setting(key).factor)
     }
 
     /// The selected setting, if there is any yet.
@@ -79,7 +92,8 @@ impl App<'_> {
         match action {
             Action::Quit => self.quit = Some(Ended::Quit),
             Action::Escape => {
-                if self.layers.pop().is_none() {
+                // One thing at a time, the topmost first.
+                if self.layers.pop().is_none() && !self.pointed.clear() {
                     self.filter.clear();
                 }
             }
@@ -95,11 +109,11 @@ impl App<'_> {
                 self.row = shown.get(to).copied().unwrap_or(0);
             }
             Action::Nudge(steps) => match self.selected() {
-                Some(key) => self.send(Edit::Nudge(key, steps * key.parameter.step)),
+                Some(key) => self.send(self.nudge(key, steps)),
                 None => self.tell(Message::Bad("no settings are known yet".into())),
             },
             Action::Type => self.layers.push(Layer::Value(Typing::default())),
-            Action::Set(values) => self.send(Edit::Set(values)),
+            Action::Set(values) => self.send(Edit::Set(self.units().settings_of_typed(&values))),
             Action::Undo => self.send(Edit::Undo),
             Action::Redo => self.send(Edit::Redo),
             Action::Off => self.send(Edit::Off),
@@ -123,10 +137,15 @@ impl App<'_> {
             Action::Pause => self.look(|time, _, _| time.resume()),
             Action::Seek(by) => self.look(|time, kept, seconds| time.seek(by, kept, seconds)),
             Action::Step(by) => self.look(|time, kept, seconds| time.step(by, kept, seconds)),
-            Action::Zoom(factor) => self.look(|time, _, seconds| time.zoom(factor, seconds)),
+            Action::Zoom(factor) => self.zoom(factor),
             Action::Span(span) => self.look(|time, _, seconds| time.show(span, seconds)),
-            Action::ZoomReset => self.look(|time, _, seconds| time.reset_span(seconds)),
             Action::Scroll(rows) => self.scroll(rows),
+            Action::ZoomReset => self.zoom_reset(),
+            Action::Choose(plot) => self.choose(&plot),
+            Action::Scale(plot, scalings) => self.scale(plot.as_deref(), &scalings),
+            Action::Read(read) => self.read(read),
+            Action::Strips(strips) => self.show_strips(strips.as_deref()),
+            Action::Spectra(mass, along) => self.show_spectra(mass, along),
             Action::Layout(name) => self.show(&name),
             Action::Picture(file) => self.keep_picture(&file),
             // These are for recordings alone.
@@ -241,7 +260,7 @@ impl App<'_> {
     }
 
     /// Changes the moment that is looked at, and lets the reader know whether anybody watches the newest steps.
-    fn look(&mut self, change: impl FnOnce(&mut crate::view_time::ViewTime, &std::ops::Range<u64>, f64)) {
+    pub(super) fn look(&mut self, change: impl FnOnce(&mut crate::view_time::ViewTime, &std::ops::Range<u64>, f64)) {
         let (kept, seconds) = {
             let feed = lock(&self.feed);
             (feed.history().places(), feed.seconds())
@@ -295,17 +314,24 @@ impl App<'_> {
             _ => {}
         }
         let (area, position) = (self.area, Position::new(at.0, at.1));
-        let intent = self.with_view(|view, layout, panels| {
+        let hit = self.with_view(|view, layout, panels| {
             let places = screen::panels(view, layout, area);
             let (kind, place) = places.into_iter().find(|(_, place)| place.contains(position))?;
-            panels.mouse(kind, view, place, mouse, position)
+            Some((kind, panels.mouse(kind, view, place, mouse, position)))
         });
+        let Some((kind, intent)) = hit else { return };
+        if mouse == Mouse::Click && KINDS[kind].is_plot {
+            self.pointed.plot = Some(kind);
+        }
         match intent {
             Some(Intent::Row(row)) => {
                 self.layers.clear();
                 self.row = row;
             }
-            Some(Intent::Look(place)) => self.look(|time, kept, seconds| time.at(place, kept, seconds)),
+            Some(Intent::Point(point)) => self.pointed.at(point),
+            Some(Intent::Look(place)) => self.look_at(place),
+            Some(Intent::When { wall_ns, tau }) => self.look_when(wall_ns, tau),
+            Some(Intent::ZoomTime(times)) => self.look(|time, _, seconds| time.zoom(times, seconds)),
             Some(Intent::Do(action)) => self.act(action),
             None => {}
         }

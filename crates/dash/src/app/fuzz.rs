@@ -22,7 +22,7 @@ impl Dice {
     }
 }
 
-const CODES: [KeyCode; 17] = [
+const CODES: [KeyCode; 18] = [
     KeyCode::Up,
     KeyCode::Down,
     KeyCode::Left,
@@ -31,6 +31,7 @@ const CODES: [KeyCode; 17] = [
     KeyCode::Enter,
     KeyCode::Esc,
     KeyCode::Tab,
+    KeyCode::BackTab,
     KeyCode::Backspace,
     KeyCode::PageUp,
     KeyCode::PageDown,
@@ -43,6 +44,27 @@ const CODES: [KeyCode; 17] = [
 ];
 const HELD: [KeyModifiers; 5] =
     [KeyModifiers::NONE, KeyModifiers::NONE, KeyModifiers::SHIFT, KeyModifiers::CONTROL, KeyModifiers::ALT];
+/// Commands that keys alone rarely spell.
+const COMMANDS: [&str; 18] = [
+    "scale orbits -3..3",
+    "scale orbits 0.001",
+    "scale poles -0.5..0.1 0..3",
+    "scale spectrum 1e-6..1e2",
+    "scale waterfall 1e-300..1e300",
+    "scale y -1e9..1e9",
+    "scale damping auto",
+    "scale force 0..1e-9",
+    "zoom 1e-6",
+    "zoom 1e6",
+    "choose damping-over-speed",
+    "read 1e9",
+    "read -1.25",
+    "strips y.1+z.1 radius.3 vy damping command speed force u",
+    "strips auto",
+    "spectrum 3 -0.001..0.002",
+    "spectrum 1 900..901",
+    "spectrum auto",
+];
 const SIZES: [(u16, u16); 9] = [(0, 0), (1, 1), (59, 15), (60, 16), (61, 40), (80, 24), (140, 45), (200, 60), (3, 90)];
 
 fn key(dice: &mut Dice) -> KeyEvent {
@@ -75,6 +97,13 @@ fn play(events: u64, seed: u64) {
     let (mut seq, mut revision, mut run, mut masses) = (3000, 1, 7, 3);
     for event in 0..events {
         match dice.below(10) {
+            5 if app.layers.is_empty() => {
+                let line = dice.one_of(&COMMANDS);
+                for letter in [':'].into_iter().chain(line.chars()) {
+                    app.press(KeyEvent::new(KeyCode::Char(letter), KeyModifiers::NONE));
+                }
+                app.press(KeyEvent::new(KeyCode::Enter, KeyModifiers::NONE));
+            }
             0..=5 => app.press(key(&mut dice)),
             6 => app.point(mouse(&mut dice)),
             7 => {

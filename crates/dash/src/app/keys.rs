@@ -145,11 +145,11 @@ impl App<'_> {
     /// The settings that an action would lead to.
     pub(super) fn candidate(&self, action: &Action, present: &Settings) -> Option<Settings> {
         let edit = match action {
-            Action::Set(values) => Edit::Set(values.clone()),
+            Action::Set(values) => Edit::Set(self.units().settings_of_typed(values)),
             Action::Off => Edit::Off,
             Action::Nudge(steps) => {
                 let key = self.selected()?;
-                Edit::Nudge(key, steps * key.parameter.step)
+                self.nudge(key, *steps)
             }
             Action::Swap => Edit::Swap(Box::new(self.held.clone()?)),
             Action::Load(name) => {

@@ -425,3 +425,137 @@ fn a_search_is_dropped_stopped_or_refused() {
     press(&mut app, &[Esc]);
     assert!(app.layers.is_empty() && taken.is_empty(), "nothing was changed");
 }
+
+/// Clicks on the first place of the frame where `text` stands, or so many cells further right and down.
+fn click(app: &mut App<'_>, text: &str, (right, down): (u16, u16)) {
+    let shown = frame(app);
+    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains(text)).expect(text);
+    let column = line[..line.find(text).unwrap()].chars().count() as u16;
+    let kind = MouseEventKind::Down(MouseButton::Left);
+    app.point(MouseEvent { kind, column: column + right, row: row as u16 + down, modifiers: KeyModifiers::NONE });
+}
+
+fn command(app: &mut App<'_>, line: &str) {
+    press(app, &[Char(':')]);
+    type_in(app, line);
+    press(app, &[Enter]);
+}
+
+#[test]
+fn a_plot_is_chosen_and_its_scale_stands_still_until_it_is_let_go() {
+    let (mut app, _) = dashboard(&Options::default());
+    press(&mut app, &[Char('z')]);
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot is chosen")));
+    click(&mut app, " orbits ", (0, 2));
+    assert!(frame(&mut app).contains("┏ orbits  ±4.0 e_t  ◉"), "{}", frame(&mut app));
+    press(&mut app, &[Char('z')]);
+    assert!(frame(&mut app).contains("┏ orbits  ±2.0 e_t fixed  ◉"), "{}", frame(&mut app));
+    press(&mut app, &[Char('=')]);
+    assert!(frame(&mut app).contains("┏ orbits  ±4.0 e_t  ◉"));
+    press(&mut app, &[Esc]);
+    assert!(!frame(&mut app).contains('┏'));
+    command(&mut app, "scale orbits -8..8");
+    assert!(frame(&mut app).contains(" orbits  ±8.0 e_t fixed "));
+    command(&mut app, "scale y -5..5");
+    assert!(frame(&mut app).contains("=±5.00"), "{}", frame(&mut app));
+    command(&mut app, "scale nothing 1..2");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot or strip 'nothing'")));
+    command(&mut app, "scale orbits 3..1");
+    assert_eq!(app.message.0, Message::Bad("orbits 3..1: expected LOW..HIGH, the low end first".into()));
+    // Around the screen and back.
+    let mut seen = Vec::new();
+    for _ in 0..6 {
+        press(&mut app, &[Tab]);
+        seen.push(app.pointed.plot.unwrap());
+    }
+    let around = seen[1..].iter().position(|plot| *plot == seen[0]).unwrap() + 1;
+    assert!(around >= 5, "{seen:?}");
+    app.press(KeyEvent::new(KeyCode::BackTab, KeyModifiers::SHIFT));
+    assert_eq!(app.pointed.plot, Some(seen[4]));
+}
+
+#[test]
+fn a_mode_a_frequency_and_a_speed_are_pointed_at_and_read_everywhere() {
+    let (mut app, _) = dashboard(&Options::default());
+    command(&mut app, "layout tuning");
+    command(&mut app, "choose poles");
+    press(&mut app, &[Char('.'), Char('.')]);
+    let shown = frame(&mut app);
+    let (_, poles) = app.with_view(|view, _, _| view.picture.poles().map(|(d, poles)| (d, poles.to_vec()))).unwrap();
+    assert_eq!(app.pointed.mode, Some(poles[1]));
+    assert!(shown.contains(&format!("ζ {:.4}", rotor::damping_ratio(poles[1]))), "{shown}");
+    assert!(shown.matches('◈').count() >= 2, "the pole and its label:\n{shown}");
+    command(&mut app, "choose damping-over-speed");
+    command(&mut app, "read 4");
+    let shown = frame(&mut app);
+    assert!(shown.contains("┆ R 4  0."), "{shown}");
+    let before = app.time;
+    press(&mut app, &[Char('+')]);
+    assert!(app.time == before && frame(&mut app).contains("┆ R 4"), "speeds are zoomed, not time");
+    command(&mut app, "read off");
+    assert_eq!(app.pointed.speed, None);
+    command(&mut app, "layout whirl");
+    command(&mut app, "choose spectrum");
+    frame(&mut app);
+    command(&mut app, "read 1.25");
+    let shown = frame(&mut app);
+    assert!(shown.contains("┆ 1.2") && shown.contains("1.5"), "the masses whirl at 1.25:\n{shown}");
+    command(&mut app, "spectrum 2 -3..3");
+    assert!(frame(&mut app).contains("full spectrum  mass 2  30.0 tau fixed"), "{}", frame(&mut app));
+    command(&mut app, "spectrum 9");
+    assert_eq!(app.message.0, Message::Bad("spectrum 9: expected a mass from 1 to 3".into()));
+    command(&mut app, "spectrum auto");
+    assert!(frame(&mut app).contains("full spectrum  mass 1  30.0 tau "));
+    command(&mut app, "choose orbits");
+    press(&mut app, &[Char(',')]);
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("the moment under the cursor")));
+}
+
+#[test]
+fn strips_show_what_was_chosen() {
+    let (mut app, _) = dashboard(&Options::default());
+    app.layout = 4;
+    command(&mut app, "strips radius.2 y.1+z.1 damping speed");
+    let shown = frame(&mut app);
+    for label in ["│radius.2", "│y.1 z.1 ", "│damping ", "│speed "] {
+        assert!(shown.contains(label), "{label}:\n{shown}");
+    }
+    command(&mut app, "strips y.9");
+    assert_eq!(app.message.0, Message::Bad("strips 'y.9': expected a mass from 1 to 3".into()));
+    command(&mut app, "strips auto");
+    assert!(frame(&mut app).contains("│u"));
+    let text = "[[screen]]\nstrips = \"force\"\npicture = \"strips\"";
+    app.layouts.push(crate::layout::Layout::read("mine", text).unwrap());
+    command(&mut app, "layout mine");
+    assert!(frame(&mut app).contains("│force"), "{}", frame(&mut app));
+}
+
+#[test]
+fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
+    let (mut app, _) = dashboard(&Options::default());
+    {
+        let mut feed = lock(&app.feed);
+        let settings = feed.settings().unwrap();
+        (3000..6000).for_each(|seq| {
+            // The event below is at 50 602 s.
+            let wall_ns = 50_600_000_000_000 + (seq - 3000) * 1_000_000;
+            feed.hear(&wire::State { wall_ns, ..tests::state(3, seq) }, Instant::now());
+        });
+        let note = wire::Happening::Note("here it hums".into());
+        feed.happen(&crate::journal::tests::event(2, &note, &settings));
+    }
+    app.layouts
+        .push(crate::layout::Layout::read("mine", "[[screen]]\npicture = \"\"\"\nevents\nalarms\n\"\"\"").unwrap());
+    command(&mut app, "layout mine");
+    click(&mut app, "here it hums", (0, 0));
+    assert!(!app.time.is_live());
+    let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
+    assert_eq!(at, Some(50_602_000_000_000));
+    press(&mut app, &[Char(' ')]);
+    app.alarms.read(&crate::panels::alarms::tests::damping(50_601, -0.03));
+    click(&mut app, "!! ALARM  damping", (0, 0));
+    assert_eq!(app.alarms.unseen(), 0);
+    click(&mut app, "!! ALARM  damping", (0, 0));
+    let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
+    assert_eq!(at, Some(50_601_000_000_000));
+}

@@ -288,6 +288,24 @@ impl History {
         self.lost
     }
 
+    /// The place of the first step that was due at a time of the wall clock or after it; `None` if what was then is not kept.
+    pub(crate) fn place_at(&self, wall_ns: u64) -> Option<u64> {
+        let track = self.track(&self.places());
+        if track.len() == 0 || track.wall_ns(0) > wall_ns || track.wall_ns(track.len() - 1) < wall_ns {
+            return None;
+        }
+        let (mut before, mut at) = (0, track.len() - 1);
+        while before < at {
+            let middle = before + (at - before) / 2;
+            if track.wall_ns(middle) < wall_ns {
+                before = middle + 1;
+            } else {
+                at = middle;
+            }
+        }
+        Some(self.first + at as u64)
+    }
+
     /// Whether the machine has tripped.
     pub(crate) fn is_tripped(&self) -> bool {
         self.tripped

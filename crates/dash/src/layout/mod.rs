@@ -5,6 +5,7 @@
 //! [[screen]]                    # the first screen that fits the terminal is shown
 //! columns = "3 1 =28"           # shares of the width; =28 is exactly 28 cells. Absent: all alike
 //! rows = "2 =4"
+//! strips = "y z u"              # what the strips show, a word each; absent: that
 //! picture = """
 //! poles   orbits  settings
 //! damping strips  settings
@@ -19,6 +20,7 @@ use ratatui::layout::{Constraint, Layout as Split, Rect};
 use rotor::file::Problems;
 
 use crate::panels::registry::KINDS;
+use crate::panels::series::Strip;
 
 /// Names and files of the built-in layouts, in the order of their digits.
 pub const BUILT_IN: [(&str, &str); 6] = [
@@ -44,6 +46,8 @@ struct Screen {
     columns: Vec<Size>,
     rows: Vec<Size>,
     places: Vec<Place>,
+    /// What its strips show, if it says so.
+    strips: Option<Vec<Strip>>,
 }
 
 /// How wide a column or how high a row is.
@@ -111,14 +115,27 @@ impl Layout {
 
     /// Every panel, by its row in the table of panels, and its area: those of the first screen that fits, or of the last.
     pub(crate) fn places(&self, area: Rect) -> Vec<(usize, Rect)> {
-        let mut placed = Vec::new();
+        self.screen(area).map_or_else(Vec::new, |(_, placed)| placed)
+    }
+
+    /// The same, and what the strips of that screen show, if it says so.
+    pub(crate) fn places_and_strips(&self, area: Rect) -> (Vec<(usize, Rect)>, Option<&[Strip]>) {
+        let (screen, placed) = self.screen(area).unzip();
+        (placed.unwrap_or_default(), screen.and_then(|screen| screen.strips.as_deref()))
+    }
+
+    /// The first screen that fits, or the last, with its panels.
+    fn screen(&self, area: Rect) -> Option<(&Screen, Vec<(usize, Rect)>)> {
+        let mut found = None;
         for screen in &self.screens {
-            placed = screen.place(area);
-            if fits(&placed) {
+            let placed = screen.place(area);
+            let is_enough = fits(&placed);
+            found = Some((screen, placed));
+            if is_enough {
                 break;
             }
         }
-        placed
+        found
     }
 }
 

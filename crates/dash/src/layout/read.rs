@@ -8,6 +8,7 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Layout, Place, Screen, Size};
 use crate::panels::registry::KINDS;
+use crate::panels::series::Strip;
 use crate::screen::SMALLEST;
 
 type Value<'t> = Spanned<DeValue<'t>>;
@@ -79,13 +80,14 @@ impl<'t> Reader<'t> {
             self.problem(screen.span().start, self.written(screen), "a table with a picture");
             return None;
         };
-        let (mut columns, mut rows, mut picture) = (None, None, None);
+        let (mut columns, mut rows, mut picture, mut strips) = (None, None, None, None);
         for (key, value) in table {
             match &**key.get_ref() {
                 "columns" => columns = Some((value.span().start, self.sizes(value))),
                 "rows" => rows = Some((value.span().start, self.sizes(value))),
                 "picture" => picture = Some(value),
-                other => self.problem(key.span().start, format!("'{other}'"), "picture, columns or rows"),
+                "strips" => strips = self.strips(value),
+                other => self.problem(key.span().start, format!("'{other}'"), "picture, columns, rows or strips"),
             }
         }
         let Some(picture) = picture else {
@@ -106,7 +108,12 @@ impl<'t> Reader<'t> {
         let columns = sized(columns, lines[0].len(), "words of a line");
         let rows = sized(rows, lines.len(), "lines of the picture");
         // Sizes that do not fit the picture have been told of: the screen is of no use then.
-        (columns.len() == lines[0].len() && rows.len() == lines.len()).then_some(Screen { columns, rows, places })
+        (columns.len() == lines[0].len() && rows.len() == lines.len()).then_some(Screen {
+            columns,
+            rows,
+            places,
+            strips,
+        })
     }
 
     /// The words of a text as they stand in the file, with the byte that each starts at.
@@ -124,6 +131,25 @@ impl<'t> Reader<'t> {
         let words =
             |line: &'t str| -> Vec<Word<'t>> { line.split_whitespace().map(|word| (byte(word), word)).collect() };
         inside.lines().map(words).filter(|words| !words.is_empty()).collect()
+    }
+
+    /// What strips show, a word each.
+    fn strips(&mut self, value: &Value<'t>) -> Option<Vec<Strip>> {
+        let words = self.words(value).concat();
+        if words.is_empty() {
+            self.problem(value.span().start, self.written(value), "series, such as \"y z u\"");
+        }
+        let mut strips = Vec::new();
+        for (at, word) in words {
+            match Strip::read(word) {
+                Ok(strip) => strips.push(strip),
+                Err(why) => {
+                    let (found, expected) = why.split_once(": expected ").unwrap_or((&*why, "a series"));
+                    self.problem(at, found, expected);
+                }
+            }
+        }
+        Some(strips).filter(|strips| !strips.is_empty())
     }
 
     fn sizes(&mut self, value: &Value<'_>) -> Vec<Size> {

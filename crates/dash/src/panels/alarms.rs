@@ -12,22 +12,26 @@
 
 use alarms::{Entry, Level, Watch};
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
-use super::list::{List, mark, passes, told};
-use super::registry::Panel;
+use super::list::{List, mark, passes, row_of, told};
+use super::registry::{Intent, Mouse, Panel};
 use super::status::{level_color, level_words};
 use super::{framed, write};
-use crate::plot::short;
+use crate::actions::Action;
 use crate::screen::View;
 use crate::theme;
+use crate::units::{Unit, Units};
 
-/// The panel; its list is that of what has been.
+/// The panel; its list is that of what has been. A click on one that nobody has acknowledged does that, on any other it looks
+/// at its moment.
 #[derive(Debug, Default)]
 pub(crate) struct AlarmList {
     list: List,
+    /// What a click on the entries that were last drawn asks for, and the row of the first.
+    drawn: (usize, Vec<Intent>),
 }
 
 impl Panel for AlarmList {
@@ -36,11 +40,34 @@ impl Panel for AlarmList {
     }
 
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        draw(&mut self.list, view, area, buffer);
+        self.drawn = draw(&mut self.list, view, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        match mouse {
+            Mouse::Wheel(notches) => self.scroll(3 * notches as isize),
+            // What the frame says is of all of them.
+            Mouse::Click if at.y == area.y && view.alarms.unseen() > 0 => return Some(Intent::Do(Action::Acknowledge)),
+            Mouse::Click => {
+                let (first, intents) = &self.drawn;
+                return intents.get(row_of(area, at)?.checked_sub(*first)?).cloned();
+            }
+            Mouse::Drag(_) => {}
+        }
+        None
     }
 }
 
-fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// What a click on an entry asks for.
+fn intent(entry: &Entry) -> Intent {
+    match entry.seen_ns {
+        None => Intent::Do(Action::Acknowledge),
+        Some(_) => Intent::When { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
+    }
+}
+
+/// Draws it, and returns what a click on the entries asks for, with the row of the first.
+fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (usize, Vec<Intent>) {
     let alarms = view.alarms;
     let mut title = vec![Span::raw(" alarms ")];
     if alarms.unseen() > 0 {
@@ -48,7 +75,8 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         title.push(Span::styled(text, theme::badge(level_color(alarms.shown()))));
     }
     let all = alarms.entries().count();
-    let entries: Vec<&Entry> = alarms.entries().filter(|entry| passes(view.filter, &words(entry))).collect();
+    let units = view.picture.units();
+    let entries: Vec<&Entry> = alarms.entries().filter(|entry| passes(view.filter, &words(entry, &units))).collect();
     title.push(Span::raw(told(view.filter, entries.len(), all)));
     let inner = framed(Line::from(title), area, buffer);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
@@ -56,12 +84,12 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let told = entries.len();
     let watched = Watch::ALL.len() + 1;
     if usize::from(inner.height) > watched.min(told + 2) {
-        draw_standings(view, &mut rows, told.min(3), buffer);
+        draw_standings(view, &units, &mut rows, told.min(3), buffer);
     }
     let below = Rect { y: inner.bottom() - rows.len() as u16, height: rows.len() as u16, ..inner };
     let in_view = list.rows(told, below.height, 0);
     for (row, entry) in rows.by_ref().zip(&entries[in_view.clone()]) {
-        draw_entry(entry, row, buffer);
+        draw_entry(entry, &units, row, buffer);
     }
     mark(&in_view, told, area, buffer);
     if all == 0
@@ -71,14 +99,31 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let words = if unjudged { "recorded without alarms" } else { "nothing has been past its limit" };
         write(buffer, row, row.x, row.y, words, theme::quiet());
     }
+    (usize::from(below.y - inner.y), entries[in_view].iter().map(|entry| intent(entry)).collect())
+}
+
+/// The unit of what is watched; a share and a ratio have none.
+fn unit_of(watch: Watch, units: &Units) -> Unit {
+    match watch {
+        Watch::Orbit => units.length,
+        Watch::Force => units.force,
+        _ => Unit { factor: 1.0, name: "" },
+    }
 }
 
 /// A line for each watched thing, but for the last `spared` rows.
-fn draw_standings(view: &View<'_>, rows: &mut impl ExactSizeIterator<Item = Rect>, spared: usize, buffer: &mut Buffer) {
+fn draw_standings(
+    view: &View<'_>,
+    units: &Units,
+    rows: &mut impl ExactSizeIterator<Item = Rect>,
+    spared: usize,
+    buffer: &mut Buffer,
+) {
     let room = rows.len().saturating_sub(spared);
     let heading = ("", ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
     let lines = view.alarms.standings().map(|(watch, standing, limit)| {
-        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| short(value, 5));
+        let unit = unit_of(watch, units);
+        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| unit.short(value, 5));
         let of = |level| number(limit.map(|limit| limit.at(level)));
         let [warning, alarm] = [of(Level::Warning), of(Level::Alarm)];
         let cells = match watch {
@@ -105,8 +150,8 @@ fn draw_standings(view: &View<'_>, rows: &mut impl ExactSizeIterator<Item = Rect
 }
 
 /// When, how bad and what, as a row shows it.
-fn words(entry: &Entry) -> String {
-    format!("{}{} {}", when(entry), level_words(entry.level), what(entry))
+fn words(entry: &Entry, units: &Units) -> String {
+    format!("{}{} {}", when(entry), level_words(entry.level), what(entry, units))
 }
 
 fn when(entry: &Entry) -> String {
@@ -114,16 +159,18 @@ fn when(entry: &Entry) -> String {
     format!("{} to {fell}  ", clock(entry.rose.wall_ns))
 }
 
-fn what(entry: &Entry) -> String {
+fn what(entry: &Entry, units: &Units) -> String {
     if entry.cause.is_empty() {
-        format!("{} {}, limit {}", entry.watch.name(), short(entry.worst, 5), short(entry.limit, 5))
+        let unit = unit_of(entry.watch, units);
+        let limit = if units.scales.is_some() { unit.told(entry.limit, 5) } else { unit.short(entry.limit, 5) };
+        format!("{} {}, limit {limit}", entry.watch.name(), unit.short(entry.worst, 5))
     } else {
         format!("{}: {}", entry.watch.name(), entry.cause)
     }
 }
 
-fn draw_entry(entry: &Entry, row: Rect, buffer: &mut Buffer) {
-    let (when, what) = (when(entry), what(entry));
+fn draw_entry(entry: &Entry, units: &Units, row: Rect, buffer: &mut Buffer) {
+    let (when, what) = (when(entry), what(entry, units));
     let color = level_color(entry.level);
     write(buffer, row, row.x, row.y, &when, theme::quiet());
     let x = row.x + when.len() as u16;

@@ -11,12 +11,14 @@
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Constraint, Layout, Rect};
+use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
 
-use super::{framed, write, write_right};
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write, write_right};
+use crate::axis::Axis;
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::screen::View;
 use crate::theme;
@@ -24,20 +26,66 @@ use crate::theme;
 /// Height of the large digits, and width of each, in cells.
 const DIGITS: (u16, u16) = (4, 4);
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The minimum damping; a click on its history looks at a moment, the wheel changes the scale of that.
+#[derive(Debug, Default)]
+pub(crate) struct Damping {
+    scale: Axis,
+}
+
+impl Panel for Damping {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, &mut self.scale, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scale.zoom(wheel_times(notches), None);
+            return None;
+        }
+        let picture = view.picture;
+        let history = parts(area.inner(Margin::new(1, 1)), picture.poles()?.0).history;
+        let over = &picture.overview;
+        let along = (f64::from(at.x.checked_sub(history.x)?) + 0.5) / f64::from(history.width);
+        let step = over.start + (along * over.len() as f64) as usize;
+        (history.contains(at) && !over.is_empty()).then(|| Intent::Look(picture.track.first() + step as u64))
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        let Wish::Value([scaling, ..]) = wish else { return None };
+        Some(self.scale.take(*scaling, None))
+    }
+}
+
+/// Where things are.
+struct Parts {
+    /// Whether the digits are large, and whether the words have room beside them.
+    large: bool,
+    fits_beside: bool,
+    head: Rect,
+    history: Rect,
+}
+
+fn parts(inner: Rect, min_damping: f64) -> Parts {
+    let word = theme::verdict(min_damping).1;
+    let width = format!("{min_damping:.4}").len() as u16 * DIGITS.1;
+    // The word stands beside the digits, or on a line of its own below them.
+    let fits_beside = inner.left() + width + 1 + word.len() as u16 <= inner.right();
+    let height = DIGITS.0 + u16::from(!fits_beside);
+    let large = inner.width >= width && inner.height > height;
+    let [head, history] =
+        Layout::vertical([Constraint::Length(if large { height } else { 1 }), Constraint::Min(0)]).areas(inner);
+    Parts { large, fits_beside, head, history }
+}
+
+fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let inner = framed(Line::from(" minimum damping "), area, buffer);
     let Some((min_damping, poles)) = picture.poles() else { return };
     let (color, word) = theme::verdict(min_damping);
     let number = format!("{min_damping:.4}");
     let width = number.len() as u16 * DIGITS.1;
-    // The word stands beside the digits, or on a line of its own below them.
     let beside = inner.left() + width + 1;
-    let fits_beside = beside + word.len() as u16 <= inner.right();
-    let height = DIGITS.0 + u16::from(!fits_beside);
-    let large = inner.width >= width && inner.height > height;
-    let [head, history] =
-        Layout::vertical([Constraint::Length(if large { height } else { 1 }), Constraint::Min(0)]).areas(inner);
+    let Parts { large, fits_beside, head, history } = parts(inner, min_damping);
     let log_decrement =
         poles.first().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
     let told = log_decrement.map(|d| short(d, 5));
@@ -66,7 +114,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     } else {
         write(buffer, head, head.left(), head.top(), &format!("{number} {word}"), theme::loud(color));
     }
-    draw_history(view, history, buffer);
+    draw_history(view, axis, history, buffer);
     if let Some((text, style)) = then {
         // On the upper edge of the frame, where it covers nothing that is in force.
         let edge = Rect { width: area.width.saturating_sub(1), ..area };
@@ -74,7 +122,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     }
 }
 
-fn draw_history(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+fn draw_history(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
@@ -86,6 +134,7 @@ fn draw_history(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let top = nice_ceiling(shown.iter().copied().fold(0.0, f64::max) * 1.05);
     let bottom = shown.iter().copied().fold(0.0, f64::min);
     let bottom = if bottom < 0.0 { -nice_ceiling(-bottom * 1.05) } else { -0.15 * top };
+    let [bottom, top] = axis.over([bottom, top]);
     let [left, right] = [picture.overview.start as f64, picture.overview.end as f64];
     let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
@@ -98,8 +147,8 @@ fn draw_history(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         plot.line([x, pair[0]], [next, pair[1]], color);
     }
     plot.paint(buffer);
-    write(buffer, area, area.left(), area.top(), &short(top, 3), theme::quiet());
-    if bottom < -0.2 * top {
+    write(buffer, area, area.left(), area.top(), &format!("{}{}", axis.sign(), short(top, 3)), theme::quiet());
+    if axis.is_fixed() || bottom < -0.2 * top {
         write(buffer, area, area.left(), area.bottom() - 1, &short(bottom, 3), theme::quiet());
     }
     let seconds = short(picture.overview.len() as f64 * picture.seconds, 2);
@@ -122,7 +171,10 @@ mod tests {
         let (first, era) = picture.eras[0].clone();
         let lower = Era { min_damping: 0.03, ..(*era).clone() };
         picture.eras = vec![(first, std::sync::Arc::new(lower)), (1500, era)];
-        insta::assert_snapshot!("damping", drawn(44, 12, |area, buffer| draw(&view(&picture), area, buffer)));
+        insta::assert_snapshot!(
+            "damping",
+            drawn(44, 12, |area, buffer| Damping::default().draw(&view(&picture), area, buffer))
+        );
     }
 
     #[test]
@@ -132,10 +184,10 @@ mod tests {
         picture.eras.push((2000, era.clone()));
         picture.era = Some(era);
         for (width, height) in [(44, 12), (26, 7), (20, 3)] {
-            let frame = drawn(width, height, |area, buffer| draw(&view(&picture), area, buffer));
+            let frame = drawn(width, height, |area, buffer| Damping::default().draw(&view(&picture), area, buffer));
             assert!(frame.contains("UNSTABLE"), "{frame}");
         }
-        let small = drawn(20, 3, |area, buffer| draw(&view(&picture), area, buffer));
+        let small = drawn(20, 3, |area, buffer| Damping::default().draw(&view(&picture), area, buffer));
         assert!(small.contains("-0.0306"), "{small}");
     }
 }

@@ -6,22 +6,26 @@
 //! │    ⡜⢕⢕⢕⢕⠱⡀  ┃                        │   shaded: where all modes decay
 //! │  ⡠⢪⢕⢕⢕⢕⢕⠈⠢⡀┃                        │   ┃ the present speed
 //! │ 0 ⠉⠉⠉⠉⠉⠉⠉⠉⠉⠙⠓⠦⣄⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉ │
-//! │ R 2.5  0.0512 stable          R 0 to 8 │
+//! │ R 2.5  0.0512 stable          R 0 to 8 │   or what it is at a speed that is pointed at: ┆ R 4  0.0401 stable
 //! │ ? what if  0.0431 stable 0 to 6.1      │   dotted, while a value is being edited
 //! └────────────────────────────────────────┘
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
-use rotor::Scales;
 
-use super::{framed, write, write_right};
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write, write_right};
+use crate::actions::Read;
 use crate::analysis::{OverSpeed, Question};
+use crate::axis::Axis;
 use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::pointed::Point;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Units;
 
 /// What the panel shows.
 #[derive(Clone, Copy, Debug)]
@@ -34,18 +38,72 @@ struct Facts<'a> {
     pub(crate) min_damping: f64,
     /// What would be: its curve, once that is computed, its speed and its minimum damping there.
     pub(crate) candidate: Option<(Option<&'a OverSpeed>, f64, f64)>,
-    /// Scales of an SI rotor: its speeds are shown in rpm.
-    pub(crate) scales: Option<Scales>,
+    /// A speed that is pointed at.
+    pub(crate) pointed: Option<f64>,
+    pub(crate) units: Units,
 }
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The panel: a click points at a speed, the wheel shows more or fewer of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DampingOverSpeed {
+    /// Speeds, as they stand on the axis.
+    along: Axis,
+    value: Axis,
+    /// The speeds that were last shown, in units of `w0`, and over how many columns.
+    shown: Option<([f64; 2], u16)>,
+}
+
+impl Panel for DampingOverSpeed {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, self, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        let inner = area.inner(Margin::new(1, 1));
+        let ([low, high], _) = self.shown?;
+        let along = (f64::from(at.x.checked_sub(inner.x)?) + 0.5) / f64::from(inner.width);
+        let speed = low + along * (high - low);
+        match mouse {
+            Mouse::Wheel(notches) => {
+                self.along.zoom(wheel_times(notches), Some(speed * view.picture.units().speed.factor));
+                None
+            }
+            Mouse::Click | Mouse::Drag(_) => inner.contains(at).then_some(Intent::Point(Point::Speed(speed))),
+        }
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        match wish {
+            Wish::Value(scalings) => Some(self.value.take(*scalings.first()?, None)),
+            Wish::Along(scaling, _) => Some(self.along.take(*scaling, None)),
+            _ => None,
+        }
+    }
+
+    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+        let ([low, high], columns) = self.shown?;
+        let before = view.pointed.speed;
+        let speed = match read {
+            Read::Off => before.unwrap_or(low),
+            Read::At(speed) => speed / view.picture.units().speed.factor,
+            Read::Move(by) => {
+                let present = view.picture.era.as_ref().map_or(low, |era| era.settings.speed);
+                before.map_or(present, |speed| speed + f64::from(by) * (high - low) / f64::from(columns.max(1)))
+            }
+        };
+        Some(Point::Speed(speed.clamp(low, high)))
+    }
+}
+
+fn draw(view: &View<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut Buffer) {
     let known = view.picture.era.as_ref().filter(|era| !era.poles.is_empty());
     let asked = known.and_then(|era| Some((era, view.desk.over_speed(&Question::of(era)?)?)));
     let Some((era, over_speed)) = asked else {
         framed(Line::from(" damping over speed "), area, buffer);
         return;
     };
-    let scales = era.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
+    let units = view.picture.units();
+    let pointed = view.pointed.speed;
     let (speed, min_damping) = (era.settings.speed, era.min_damping);
     let would_be = view.what_if.and_then(|what_if| {
         let settings = &what_if.settings;
@@ -53,17 +111,16 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         Some((view.desk.over_speed_of_candidate(&question), settings.speed, what_if.min_damping))
     });
     let candidate = would_be.as_ref().map(|(over_speed, speed, damping)| (over_speed.as_deref(), *speed, *damping));
-    draw_facts(&Facts { over_speed: &over_speed, speed, min_damping, candidate, scales }, area, buffer);
+    draw_facts(&Facts { over_speed: &over_speed, speed, min_damping, candidate, pointed, units }, panel, area, buffer);
 }
 
-fn draw_facts(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
-    let over_speed = facts.over_speed;
-    let speed_of = |speed: f64| speed_text(speed, facts.scales);
+fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut Buffer) {
+    let (over_speed, units) = (facts.over_speed, &facts.units);
     let (color, word) = theme::verdict(facts.min_damping);
     let title = vec![
         Span::raw(" damping over speed  "),
         Span::styled(
-            stable_words(over_speed, facts.scales),
+            stable_words(over_speed, units),
             theme::loud(if over_speed.stable.is_empty() { theme::BAD } else { theme::GOOD }),
         ),
         Span::raw(" "),
@@ -72,25 +129,49 @@ fn draw_facts(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
     let told = 1 + u16::from(facts.candidate.is_some());
     // The words below the plot matter more than the plot.
     let plotted = Rect { height: inner.height.saturating_sub(told), ..inner };
-    draw_curves(facts, plotted, buffer);
+    // There is nothing to show below zero and beyond what was computed.
+    let factor = units.speed.factor;
+    let [from, to] = panel.along.over([0.0, over_speed.top() * factor]).map(|end| end / factor);
+    let from = from.clamp(0.0, 0.999 * over_speed.top());
+    let speeds = [from, to.clamp(from + 1e-3 * over_speed.top(), over_speed.top())];
+    panel.shown = Some((speeds, plotted.width));
+    draw_curves(facts, speeds, &mut panel.value, plotted, buffer);
 
-    let unit = if facts.scales.is_some() { "rpm" } else { "R" };
     let foot = plotted.bottom();
-    let now = format!("{unit} {}  {:.4} {word}", speed_of(facts.speed), facts.min_damping);
-    write(buffer, inner, inner.left(), foot, &now, theme::loud(color));
-    let range = format!("{unit} 0 to {}", speed_of(over_speed.top()));
-    if now.len() + range.len() + 2 <= usize::from(inner.width) {
-        write_right(buffer, inner, foot, &range, theme::quiet());
+    let now = format!("{}  {:.4} {word}", units.speed_told(facts.speed), facts.min_damping);
+    let [low, high] = speeds.map(|speed| units.speed(speed));
+    let range = match units.scales {
+        Some(_) => format!("{}{low} to {high} rpm", panel.along.sign()),
+        None => format!("R {}{low} to {high}", panel.along.sign()),
+    };
+    let there = facts.pointed.map(|speed| {
+        let damping = over_speed.at(speed);
+        let (color, word) = theme::verdict(damping);
+        (format!("┆ {}  {damping:.4} {word}", units.speed_told(speed)), theme::loud(color))
+    });
+    let (right, style) = there.clone().unwrap_or((range, theme::quiet()));
+    let room = usize::from(inner.width);
+    match there {
+        // What is pointed at matters more than the present, which stands above in large.
+        Some((there, style)) if now.chars().count() + there.chars().count() + 2 > room => {
+            write(buffer, inner, inner.left(), foot, &there, style);
+        }
+        _ => {
+            write(buffer, inner, inner.left(), foot, &now, theme::loud(color));
+            if now.chars().count() + right.chars().count() + 2 <= room {
+                write_right(buffer, inner, foot, &right, style);
+            }
+        }
     }
     if let Some((candidate, _, min_damping)) = facts.candidate {
         let (color, word) = theme::verdict(min_damping);
-        let range = candidate.map_or_else(|| "computing …".to_owned(), |curve| stable_words(curve, facts.scales));
+        let range = candidate.map_or_else(|| "computing …".to_owned(), |curve| stable_words(curve, units));
         let would = format!("? {min_damping:.4} {word}  {range}");
         write(buffer, inner, inner.left(), foot + 1, &would, theme::loud(color));
     }
 }
 
-fn draw_curves(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
+fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut Axis, area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
@@ -103,24 +184,29 @@ fn draw_curves(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
     // How unstable it gets is of less interest than how stable: no more room for that.
     let bottom = -nice_ceiling(-1.05 * low).min(top);
     let bottom = if low < 0.0 { bottom } else { -0.1 * top };
-    let mut plot = Plot::new(area, Window { x: [0.0, over_speed.top()], y: [bottom, top] });
+    let [bottom, top] = value.over([bottom, top]);
+    let window = Window { x: speeds, y: [bottom, top] };
+    let mut plot = Plot::new(area, window);
 
-    shade(over_speed, [bottom, top], area, &mut plot);
+    shade(over_speed, window, area, &mut plot);
     plot.line([0.0, 0.0], [over_speed.top(), 0.0], theme::GRID);
     plot.line([facts.speed, bottom], [facts.speed, top], theme::CURSOR);
+    if let Some(speed) = facts.pointed {
+        dotted_line(speed, [bottom, top], theme::CURSOR, area, &mut plot);
+    }
     if let Some((candidate, speed, _)) = facts.candidate {
         if let Some(candidate) = candidate {
             curve(candidate, |_| theme::CANDIDATE, true, &mut plot);
         }
         if speed != facts.speed {
-            dotted_line(speed, [bottom, top], area, &mut plot);
+            dotted_line(speed, [bottom, top], theme::CANDIDATE, area, &mut plot);
         }
     }
     curve(over_speed, |damping| theme::verdict(damping).0, false, &mut plot);
     plot.paint(buffer);
 
-    write(buffer, area, area.left(), area.top(), &short(top, 2), theme::quiet());
-    if let Some((_, y)) = plot.cell(0.0, 0.0).filter(|(_, y)| *y > area.top()) {
+    write(buffer, area, area.left(), area.top(), &format!("{}{}", value.sign(), short(top, 2)), theme::quiet());
+    if let Some((_, y)) = plot.cell(speeds[0], 0.0).filter(|(_, y)| *y > area.top()) {
         write(buffer, area, area.left(), y, "0", theme::quiet());
     }
     for (at, sign, color) in [
@@ -130,17 +216,21 @@ fn draw_curves(facts: &Facts<'_>, area: Rect, buffer: &mut Buffer) {
     .into_iter()
     .flatten()
     .filter_map(|(speed, sign, color, damping)| {
-        Some((plot.cell(speed, damping.clamp(bottom + 1e-9 * top, top * (1.0 - 1e-9)))?, sign, color))
+        Some((
+            plot.cell(speed, damping.clamp(bottom + 1e-9 * (top - bottom), top - 1e-9 * (top - bottom)))?,
+            sign,
+            color,
+        ))
     }) {
         write(buffer, area, at.0, at.1, sign, theme::loud(color));
     }
 }
 
 /// Every fourth dot between the curve and zero, over the speeds at which all modes decay.
-fn shade(over_speed: &OverSpeed, [bottom, top]: [f64; 2], area: Rect, plot: &mut Plot) {
+fn shade(over_speed: &OverSpeed, Window { x: [from, to], y: [bottom, top] }: Window, area: Rect, plot: &mut Plot) {
     let (columns, rows) = (usize::from(area.width) * 2, usize::from(area.height) * 4);
     for column in 0..columns {
-        let speed = (column as f64 + 0.5) / columns as f64 * over_speed.top();
+        let speed = from + (column as f64 + 0.5) / columns as f64 * (to - from);
         if !over_speed.stable.iter().any(|[from, to]| (*from..=*to).contains(&speed)) {
             continue;
         }
@@ -165,28 +255,17 @@ fn curve(over_speed: &OverSpeed, color: impl Fn(f64) -> Color, dotted: bool, plo
     }
 }
 
-fn dotted_line(speed: f64, [bottom, top]: [f64; 2], area: Rect, plot: &mut Plot) {
+fn dotted_line(speed: f64, [bottom, top]: [f64; 2], color: Color, area: Rect, plot: &mut Plot) {
     let dots = usize::from(area.height) * 4;
     for dot in (0..dots).step_by(2) {
-        plot.dot(speed, bottom + (dot as f64 + 0.5) / dots as f64 * (top - bottom), theme::CANDIDATE);
-    }
-}
-
-/// A speed as people read it: `R`, or rpm for a rotor in SI units.
-pub(crate) fn speed_text(speed: f64, scales: Option<Scales>) -> String {
-    match scales {
-        Some(scales) => format!("{:.0}", scales.rpm(speed)),
-        None => format!("{}", (speed * 1000.0).round() / 1000.0),
+        plot.dot(speed, bottom + (dot as f64 + 0.5) / dots as f64 * (top - bottom), color);
     }
 }
 
 /// Where all modes decay, in words.
-fn stable_words(over_speed: &OverSpeed, scales: Option<Scales>) -> String {
-    let ranges: Vec<String> = over_speed
-        .stable
-        .iter()
-        .map(|[from, to]| format!("{} to {}", speed_text(*from, scales), speed_text(*to, scales)))
-        .collect();
+fn stable_words(over_speed: &OverSpeed, units: &Units) -> String {
+    let ranges: Vec<String> =
+        over_speed.stable.iter().map(|[from, to]| format!("{} to {}", units.speed(*from), units.speed(*to))).collect();
     match ranges.len() {
         0 => "UNSTABLE throughout".to_owned(),
         _ => format!("stable {}", ranges.join(", ")),
@@ -200,20 +279,28 @@ mod tests {
     use crate::panels::tests::drawn;
 
     fn frame(facts: &Facts<'_>, width: u16, height: u16) -> String {
-        drawn(width, height, |area, buffer| draw_facts(facts, area, buffer))
+        drawn(width, height, |area, buffer| draw_facts(facts, &mut DampingOverSpeed::default(), area, buffer))
     }
 
     #[test]
     fn the_stable_range_is_shaded_and_told_and_the_speed_is_marked() {
         let composite = over_speed("three-mass", "composite");
-        let facts =
-            Facts { over_speed: &composite, speed: 2.5, min_damping: composite.at(2.5), candidate: None, scales: None };
+        let facts = Facts {
+            over_speed: &composite,
+            speed: 2.5,
+            min_damping: composite.at(2.5),
+            candidate: None,
+            pointed: None,
+            units: Units::DIMENSIONLESS,
+        };
         insta::assert_snapshot!("damping_over_speed", frame(&facts, 60, 14));
         insta::assert_snapshot!("damping_over_speed_small", frame(&facts, 30, 6));
         insta::assert_snapshot!("damping_over_speed_large", frame(&facts, 120, 30));
         assert!(frame(&facts, 60, 14).contains("stable 0 to 7.0"));
         let picture = crate::feed::tests::picture();
-        let drawn = drawn(60, 14, |area, buffer| draw(&crate::screen::tests::view(&picture), area, buffer));
+        let drawn = drawn(60, 14, |area, buffer| {
+            DampingOverSpeed::default().draw(&crate::screen::tests::view(&picture), area, buffer);
+        });
         assert_eq!(drawn, frame(&facts, 60, 14));
     }
 
@@ -221,24 +308,33 @@ mod tests {
     fn a_candidate_that_would_be_unstable_says_so_in_words() {
         let (now, off) = (over_speed("three-mass", "composite"), over_speed("three-mass", "off"));
         let candidate = Some((Some(&off), 2.5, off.at(2.5)));
-        let facts = Facts { over_speed: &now, speed: 2.5, min_damping: now.at(2.5), candidate, scales: None };
+        let facts = Facts {
+            over_speed: &now,
+            speed: 2.5,
+            min_damping: now.at(2.5),
+            candidate,
+            pointed: None,
+            units: Units::DIMENSIONLESS,
+        };
         let frame = frame(&facts, 60, 14);
         assert!(frame.contains("UNSTABLE  stable 0 to 1.776"), "{frame}");
         assert!(frame.contains('◆') && frame.contains('◇'), "{frame}");
         insta::assert_snapshot!("damping_over_speed_candidate", frame);
         let facts = Facts { candidate: Some((None, 2.5, off.at(2.5))), ..facts };
-        let frame = drawn(60, 16, |area, buffer| draw_facts(&facts, area, buffer));
+        let frame = drawn(60, 16, |area, buffer| draw_facts(&facts, &mut DampingOverSpeed::default(), area, buffer));
         assert!(frame.contains("UNSTABLE  computing …"), "{frame}");
     }
 
     #[test]
     fn rotors_in_si_units_have_rpm() {
         let now = over_speed("jeffcott", "off");
-        let scales = Scales { w0: 100.0, k_t: 1e6, m_t: 100.0, e_t: 1e-5 };
-        let facts =
-            Facts { over_speed: &now, speed: 1.0, min_damping: now.at(1.0), candidate: None, scales: Some(scales) };
+        let scales = rotor::Scales { w0: 100.0, k_t: 1e6, m_t: 100.0, e_t: 1e-5 };
+        let units = Units::of(Some(scales), Some(1.0));
+        let (speed, min_damping) = (1.0, now.at(1.0));
+        let facts = Facts { over_speed: &now, speed, min_damping, candidate: None, pointed: Some(2.0), units };
         let frame = frame(&facts, 60, 10);
         // 2.209975 w0, in turns a minute.
-        assert!(frame.contains("stable 0 to 2110") && frame.contains("rpm 955"), "{frame}");
+        assert!(frame.contains("stable 0 to 2110") && frame.contains("│955 rpm"), "{frame}");
+        assert!(frame.contains(&format!("┆ 1910 rpm  {:.4} stable", now.at(2.0))), "{frame}");
     }
 }

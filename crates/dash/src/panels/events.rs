@@ -10,24 +10,26 @@
 
 use alarms::Level;
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Style};
 use ratatui::text::Line;
 use wire::Happening;
 
 use super::alarms::clock;
-use super::list::{List, mark, passes, told};
-use super::registry::Panel;
+use super::list::{List, mark, passes, row_of, told};
+use super::registry::{Intent, Mouse, Panel};
 use super::{framed, write};
 use crate::journal::Entry;
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
 
-/// The list.
+/// The list; a click looks at the moment of an event.
 #[derive(Debug, Default)]
 pub(crate) struct Events {
     list: List,
+    /// The moments of the rows that were last drawn, wall clock and tau, from the first row on.
+    drawn: Vec<(u64, f64)>,
 }
 
 impl Panel for Events {
@@ -55,6 +57,16 @@ impl Panel for Events {
             draw_entry(entry, is_after(entry), Rect { y, height: 1, ..inner }, buffer);
         }
         mark(&rows, shown.len(), area, buffer);
+        self.drawn.clear();
+        self.drawn.extend(shown[rows].iter().map(|entry| (entry.wall_ns, entry.tau)));
+    }
+
+    fn mouse(&mut self, _view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scroll(3 * notches as isize);
+        }
+        let (wall_ns, tau) = *self.drawn.get(row_of(area, at)?).filter(|_| mouse == Mouse::Click)?;
+        Some(Intent::When { wall_ns, tau })
     }
 }
 

@@ -2,16 +2,18 @@
 //!
 //! ```text
 //! ┌ control force  m_b w0² e_t ─────┐
-//! │ now  1.423  ████████████░░░░░░░ │
+//! │ now  1.423  ████████████░░░░░░░ │   "was" under a cursor in the past; the bar ends at the most, or where it is fixed
 //! │ max  2.655  since revision 3    │
 //! └─────────────────────────────────┘
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
 
-use super::{framed, write};
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write, write_right};
+use crate::axis::Axis;
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
@@ -19,30 +21,62 @@ use crate::theme;
 /// Width of a label and its number.
 const HEAD: u16 = 13;
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The force; the wheel changes the scale of its bar.
+#[derive(Debug, Default)]
+pub(crate) struct Force {
+    scale: Axis,
+}
+
+impl Panel for Force {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, &mut self.scale, area, buffer);
+    }
+
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scale.zoom(wheel_times(notches), None);
+        }
+        None
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        let Wish::Value([scaling, ..]) = wish else { return None };
+        Some(self.scale.take(*scaling, None))
+    }
+}
+
+/// What the force under the cursor is called.
+pub(super) fn when(view: &View<'_>) -> &'static str {
+    if view.time.is_live() { "now" } else { "was" }
+}
+
+fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
-    let inner = framed(Line::from(" control force  m_b w0² e_t "), area, buffer);
+    let unit = picture.units().force;
+    let inner = framed(Line::from(format!(" control force  {} ", unit.name)), area, buffer);
     let Some(at) = picture.now else { return };
     let [y, z] = picture.track.force(at);
-    let (now, peak) = (y.hypot(z), picture.peak_force);
-    write(buffer, inner, inner.left(), inner.top(), &format!("now {:>8}", short(now, 5)), theme::loud(theme::FORCE));
+    let (now, peak) = (y.hypot(z) * unit.factor, picture.peak_force * unit.factor);
+    let [_, full] = axis.over([0.0, peak]);
+    let mut line = |row: u16, name: &str, value: f64| {
+        let text = format!("{name} {:>8}", short(value, 5));
+        write(buffer, inner, inner.left(), inner.top() + row, &text, theme::loud(theme::FORCE));
+    };
+    line(0, when(view), now);
+    line(1, "max", peak);
     if inner.width > HEAD {
         let cells = inner.width - HEAD;
-        let full =
-            if peak > 0.0 { (now / peak * f64::from(cells)).round().clamp(0.0, f64::from(cells)) as usize } else { 0 };
-        let bar = "█".repeat(full) + &"░".repeat(usize::from(cells) - full);
+        let part = (now / full * f64::from(cells)).round().clamp(0.0, f64::from(cells));
+        let filled = if full > 0.0 { part as usize } else { 0 };
+        let bar = "█".repeat(filled) + &"░".repeat(usize::from(cells) - filled);
         write(buffer, inner, inner.left() + HEAD, inner.top(), &bar, theme::loud(theme::FORCE));
     }
-    write(
-        buffer,
-        inner,
-        inner.left(),
-        inner.top() + 1,
-        &format!("max {:>8}", short(peak, 5)),
-        theme::loud(theme::FORCE),
-    );
-    let since = picture.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
-    write(buffer, inner, inner.left() + HEAD, inner.top() + 1, &since, theme::quiet());
+    if axis.is_fixed() {
+        write_right(buffer, inner, inner.top() + 1, &format!("{} fixed", short(full, 3)), theme::quiet());
+    } else {
+        let since = picture.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
+        write(buffer, inner, inner.left() + HEAD, inner.top() + 1, &since, theme::quiet());
+    }
 }
 
 #[cfg(test)]
@@ -55,7 +89,7 @@ mod tests {
     #[test]
     fn shows_the_force_now_and_at_most() {
         let picture = tests::picture();
-        let frame = drawn(40, 4, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(40, 4, |area, buffer| Force::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("now   0.8000") && frame.contains("max   0.8000"), "{frame}");
         assert!(frame.contains("since revision 1"), "{frame}");
     }

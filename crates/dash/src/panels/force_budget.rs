@@ -2,9 +2,9 @@
 //!
 //! ```text
 //! ┌ force budget  m_b w0² e_t ──────────────────────┐
-//! │ now    0.8000  ████████████░░░░░░░               │   of the largest, or of the limit if there is one
-//! │ max    1.4230  in view 1.1200                    │   since the settings changed; within the window
-//! │ limit  none                                      │
+//! │ now    0.8000  ████████████░░░░░░░               │   of the limit of the alarm, or of the largest; "was" in the past
+//! │ max    1.4230  ███████████████████               │   since the settings changed
+//! │ limit 2.0000  in view 1.1200                     │   of the alarm; the most within the window
 //! │ y      0.7132  ██████████░░░░░░░░░               │
 //! │ z     -0.3621  █████░░░░░░░░░░░░░░               │
 //! │ signal 1  displacement 0.5512   velocity 0.9310  │   |(kd - j kc) p| and |(cd - j cc) p'|
@@ -14,12 +14,15 @@
 
 use alarms::Watch;
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::style::{Color, Style};
 use ratatui::text::Line;
 use rotor::{C64, J, Signal};
 
-use super::{framed, write};
+use super::force::when;
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write};
+use crate::axis::Axis;
 use crate::history::Channel;
 use crate::picture::Track;
 use crate::plot::short;
@@ -65,38 +68,62 @@ impl Terms {
     }
 }
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The budget; the wheel changes the scale of its bars.
+#[derive(Debug, Default)]
+pub(crate) struct ForceBudget {
+    scale: Axis,
+}
+
+impl Panel for ForceBudget {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, &mut self.scale, area, buffer);
+    }
+
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scale.zoom(wheel_times(notches), None);
+        }
+        None
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        let Wish::Value([scaling, ..]) = wish else { return None };
+        Some(self.scale.take(*scaling, None))
+    }
+}
+
+fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
-    let scales = picture.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
-    let ratio =
-        picture.era.as_ref().and_then(|era| Some(era.rotor.as_ref()?.masses()[era.settings.feedback.bearing].mass));
-    // In newtons where the rotor has units.
-    let (unit, factor) = match (scales, ratio) {
-        (Some(scales), Some(ratio)) => ("N", scales.newtons(1.0, ratio)),
-        _ => ("m_b w0² e_t", 1.0),
-    };
-    let inner = framed(Line::from(format!(" force budget  {unit} ")), area, buffer);
+    let unit = picture.units().force;
+    let mut title = format!(" force budget  {} ", unit.name);
+    if axis.is_fixed() {
+        let [_, full] = axis.over([0.0, 1.0]);
+        title += &format!(" bars to {} fixed ", short(full, 3));
+    }
+    let inner = framed(Line::from(title), area, buffer);
     let Some(now) = picture.now else { return };
     let track = &picture.track;
+    let factor = unit.factor;
     let [y, z] = track.force(now).map(|part| part * factor);
     let most = picture.peak_force * factor;
     let within = track.range(Channel::Force, picture.window.clone()).map_or(0.0, |[_, high]| high * factor);
     let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * factor);
-    let full = limit.unwrap_or(most).max(f64::MIN_POSITIVE);
+    let [_, full] = axis.over([0.0, limit.unwrap_or(most).max(f64::MIN_POSITIVE)]);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
-    let mut bar = |name: &str, value: f64, color: Color| {
-        if let Some(row) = rows.next() {
-            gauge(name, value, full, color, row, buffer);
-        }
-    };
-    bar("now", y.hypot(z), theme::FORCE);
-    bar("y", y, theme::FORWARD);
-    bar("z", z, theme::BACKWARD);
-    let limit = limit.map_or_else(|| "none set".to_owned(), |limit| short(limit, 5));
-    let mut lines = vec![
-        (format!("max {}, in view {}", short(most, 5), short(within, 5)), theme::loud(theme::FORCE)),
-        (format!("limit {limit}"), Style::new()),
-    ];
+    let past = |value: f64| if limit.is_some_and(|limit| value > limit) { theme::BAD } else { theme::FORCE };
+    let (u, told) = (y.hypot(z), limit.map_or_else(|| "none set".to_owned(), |limit| short(limit, 5)));
+    for (row, (name, value, color)) in rows.by_ref().take(2).zip([(when(view), u, past(u)), ("max", most, past(most))])
+    {
+        gauge(name, value, full, color, row, buffer);
+    }
+    if let Some(row) = rows.next() {
+        write(buffer, row, row.x, row.y, &format!("limit {told}  in view {}", short(within, 5)), Style::new());
+    }
+    for (row, (name, value, color)) in rows.by_ref().take(2).zip([("y", y, theme::FORWARD), ("z", z, theme::BACKWARD)])
+    {
+        gauge(name, value, full, color, row, buffer);
+    }
+    let mut lines = Vec::new();
     if let Some(era) = &picture.era {
         let speed = track.speed(now);
         for (at, signal) in era.settings.feedback.signals.iter().enumerate() {
@@ -137,7 +164,9 @@ mod tests {
     #[test]
     fn now_most_and_each_term_are_told() {
         let picture = tests::picture();
-        let frame_of = |width, height| drawn(width, height, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame_of = |width, height| {
+            drawn(width, height, |area, buffer| ForceBudget::default().draw(&view(&picture), area, buffer))
+        };
         insta::assert_snapshot!("force_budget", frame_of(52, 9));
         insta::assert_snapshot!("force_budget_small", frame_of(24, 5));
         insta::assert_snapshot!("force_budget_large", frame_of(100, 14));

@@ -8,15 +8,18 @@ use ratatui::widgets::{Block, Clear, Paragraph, Widget};
 use rotor::PARAMETERS;
 
 use super::list::passes;
-use crate::actions::ACTIONS;
+use crate::actions::{ACTIONS, MOUSE};
 use crate::screen::View;
 use crate::theme;
 
 /// Signs whose meaning the panels do not spell out.
-const SIGNS: [(&str, &str); 7] = [
+const SIGNS: [(&str, &str); 10] = [
     ("▲ ▼", "poles of forward and backward whirl"),
     ("◆", "the least damped mode; right of the yellow line it grows"),
     ("◇", "where the poles would be with what is being typed"),
+    ("◈", "the mode that is pointed at"),
+    ("┆", "the frequency or the speed that is pointed at"),
+    ("fixed, =", "a scale that stands still"),
     (".05 .1 .2 .5", "rays of equal damping ratio"),
     ("●", "where a mass was when the rotor had made another turn"),
     ("⊕", "the mass that carries the control bearing"),
@@ -54,8 +57,7 @@ fn lines<'a>(view: &'a View<'_>) -> Vec<Line<'a>> {
     }
     lines.extend(view.keymap.own().map(|(key, command)| row(&key, &format!(":{command}"))));
     lines.push(heading(" mouse"));
-    lines.push(row("click, drag", "select a setting, nudge it; on strips, look at a moment"));
-    lines.push(row("wheel", "the next setting; on strips, show more or less time"));
+    lines.extend(MOUSE.iter().map(|(gesture, meaning)| row(gesture, meaning)));
     lines.push(heading(" commands, typed after :"));
     let commands = ACTIONS.iter().filter(|action| !matches!(action.name, "command" | "filter" | "escape" | "type"));
     lines.extend(commands.map(|action| row(format!("{} {}", action.name, action.argument).trim_end(), action.meaning)));
@@ -75,7 +77,7 @@ mod tests {
     fn every_key_command_sign_and_setting_is_explained() {
         let picture = crate::feed::tests::picture();
         let view = crate::screen::tests::view(&picture);
-        let frame = drawn(120, 100, |area, buffer| draw(&view, 0, area, buffer));
+        let frame = drawn(120, 140, |area, buffer| draw(&view, 0, area, buffer));
         for row in ACTIONS {
             for keys in row.keys {
                 assert!(

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Margin, Position, Rect};
 
 use super::write_right;
 use crate::theme;
@@ -29,6 +29,12 @@ impl List {
         self.offset = from as isize - first.min(last) as isize;
         from..(from + height).min(count)
     }
+}
+
+/// Which row inside the frame around `area` a position is in, the first one 0.
+pub(crate) fn row_of(area: Rect, at: Position) -> Option<usize> {
+    let inner = area.inner(Margin::new(1, 1));
+    inner.contains(at).then(|| usize::from(at.y - inner.y))
 }
 
 /// Whether a row is shown under a filter: all words of it are in the row, in any order and case.

@@ -1,5 +1,5 @@
-//! The panels: one file each, one function each from a [`Picture`] and an area to cells of the screen. They keep no
-//! state; what a person has selected or typed comes in as an argument.
+//! The panels: one file each, from a [`Picture`](crate::picture::Picture) and an area to cells of the screen. A panel keeps what is its own, such as
+//! the scale of its axes; what is selected, typed or pointed at for all comes in as an argument.
 
 pub(crate) mod alarms;
 pub(crate) mod damping;
@@ -15,6 +15,7 @@ pub(crate) mod orbits;
 pub(crate) mod poles;
 pub(crate) mod raw;
 pub(crate) mod registry;
+pub(crate) mod series;
 pub(crate) mod settings;
 pub(crate) mod spectrum;
 pub(crate) mod status;
@@ -48,6 +49,11 @@ fn write(buffer: &mut Buffer, area: Rect, x: u16, y: u16, text: &str, style: Sty
 fn write_right(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
     let width = text.chars().count() as u16;
     write(buffer, area, area.right().saturating_sub(width).max(area.left()), y, text, style);
+}
+
+/// How many times as much a plot shows after so many notches of the wheel towards us.
+fn wheel_times(notches: i32) -> f64 {
+    1.25_f64.powi(notches.clamp(-50, 50))
 }
 
 #[cfg(test)]

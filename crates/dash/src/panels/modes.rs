@@ -11,19 +11,20 @@
 use std::sync::Arc;
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
-use ratatui::style::Style;
+use ratatui::layout::{Position, Rect};
+use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{C64, Mode, Spectrum, Whirl};
 
-use super::damping_over_speed::speed_text;
-use super::list::{List, mark, passes, told};
-use super::registry::Panel;
+use super::list::{List, mark, passes, row_of, told};
+use super::registry::{Intent, Mouse, Panel};
 use super::{framed, write};
 use crate::history::Era;
 use crate::plot::short;
+use crate::pointed::Point;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Units;
 
 /// Columns before the shape: heading, and width in cells.
 const COLUMNS: [(&str, u16); 5] = [("damping", 9), ("log dec", 9), ("frequency", 11), ("/R", 8), ("whirl", 10)];
@@ -32,11 +33,13 @@ const SIGNS: u16 = 2;
 /// Width of one mass's part of a shape.
 const PART: u16 = 11;
 
-/// The table; it keeps the modes of the settings that it last drew.
+/// The table; it keeps the modes of the settings that it last drew. A click points at a mode.
 #[derive(Debug, Default)]
 pub(crate) struct Modes {
     known: Option<(Arc<Era>, Vec<Mode>)>,
     list: List,
+    /// The ranks of the modes in the rows that were last drawn, below the heading.
+    drawn: Vec<usize>,
 }
 
 impl Panel for Modes {
@@ -46,25 +49,40 @@ impl Panel for Modes {
             return;
         };
         let speed = era.settings.speed;
-        let scales = era.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
-        let unit = if scales.is_some() { "rpm" } else { "R" };
+        let units = view.picture.units();
         if self.known.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, era)) {
             self.known = Some((era.clone(), modes(era)));
         }
         let modes = self.known.as_ref().map_or(&[][..], |(_, modes)| modes);
-        let words = |mode: &Mode| cells(mode, speed).join(" ");
+        let words = |mode: &Mode| cells(mode, speed, &units).join(" ");
         let shown: Vec<(usize, &Mode)> =
             modes.iter().enumerate().filter(|(_, mode)| passes(view.filter, &words(mode))).collect();
-        let title =
-            format!(" modes at {unit} {} {}", speed_text(speed, scales), told(view.filter, shown.len(), modes.len()));
+        let title = format!(" modes at {} {}", units.speed_told(speed), told(view.filter, shown.len(), modes.len()));
         let inner = framed(Line::from(title), area, buffer);
-        heading(inner, buffer);
+        heading(&units, inner, buffer);
         let below = Rect { y: inner.y + 1, height: inner.height.saturating_sub(1), ..inner };
         let rows = self.list.rows(shown.len(), below.height, 0);
         for (y, (rank, mode)) in (below.y..).zip(&shown[rows.clone()]) {
-            row(mode, *rank == 0, speed, Rect { y, height: 1, ..below }, buffer);
+            let place = Rect { y, height: 1, ..below };
+            row(mode, *rank == 0, (speed, &units), place, buffer);
+            // The analysis here and that of the simulation differ in their last digits.
+            if view.pointed.mode.is_some_and(|pole| (pole - mode.pole).norm() <= 1e-9 * (1.0 + pole.norm())) {
+                write(buffer, place, place.x, y, "◈", theme::loud(theme::CURSOR));
+                buffer.set_style(place, Style::new().add_modifier(Modifier::UNDERLINED));
+            }
         }
         mark(&rows, shown.len(), area, buffer);
+        self.drawn.clear();
+        self.drawn.extend(shown[rows].iter().map(|(rank, _)| *rank));
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scroll(3 * notches as isize);
+        }
+        let rank = *self.drawn.get(row_of(area, at)?.checked_sub(1)?).filter(|_| mouse == Mouse::Click)?;
+        let (_, poles) = view.picture.poles()?;
+        Some(Intent::Point(Point::Mode(*poles.get(rank)?)))
     }
 
     fn scroll(&mut self, rows: isize) {
@@ -79,9 +97,10 @@ fn modes(era: &Era) -> Vec<Mode> {
     shaped.map_or_else(bare, |spectrum| spectrum.modes)
 }
 
-fn heading(area: Rect, buffer: &mut Buffer) {
+fn heading(units: &Units, area: Rect, buffer: &mut Buffer) {
     let mut x = area.x + SIGNS;
     for (name, width) in COLUMNS {
+        let name = if name == "frequency" && units.scales.is_some() { "freq. Hz" } else { name };
         let text =
             if name == "whirl" { format!("  {name}") } else { format!("{name:>width$}", width = usize::from(width)) };
         write(buffer, area, x, area.y, &text, theme::quiet());
@@ -91,18 +110,18 @@ fn heading(area: Rect, buffer: &mut Buffer) {
 }
 
 /// What stands in the columns before the shape.
-fn cells(mode: &Mode, speed: f64) -> [String; 5] {
+fn cells(mode: &Mode, speed: f64, units: &Units) -> [String; 5] {
     let ratio = if speed > 0.0 { short(mode.frequency() / speed, 4) } else { "-".into() };
     [
         format!("{:.4}", mode.damping()),
         short(mode.log_decrement(), 5),
-        short(mode.frequency(), 5),
+        units.frequency.short(mode.frequency(), 5),
         ratio,
         format!("  {}", mode.whirl()),
     ]
 }
 
-fn row(mode: &Mode, least: bool, speed: f64, area: Rect, buffer: &mut Buffer) {
+fn row(mode: &Mode, least: bool, (speed, units): (f64, &Units), area: Rect, buffer: &mut Buffer) {
     let (sign, color) = match mode.whirl() {
         Whirl::Forward => ("▲", theme::FORWARD),
         Whirl::Backward => ("▼", theme::BACKWARD),
@@ -112,7 +131,7 @@ fn row(mode: &Mode, least: bool, speed: f64, area: Rect, buffer: &mut Buffer) {
         write(buffer, area, area.x, area.y, "◆", theme::loud(verdict));
     }
     write(buffer, area, area.x + 1, area.y, sign, theme::loud(color));
-    let cells = cells(mode, speed);
+    let cells = cells(mode, speed, units);
     let plain = if least { theme::loud(verdict) } else { Style::new() };
     let mut x = area.x + SIGNS;
     for ((name, width), text) in COLUMNS.into_iter().zip(cells) {

@@ -1,26 +1,29 @@
 //! An orbit per mass, on one scale.
 //!
 //! ```text
-//! ┌ orbits  ±5.0 e_t ───────────────┐
+//! ┌ orbits  ±5.0 e_t ───────────────┐   "fixed" beside the scale while it stands still
 //! │   1 bearing       2         3   │
 //! │    ⣀⠤⠤⣀        ⣀⠤⠤⠤⣀     ⣀⠤⠤⣀  │   the last few turns, the latest two in colour; ◉ now
 //! │   ⡎ ⢀⡀ ⢱      ⡎  ●   ⢱   ⡎ ⢀⡀ ⢱ │   ● keyphasor: where the mass was, once a turn
 //! │    ⠑⠤⠤⠊        ⠑⠤⠤⠤⠊     ⠑⠤⠤⠊  │   blue circle: clearance of the support bearing
-//! │  0.62 e_t     2.71 e_t   1.9 e_t│   present distance from the centre
+//! │  0.62         2.71       1.9    │   distance from the centre under the cursor; y and z where there is room
 //! └─────────────────────────────────┘
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
 
-use super::{framed, write};
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write};
+use crate::axis::Axis;
 use crate::history::Channel;
 use crate::picture::{Picture, Track};
 use crate::plot::{Plot, nice_ceiling, short};
 use crate::replay::Beside;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Unit;
 
 /// Turns of the rotor that an orbit shows.
 const TURNS: f64 = 8.0;
@@ -29,7 +32,34 @@ const FRESH: f64 = 2.0;
 /// Steps that an orbit shows at low speed, where that many turns take too long.
 const MOST_STEPS: usize = 10_000;
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// Width of a cell in which y and z have room beside the radius.
+const ROOM_FOR_PLACE: u16 = 26;
+
+/// The orbits; the wheel changes their scale.
+#[derive(Debug, Default)]
+pub(crate) struct Orbits {
+    scale: Axis,
+}
+
+impl Panel for Orbits {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, &mut self.scale, area, buffer);
+    }
+
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scale.zoom(wheel_times(notches), None);
+        }
+        None
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        let Wish::Value([scaling, ..]) = wish else { return None };
+        Some(self.scale.take(*scaling, None))
+    }
+}
+
+fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let track = &picture.track;
     let shown = shown_steps(track, picture.now);
@@ -46,11 +76,15 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     // A clearance much larger than the orbit would squeeze it to a point: it goes out of view then.
     let clearance = clearances(picture).into_iter().flatten().fold(0.0, f64::max);
     let scale = nice_ceiling(1.02 * reach.max(if clearance < 4.0 * reach || reach == 0.0 { clearance } else { 0.0 }));
-    let inner = framed(Line::from(format!(" orbits  ±{} e_t  ◉ now ● once a turn ", short(scale, 2))), area, buffer);
+    let unit = picture.units().length;
+    let shown_scale = axis.reach(if unit.factor == 1.0 { scale } else { nice_ceiling(scale * unit.factor) });
+    let scale = shown_scale / unit.factor;
+    let title = format!(" orbits  ±{} {}{}  ◉ now ● once a turn ", short(shown_scale, 2), unit.name, axis.word());
+    let inner = framed(Line::from(title), area, buffer);
     let turns = Turns::of(track, shown.clone());
     let cells = grid(inner, picture.masses());
     for (mass, cell) in cells.into_iter().enumerate() {
-        draw_one(picture, beside, mass, &turns, scale, cell, buffer);
+        draw_one(picture, beside, mass, &turns, (scale, unit), cell, buffer);
     }
 }
 
@@ -59,7 +93,7 @@ fn draw_one(
     beside: Option<Beside<'_>>,
     mass: usize,
     turns: &Turns,
-    scale: f64,
+    (scale, unit): (f64, Unit),
     cell: Rect,
     buffer: &mut Buffer,
 ) {
@@ -99,7 +133,12 @@ fn draw_one(
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
     write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color));
     if let Some(last) = shown.clone().last() {
-        let now = short(radius(track.place(last, mass)), 3);
+        let [y, z] = track.place(last, mass);
+        let told = |value| unit.short(value, 3);
+        let now = match cell.width {
+            ROOM_FOR_PLACE.. => format!("{}  y {}  z {}", told(radius([y, z])), told(y), told(z)),
+            _ => told(radius([y, z])),
+        };
         let row = if cell.height > 3 { cell.bottom() - 1 } else { cell.top() };
         let column = cell.left() + if cell.height > 3 { 0 } else { 4 };
         write(buffer, cell, column, row, &now, theme::quiet());
@@ -201,7 +240,7 @@ mod tests {
     #[test]
     fn every_mass_has_its_orbit_on_one_scale() {
         let picture = tests::picture();
-        let frame = drawn(72, 14, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(72, 14, |area, buffer| Orbits::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("±4.0 e_t"), "{frame}");
         assert!(frame.contains("1 ⊕"), "{frame}");
         insta::assert_snapshot!("orbits", frame);

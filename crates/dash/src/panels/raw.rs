@@ -22,6 +22,7 @@ use super::{framed, write};
 use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Unit;
 
 /// Digits of a number, and the width of its column.
 const DIGITS: usize = 6;
@@ -48,27 +49,36 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         framed(Line::from(" step "), area, buffer);
         return;
     };
-    let number = |value: f64| format!("{:>WIDTH$}", short(value, DIGITS));
-    let numbers = |values: &[f64]| values.iter().copied().map(number).collect::<String>();
+    let units = view.picture.units();
+    let numbers = |unit: &Unit, values: &[f64]| -> String {
+        values.iter().map(|value| format!("{:>WIDTH$}", unit.short(*value, DIGITS))).collect()
+    };
+    let speed = match units.scales {
+        Some(_) => units.speed.told(track.speed(now), DIGITS),
+        None => format!("R {}", short(track.speed(now), DIGITS)),
+    };
     let (angle, plain) = (track.angle(now), Style::new());
     let turns = (angle / std::f64::consts::TAU).floor();
     let mut lines = vec![
-        (format!("R {}  angle {} rad  turn {turns}", short(track.speed(now), DIGITS), short(angle, 8)), plain),
+        (format!("{speed}  angle {} rad  turn {turns}", short(angle, 8)), plain),
         (format!("mass{:>7}{:>WIDTH$}{:>WIDTH$}{:>WIDTH$}{:>WIDTH$}", "y", "z", "vy", "vz", "radius"), theme::quiet()),
     ];
     for mass in 0..view.picture.masses() {
         let ([y, z], [vy, vz]) = (track.place(now, mass), track.velocity(now, mass));
-        let row = format!("{:>3}{}", mass + 1, &numbers(&[y, z, vy, vz, y.hypot(z)])[2..]);
+        let parts = [(&units.length, [y, z]), (&units.velocity, [vy, vz])].map(|(unit, pair)| numbers(unit, &pair));
+        let row = format!("{:>3}{}{}", mass + 1, &parts.concat()[2..], numbers(&units.length, &[y.hypot(z)]));
         lines.push((row, Style::new().fg(theme::TRACES[mass % theme::TRACES.len()])));
     }
     let ([y, z], [cy, cz]) = (track.force(now), track.commanded(now));
-    lines.push((format!("u delivered {}", numbers(&[y, z, y.hypot(z)])), Style::new().fg(theme::FORCE)));
-    lines.push((format!("u commanded {}", numbers(&[cy, cz, cy.hypot(cz)])), plain));
+    lines.push((format!("u delivered {}", numbers(&units.force, &[y, z, y.hypot(z)])), Style::new().fg(theme::FORCE)));
+    lines.push((format!("u commanded {}", numbers(&units.force, &[cy, cz, cy.hypot(cz)])), plain));
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
     let all = lines.len();
     lines.retain(|(line, _)| passes(view.filter, line));
-    let title = format!(" step at tau {} {}", short(track.tau(now), 8), told(view.filter, lines.len(), all));
+    let names = [units.length, units.velocity, units.force].map(|unit| unit.name).join("  ");
+    let names = if units.scales.is_some() { format!(" {names} ") } else { String::new() };
+    let title = format!(" step at tau {} {names}{}", short(track.tau(now), 8), told(view.filter, lines.len(), all));
     let inner = framed(Line::from(title), area, buffer);
     let rows = list.rows(lines.len(), inner.height, 0);
     for (y, (line, style)) in (inner.top()..inner.bottom()).zip(&lines[rows.clone()]) {

@@ -23,6 +23,7 @@ use crate::actions::Action;
 use crate::screen::View;
 use crate::theme;
 use crate::typing::Typing;
+use crate::units::Units;
 
 /// What a person is doing with the settings.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -97,31 +98,32 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     };
     let inner = framed(Line::from(title), area, buffer);
     let Some(settings) = &picture.settings else { return };
+    let units = picture.units();
     let first = first_row(&shown, cursor.row, inner.height);
     for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
         let row = Rect { y, height: 1, ..inner };
-        draw_row(settings, keys[*at], (*at == cursor.row).then_some(cursor), row, buffer);
+        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), row, buffer);
     }
     if shown.len() > first + usize::from(inner.height) && inner.height > 0 {
         write_right(buffer, inner, inner.bottom() - 1, "▼", theme::loud(theme::WARN));
     }
 }
 
-fn draw_row(settings: &Settings, key: Key, cursor: Option<&Cursor>, row: Rect, buffer: &mut Buffer) {
+fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cursor>, row: Rect, buffer: &mut Buffer) {
     let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
     write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
     write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style);
     let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
     let value = match typed {
         Some(typed) => typed.spans(theme::badge(theme::WARN)),
-        None => vec![Span::styled(value_of(settings, key), style)],
+        None => vec![Span::styled(value_of(settings, units, key), style)],
     };
     // As much of the step as there is room for; the value always is.
-    let parameter = key.parameter;
+    let (step, unit) = (units.step(key), units.setting(key).name);
     let step = match row.width {
         0..26 => String::new(),
-        26..34 => format!("±{}", parameter.step),
-        _ => format!("±{:<4} {:<3}", parameter.step, parameter.unit),
+        26..34 => format!("±{step}"),
+        _ => format!("±{step:<4} {unit:<3}"),
     };
     let room = if step.is_empty() { 0 } else { step.chars().count().max(5) as u16 };
     write(buffer, row, row.right().saturating_sub(room), row.top(), &step, theme::quiet());
@@ -133,9 +135,12 @@ fn draw_row(settings: &Settings, key: Key, cursor: Option<&Cursor>, row: Rect, b
 }
 
 /// A value as short as it can be told, with a word if it is a schedule.
-fn value_of(settings: &Settings, key: Key) -> String {
-    let value = settings.get(key).unwrap_or(f64::NAN);
-    let rounded = (value * 1e6).round() / 1e6;
+fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
+    let unit = units.setting(key);
+    let value = settings.get(key).unwrap_or(f64::NAN) * unit.factor;
+    // Micrometres count where metres are shown.
+    let digits = if unit.name == "m" { 1e9 } else { 1e6 };
+    let rounded = (value * digits).round() / digits;
     match settings.gain(key) {
         Some(Gain::Linear { .. }) => format!("{rounded} linear"),
         Some(Gain::Table(_)) => format!("{rounded} table"),
@@ -184,6 +189,6 @@ mod tests {
     fn a_scheduled_gain_says_so() {
         let settings = tests::bulletin("jeffcott", "cancel").settings.unpack();
         let kc = rows(&settings).into_iter().find(|key| key.parameter.name == "kc").unwrap();
-        assert_eq!(value_of(&settings, kc), "-1.25 linear");
+        assert_eq!(value_of(&settings, &Units::DIMENSIONLESS, kc), "-1.25 linear");
     }
 }

@@ -1,4 +1,5 @@
-//! The full spectrum of the mass that carries the control bearing: forward whirl to the right, backward to the left.
+//! The full spectrum of one mass, that with the control bearing unless another is chosen: forward whirl to the right,
+//! backward to the left.
 //!
 //! ```text
 //! ┌ full spectrum  mass 1  164 tau ────────────────┐
@@ -6,21 +7,26 @@
 //! │              ┊  ┊  ⡇  ⡇  ┊    -0.5X  0.0312     │
 //! │        ⡀     ┊  ⡀  ⡇  ⡇  ┊                      │
 //! │⣀⣀⣀⣀⣀⣀⣀⣠⣷⣀⣀⣀⣀⣀⣾⣄⣀⣀⡇⣀⣼⣧⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀⣀│   density over frequency, eight decades from top to bottom
-//! │      -2X -1X -.5X  0  .5X 1X    2X              │
-//! └────────────────────────────────────────────────┘
+//! │      -2X -1X -.5X  0  .5X 1X ◈  2X              │   ◈ the mode that is pointed at
+//! └ ┆ 1.250  0.5X  0.0312 e_t ─────────────────────┘   the line at the frequency that is pointed at
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
-use spectrum::Spectrum;
+use spectrum::{Peak, Spectrum};
 
-use super::{framed, write, write_right};
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write, write_right};
+use crate::actions::Read;
 use crate::analysis::{Orbit, OrbitSpectrum};
+use crate::axis::{Axis, Scaling};
 use crate::picture::Picture;
 use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::pointed::Point;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Units;
 
 /// Orders that are marked, on both sides, the most important first.
 const ORDERS: [(f64, &str); 3] = [(1.0, "1X"), (0.5, ".5X"), (2.0, "2X")];
@@ -29,10 +35,163 @@ const DECADES: f64 = 8.0;
 /// Lines that are named.
 const NAMED: usize = 4;
 
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// Which mass and which frequencies a panel of spectra shows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Frequencies {
+    /// The mass, counted from 0; that with the control bearing if there is none.
+    mass: Option<usize>,
+    /// Frequencies, as they stand on the axis.
+    along: Axis,
+    /// The frequencies that were last shown, in units of `w0`, where, and over how many columns.
+    shown: Option<([f64; 2], Rect)>,
+}
+
+impl Frequencies {
+    /// The mass that is looked at.
+    pub(super) fn mass(&self, picture: &Picture) -> usize {
+        let bearing = picture.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
+        self.mass.unwrap_or(bearing).min(picture.masses().saturating_sub(1))
+    }
+
+    /// The range of frequencies to show over `area`, in units of `w0`.
+    pub(super) fn over(&mut self, picture: &Picture, area: Rect) -> [f64; 2] {
+        let factor = picture.units().frequency.factor;
+        let reach = reach(picture) * factor;
+        let range = self.along.over([-reach, reach]).map(|end| end / factor);
+        self.shown = Some((range, area));
+        range
+    }
+
+    /// The sign of a range that stands still, for a title.
+    pub(super) fn word(&self) -> &'static str {
+        self.along.word()
+    }
+
+    /// Half of what one column stands for.
+    fn half_column(&self) -> f64 {
+        self.shown.map_or(0.0, |([low, high], area)| 0.5 * (high - low) / f64::from(area.width.max(1)))
+    }
+
+    /// What the mouse asks for: a click points at a frequency, the wheel shows more or fewer.
+    pub(super) fn mouse(&mut self, view: &View<'_>, mouse: Mouse, at: Position) -> Option<Intent> {
+        let ([low, high], area) = self.shown?;
+        let along = (f64::from(at.x.checked_sub(area.x)?) + 0.5) / f64::from(area.width);
+        let frequency = low + along * (high - low);
+        match mouse {
+            Mouse::Wheel(notches) => {
+                let there = frequency * view.picture.units().frequency.factor;
+                // Both sides alike, unless what is pointed at lies far from the middle.
+                let about = if self.along.is_fixed() { Some(there) } else { None };
+                self.along.zoom(wheel_times(notches), about);
+                None
+            }
+            Mouse::Click | Mouse::Drag(_) => {
+                let within = at.x < area.right() && (area.top()..=area.bottom()).contains(&at.y);
+                within.then_some(Intent::Point(Point::Frequency(frequency)))
+            }
+        }
+    }
+
+    pub(super) fn wish(&mut self, wish: &Wish<'_>, units: &Units) -> Option<Result<(), String>> {
+        match wish {
+            Wish::Along(scaling, pointed) => {
+                let about = pointed.frequency.map(|frequency| frequency * units.frequency.factor);
+                Some(self.along.take(*scaling, about))
+            }
+            Wish::Frequencies(scaling) => Some(self.along.take(*scaling, None)),
+            Wish::Mass(mass) => {
+                self.mass = *mass;
+                Some(Ok(()))
+            }
+            _ => None,
+        }
+    }
+
+    pub(super) fn read(&self, view: &View<'_>, read: Read) -> Option<Point> {
+        let ([low, high], _) = self.shown?;
+        let before = view.pointed.frequency;
+        let speed = view.picture.now.map_or(0.0, |now| view.picture.track.speed(now));
+        let frequency = match read {
+            Read::Off => before.unwrap_or(0.0),
+            Read::At(frequency) => frequency / view.picture.units().frequency.factor,
+            Read::Move(by) => before.map_or(speed, |there| there + 2.0 * f64::from(by) * self.half_column()),
+        };
+        Some(Point::Frequency(frequency.clamp(low, high)))
+    }
+}
+
+/// A scaling of densities, which the axis counts in decades.
+pub(super) fn in_decades(scaling: Scaling) -> Result<Scaling, String> {
+    match scaling {
+        Scaling::Fix([low, high]) if low <= 0.0 || high <= 0.0 => {
+            Err(format!("{low}..{high}: expected densities above 0, such as 1e-6..1e2"))
+        }
+        Scaling::Fix(range) => Ok(Scaling::Fix(range.map(f64::log10))),
+        other => Ok(other),
+    }
+}
+
+/// Decades by which densities on the screen are higher than dimensionless ones.
+pub(super) fn shift(units: &Units) -> f64 {
+    (units.length.factor.powi(2) / units.frequency.factor).log10()
+}
+
+/// The highest frequency that is shown: beyond twice the speed, and beyond every mode; round on the screen.
+fn reach(picture: &Picture) -> f64 {
+    let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
+    let highest = picture.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
+    let factor = picture.units().frequency.factor;
+    nice_ceiling((2.2 * speed).max(1.2 * highest).max(0.1) * factor) / factor
+}
+
+/// A line in words: its frequency, its order, and the radius of its orbit.
+pub(super) fn told(peak: &Peak, units: &Units) -> String {
+    let order = if peak.name.is_empty() { String::new() } else { format!("  {}", peak.name) };
+    let frequency = match units.scales {
+        Some(_) => units.frequency.told(peak.frequency, 5),
+        None => short(peak.frequency, 4),
+    };
+    format!(" ┆ {frequency}{order}  {} ", units.length.told(peak.radius, 4))
+}
+
+/// The spectrum: a click points at a frequency, the wheel shows more or fewer of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct SpectrumPanel {
+    frequencies: Frequencies,
+    /// Decades of density, as they stand on the axis.
+    value: Axis,
+    units: Option<Units>,
+}
+
+impl Panel for SpectrumPanel {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, self, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        self.frequencies.mouse(view, mouse, at)
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        if let Wish::Value(scalings) = wish {
+            // The highest stays where it is.
+            let top = self.value.shown().map(|[_, top]| top);
+            let scaling = in_decades(*scalings.first()?);
+            return Some(scaling.and_then(|scaling| self.value.take(scaling, top)));
+        }
+        self.frequencies.wish(wish, &self.units.unwrap_or(Units::DIMENSIONLESS))
+    }
+
+    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+        self.frequencies.read(view, read)
+    }
+}
+
+fn draw(view: &View<'_>, panel: &mut SpectrumPanel, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
-    let mass = observed(picture);
-    let title = |tau: &str| Line::from(format!(" full spectrum  mass {}{tau} ", mass + 1));
+    let mass = panel.frequencies.mass(picture);
+    let word = panel.frequencies.word();
+    let title = |tau: &str| Line::from(format!(" full spectrum  mass {}{tau}{word} ", mass + 1));
     let asked = picture.now.filter(|_| picture.masses() > 0).and_then(|now| {
         let view_steps = picture.window.len();
         view.desk.spectrum(&Orbit::until(&picture.track, mass, now, view_steps, picture.seconds))
@@ -43,63 +202,75 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     };
     let inner = framed(title(&format!("  {} tau", short(answer.tau, 3))), area, buffer);
     match &answer.spectrum {
-        Ok(spectrum) => draw_spectrum(spectrum, &answer, picture, inner, buffer),
+        Ok(spectrum) => draw_spectrum(spectrum, &answer, view, panel, (area, inner), buffer),
         // Standing still, or just begun.
         Err(why) => write(buffer, inner, inner.left(), inner.top(), &why.to_string(), theme::quiet()),
     }
 }
 
-/// The mass that is looked at: the one with the control bearing.
-pub(crate) fn observed(picture: &Picture) -> usize {
-    let bearing = picture.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
-    bearing.min(picture.masses().saturating_sub(1))
-}
-
-/// The highest frequency that is shown: beyond twice the speed, and beyond every mode.
-pub(crate) fn reach(picture: &Picture) -> f64 {
-    let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
-    let highest = picture.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
-    nice_ceiling((2.2 * speed).max(1.2 * highest).max(0.1))
-}
-
-fn draw_spectrum(spectrum: &Spectrum, answer: &OrbitSpectrum, picture: &Picture, area: Rect, buffer: &mut Buffer) {
+fn draw_spectrum(
+    spectrum: &Spectrum,
+    answer: &OrbitSpectrum,
+    view: &View<'_>,
+    panel: &mut SpectrumPanel,
+    (frame, area): (Rect, Rect),
+    buffer: &mut Buffer,
+) {
     if area.is_empty() {
         return;
     }
+    let (picture, units) = (view.picture, view.picture.units());
+    panel.units = Some(units);
     let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
-    let reach = reach(picture).min(-spectrum.frequency.first().copied().unwrap_or(-1.0));
     let plotted = Rect { height: area.height.saturating_sub(1), ..area };
+    let [low, high] = panel.frequencies.over(picture, plotted);
     let columns = usize::from(plotted.width) * 2;
-    let highest = columns_of(spectrum, reach, columns);
-    let top = highest.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
+    let densities = columns_of(spectrum, [low, high], columns, shift(&units));
+    let top = densities.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
     let top = if top.is_finite() { top } else { 0.0 };
-    let bottom = top - DECADES;
-    let mut plot = Plot::new(plotted, Window { x: [-reach, reach], y: [bottom, top] });
-    for (frequency, _) in marks(speed, reach) {
+    let [bottom, top] = panel.value.over([top - DECADES, top]);
+    let mut plot = Plot::new(plotted, Window { x: [low, high], y: [bottom, top] });
+    let mut upright = |frequency: f64, every: usize, color| {
         // Dotted, so that a line of the spectrum stands out on it.
         let dots = usize::from(plotted.height) * 4;
-        for dot in (0..dots).step_by(3) {
+        for dot in (0..dots).step_by(every) {
             let y = bottom + (dot as f64 + 0.5) / dots as f64 * (top - bottom);
-            plot.dot(frequency, y, theme::GRID);
+            plot.dot(frequency, y, color);
         }
+    };
+    let marks = marks(speed, [low, high]);
+    marks.iter().for_each(|(frequency, _)| upright(*frequency, 3, theme::GRID));
+    if let Some(frequency) = view.pointed.frequency {
+        upright(frequency, 2, theme::CURSOR);
     }
-    let at = |column: usize| reach * ((2.0 * column as f64 + 1.0) / columns as f64 - 1.0);
-    for (column, pair) in highest.windows(2).enumerate() {
+    let at = |column: usize| low + (high - low) * (column as f64 + 0.5) / columns as f64;
+    for (column, pair) in densities.windows(2).enumerate() {
         let color = if at(column) >= 0.0 { theme::FORWARD } else { theme::BACKWARD };
         plot.line([at(column), pair[0].max(bottom)], [at(column + 1), pair[1].max(bottom)], color);
     }
     plot.paint(buffer);
 
-    write(buffer, plotted, area.left(), area.top(), &format!("1e{top}"), theme::quiet());
+    let unit = if units.scales.is_some() {
+        format!(" {}²/{}", units.length.name, units.frequency.name)
+    } else {
+        String::new()
+    };
+    let highest = match top.fract() {
+        0.0 => format!("{}1e{top}{unit}", panel.value.sign()),
+        _ => format!("{}{:.0e}{unit}", panel.value.sign(), 10_f64.powf(top)),
+    };
+    write(buffer, plotted, area.left(), area.top(), &highest, theme::quiet());
     let foot = area.bottom() - 1;
     let mut taken: Vec<[u16; 2]> = Vec::new();
-    for (frequency, name) in marks(speed, reach) {
+    let mode = view.pointed.mode.map(|pole| (pole.im, "◈".to_owned()));
+    for (frequency, name) in mode.into_iter().chain(marks) {
         let width = name.chars().count() as u16;
         let Some((x, _)) = plot.cell(frequency, 0.5 * (top + bottom)) else { continue };
         let x = x.saturating_sub(width / 2).max(area.left());
         // A name that would run into another is left out: the important ones come first.
         if taken.iter().all(|[from, to]| x + width < *from || x > *to) {
-            write(buffer, area, x, foot, &name, theme::quiet());
+            let style = if name == "◈" { theme::loud(theme::CURSOR) } else { theme::quiet() };
+            write(buffer, area, x, foot, &name, style);
             taken.push([x, x + width]);
         }
     }
@@ -107,35 +278,46 @@ fn draw_spectrum(spectrum: &Spectrum, answer: &OrbitSpectrum, picture: &Picture,
         let y = area.top() + row as u16;
         if y < plotted.bottom() && area.width > 30 {
             let color = if peak.frequency >= 0.0 { theme::FORWARD } else { theme::BACKWARD };
-            let name = if peak.name.is_empty() { short(peak.frequency, 3) } else { peak.name.clone() };
-            write_right(buffer, area, y, &format!("{name:>7} {:>8} e_t", short(peak.radius, 4)), theme::loud(color));
+            let name = if peak.name.is_empty() { units.frequency.short(peak.frequency, 3) } else { peak.name.clone() };
+            let radius = format!("{:>8} {}", units.length.short(peak.radius, 4), units.length.name);
+            write_right(buffer, area, y, &format!("{name:>7} {radius}"), theme::loud(color));
         }
+    }
+    let within = panel.frequencies.half_column();
+    if let Some(line) = view.pointed.frequency.and_then(|frequency| spectrum.at(frequency, within, speed)) {
+        let edge = Rect { width: frame.width.saturating_sub(1), ..frame };
+        let text = told(&line, &units);
+        write(buffer, edge, frame.x + 1, frame.bottom().saturating_sub(1), &text, theme::loud(theme::CURSOR));
     }
 }
 
 /// Where marks stand, and what they are called: zero and the orders that are in view.
-fn marks(speed: f64, reach: f64) -> Vec<(f64, String)> {
+fn marks(speed: f64, [low, high]: [f64; 2]) -> Vec<(f64, String)> {
     let mut marks = vec![(0.0, "0".to_owned())];
-    for (order, name) in ORDERS.into_iter().filter(|(order, _)| speed > 0.0 && order * speed < reach) {
+    for (order, name) in ORDERS.into_iter().filter(|_| speed > 0.0) {
         marks.push((order * speed, name.to_owned()));
         marks.push((-order * speed, format!("-{name}")));
     }
+    marks.retain(|(frequency, _)| (low..high).contains(frequency));
     marks
 }
 
-/// The decimal logarithm of the highest density in each of `columns` equal parts of `-reach..reach`, so that no line falls between
-/// two columns; where a part has no bin of its own, that of the nearest one.
-pub(crate) fn columns_of(spectrum: &Spectrum, reach: f64, columns: usize) -> Vec<f64> {
+/// The decimal logarithm of the highest density in each of `columns` equal parts of a range of frequencies, raised by `shift`, so
+/// that no line falls between two columns; where a part has no bin of its own, that of the nearest one.
+pub(crate) fn columns_of(spectrum: &Spectrum, [low, high]: [f64; 2], columns: usize, shift: f64) -> Vec<f64> {
     let bins = spectrum.frequency.len();
-    let nearest = |frequency: f64| {
-        let at = (frequency - spectrum.frequency[0]) / spectrum.resolution();
-        (at.round().max(0.0) as usize).min(bins - 1)
-    };
-    let edge = |column: usize| reach * (2.0 * column as f64 / columns as f64 - 1.0);
+    let place = |frequency: f64| ((frequency - spectrum.frequency[0]) / spectrum.resolution()).round();
+    let nearest = |frequency: f64| (place(frequency).max(0.0) as usize).min(bins - 1);
+    let edge = |column: usize| low + (high - low) * column as f64 / columns as f64;
     (0..columns)
         .map(|column| {
-            let (from, to) = (nearest(edge(column)), nearest(edge(column + 1)));
-            spectrum.density[from..=to.max(from)].iter().copied().fold(0.0, f64::max).log10()
+            let [left, right] = [edge(column), edge(column + 1)];
+            // Beyond what was measured nothing is known.
+            if place(right) < 0.0 || place(left) > (bins - 1) as f64 {
+                return f64::NEG_INFINITY;
+            }
+            let (from, to) = (nearest(left), nearest(right));
+            shift + spectrum.density[from..=to.max(from)].iter().copied().fold(0.0, f64::max).log10()
         })
         .collect()
 }
@@ -169,7 +351,9 @@ mod tests {
     #[test]
     fn lines_are_named_and_stand_on_their_marks() {
         let picture = picture();
-        let frame_of = |width, height| drawn(width, height, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame_of = |width, height| {
+            drawn(width, height, |area, buffer| SpectrumPanel::default().draw(&view(&picture), area, buffer))
+        };
         let frame = frame_of(72, 14);
         assert!(frame.contains("1X    2.000 e_t") && frame.contains("-0.5X    0.050 e_t"), "{frame}");
         insta::assert_snapshot!("spectrum", frame);
@@ -178,7 +362,7 @@ mod tests {
         // The highest column is that of 1X.
         let reach = reach(&picture);
         let orbit = Orbit::until(&picture.track, 0, picture.now.unwrap(), 0, picture.seconds);
-        let columns = columns_of(&OrbitSpectrum::of(&orbit).spectrum.unwrap(), reach, 140);
+        let columns = columns_of(&OrbitSpectrum::of(&orbit).spectrum.unwrap(), [-reach, reach], 140, 0.0);
         let highest = (0..140).max_by(|a, b| columns[*a].total_cmp(&columns[*b])).unwrap();
         let of_1x = (140.0 * (2.5 / reach + 1.0) / 2.0) as usize;
         assert!(highest.abs_diff(of_1x) <= 1, "{highest} and {of_1x}");
@@ -189,17 +373,17 @@ mod tests {
         let now = Instant::now();
         let mut feed = Feed::new("");
         let empty = feed.picture(&ViewTime::LIVE, now);
-        drawn(40, 8, |area, buffer| draw(&view(&empty), area, buffer));
+        drawn(40, 8, |area, buffer| SpectrumPanel::default().draw(&view(&empty), area, buffer));
         (0..20).for_each(|seq| feed.hear(&tests::state(3, seq), now));
         let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(60, 8, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(60, 8, |area, buffer| SpectrumPanel::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("20 samples are too few for a spectrum"), "{frame}");
         let frequency: Vec<f64> = (-50..50).map(f64::from).collect();
         let mut density = vec![1.0; 100];
         density[63] = 1e5;
         let spectrum = Spectrum { frequency, density, segments: 1, segment: 100 };
         for columns in [3, 10, 40, 99, 333] {
-            let columns = columns_of(&spectrum, 40.0, columns);
+            let columns = columns_of(&spectrum, [-40.0, 40.0], columns, 0.0);
             assert_eq!(columns.iter().copied().fold(0.0, f64::max), 5.0);
         }
     }

@@ -1,10 +1,10 @@
-//! Strips of y, z and control over the window of time, with what they are under the cursor.
+//! Strips of chosen series over the window of time, with what they are under the cursor.
 //!
 //! ```text
-//! ┌ last 41 tau  1 2 3 ─────────────┐
-//! │y ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±5 │
-//! │z ⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈     ±5 │
-//! │u ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±1 │
+//! ┌ last 41 tau  mass 1 2 3 ────────┐
+//! │y ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±5 │   one strip a word of `:strips`; "=" before a scale that stands still
+//! │z ⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈     ±5 │
+//! │u ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±1 │   with a cursor, its values there
 //! └ 4.1 s ──────────────────────────┘
 //! ```
 
@@ -12,30 +12,76 @@ use std::ops::Range;
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
-use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 
-use super::registry::{Intent, Mouse, Panel};
-use super::{framed, write, write_right};
-use crate::actions::Action;
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::series::{Strip, Trace};
+use super::{framed, wheel_times, write, write_right};
+use crate::axis::{Axis, Scaling};
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::replay::Beside;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Unit;
 
-/// The strips: a click looks at a moment, the wheel zooms.
-pub(crate) struct Strips;
+/// What strips show if neither a person nor the layout says otherwise.
+const USUAL: &str = "y z u";
+/// The share of the width that the unit of a scale may take.
+const ROOM_FOR_UNIT: usize = 8;
+/// Height from which the lines of a strip are told apart by marks too.
+const ROOM_FOR_MARKS: u16 = 3;
+
+/// The strips: a click looks at a moment, the wheel shows more or less time.
+pub(crate) struct Strips {
+    usual: Vec<Strip>,
+    /// What the layout wants to be shown.
+    of_layout: Option<Vec<Strip>>,
+    /// What a person wants to be shown.
+    chosen: Option<Vec<Strip>>,
+    /// The scale of every strip that has ever been shown, by its name.
+    scales: Vec<(String, Axis)>,
+}
+
+impl Default for Strips {
+    fn default() -> Self {
+        let usual = Strip::read_all(USUAL).unwrap_or_default();
+        Self { usual, of_layout: None, chosen: None, scales: Vec::new() }
+    }
+}
+
+impl Strips {
+    fn shown(&self) -> &[Strip] {
+        self.chosen.as_ref().or(self.of_layout.as_ref()).unwrap_or(&self.usual)
+    }
+
+    /// The scale of a strip.
+    fn scale(&mut self, name: &str) -> &mut Axis {
+        let at = self.scales.iter().position(|(of, _)| of == name).unwrap_or(self.scales.len());
+        if at == self.scales.len() {
+            self.scales.push((name.to_owned(), Axis::default()));
+        }
+        &mut self.scales[at].1
+    }
+
+    /// Scales the strip `name`, or all that are shown.
+    fn rescale(&mut self, name: Option<&str>, scaling: Scaling) -> Option<Result<(), String>> {
+        let shown: Vec<String> = self.shown().iter().map(|strip| strip.name.clone()).collect();
+        let meant = |strip: &&String| name.is_none_or(|name| name == **strip);
+        let done = shown.iter().filter(meant).map(|strip| self.scale(strip).take(scaling, None));
+        done.reduce(Result::and)
+    }
+}
 
 impl Panel for Strips {
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        draw(view, area, buffer);
+        draw(view, self, area, buffer);
     }
 
     fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
         let inner = area.inner(Margin::new(1, 1));
         match mouse {
-            Mouse::Wheel(notches) => Some(Intent::Do(Action::Zoom(if notches > 0 { 1.25 } else { 0.8 }))),
+            Mouse::Wheel(notches) => Some(Intent::ZoomTime(wheel_times(notches))),
             Mouse::Click | Mouse::Drag(_) if inner.contains(at) => {
                 let window = &view.picture.window;
                 let along = (f64::from(at.x - inner.x) + 0.5) / f64::from(inner.width);
@@ -45,23 +91,42 @@ impl Panel for Strips {
             Mouse::Click | Mouse::Drag(_) => None,
         }
     }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        match wish {
+            Wish::Value(scalings) => self.rescale(None, *scalings.first()?),
+            Wish::Strip(name, scalings) => self.rescale(Some(name), *scalings.first()?),
+            Wish::Strips(strips) => {
+                self.chosen = strips.map(<[Strip]>::to_vec);
+                Some(Ok(()))
+            }
+            Wish::StripsOfLayout(strips) => {
+                if self.of_layout.as_deref() != *strips {
+                    self.of_layout = strips.map(<[Strip]>::to_vec);
+                }
+                Some(Ok(()))
+            }
+            _ => None,
+        }
+    }
 }
 
-/// One line of a strip.
-type Trace = (Color, Channel);
 /// The middle of a column of dots, in steps, and the range of a quantity over it.
 type Column = (f64, [f64; 2]);
 
-fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let window = picture.window.clone();
-    // A strip of more masses than colours would be a tangle: the first few stand for all.
-    let masses = picture.masses().min(theme::TRACES.len());
     let dtau = picture.bulletin.as_ref().map_or(0.0, |bulletin| bulletin.dtau);
     let tau = short(window.len() as f64 * dtau, 3);
     let which = if view.time.is_live() { "last " } else { "" };
-    let mut title = vec![Span::raw(format!(" {which}{tau} tau  mass "))];
-    title.extend((0..masses).map(|mass| Span::styled(format!("{} ", mass + 1), theme::loud(theme::TRACES[mass]))));
+    let mut title = vec![Span::raw(format!(" {which}{tau} tau "))];
+    let shown = strips.shown().to_vec();
+    if shown.iter().any(Strip::is_of_every_mass) {
+        title.push(Span::raw(" mass "));
+        let masses = picture.masses().min(theme::TRACES.len());
+        title.extend((0..masses).map(|mass| Span::styled(format!("{} ", mass + 1), theme::loud(theme::TRACES[mass]))));
+    }
     let inner = framed(Line::from(title), area, buffer);
     if window.is_empty() {
         return;
@@ -71,49 +136,54 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let edge = Rect { width: area.width.saturating_sub(2), ..area };
         write(buffer, edge, area.left() + 1, area.bottom() - 1, &label, theme::quiet());
     }
-    let of_masses = |channel: fn(usize) -> Channel| -> Vec<Trace> {
-        (0..masses).map(|mass| (theme::TRACES[mass], channel(mass))).collect()
-    };
-    let force = vec![(theme::BACKWARD, Channel::ForceZ), (theme::FORCE, Channel::ForceY)];
-    let rows = Layout::vertical([Constraint::Fill(1); 3]).split(inner);
-    let strips = [("y", of_masses(Channel::Y)), ("z", of_masses(Channel::Z)), ("u", force)];
-    for ((name, traces), row) in strips.into_iter().zip(rows.iter()) {
-        strip(name, &traces, view, *row, buffer);
+    // What has no row of its own is left out, and said to be.
+    let room = usize::from(inner.height).min(shown.len());
+    if room < shown.len() && room > 0 {
+        let edge = Rect { width: area.width.saturating_sub(1), ..area };
+        write_right(
+            buffer,
+            edge,
+            area.bottom() - 1,
+            &format!(" {} more ▼ ", shown.len() - room),
+            theme::loud(theme::WARN),
+        );
+    }
+    let rows = Layout::vertical(vec![Constraint::Fill(1); room]).split(inner);
+    let units = picture.units();
+    for (strip, row) in shown.iter().zip(rows.iter()) {
+        let unit = strip.unit(&units);
+        draw_strip(strip, unit, strips.scale(&strip.name), view, *row, buffer);
     }
 }
 
-fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+fn draw_strip(strip: &Strip, unit: Unit, axis: &mut Axis, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let columns = usize::from(area.width) * 2;
     if columns == 0 {
         return;
     }
+    let traces = strip.traces(picture.masses());
     // Every column of dots shows the range of its steps, so that no peak falls between two columns.
     let steps = picture.track.columns(picture.window.clone(), columns);
-    let ranges: Vec<(Color, Vec<Column>)> = traces
-        .iter()
-        .map(|(color, channel)| {
-            let range = |steps: Range<usize>| {
-                let middle = 0.5 * (steps.start + steps.end) as f64;
-                (middle, picture.track.range(*channel, steps).unwrap_or([0.0, 0.0]))
-            };
-            (*color, steps.clone().map(range).collect())
-        })
-        .collect();
-    let all = ranges.iter().flat_map(|(_, columns)| columns);
-    let reach = all.fold(0.0, |reach: f64, (_, [low, high])| reach.max(-low).max(*high));
+    let columns_of = |trace: &Trace| -> Vec<Column> {
+        let range = |steps: Range<usize>| {
+            let middle = 0.5 * (steps.start + steps.end) as f64;
+            let [low, high] = trace.range(picture, steps)?;
+            Some((middle, [low * unit.factor, high * unit.factor]))
+        };
+        steps.clone().filter_map(range).collect()
+    };
+    let lines: Vec<Vec<Column>> = traces.iter().map(columns_of).collect();
     let beside = view.replay.as_ref().and_then(|replay| replay.beside);
     let others: Vec<Vec<Column>> =
-        traces.iter().filter_map(|(_, channel)| Some(beside_columns(&beside?, *channel, steps.clone()))).collect();
-    let other = others.iter().flatten().fold(0.0, |reach: f64, (_, [low, high])| reach.max(-low).max(*high));
-    // A machine that runs away beside this one must not make a line of it.
-    let scale = nice_ceiling(if reach > 0.0 { reach.max(other.min(4.0 * reach)) } else { other });
+        traces.iter().filter_map(|trace| Some(beside_columns(&beside?, trace.channel?, unit, steps.clone()))).collect();
+    let [bottom, top] = axis.over(whole(&lines, &others, strip.is_size()));
     let [left, right] = [picture.window.start as f64, picture.window.end as f64];
-    let mut plot = Plot::new(area, Window { x: [left, right], y: [-scale, scale] });
+    let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
     let mut upright = |step: usize, color| {
         let x = step as f64 + 0.5;
-        plot.line([x, -scale], [x, scale], color);
+        plot.line([x, bottom], [x, top], color);
     };
     for (step, mark) in &picture.marks {
         match mark {
@@ -127,7 +197,8 @@ fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut
     if let Some(now) = cursor {
         upright(now, theme::WARN);
     }
-    let recorded = ranges.iter().map(|(color, columns)| (*color, columns));
+    // The first lies on top.
+    let recorded = traces.iter().map(|trace| trace.color).zip(&lines).rev();
     for (color, columns) in others.iter().map(|columns| (theme::CANDIDATE, columns)).chain(recorded) {
         for (at, (x, [low, high])) in columns.iter().enumerate() {
             plot.line([*x, *low], [*x, *high], color);
@@ -137,30 +208,104 @@ fn strip(name: &str, traces: &[Trace], view: &View<'_>, area: Rect, buffer: &mut
         }
     }
     plot.paint(buffer);
-    write(buffer, area, area.left(), area.top(), name, theme::quiet());
-    write_right(buffer, area, area.top(), &format!("±{}", short(scale, 1)), theme::quiet());
-    if let Some(now) = cursor {
-        let mut x = area.left() + 2;
-        for (color, channel) in traces {
-            let text = short(picture.track.value(*channel, now), 4);
-            write(buffer, area, x, area.top(), &text, theme::loud(*color));
-            x += text.chars().count() as u16 + 1;
+    if traces.len() > 1 && area.height >= ROOM_FOR_MARKS {
+        for (trace, line) in traces.iter().zip(&lines).rev() {
+            let at = line.last().and_then(|(_, [low, high])| plot.cell(right - 0.5, 0.5 * (low + high)));
+            if let Some((_, y)) = at {
+                write_right(buffer, area, y, &trace.mark.to_string(), theme::loud(trace.color));
+            }
+        }
+    }
+    write_labels(strip, &traces, cursor.map(|now| (now, unit)), view, area, buffer);
+    let label = scale_text(
+        [bottom, top],
+        axis,
+        if unit.name.len() * ROOM_FOR_UNIT <= usize::from(area.width) { unit.name } else { "" },
+    );
+    write_right(buffer, area, area.top(), &label, theme::quiet());
+}
+
+/// The range that shows all of some lines, and as much of others as leaves these readable.
+fn whole(lines: &[Vec<Column>], others: &[Vec<Column>], is_size: bool) -> [f64; 2] {
+    let reach = |lines: &[Vec<Column>], of: fn([f64; 2]) -> f64| {
+        lines.iter().flatten().map(|(_, range)| of(*range)).fold(0.0, f64::max)
+    };
+    let low = |[low, _]: [f64; 2]| -low;
+    let high = |[_, high]: [f64; 2]| high;
+    let own = reach(lines, low).max(reach(lines, high));
+    let other = reach(others, low).max(reach(others, high));
+    // A machine that runs away beside this one must not make a line of it.
+    let scale = nice_ceiling(if own > 0.0 { own.max(other.min(4.0 * own)) } else { other });
+    match is_size {
+        // A damping may be negative.
+        true if reach(lines, low) > 0.0 => [-nice_ceiling(reach(lines, low)), scale],
+        true => [0.0, scale],
+        false => [-scale, scale],
+    }
+}
+
+/// A range as a label.
+fn scale_text([low, high]: [f64; 2], axis: &Axis, unit: &str) -> String {
+    let digits = if axis.is_fixed() { 3 } else { 1 };
+    let range = match low {
+        _ if low == -high => format!("±{}", short(high, digits)),
+        0.0 => format!("0 to {}", short(high, digits)),
+        _ => format!("{} to {}", short(low, digits + 1), short(high, digits + 1)),
+    };
+    format!("{}{range} {unit}", axis.sign()).trim_end().to_owned()
+}
+
+/// The name of a strip, or those of its lines; with the values under a cursor.
+fn write_labels(
+    strip: &Strip,
+    traces: &[Trace],
+    cursor: Option<(usize, Unit)>,
+    view: &View<'_>,
+    area: Rect,
+    buffer: &mut Buffer,
+) {
+    let mut x = area.left();
+    let mut add = |text: &str, gap: u16, style| {
+        write(buffer, area, x, area.top(), text, style);
+        x += text.chars().count() as u16 + gap;
+    };
+    let is_one = strip.is_of_every_mass() || strip.name == "u" || traces.is_empty();
+    if is_one {
+        add(&strip.name, 1, theme::quiet());
+    }
+    for trace in traces {
+        if !is_one {
+            // What is drawn below must not run into the words.
+            add(&format!("{} ", trace.label), 0, theme::loud(trace.color));
+        }
+        if let Some((now, unit)) = cursor
+            && let Some(value) = trace.value(view.picture, now)
+        {
+            add(&unit.short(value, 4), 1, theme::loud(trace.color));
         }
     }
 }
 
 /// The range of a quantity of the machine beside, column by column, as far as it has come.
-fn beside_columns(beside: &Beside<'_>, channel: Channel, columns: impl Iterator<Item = Range<usize>>) -> Vec<Column> {
+fn beside_columns(
+    beside: &Beside<'_>,
+    channel: Channel,
+    unit: Unit,
+    columns: impl Iterator<Item = Range<usize>>,
+) -> Vec<Column> {
+    let size = |[y, z]: [f64; 2]| y.hypot(z);
     let value = |step| match channel {
         Channel::Y(mass) => beside.place(step, mass).map(|[y, _]| y),
         Channel::Z(mass) => beside.place(step, mass).map(|[_, z]| z),
+        Channel::Radius(mass) => beside.place(step, mass).map(size),
         Channel::ForceY => beside.force(step).map(|[y, _]| y),
         Channel::ForceZ => beside.force(step).map(|[_, z]| z),
+        Channel::Force => beside.force(step).map(size),
         _ => None,
     };
     let of = |steps: Range<usize>| {
         let middle = 0.5 * (steps.start + steps.end) as f64;
-        let values = steps.filter_map(value).map(|value| [value, value]);
+        let values = steps.filter_map(value).map(|value| [value * unit.factor; 2]);
         Some((middle, values.reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])?))
     };
     columns.filter_map(of).collect()
@@ -177,7 +322,7 @@ mod tests {
     #[test]
     fn y_z_and_control_each_have_a_strip() {
         let picture = tests::picture();
-        let frame = drawn(60, 11, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(60, 11, |area, buffer| Strips::default().draw(&view(&picture), area, buffer));
         for sign in ["│y", "│z", "│u", "last 30.0 tau"] {
             assert!(frame.contains(sign), "{sign}:\n{frame}");
         }
@@ -194,7 +339,7 @@ mod tests {
         time.at(1000, &feed.history().places(), feed.seconds());
         let picture = feed.picture(&time, now);
         let seen = View { time: &time, ..view(&picture) };
-        let frame = drawn(60, 11, |area, buffer| draw(&seen, area, buffer));
+        let frame = drawn(60, 11, |area, buffer| Strips::default().draw(&seen, area, buffer));
         let at = tests::state(3, 1000);
         for value in [at.masses[0].y, at.masses[2].z, at.force_delivered[0]] {
             assert!(frame.contains(&short(value, 4)), "{value}:\n{frame}");
@@ -212,7 +357,7 @@ mod tests {
             feed.hear(&state, now);
         }
         let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(40, 14, |area, buffer| draw(&view(&picture), area, buffer));
+        let frame = drawn(40, 14, |area, buffer| Strips::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("±5"), "{frame}");
     }
 }

@@ -1,4 +1,4 @@
-//! Spectra of the mass that carries the control bearing, one row after the other: over time, or over speed.
+//! Spectra of one mass, that with the control bearing unless another is chosen, one row after the other: over time, or over speed.
 //!
 //! ```text
 //! ┌ waterfall  mass 1 ──────────────────────────────┐
@@ -8,20 +8,25 @@
 //! │          ░      █   ░                            │
 //! │ 0s       ░      █  ░                             │   the newest below; over speed, the fastest
 //! │        -1X      0     1X                         │
-//! └─────────────────────────────────────────────────┘
+//! └ ┆ 1.250  0.5X  0.0312 e_t ──────────────────────┘   the newest row at the frequency that is pointed at
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
+use spectrum::Peak;
 
-use super::damping_over_speed::speed_text;
-use super::spectrum::{observed, reach};
-use super::{framed, write};
+use super::registry::{Intent, Mouse, Panel, Wish};
+use super::spectrum::{Frequencies, in_decades, shift, told};
+use super::{framed, write, write_right};
+use crate::actions::Read;
 use crate::analysis::{Fall, Orbit, Over, Row, Waterfall};
+use crate::axis::Axis;
 use crate::plot::short;
+use crate::pointed::Point;
 use crate::screen::View;
 use crate::theme;
+use crate::units::Units;
 
 /// Decades of density from the first sign of ink to the most: amplitudes down to a thousandth.
 const DECADES: f64 = 6.0;
@@ -32,60 +37,122 @@ const SECONDS: f64 = 60.0;
 /// Width of the labels at the left.
 const LABEL: u16 = 6;
 
-/// Rows over time.
-pub(crate) fn draw_over_time(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    draw(view, Over::Time, area, buffer);
+/// What both waterfalls have.
+#[derive(Clone, Debug, Default)]
+struct Scales {
+    frequencies: Frequencies,
+    /// Decades of density, as they stand on the axis of the spectrum.
+    value: Axis,
+    units: Option<Units>,
 }
 
-/// Rows over the speeds that were run through.
-pub(crate) fn draw_over_speed(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    draw(view, Over::Speed, area, buffer);
+impl Scales {
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        if let Wish::Value(scalings) = wish {
+            // The most ink stays what it is.
+            let top = self.value.shown().map(|[_, top]| top);
+            let scaling = in_decades(*scalings.first()?);
+            return Some(scaling.and_then(|scaling| self.value.take(scaling, top)));
+        }
+        self.frequencies.wish(wish, &self.units.unwrap_or(Units::DIMENSIONLESS))
+    }
 }
 
-fn draw(view: &View<'_>, over: Over, area: Rect, buffer: &mut Buffer) {
+/// Rows over time: a click points at a frequency, the wheel shows more or fewer of them.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OverTime(Scales);
+
+/// Rows over the speeds that were run through; the same.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct OverSpeed(Scales);
+
+impl Panel for OverTime {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, Over::Time, &mut self.0, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        self.0.frequencies.mouse(view, mouse, at)
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        self.0.wish(wish)
+    }
+
+    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+        self.0.frequencies.read(view, read)
+    }
+}
+
+impl Panel for OverSpeed {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, Over::Speed, &mut self.0, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        self.0.frequencies.mouse(view, mouse, at)
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        self.0.wish(wish)
+    }
+
+    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+        self.0.frequencies.read(view, read)
+    }
+}
+
+fn draw(view: &View<'_>, over: Over, scales: &mut Scales, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
-    let mass = observed(picture);
+    let mass = scales.frequencies.mass(picture);
     let name = match over {
         Over::Time => "waterfall",
         Over::Speed => "waterfall over speed",
     };
-    let inner = framed(Line::from(format!(" {name}  mass {} ", mass + 1)), area, buffer);
+    let word = if scales.value.is_fixed() { " fixed" } else { scales.frequencies.word() };
+    let inner = framed(Line::from(format!(" {name}  mass {}{word} ", mass + 1)), area, buffer);
     let (Some(now), true) = (picture.now, picture.masses() > 0 && inner.height > 1 && inner.width > LABEL) else {
         return;
     };
+    let units = picture.units();
+    scales.units = Some(units);
     let rows = usize::from(inner.height) - 1;
+    let plotted = Rect { x: inner.x + LABEL, width: inner.width - LABEL, height: rows as u16, ..inner };
+    let range = scales.frequencies.over(picture, plotted);
     let shown = if picture.seconds > 0.0 { (SECONDS / picture.seconds) as usize } else { 0 };
     let hop = shown.max(picture.window.len()).div_ceil(rows).max(1);
-    let reach = reach(picture);
+    // Rows are alike on both sides of zero: as far as the further end.
+    let reach = range[0].abs().max(range[1].abs());
     let orbit = Orbit::until(&picture.track, mass, now, 0, picture.seconds);
     let Some(answer) = view.desk.waterfall(&Fall { orbit, over, rows, hop, reach }) else { return };
     if answer.rows.is_empty() {
         write(buffer, inner, inner.left(), inner.top(), "too little motion yet", theme::quiet());
         return;
     }
-    let plotted = Rect { x: inner.x + LABEL, width: inner.width - LABEL, height: rows as u16, ..inner };
-    let most = answer.rows.iter().flat_map(|row| &row.density).copied().fold(0.0_f64, f64::max).log10();
-    for (row, y) in rows_on_screen(&answer, over, plotted) {
-        draw_row(row, most, Rect { y, height: 1, ..plotted }, buffer);
+    let shift = shift(&units);
+    let most = shift + answer.rows.iter().flat_map(|row| &row.density).copied().fold(0.0_f64, f64::max).log10();
+    let [least, most] = scales.value.over([most - DECADES, most]).map(|end| end - shift);
+    let placed = rows_on_screen(&answer, over, plotted);
+    for (row, y) in &placed {
+        draw_row(row, (reach, range), [least, most], Rect { y: *y, height: 1, ..plotted }, buffer);
     }
-    let scales = picture.rotor.as_ref().and_then(|rotor| rotor.scales().copied());
     let newest = picture.track.place_of(now);
-    for (row, y) in
-        rows_on_screen(&answer, over, plotted).into_iter().filter(|(_, y)| (plotted.bottom() - 1 - y).is_multiple_of(4))
-    {
+    for (row, y) in placed.iter().filter(|(_, y)| (plotted.bottom() - 1 - y).is_multiple_of(4)) {
         let label = match over {
             Over::Time => format!("-{}s", short(newest.saturating_sub(row.end) as f64 * picture.seconds, 2)),
-            Over::Speed => speed_text(row.speed, scales),
+            Over::Speed => units.speed(row.speed),
         };
-        write(buffer, Rect { width: LABEL - 1, ..inner }, inner.x, y, &label, theme::quiet());
+        write(buffer, Rect { width: LABEL - 1, ..inner }, inner.x, *y, &label, theme::quiet());
     }
     let speed = picture.track.speed(now);
     let foot = Rect { y: inner.bottom() - 1, height: 1, ..plotted };
+    let column = |frequency: f64| {
+        let at = (frequency - range[0]) / (range[1] - range[0]) * f64::from(plotted.width);
+        (0.0..f64::from(plotted.width)).contains(&at).then_some(plotted.x + at as u16)
+    };
     let mut mark = |frequency: f64, name: &str| {
-        let at = (frequency / reach + 1.0) / 2.0 * f64::from(plotted.width);
-        if (0.0..f64::from(plotted.width)).contains(&at) {
-            let x = plotted.x + (at as u16).saturating_sub(name.len() as u16 / 2);
-            write(buffer, foot, x, foot.y, name, theme::quiet());
+        if let Some(x) = column(frequency) {
+            write(buffer, foot, x.saturating_sub(name.len() as u16 / 2), foot.y, name, theme::quiet());
         }
     };
     mark(0.0, "0");
@@ -93,8 +160,40 @@ fn draw(view: &View<'_>, over: Over, area: Rect, buffer: &mut Buffer) {
         [(-1.0, "-1X"), (1.0, "1X")].into_iter().for_each(|(order, name)| mark(order * speed, name));
     } else {
         // Over speed an order is no fixed frequency.
-        [-0.5, 0.5].into_iter().for_each(|share| mark(share * reach, &short(share * reach, 2)));
+        let quarter = |share: f64| range[0] + share * (range[1] - range[0]);
+        [0.25, 0.75].into_iter().for_each(|share| mark(quarter(share), &units.frequency.short(quarter(share), 2)));
     }
+    if units.scales.is_some() {
+        write_right(buffer, foot, foot.y, units.frequency.name, theme::quiet());
+    }
+    let Some(frequency) = view.pointed.frequency else { return };
+    if let Some(x) = column(frequency) {
+        for y in plotted.top()..plotted.bottom() {
+            // Ink is not written over.
+            if buffer.cell((x, y)).is_some_and(|cell| cell.symbol() == " ") {
+                write(buffer, plotted, x, y, "┆", theme::quiet());
+            }
+        }
+        write(buffer, foot, x, foot.y, "┆", theme::loud(theme::CURSOR));
+    }
+    let newest = answer.rows.iter().max_by_key(|row| row.end);
+    if let Some(line) = newest.and_then(|row| line_at(row, reach, frequency, speed)) {
+        let edge = Rect { width: area.width.saturating_sub(1), ..area };
+        let text = told(&line, &units);
+        write(buffer, edge, area.x + 1, area.bottom().saturating_sub(1), &text, theme::loud(theme::CURSOR));
+    }
+}
+
+/// What a row has at a frequency: the line that its bin would be the middle of.
+fn line_at(row: &Row, reach: f64, frequency: f64, speed: f64) -> Option<Peak> {
+    let bins = row.density.len();
+    let bin = 2.0 * reach / bins as f64;
+    let at = ((frequency + reach) / bin).floor();
+    let density = *row.density.get(usize::try_from(at as i64).ok()?)?;
+    let order = (speed > 0.0).then(|| frequency / speed);
+    let name = order.map_or_else(String::new, |order| format!("{}X", short(order, 3)));
+    // The equivalent noise bandwidth of the window is 1.5 bins.
+    Some(Peak { frequency, order, name, density, radius: (density * 1.5 * bin).sqrt() })
 }
 
 /// The rows and where they stand: over time the newest below; over speed, each at its own, the fastest below.
@@ -110,16 +209,23 @@ fn rows_on_screen<'a>(answer: &'a Waterfall, over: Over, area: Rect) -> Vec<(&'a
     answer.rows.iter().enumerate().filter_map(|(at, row)| on(at, row)).collect()
 }
 
-fn draw_row(row: &Row, most: f64, area: Rect, buffer: &mut Buffer) {
+fn draw_row(row: &Row, (reach, range): (f64, [f64; 2]), [least, most]: [f64; 2], area: Rect, buffer: &mut Buffer) {
     let (cells, bins) = (usize::from(area.width), row.density.len());
     if bins == 0 {
         return;
     }
+    // The bin at an edge of a cell.
+    let bin = |cell: usize| {
+        let frequency = range[0] + (range[1] - range[0]) * cell as f64 / cells as f64;
+        (frequency + reach) / (2.0 * reach) * bins as f64
+    };
     for cell in 0..cells {
-        let (from, to) = (cell * bins / cells, ((cell + 1) * bins).div_ceil(cells));
+        let (from, to) =
+            ((bin(cell) + 1e-9).floor().max(0.0) as usize, (bin(cell + 1) - 1e-9).ceil().max(0.0) as usize);
+        let from = from.min(bins - 1);
         let highest = row.density[from..to.clamp(from + 1, bins)].iter().copied().fold(0.0_f64, f64::max).log10();
         // 0 at the first sign, 1 at the most.
-        let heat = 1.0 + (highest - most) / DECADES;
+        let heat = (highest - least) / (most - least);
         if heat <= 0.0 || !heat.is_finite() {
             continue;
         }
@@ -166,24 +272,24 @@ mod tests {
     #[test]
     fn a_line_in_step_with_the_speed_leans_over_time_and_over_speed() {
         let picture = run_up();
-        let times = drawn(64, 16, |area, buffer| draw_over_time(&view(&picture), area, buffer));
-        let speeds = drawn(64, 16, |area, buffer| draw_over_speed(&view(&picture), area, buffer));
+        let times = drawn(64, 16, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
+        let speeds = drawn(64, 16, |area, buffer| OverSpeed::default().draw(&view(&picture), area, buffer));
         for frame in [&times, &speeds] {
             let found: Vec<usize> = frame.lines().filter_map(hottest).collect();
             assert!(found.len() > 5 && found.is_sorted() && found[0] < found[found.len() - 1], "{found:?}\n{frame}");
         }
         insta::assert_snapshot!("waterfall_over_time", times);
         insta::assert_snapshot!("waterfall_over_speed", speeds);
-        let small = drawn(24, 6, |area, buffer| draw_over_time(&view(&picture), area, buffer));
+        let small = drawn(24, 6, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
         insta::assert_snapshot!("waterfall_small", small);
-        let large = drawn(120, 30, |area, buffer| draw_over_time(&view(&picture), area, buffer));
+        let large = drawn(120, 30, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
         insta::assert_snapshot!("waterfall_large", large);
     }
 
     #[test]
     fn too_little_motion_is_told() {
         let picture = tests::picture();
-        let frame = drawn(40, 6, |area, buffer| draw_over_time(&view(&picture), area, buffer));
+        let frame = drawn(40, 6, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("too little motion yet"), "{frame}");
     }
 }

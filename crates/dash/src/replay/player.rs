@@ -232,6 +232,11 @@ impl Player {
         self.show(feed, time, true)
     }
 
+    /// Goes to the step that the feed holds at a place.
+    pub(crate) fn go_to_place(&mut self, place: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+        self.go(self.loaded.seq_of(place), feed, time)
+    }
+
     /// Goes to where the rotor's time was `tau`.
     pub(crate) fn go_to_tau(&mut self, tau: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
         let seq = self.past.at_tau(tau)?;

@@ -1,0 +1,158 @@
+//! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
+//! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
+
+use std::f64::consts::TAU;
+
+use rotor::{Key, Scales};
+
+use crate::plot::{nice_ceiling, short};
+
+/// What one dimensionless unit of a quantity is on the screen, and what that is called.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Unit {
+    pub(crate) factor: f64,
+    pub(crate) name: &'static str,
+}
+
+impl Unit {
+    /// A value as a number in about `digits` characters.
+    pub(crate) fn short(&self, value: f64, digits: usize) -> String {
+        short(value * self.factor, digits)
+    }
+
+    /// The same with the unit.
+    pub(crate) fn told(&self, value: f64, digits: usize) -> String {
+        format!("{} {}", self.short(value, digits), self.name).trim_end().to_owned()
+    }
+}
+
+/// The units of a bench.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Units {
+    /// Scales of a rotor in SI units.
+    pub(crate) scales: Option<Scales>,
+    /// Displacements and clearances.
+    pub(crate) length: Unit,
+    /// Velocities of masses.
+    pub(crate) velocity: Unit,
+    /// The control force.
+    pub(crate) force: Unit,
+    /// Frequencies of whirl.
+    pub(crate) frequency: Unit,
+    /// Real and imaginary parts of poles.
+    pub(crate) rate: Unit,
+    /// Spin speeds.
+    pub(crate) speed: Unit,
+}
+
+impl Units {
+    /// Those of a rotor that is counted in its own scales.
+    pub(crate) const DIMENSIONLESS: Self = Self {
+        scales: None,
+        length: Unit { factor: 1.0, name: "e_t" },
+        velocity: Unit { factor: 1.0, name: "w0 e_t" },
+        force: Unit { factor: 1.0, name: "m_b w0² e_t" },
+        frequency: Unit { factor: 1.0, name: "w0" },
+        rate: Unit { factor: 1.0, name: "w0" },
+        speed: Unit { factor: 1.0, name: "R" },
+    };
+
+    /// Those of a bench whose bulletin has `scales`, with a control bearing that carries the mass ratio `mass`.
+    pub(crate) fn of(scales: Option<Scales>, mass: Option<f64>) -> Self {
+        let (Some(scales), Some(mass)) = (scales, mass) else { return Self::DIMENSIONLESS };
+        // One prefix for a rotor, whatever it does: numbers must not jump.
+        let (per_metre, length, velocity) = match scales.e_t {
+            ..1e-3 => (1e6, "μm", "μm/s"),
+            ..1.0 => (1e3, "mm", "mm/s"),
+            _ => (1.0, "m", "m/s"),
+        };
+        Self {
+            scales: Some(scales),
+            length: Unit { factor: scales.metres(per_metre), name: length },
+            velocity: Unit { factor: scales.metres(per_metre) * scales.w0, name: velocity },
+            force: Unit { factor: scales.newtons(1.0, mass), name: "N" },
+            frequency: Unit { factor: scales.w0 / TAU, name: "Hz" },
+            rate: Unit { factor: scales.w0, name: "1/s" },
+            speed: Unit { factor: scales.rpm(1.0), name: "rpm" },
+        }
+    }
+
+    /// What a setting is counted in where it is typed and shown: the same as for `whirl set`, so in metres, not micrometres.
+    pub(crate) fn setting(&self, key: Key) -> Unit {
+        match (self.scales, key.parameter.unit) {
+            (Some(_), "w0") => self.speed,
+            (Some(scales), "e_t") => Unit { factor: scales.metres(1.0), name: "m" },
+            (_, name) => Unit { factor: 1.0, name },
+        }
+    }
+
+    /// What one key press adds to a setting, as it is shown: a round number.
+    pub(crate) fn step(&self, key: Key) -> f64 {
+        match self.setting(key).factor {
+            1.0 => key.parameter.step,
+            factor => nice_ceiling(key.parameter.step * factor),
+        }
+    }
+
+    /// Settings as they were typed, dimensionless.
+    pub(crate) fn settings_of_typed(&self, typed: &[(Key, f64)]) -> Vec<(Key, f64)> {
+        typed.iter().map(|(key, value)| (*key, value / self.setting(*key).factor)).collect()
+    }
+
+    /// A spin speed as people read it.
+    pub(crate) fn speed(&self, speed: f64) -> String {
+        match self.scales {
+            Some(scales) => format!("{:.0}", scales.rpm(speed)),
+            None => format!("{}", (speed * 1000.0).round() / 1000.0),
+        }
+    }
+
+    /// The same with its name: `R 2.5`, or `955 rpm`.
+    pub(crate) fn speed_told(&self, speed: f64) -> String {
+        match self.scales {
+            Some(_) => format!("{} rpm", self.speed(speed)),
+            None => format!("R {}", self.speed(speed)),
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+
+    /// Scales with `w0` = 1000 rad/s, `e_t` = 5 um, and 2 kg on 2e6 N/m.
+    pub(crate) const SI: Scales = Scales { w0: 1000.0, k_t: 2e6, m_t: 2.0, e_t: 5e-6 };
+
+    #[test]
+    fn val_a_rotor_in_si_units_is_told_in_micrometres_newtons_hertz_and_rpm() {
+        let units = Units::of(Some(SI), Some(1.0));
+        assert_eq!(units.length.told(2.0, 4), "10.00 μm");
+        // m_b w0^2 e_t = 2 kg (1000/s)^2 5e-6 m.
+        assert_eq!(units.force.told(1.0, 4), "10.00 N");
+        assert_eq!(units.velocity.told(1.0, 4), "5000 μm/s");
+        // 1000 rad/s are 159.15 Hz and 9549.3 rpm.
+        assert_eq!(units.frequency.told(1.0, 5), "159.15 Hz");
+        assert_eq!((units.speed(1.0), units.speed_told(1.0)), ("9549".into(), "9549 rpm".into()));
+        assert_eq!(units.rate.told(-0.5, 4), "-500.0 1/s");
+        let large = Scales { e_t: 2e-3, ..SI };
+        assert_eq!(Units::of(Some(large), Some(0.25)).length.told(2.0, 4), "4.000 mm");
+    }
+
+    #[test]
+    fn settings_are_typed_as_on_the_command_line_and_nudged_by_round_numbers() {
+        let [speed, deadband, kd] = ["speed", "deadband", "kd"].map(|name| name.parse::<Key>().unwrap());
+        let units = Units::of(Some(SI), Some(1.0));
+        let typed = units.settings_of_typed(&[(speed, 9_549.296_585_513_72), (deadband, 1e-5), (kd, 0.1)]);
+        assert!((typed[0].1 - 1.0).abs() < 1e-12 && (typed[1].1 - 2.0).abs() < 1e-12 && typed[2].1 == 0.1, "{typed:?}");
+        assert_eq!([speed, deadband, kd].map(|key| units.step(key)), [500.0, 5e-7, 0.01]);
+        assert_eq!(units.setting(deadband).name, "m");
+        assert_eq!([speed, deadband].map(|key| Units::DIMENSIONLESS.step(key)), [0.05, 0.1]);
+    }
+
+    #[test]
+    fn any_other_rotor_is_told_in_its_own_scales() {
+        let units = Units::of(None, Some(0.25));
+        assert_eq!(units, Units::DIMENSIONLESS);
+        assert_eq!((units.length.told(2.0, 4), units.speed_told(2.5)), ("2.000 e_t".into(), "R 2.5".into()));
+    }
+}
