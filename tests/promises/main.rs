@@ -6,6 +6,7 @@ mod events;
 mod files;
 mod linear;
 mod live;
+mod manners;
 mod papers;
 mod picture;
 mod poles;

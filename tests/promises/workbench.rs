@@ -102,24 +102,45 @@ fn dashboards_share_one_history_of_changes_and_ask_before_undo_does_harm() {
     assert_eq!(simulation.end().code, Some(0));
 }
 
+/// The largest force that the panel of forces tells.
+fn largest_force(text: &str) -> Option<f64> {
+    text.split("│max").nth(1)?.split_whitespace().next()?.parse().ok()
+}
+
 #[test]
-fn a_moment_of_the_past_is_looked_at_while_data_go_on() {
+fn thirty_seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
     let root = Root::new();
     let mut screen = started(&root);
+    // The force since the last change is told: a change begins it anew.
+    screen.press(":trip=900\r");
+    screen.wait_words("trip = 900, from step");
+    let begun = std::time::Instant::now();
+    let listens = root.whirl().args(["tail", "--count", "6000", "--json"]).stdout(std::process::Stdio::piped()).spawn();
     screen.press("i");
     screen.wait_words("impulse -2.5 on mass 1");
-    std::thread::sleep(std::time::Duration::from_millis(1500));
-    screen.press("[");
-    screen.wait_words("PAUSED");
-    let force =
-        |text: &str| text.split("│max").nth(1).and_then(|rest| rest.split_whitespace().next().map(str::to_owned));
-    let then = screen.wait("the largest force until then", force);
+    let heard = String::from_utf8(listens.unwrap().wait_with_output().unwrap().stdout).unwrap();
+    let forces = heard.lines().map(|line| {
+        let force = &serde_json::from_str::<serde_json::Value>(line).unwrap()["force"];
+        force["y"].as_f64().unwrap().hypot(force["z"].as_f64().unwrap())
+    });
+    let peak = forces.fold(0.0, f64::max);
+    // Then the bearing works harder than it did.
+    for _ in 0..4 {
+        screen.press("i");
+        std::thread::sleep(std::time::Duration::from_millis(120));
+    }
+    screen.wait("more force", |text| largest_force(text).filter(|now| *now > 1.05 * peak));
+    std::thread::sleep(std::time::Duration::from_secs(33).saturating_sub(begun.elapsed()));
+    screen.press("{{{");
+    screen.wait_words("PAUSED   -30.");
+    let then = screen.wait("the peak", |text| largest_force(text).filter(|then| (then - peak).abs() < 1e-3));
     std::thread::sleep(std::time::Duration::from_millis(500));
-    assert_eq!(screen.wait("the same", force), then, "the picture stands");
+    assert_eq!(largest_force(&screen.text()), Some(then), "the picture stands");
     screen.press("+");
     screen.wait_words("2.00 s");
     screen.press(" ");
     screen.wait_words("RUNNING");
+    screen.wait("the newest", |text| largest_force(text).filter(|now| *now > 1.05 * peak));
     quit(screen);
 }
 

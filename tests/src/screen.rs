@@ -3,6 +3,7 @@
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -18,8 +19,10 @@ fn cells(count: u16) -> NonZeroU16 {
 /// A program on a screen of its own.
 pub struct Screen {
     child: Box<dyn Child + Send + Sync>,
-    master: Box<dyn MasterPty + Send>,
-    keys: Box<dyn Write + Send>,
+    /// Both until the terminal is closed.
+    terminal: Option<(Box<dyn MasterPty + Send>, Box<dyn Write + Send>)>,
+    /// Tells the thread that reads to let go of the terminal.
+    closing: Arc<AtomicBool>,
     parser: Arc<Mutex<vt100::Parser>>,
 }
 
@@ -40,10 +43,32 @@ impl Screen {
     /// As [`Screen::start`].
     #[must_use]
     pub fn start_in(folder: &Path, root: &Path, arguments: &[&str], (columns, rows): (u16, u16)) -> Self {
-        let size = PtySize { rows, cols: columns, pixel_width: 0, pixel_height: 0 };
-        let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");
         let mut command = CommandBuilder::new(crate::program());
         command.args(arguments);
+        Self::of(command, folder, root, (columns, rows))
+    }
+
+    /// Starts a shell that controls jobs, in which the program is called `whirl`.
+    ///
+    /// # Panics
+    /// As [`Screen::start`].
+    #[must_use]
+    pub fn shell(root: &Path, size: (u16, u16)) -> Self {
+        let mut command = CommandBuilder::new("sh");
+        command.arg("-i");
+        command.env("ENV", "");
+        command.env("PS1", "shell> ");
+        let here = std::env::current_dir().expect("a folder to be in");
+        let mut screen = Self::of(command, &here, root, size);
+        screen.wait_words("shell>");
+        screen.press(&format!("alias whirl={}\r", crate::program().display()));
+        screen.wait("the shell to be ready", |text| (text.matches("shell>").count() == 2).then_some(()));
+        screen
+    }
+
+    fn of(mut command: CommandBuilder, folder: &Path, root: &Path, (columns, rows): (u16, u16)) -> Self {
+        let size = PtySize { rows, cols: columns, pixel_width: 0, pixel_height: 0 };
+        let pair = native_pty_system().openpty(size).expect("a pseudo-terminal");
         command.cwd(folder);
         command.env("WHIRL_ROOT", root);
         // Not the configuration and the gains of whoever runs the tests; neither is there until something is kept.
@@ -56,13 +81,18 @@ impl Screen {
         let keys = pair.master.take_writer().expect("a writable terminal");
         let parser = Arc::new(Mutex::new(vt100::Parser::new(cells(rows), cells(columns), 0)));
         let written = parser.clone();
+        let closing = Arc::new(AtomicBool::new(false));
+        let closes = closing.clone();
         std::thread::spawn(move || {
             let mut bytes = [0; 65_536];
             while let Ok(count @ 1..) = output.read(&mut bytes) {
                 written.lock().unwrap_or_else(PoisonError::into_inner).process(&bytes[..count]);
+                if closes.load(Ordering::SeqCst) {
+                    return;
+                }
             }
         });
-        Self { child, master: pair.master, keys, parser }
+        Self { child, terminal: Some((pair.master, keys)), closing, parser }
     }
 
     fn look<T>(&self, at: impl FnOnce(&vt100::Screen) -> T) -> T {
@@ -101,7 +131,8 @@ impl Screen {
     /// # Panics
     /// If the terminal is gone.
     pub fn press(&mut self, keys: &str) {
-        self.keys.write_all(keys.as_bytes()).and_then(|()| self.keys.flush()).expect("the terminal takes keys");
+        let (_, to) = self.terminal.as_mut().expect("the terminal is open");
+        to.write_all(keys.as_bytes()).and_then(|()| to.flush()).expect("the terminal takes keys");
     }
 
     /// Gives the screen another size.
@@ -111,7 +142,15 @@ impl Screen {
     pub fn resize(&self, columns: u16, rows: u16) {
         let size = PtySize { rows, cols: columns, pixel_width: 0, pixel_height: 0 };
         self.parser.lock().unwrap_or_else(PoisonError::into_inner).screen_mut().set_size(cells(rows), cells(columns));
-        self.master.resize(size).expect("the terminal can be resized");
+        let (master, _) = self.terminal.as_ref().expect("the terminal is open");
+        master.resize(size).expect("the terminal can be resized");
+    }
+
+    /// Closes the terminal, as if its window were: what the program writes next goes nowhere.
+    pub fn close(&mut self) {
+        // The thread that reads holds it too, until it has read once more.
+        self.closing.store(true, Ordering::SeqCst);
+        self.terminal = None;
     }
 
     /// Waits until the screen shows what `found` looks for.

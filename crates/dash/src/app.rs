@@ -43,7 +43,7 @@ use crate::replay::Player;
 use crate::screen::{self, View};
 use crate::search::Search;
 use crate::session::{DashError, Ended, Keeper, Options, Scribe};
-use crate::terminal::Screen;
+use crate::terminal::{self, Screen};
 use crate::view_time::ViewTime;
 use crate::what_if::WhatIf;
 
@@ -178,7 +178,10 @@ impl<'a> App<'a> {
             let now = Instant::now();
             if self.is_due(&drawn, now) {
                 let changes = lock(&self.feed).changes();
-                self.draw(&mut screen)?;
+                match self.draw(&mut screen) {
+                    Err(error) if terminal::is_gone(&error) => return Ok(Ended::Interrupted),
+                    done => done?,
+                }
                 drawn = Drawn { at: Some(now), changes, stale: false };
             }
             let moving = self.player.as_ref().map_or_else(|| self.time.is_live(), Player::is_busy);

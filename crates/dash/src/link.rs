@@ -56,6 +56,7 @@ pub(crate) fn spawn<C: Carrier>(
         while !wires.stop.load(Ordering::Relaxed) {
             match carrier.listen(&bench) {
                 Ok(listener) => {
+                    tracing::info!(%bench, "attached");
                     if let Err(error) = read(listener, &feed, &wires) {
                         tracing::warn!(%error, "lost the bench");
                         lock(&feed).stand(Contact::Waiting(error.to_string()));
@@ -131,6 +132,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
 fn stand(feed: &Shared, wires: &Wires, contact: Contact) {
     let mut feed = lock(feed);
     if *feed.contact() != contact {
+        tracing::info!(?contact, "the simulation");
         feed.stand(contact);
         let _ = wires.wake.try_send(());
     }

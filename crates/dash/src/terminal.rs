@@ -29,7 +29,7 @@ static PANICKED: AtomicBool = AtomicBool::new(false);
 
 /// The screen, ours until this is dropped.
 pub(crate) struct Screen {
-    terminal: Terminal<CrosstermBackend<Stdout>>,
+    terminal: Canvas,
     look: Look,
 }
 
@@ -64,7 +64,10 @@ impl Screen {
         if Self::is_broken() {
             return Ok(());
         }
-        draw_whole(&mut self.terminal, self.look, frame)
+        match &mut self.terminal.0 {
+            Some(terminal) => draw_whole(terminal, self.look, frame),
+            None => Ok(()),
+        }
     }
 
     /// Rings the terminal's bell.
@@ -104,13 +107,35 @@ impl Drop for Screen {
     }
 }
 
+/// What frames are drawn on.
+struct Canvas(Option<Terminal<CrosstermBackend<Stdout>>>);
+
+impl Drop for Canvas {
+    /// When ratatui drops a terminal that is gone it says so on stderr, and panics if that is gone too: then it is
+    /// forgotten, a moment before the process ends.
+    fn drop(&mut self) {
+        if let Some(mut terminal) = self.0.take()
+            && terminal.show_cursor().is_err()
+        {
+            std::mem::forget(terminal);
+        }
+    }
+}
+
+/// Whether the terminal behind an error is closed.
+pub(crate) fn is_gone(error: &io::Error) -> bool {
+    // What a pseudo-terminal answers whose other side is closed; the number is the same on every Unix.
+    const EIO: i32 = 5;
+    error.raw_os_error() == Some(EIO) || error.kind() == io::ErrorKind::BrokenPipe
+}
+
 /// Takes the terminal over; the first frame draws every cell.
-fn take_over() -> io::Result<Terminal<CrosstermBackend<Stdout>>> {
+fn take_over() -> io::Result<Canvas> {
     TAKEN.store(true, Ordering::SeqCst);
     enable_raw_mode()?;
     // Not `Terminal::clear`: that asks the terminal where the cursor is, and waits for an answer that some never give.
     execute!(io::stdout(), EnterAlternateScreen, EnableMouseCapture, Clear(ClearType::All), Hide)?;
-    Terminal::new(CrosstermBackend::new(io::stdout()))
+    Terminal::new(CrosstermBackend::new(io::stdout())).map(|terminal| Canvas(Some(terminal)))
 }
 
 /// Gives the terminal back, once. Nothing can be done here if that fails.

@@ -83,6 +83,7 @@ pub(crate) fn spawn<C: Carrier>(
                 recv(edits) -> edit => {
                     let Ok(edit) = edit else { return };
                     let outcome = clerk.carry(&edit);
+                    tracing::debug!(?edit, ?outcome);
                     if outcomes.send(outcome).is_err() {
                         return;
                     }
