@@ -403,6 +403,105 @@ mod with {
     }
 
     #[test]
+    fn a_split_recording_is_read_as_one_from_any_of_its_parts() {
+        let root = Root::new();
+        let part = |number: u32| root.path().join(format!("s-{number}.rrd"));
+        let first = root.path().join("s.rrd");
+        let simulation = root.simulate(&["three-mass", "--rate", "10000"]);
+        let recorder = Recorder::start(&root, &first, &["--split", "1MB", "--follow"]);
+        wait("the second part", || part(2).exists());
+        assert_eq!(root.run(&["set", "kd=0.25"]).code, Some(0));
+        wait("the fifth part", || part(5).exists());
+        // Another run of the same name goes into a part of its own: its steps have the same numbers.
+        drop(simulation);
+        let simulation = root.simulate(&["three-mass", "--rate", "10000"]);
+        let count = || {
+            std::fs::read_dir(root.path())
+                .unwrap()
+                .flatten()
+                .filter(|e| e.file_name().to_string_lossy().ends_with(".rrd"))
+                .count()
+        };
+        let before = count() as u32;
+        wait("another run", || part(before + 1).exists() || count() as u32 > before);
+        std::thread::sleep(Duration::from_millis(800));
+        assert_eq!(recorder.end().code, Some(0));
+        drop(simulation);
+        let all = count() as u32;
+        let runs: Vec<u64> = (1..=all)
+            .map(|number| if number == 1 { first.clone() } else { part(number) })
+            .map(|path| Recording::open(&path).unwrap().session().run_id)
+            .collect();
+        let last = runs.iter().filter(|run| **run == runs[0]).count() as u32;
+        assert!(last >= 5 && last < all && runs[last as usize] != runs[0], "{runs:x?}");
+
+        // Any part leads to all of its run, and to no other.
+        let whole = info(&first);
+        assert_eq!(whole["parts"].as_array().unwrap().len() as u32, last, "{whole}");
+        assert_eq!((&whole["lost"], &whole["settings_changes"]), (&0.into(), &1.into()), "{whole}");
+        let notices = whole["notices"].to_string();
+        assert!(notices.contains("with another run") && !notices.contains("killed"), "{notices}");
+        for number in 2..=last {
+            assert_eq!(info(&part(number)), whole, "from part {number}");
+        }
+        let rows: usize = (1..=last).map(|n| steps(&if n == 1 { first.clone() } else { part(n) }).len()).sum();
+        assert_eq!(whole["steps"], rows, "{whole}");
+        let other = info(&part(all));
+        assert_ne!(other["run_id"], whole["run_id"]);
+        let mixed = run(&["info", text(&first), text(&part(all))]);
+        assert_eq!(mixed.code, Some(2), "{mixed:?}");
+        assert!(mixed.stderr.contains("is of another run than 's.rrd'"), "{mixed:?}");
+
+        // A table of it, and of some parts alone.
+        assert_eq!(run(&["export", text(&part(3)), "--csv"]).code, Some(0));
+        let table = std::fs::read_to_string(part(3).with_extension("csv")).unwrap();
+        assert_eq!(table.lines().count() - 1, rows);
+        let two = run(&["info", text(&part(3)), text(&part(2)), "--json"]).json();
+        assert_eq!(two["steps"], steps(&part(2)).len() + steps(&part(3)).len(), "{two}");
+        assert_eq!((&two["lost"], two["parts"].as_array().unwrap().len()), (&0.into(), 2), "{two}");
+        assert!(two["notices"].to_string().contains("s-4.rrd is not among these"), "{two}");
+        let twice = run(&["info", text(&part(3)), text(&part(3))]);
+        assert!(twice.code == Some(2) && twice.stderr.contains("has too"), "{twice:?}");
+
+        // It is played as one.
+        let mut screen = Screen::start(root.path(), &["replay", text(&part(2))], (200, 50));
+        screen.wait_words(&format!("s.rrd ({last} parts)"));
+        screen.press("\x1b[F");
+        let end = whole["last"]["step"].as_u64().unwrap();
+        screen.wait_words(&format!("step {end}"));
+        screen.press("q");
+        assert!(screen.ended().success());
+
+        // What is missing is said, and the rest is there.
+        std::fs::remove_file(part(3)).unwrap();
+        let lacking = info(&first);
+        assert!(lacking["notices"].to_string().contains("s-3.rrd is not there"), "{lacking}");
+        assert_eq!(lacking["parts"].as_array().unwrap().len() as u32, last - 1, "{lacking}");
+        assert!(lacking["lost"].as_u64() > Some(0) && lacking["last"] == whole["last"], "{lacking}");
+        assert_eq!(info(&part(4)), lacking, "from behind the gap too");
+        let said = run(&["info", text(&part(5))]);
+        assert!(said.stdout.contains("s-3.rrd is not there"), "{said:?}");
+    }
+
+    /// A rolling recording has its own name only once it has ended: until then its parts stand for it.
+    #[test]
+    fn a_rolling_recording_that_was_killed_is_found_by_its_name() {
+        let root = Root::new();
+        let _simulation = root.simulate(&["three-mass", "--rate", "5000"]);
+        let path = root.path().join("r.rrd");
+        let recorder = Recorder::start(&root, &path, &["--keep", "4s"]);
+        wait("the fourth part", || root.path().join("r-4.rrd").exists());
+        std::thread::sleep(Duration::from_millis(700));
+        recorder.kill();
+        assert!(!path.exists());
+        let told = info(&path);
+        assert!(told["parts"].as_array().unwrap().len() >= 4 && told["lost"] == 0, "{told}");
+        assert!(told["notices"].to_string().contains("killed"), "{told}");
+        let none = run(&["info", text(&root.path().join("t.rrd"))]);
+        assert!(none.code == Some(2) && none.stderr.contains("No such file"), "{none:?}");
+    }
+
+    #[test]
     fn a_session_of_the_dashboard_is_recorded_from_its_start_to_its_end() {
         let root = Root::new();
         let path = root.path().join("s.rrd");

@@ -15,9 +15,11 @@ use crate::recording::{Recording, is_tripped};
 /// A recording in short. Lengths in `e_t`, forces in `w0^2 e_t`, times in `tau`, unless a name says otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Info {
-    /// The file.
+    /// The file, of several the first.
     pub file: String,
-    /// Its size.
+    /// All its files, in order.
+    pub parts: Vec<String>,
+    /// Their size.
     pub bytes: u64,
     /// Version of what it holds.
     pub schema: u32,
@@ -214,6 +216,7 @@ impl Info {
         let pairs = |limits: &Limits| limited().map(|watch| (watch.name(), limits.pair(watch))).collect();
         Ok(Self {
             file: recording.path().display().to_string(),
+            parts: recording.paths().iter().map(|path| path.display().to_string()).collect(),
             bytes: recording.bytes(),
             schema: session.schema,
             whirl: session.whirl.clone(),

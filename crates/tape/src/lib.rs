@@ -21,6 +21,7 @@ mod offline;
 pub mod recorder;
 mod recording;
 mod reel;
+mod row;
 #[cfg(feature = "rerun")]
 mod rrd;
 pub mod schema;

@@ -15,6 +15,7 @@ use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
 use crate::batch::Batch;
 use crate::error::TapeError;
 use crate::event::{self, Event, Remark, What};
+use crate::row::Row;
 
 /// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
 const KEPT: usize = 6;
@@ -116,6 +117,8 @@ pub struct Gap {
 /// Where to find a stretch of steps.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Stretch {
+    /// In which of the files.
+    pub(crate) part: usize,
     pub(crate) offset: u64,
     pub(crate) bytes: u64,
     pub(crate) rows: u64,
@@ -142,14 +145,31 @@ pub(crate) struct Contents {
     pub(crate) bytes: u64,
 }
 
+impl Contents {
+    /// Takes what a further part of the same recording holds.
+    pub(crate) fn append(&mut self, part: Self) {
+        self.stretches.extend(part.stretches);
+        self.revisions.extend(part.revisions);
+        self.events.extend(part.events);
+        self.remarks.extend(part.remarks);
+        self.health.extend(part.health);
+        self.notices.extend(part.notices);
+        self.bytes += part.bytes;
+    }
+}
+
 /// Decodes stretches of an open file.
 pub(crate) trait Decoder: Send {
     fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError>;
+
+    /// Keeps the file open no longer than it is read: there are many.
+    fn close(&mut self) {}
 }
 
 /// A recording, open for reading.
 pub struct Recording {
-    path: PathBuf,
+    /// The files, in order; there is one at least.
+    paths: Vec<PathBuf>,
     contents: Contents,
     gaps: Vec<Gap>,
     trips: Vec<(u64, Trip)>,
@@ -159,24 +179,24 @@ pub struct Recording {
 }
 
 impl Recording {
-    /// Opens a recording of this or an earlier version, whole or cut off anywhere.
+    /// Opens a file of this or an earlier version, whole or cut off anywhere, by itself.
     ///
     /// # Errors
     /// No such file, or not one of ours; a later version of the schema; or a build that cannot read recordings.
     pub fn open(path: &Path) -> Result<Self, TapeError> {
-        #[cfg(feature = "rerun")]
-        {
-            let (contents, decoder) = crate::rrd::open(path)?;
-            Ok(Self::new(path, contents, Box::new(decoder)))
-        }
-        #[cfg(not(feature = "rerun"))]
-        {
-            let _ = path;
-            Err(TapeError::NoRerun)
-        }
+        Row::of_all(&[path.to_owned()]).map(Self::new)
     }
 
-    pub(crate) fn new(path: &Path, mut contents: Contents, decoder: Box<dyn Decoder>) -> Self {
+    /// Opens the whole recording that was split into several files: given any one of them, or all that shall be taken.
+    ///
+    /// # Errors
+    /// As [`Recording::open`]; or files of different runs, or with steps in common.
+    pub fn open_row(paths: &[PathBuf]) -> Result<Self, TapeError> {
+        let row = if let [path] = paths { Row::of(path)? } else { Row::of_all(paths)? };
+        Ok(Self::new(row))
+    }
+
+    fn new(Row { paths, mut contents, decoder }: Row) -> Self {
         contents.revisions.sort_by_key(|r| r.revision);
         // The same settings stand in the head of every part, and events that came twice likewise.
         contents.revisions.dedup_by_key(|r| r.revision);
@@ -184,18 +204,25 @@ impl Recording {
         contents.events.dedup_by_key(|e| e.number);
         contents.remarks.sort_by_key(|r| r.at.seq);
         once(&mut contents.remarks);
+        contents.health.sort_by_key(|(at, _)| at.seq);
         let gaps = gaps(&contents.stretches);
         let trips = trips(&contents.events);
-        Self { path: path.to_owned(), contents, gaps, trips, decoder, at_hand: Vec::new() }
+        Self { paths, contents, gaps, trips, decoder, at_hand: Vec::new() }
     }
 
-    /// The file.
+    /// The file, of several the first.
     #[must_use]
     pub fn path(&self) -> &Path {
-        &self.path
+        self.paths.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
-    /// Its size in bytes.
+    /// All its files, in order.
+    #[must_use]
+    pub fn paths(&self) -> &[PathBuf] {
+        &self.paths
+    }
+
+    /// Their size in bytes.
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.contents.bytes
@@ -305,7 +332,7 @@ impl Recording {
                 return Ok(batch.seq[row]);
             }
         }
-        self.span().map(|span| span.first.seq).ok_or_else(|| TapeError::read(&self.path, "there are no steps in it"))
+        self.span().map(|span| span.first.seq).ok_or_else(|| TapeError::read(self.path(), "there are no steps in it"))
     }
 
     /// The settings in force at step `seq`; before the first on file, the first.
@@ -433,7 +460,7 @@ impl Recording {
             Some(at) => at,
             None => {
                 let stretch = self.contents.stretches.get(index);
-                let stretch = stretch.ok_or_else(|| TapeError::read(&self.path, "there are no steps in it"))?;
+                let stretch = stretch.ok_or_else(|| TapeError::read(self.path(), "there are no steps in it"))?;
                 let batch = self.decoder.decode(stretch)?;
                 if self.at_hand.len() == KEPT {
                     self.at_hand.remove(0);

@@ -9,5 +9,5 @@ mod view;
 mod write;
 
 pub(crate) use join::join;
-pub(crate) use read::open;
+pub(crate) use read::{open, run_of};
 pub(crate) use write::Writer;

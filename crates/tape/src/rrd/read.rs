@@ -37,7 +37,18 @@ pub(crate) fn open(path: &Path) -> Result<(Contents, Steps), TapeError> {
     let header = scan.header.clone();
     let contents = scan.contents()?;
     let masses = contents.rotor.len();
-    Ok((contents, Steps { path: path.to_owned(), file, header, masses }))
+    Ok((contents, Steps { path: path.to_owned(), file: Some(file), header, masses }))
+}
+
+/// The run that a recording of ours is of, from its head alone.
+pub(crate) fn run_of(path: &Path) -> Option<u64> {
+    let file = File::open(path).ok()?;
+    let bytes = file.metadata().ok().filter(std::fs::Metadata::is_file)?.len();
+    let mut scan = Scan::new(path, BufReader::new(file), bytes);
+    scan.head_only = true;
+    scan.run().ok()?;
+    let (session, ..) = scan.session?.read().ok()?;
+    Some(session.run_id)
 }
 
 /// Decodes one message, given with its header.
@@ -61,7 +72,8 @@ fn chunk_of(stream_header: &[u8], message: Vec<u8>) -> Result<Option<Chunk>, Str
 /// Decodes stretches of steps from an open file.
 pub(crate) struct Steps {
     path: PathBuf,
-    file: File,
+    /// `None` if it is opened whenever it is read.
+    file: Option<File>,
     header: Vec<u8>,
     masses: usize,
 }
@@ -69,10 +81,18 @@ pub(crate) struct Steps {
 impl StretchDecoder for Steps {
     fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError> {
         let mut message = vec![0; usize::try_from(stretch.bytes).unwrap_or_default()];
-        self.file.read_exact_at(&mut message, stretch.offset).map_err(|error| TapeError::read(&self.path, error))?;
+        let failed = |error| TapeError::read(&self.path, error);
+        let opened = if self.file.is_none() { Some(File::open(&self.path).map_err(failed)?) } else { None };
+        if let Some(file) = self.file.as_ref().or(opened.as_ref()) {
+            file.read_exact_at(&mut message, stretch.offset).map_err(failed)?;
+        }
         let chunk = chunk_of(&self.header, message).and_then(|chunk| chunk.ok_or_else(|| "no steps there".to_owned()));
         let batch = chunk.and_then(|chunk| chunks::read_steps(&chunk, self.masses));
         batch.map_err(|problem| TapeError::read(&self.path, problem))
+    }
+
+    fn close(&mut self) {
+        self.file = None;
     }
 }
 
@@ -87,6 +107,8 @@ struct Scan<'a> {
     masses: usize,
     found: Found,
     damaged: u64,
+    /// Nothing is read beyond the document about the whole file.
+    head_only: bool,
 }
 
 #[derive(Default)]
@@ -110,6 +132,7 @@ impl<'a> Scan<'a> {
             masses: 0,
             found: Found::default(),
             damaged: 0,
+            head_only: false,
         }
     }
 
@@ -126,7 +149,7 @@ impl<'a> Scan<'a> {
 
     fn run(&mut self) -> Result<(), TapeError> {
         self.stream_header()?;
-        while self.left() > 0 {
+        while self.left() > 0 && !(self.head_only && self.session.is_some()) {
             if self.left() < MessageHeader::ENCODED_SIZE_BYTES as u64 {
                 self.cut_off(self.at);
                 break;
@@ -271,7 +294,7 @@ impl<'a> Scan<'a> {
         let Some((first, last)) = batch.span() else { return };
         let pairs = batch.seq.windows(2).filter(|pair| pair[1] > pair[0] + 1);
         let gaps = pairs.map(|pair| Gap { from: pair[0] + 1, count: pair[1] - pair[0] - 1 }).collect();
-        self.found.stretches.push(Stretch { offset, bytes, rows: batch.len() as u64, first, last, gaps });
+        self.found.stretches.push(Stretch { part: 0, offset, bytes, rows: batch.len() as u64, first, last, gaps });
     }
 
     fn health(&mut self, chunk: &Chunk) {

@@ -13,9 +13,9 @@ use crate::{interrupt, output, place};
 /// Options of `whirl export`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ExportArgs {
-    /// The recording
-    #[arg(value_name = "FILE.rrd")]
-    file: PathBuf,
+    /// The recording: any part of a split one stands for all; of several files, those alone
+    #[arg(value_name = "FILE.rrd", required = true)]
+    files: Vec<PathBuf>,
     /// Write FILE.csv beside it
     #[arg(long, required_unless_present_any = ["parquet", "out"])]
     csv: bool,
@@ -46,10 +46,11 @@ const WHOLES: [(&str, Kind); 4] =
 /// No recording, no such form in this build, or a place that cannot be written.
 pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let usage = |error: FormError| Failure::Usage(error.to_string());
+    let Some(file) = args.files.first() else { return Err(Failure::Usage("expected a recording".to_owned())) };
     let (target, form) = match &args.out {
         Some(path) => (path.clone(), Form::of(path).map_err(usage)?),
-        None if args.parquet => (args.file.with_extension("parquet"), Form::Parquet.available().map_err(usage)?),
-        None => (args.file.with_extension("csv"), Form::Csv),
+        None if args.parquet => (file.with_extension("parquet"), Form::Parquet.available().map_err(usage)?),
+        None => (file.with_extension("csv"), Form::Csv),
     };
     let (from, to) = (args.from.unwrap_or(f64::NEG_INFINITY), args.to.unwrap_or(f64::INFINITY));
     if from.is_nan() || to.is_nan() || from > to {
@@ -58,7 +59,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         )));
     }
     place::check(&target)?;
-    let mut recording = Recording::open(&args.file)?;
+    let mut recording = Recording::open_row(&args.files)?;
     interrupt::end_at_once()?;
     let masses = recording.rotor().len();
     let names: Vec<String> = tape::schema::columns(masses).into_iter().map(|column| column.name).collect();
@@ -82,7 +83,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
     failed.map_or(Ok(()), |error| Err(cannot(error)))?;
     table.finish().map_err(cannot)?;
     for notice in recording.notices() {
-        output::warn(&format!("{}: {notice}", args.file.display()));
+        output::warn(&format!("{}: {notice}", file.display()));
     }
     output::print_text(&format!("{}: {rows} steps\n", target.display()))
 }

@@ -11,9 +11,9 @@ use crate::output::{self, rounded};
 /// Options of `whirl info`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct InfoArgs {
-    /// The recording
-    #[arg(value_name = "FILE.rrd")]
-    file: PathBuf,
+    /// The recording: any part of a split one stands for all; of several files, those alone
+    #[arg(value_name = "FILE.rrd", required = true)]
+    files: Vec<PathBuf>,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -24,7 +24,7 @@ pub(crate) struct InfoArgs {
 /// # Errors
 /// No such file, or no recording of ours.
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
-    let mut recording = Recording::open(&args.file)?;
+    let mut recording = Recording::open_row(&args.files)?;
     let info = Info::of(&mut recording)?;
     if args.json { output::print_json(&info) } else { output::print_text(&for_people(&info)) }
 }
@@ -35,7 +35,11 @@ fn for_people(info: &Info) -> String {
         let _ = writeln!(text, "{name:<12}{value}");
     };
     let at = |at: &At| format!("step {}, tau {}", at.step, rounded(at.tau));
-    line("file", format!("{}, {:.1} MB, schema {}", info.file, info.bytes as f64 / 1e6, info.schema));
+    let more = match &info.parts[..] {
+        [_, .., last] => format!(" to {last}, {} parts", info.parts.len()),
+        _ => String::new(),
+    };
+    line("file", format!("{}{more}, {:.1} MB, schema {}", info.file, info.bytes as f64 / 1e6, info.schema));
     let bench = if info.bench.is_empty() { String::new() } else { format!("bench {}, ", info.bench) };
     line(
         "run",

@@ -14,9 +14,9 @@ use crate::failure::Failure;
 /// Options of `whirl replay`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ReplayArgs {
-    /// The recording
-    #[arg(value_name = "FILE.rrd")]
-    file: PathBuf,
+    /// The recording: any part of a split one stands for all; of several files, those alone
+    #[arg(value_name = "FILE.rrd", required = true)]
+    files: Vec<PathBuf>,
     #[command(flatten)]
     screen: ScreenArgs,
 }
@@ -28,7 +28,7 @@ pub(crate) struct ReplayArgs {
 pub(crate) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     tape::available()?;
     let options = args.screen.options_with(Some("replay"))?;
-    let recording = Recording::open(&args.file)?;
+    let recording = Recording::open_row(&args.files)?;
     ended(dash::replay(Box::new(Tape::new(recording)), &options)?)
 }
 
@@ -65,7 +65,12 @@ impl Tape {
 impl Past for Tape {
     fn name(&self) -> String {
         let path = self.recording.path();
-        path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
+        let name =
+            path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned());
+        match self.recording.paths().len() {
+            1 => name,
+            parts => format!("{name} ({parts} parts)"),
+        }
     }
 
     fn span(&self) -> Option<[Moment; 2]> {
