@@ -125,6 +125,32 @@ mod with {
         assert_eq!(simulation.end().code, Some(0));
     }
 
+    /// A recorder that cannot record says why in the dashboard, which goes on.
+    #[test]
+    fn a_recorder_that_cannot_start_says_why_in_the_dashboard() {
+        let root = Root::new();
+        let simulation = root.simulate(&["three-mass"]);
+        let folder = root.path().join("here");
+        std::fs::create_dir(&folder).unwrap();
+        let mut screen = Screen::start_in(root.path(), &folder, &["dash"], (200, 40));
+        screen.wait_words("RUNNING");
+        // A configuration that has gone wrong since.
+        let config = root.path().join("config/whirl");
+        std::fs::create_dir_all(&config).unwrap();
+        std::fs::write(config.join("config.toml"), "[alarms]\norbit = [5, 3]\n").unwrap();
+        screen.press("r");
+        screen.wait_words("the recording failed");
+        screen.wait_words("config.toml:2:9");
+        std::fs::remove_file(config.join("config.toml")).unwrap();
+        // The folder has gone.
+        std::fs::remove_dir(&folder).unwrap();
+        screen.press("r");
+        screen.wait_words("the recording failed: '.': no folder to record into");
+        screen.press("q");
+        assert!(screen.ended().success(), "what was told is no failure of the dashboard");
+        assert_eq!(simulation.end().code, Some(0));
+    }
+
     #[test]
     fn what_is_no_recording_is_said() {
         let root = Root::new();

@@ -243,6 +243,7 @@ impl<'a> App<'a> {
             (feed.picture(&self.time, Instant::now()), feed.reading())
         };
         self.heed(&reading);
+        picture.recorder_starts = self.scribe.as_ref().is_some_and(|scribe| scribe.is_starting());
         if let Some(player) = &self.player {
             player.finish(&mut picture);
         }

@@ -237,6 +237,7 @@ impl Feed {
             age: self.heard.map(|heard| now.saturating_duration_since(heard)),
             contact: self.contact.clone(),
             recorder: self.recorder.clone(),
+            recorder_starts: false,
             tripped: self.history.is_tripped(),
             behind: view.now.map_or(0, |now| kept.end - 1 - now),
         }

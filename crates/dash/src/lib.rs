@@ -49,5 +49,5 @@ pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
 pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use panels::registry::panels;
 pub use replay::{Past, PastEvent, PastWhat, replay};
-pub use session::{DashError, Ended, Keeper, Options, Scribe, run};
+pub use session::{DashError, Ended, Keeper, Options, Scribe, ScribeNews, run};
 pub use still_file::stamp;

@@ -191,6 +191,8 @@ pub(crate) struct Picture {
     pub(crate) contact: Contact,
     /// Live: what is known of a recorder.
     pub(crate) recorder: Option<Box<RecorderStatus>>,
+    /// A recorder was started here, and has not spoken up yet.
+    pub(crate) recorder_starts: bool,
     /// Live: whether the machine has tripped.
     pub(crate) tripped: bool,
     /// Steps from the cursor to the newest one.

@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
 
 use crate::commands::sim::READY;
@@ -16,11 +17,15 @@ pub(crate) struct Companion {
     farewell: Duration,
     arguments: Vec<String>,
     child: Child,
+    /// What it prints first, and what it prints it on.
+    greeting: Option<Receiver<Greeting>>,
     stdout: Option<BufReader<ChildStdout>>,
     /// What it says goes to a file, because the screen is not its to write on.
     said: File,
     ended: Option<ExitStatus>,
 }
+
+type Greeting = (String, BufReader<ChildStdout>);
 
 impl Companion {
     /// Starts `whirl` with these arguments and waits until it says that it has what it needs, or ends for lack of that:
@@ -29,19 +34,69 @@ impl Companion {
     /// # Errors
     /// It cannot be started, or ends at once: in its own words, with its own exit code.
     pub(crate) fn start(what: &'static str, farewell: Duration, arguments: Vec<String>) -> Result<Self, Failure> {
+        let mut companion = Self::launch(what, farewell, arguments)?;
+        companion.wait().map(|()| companion)
+    }
+
+    /// The same without waiting: [`Companion::is_ready`] tells.
+    ///
+    /// # Errors
+    /// It cannot be started.
+    pub(crate) fn launch(what: &'static str, farewell: Duration, arguments: Vec<String>) -> Result<Self, Failure> {
         let (mut child, said) = spawn(what, &arguments)?;
-        let stdout = child.stdout.take().map(BufReader::new);
-        let mut companion = Self { what, farewell, arguments, child, stdout, said, ended: None };
-        let mut word = String::new();
-        if let Some(stdout) = &mut companion.stdout {
-            // Reads to the end of the line, or of the process.
-            let _ = stdout.read_line(&mut word);
+        let (send, greeting) = channel();
+        if let Some(stdout) = child.stdout.take() {
+            let listen = move || {
+                let mut stdout = BufReader::new(stdout);
+                let mut word = String::new();
+                // Reads to the end of the line, or of the process.
+                let _ = stdout.read_line(&mut word);
+                // Nobody may wait for it any more.
+                let _ = send.send((word, stdout));
+            };
+            let listener = std::thread::Builder::new().name("greeting".into()).spawn(listen);
+            if let Err(error) = listener {
+                let _ = child.kill().and_then(|()| child.wait());
+                return Err(Failure::Work(format!("no thread to listen to the {what}: {error}")));
+            }
         }
+        Ok(Self { what, farewell, arguments, child, greeting: Some(greeting), stdout: None, said, ended: None })
+    }
+
+    /// Waits until it has said that it has what it needs.
+    ///
+    /// # Errors
+    /// As [`Companion::is_ready`].
+    pub(crate) fn wait(&mut self) -> Result<(), Failure> {
+        match self.greeting.take() {
+            None => Ok(()),
+            Some(greeting) => self.greeted(greeting.recv().ok()),
+        }
+    }
+
+    /// Whether it has said that it has what it needs. Does not wait.
+    ///
+    /// # Errors
+    /// It has ended for lack of that: in its own words, with its own exit code.
+    pub(crate) fn is_ready(&mut self) -> Result<bool, Failure> {
+        match self.greeting.as_ref().map(Receiver::try_recv) {
+            None => Ok(true),
+            Some(Err(TryRecvError::Empty)) => Ok(false),
+            Some(greeting) => {
+                self.greeting = None;
+                self.greeted(greeting.ok()).map(|()| true)
+            }
+        }
+    }
+
+    fn greeted(&mut self, greeting: Option<Greeting>) -> Result<(), Failure> {
+        let (word, stdout) = greeting.map_or_else(Default::default, |(word, stdout)| (word, Some(stdout)));
+        self.stdout = stdout;
         if word == READY {
-            return Ok(companion);
+            return Ok(());
         }
-        companion.ended = companion.child.wait().ok();
-        Err(companion.failure())
+        self.ended = self.child.wait().ok();
+        Err(self.failure())
     }
 
     /// The same, anew.
@@ -92,6 +147,9 @@ impl Companion {
     /// What it printed before it ended: how it went.
     pub(crate) fn last_words(&mut self) -> String {
         let mut printed = String::new();
+        if let Some((_, stdout)) = self.greeting.take().and_then(|greeting| greeting.recv().ok()) {
+            self.stdout = Some(stdout);
+        }
         if let Some(mut stdout) = self.stdout.take() {
             let _ = stdout.read_to_string(&mut printed);
         }

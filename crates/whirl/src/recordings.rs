@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use dash::Scribe;
+use dash::{Scribe, ScribeNews};
 use wire::BenchName;
 
 use crate::commands::record;
@@ -18,6 +18,8 @@ const FOLDER: &str = "recordings";
 pub(crate) struct Recordings {
     bench: BenchName,
     recorder: Option<Companion>,
+    /// The file of a recorder that has not said yet that it records.
+    starting: Option<PathBuf>,
     /// How recordings ended that the dashboard has not been told of, or not in words that last beyond its screen.
     said: Vec<Result<String, Failure>>,
 }
@@ -25,16 +27,18 @@ pub(crate) struct Recordings {
 impl Recordings {
     /// None yet, of this bench.
     pub(crate) fn of(bench: BenchName) -> Self {
-        Self { bench, recorder: None, said: Vec::new() }
+        Self { bench, recorder: None, starting: None, said: Vec::new() }
     }
 
-    /// Begins one in the file `path`.
+    /// Begins one in the file `path`, and waits until it records.
     ///
     /// # Errors
     /// A build without recordings, a place that is taken or missing, or a bench that is recorded already.
     pub(crate) fn begin(&mut self, path: &Path) -> Result<(), Failure> {
         tape::available()?;
-        self.recorder = Some(record::companion(path, &self.bench)?);
+        let mut recorder = record::launch(path, &self.bench)?;
+        recorder.wait()?;
+        self.recorder = Some(recorder);
         Ok(())
     }
 
@@ -62,8 +66,15 @@ fn outcome(recorder: &mut Companion) -> Result<String, Failure> {
 impl Scribe for Recordings {
     fn start(&mut self) -> Result<String, String> {
         let path = new_name(&self.bench);
-        self.begin(&path).map_err(|failure| failure.to_string())?;
-        Ok(path.display().to_string())
+        let launched = tape::available().map_err(Failure::from).and_then(|()| record::launch(&path, &self.bench));
+        self.recorder = Some(launched.map_err(|failure| failure.to_string())?);
+        let told = path.display().to_string();
+        self.starting = Some(path);
+        Ok(told)
+    }
+
+    fn is_starting(&self) -> bool {
+        self.starting.is_some()
     }
 
     fn stop(&mut self) {
@@ -76,12 +87,27 @@ impl Scribe for Recordings {
         self.recorder.is_some()
     }
 
-    fn ended(&mut self) -> Option<Result<String, String>> {
+    fn news(&mut self) -> Option<ScribeNews> {
+        if self.starting.is_some() {
+            let ready = self.recorder.as_mut().map_or(Ok(true), Companion::is_ready);
+            if let Ok(false) = ready {
+                return None;
+            }
+            let path = self.starting.take().unwrap_or_default();
+            return Some(match ready {
+                Ok(_) => ScribeNews::Records(path.display().to_string()),
+                Err(failure) => {
+                    // It never recorded: that is told, and no failure of what else was done here.
+                    self.recorder = None;
+                    ScribeNews::Ended(Err(failure.to_string()))
+                }
+            });
+        }
         let mut recorder = self.recorder.take_if(|recorder| recorder.has_ended())?;
         let said = outcome(&mut recorder);
         let told = said.as_ref().map(|words| words.trim().to_owned()).map_err(ToString::to_string);
         self.said.push(said);
-        Some(told)
+        Some(ScribeNews::Ended(told))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::App;
 use crate::link::lock;
 use crate::panels::status::Message;
-use crate::session::Scribe;
+use crate::session::{Scribe, ScribeNews};
 
 impl<'a> App<'a> {
     /// The same with somebody who can record.
@@ -28,19 +28,20 @@ impl<'a> App<'a> {
             }
             (_, Some(others)) => Message::Bad(others),
             (Some(scribe), None) => match scribe.start() {
-                Ok(file) => Message::Good(format!("records in {file}: r ends it")),
+                Ok(file) => Message::Good(format!("a recording starts in {file}")),
                 Err(why) => Message::Bad(why),
             },
         };
         self.tell(told);
     }
 
-    /// Says how a recording ended. Returns whether one has.
+    /// Says what has become of a recording. Returns whether there is news.
     pub(super) fn watch_scribe(&mut self) -> bool {
-        let Some(how) = self.scribe.as_mut().and_then(|scribe| scribe.ended()) else { return false };
-        self.tell(match how {
-            Ok(words) => Message::Good(words),
-            Err(why) => Message::Bad(format!("the recording failed: {why}")),
+        let Some(news) = self.scribe.as_mut().and_then(|scribe| scribe.news()) else { return false };
+        self.tell(match news {
+            ScribeNews::Records(file) => Message::Good(format!("records in {file}: r ends it")),
+            ScribeNews::Ended(Ok(words)) => Message::Good(words),
+            ScribeNews::Ended(Err(why)) => Message::Bad(format!("the recording failed: {why}")),
         });
         true
     }
@@ -52,15 +53,20 @@ mod tests {
 
     use crossbeam::channel;
     use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
+    use ratatui::buffer::Buffer;
+    use ratatui::layout::Rect;
     use wire::{RecorderState, RecorderStatus, Text};
 
     use super::*;
     use crate::feed::Feed;
+    use crate::looks::still::text;
     use crate::session::Options;
 
     #[derive(Default)]
     struct Writer {
         at_work: bool,
+        /// It has not said yet that it records, and for so many looks it will not.
+        silent: Option<u32>,
         asked: bool,
         refuses: bool,
     }
@@ -71,7 +77,12 @@ mod tests {
                 return Err("recordings need another build".into());
             }
             self.at_work = true;
+            self.silent.get_or_insert(0);
             Ok("s.rrd".into())
+        }
+
+        fn is_starting(&self) -> bool {
+            self.at_work && self.silent.is_some()
         }
 
         fn stop(&mut self) {
@@ -82,19 +93,22 @@ mod tests {
             self.at_work
         }
 
-        fn ended(&mut self) -> Option<Result<String, String>> {
+        fn news(&mut self) -> Option<ScribeNews> {
+            if let Some(left) = self.silent.filter(|_| self.at_work) {
+                self.silent = left.checked_sub(1);
+                return (left == 0).then(|| ScribeNews::Records("s.rrd".into()));
+            }
             let ended = std::mem::take(&mut self.asked);
             self.at_work &= !ended;
-            ended.then(|| Ok("recorded s.rrd".into()))
+            ended.then(|| ScribeNews::Ended(Ok("recorded s.rrd".into())))
         }
     }
 
-    /// Presses `r` so many times, with a tick after each; returns what was said last before and after the tick.
-    fn pressed(writer: &mut Writer, times: usize, recorder: Option<RecorderStatus>) -> (Message, Message) {
+    fn app<'a>(writer: &'a mut Writer, recorder: Option<RecorderStatus>) -> App<'a> {
         let mut feed = Feed::new("");
         feed.hear_recorder(recorder.map(Box::new));
         let (edits, _taken) = channel::bounded(8);
-        let mut app = App::new(
+        App::new(
             "default".into(),
             Arc::new(Mutex::new(feed)),
             edits,
@@ -103,7 +117,12 @@ mod tests {
             Arc::default(),
             &Options::default(),
         )
-        .recording_with(Some(writer));
+        .recording_with(Some(writer))
+    }
+
+    /// Presses `r` so many times, with a tick after each; returns what was said last before and after the tick.
+    fn pressed(writer: &mut Writer, times: usize, recorder: Option<RecorderStatus>) -> (Message, Message) {
+        let mut app = app(writer, recorder);
         let mut said = None;
         for _ in 0..times {
             app.press(KeyEvent::new(KeyCode::Char('r'), KeyModifiers::NONE));
@@ -124,6 +143,26 @@ mod tests {
         assert!(matches!(before, Message::Good(words) if words.starts_with("the recording ends")));
         assert_eq!(after, Message::Good("recorded s.rrd".into()));
         assert!(!writer.at_work);
+    }
+
+    #[test]
+    fn nobody_waits_for_a_recorder_and_a_sign_says_that_it_starts() {
+        let mut writer = Writer { silent: Some(2), ..Writer::default() };
+        let mut app = app(&mut writer, None);
+        let frame = |app: &mut App<'_>| {
+            let mut buffer = Buffer::empty(Rect::new(0, 0, 160, 24));
+            app.render(buffer.area, &mut buffer);
+            text(&buffer)
+        };
+        app.press(KeyEvent::new(KeyCode::Char('r'), KeyModifiers::NONE));
+        assert_eq!(app.message.0, Message::Good("a recording starts in s.rrd".into()));
+        for _ in 0..2 {
+            assert!(frame(&mut app).lines().next().unwrap().contains("● REC starting"), "{}", frame(&mut app));
+            assert!(!app.watch_scribe());
+        }
+        assert!(app.watch_scribe());
+        assert_eq!(app.message.0, Message::Good("records in s.rrd: r ends it".into()));
+        assert!(!frame(&mut app).contains("starting"));
     }
 
     #[test]

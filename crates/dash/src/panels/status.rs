@@ -44,7 +44,10 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
         add(format!("{trip}: R restarts"), theme::loud(theme::BAD));
     }
-    if let Some((sign, style)) = picture.recorder.as_deref().and_then(recording) {
+    let starts = || ("● REC starting".to_owned(), theme::loud(theme::BAD));
+    let told = picture.recorder.as_deref().filter(|status| status.is_recording() || !picture.recorder_starts);
+    let sign = told.and_then(recording).or_else(|| picture.recorder_starts.then(starts));
+    if let Some((sign, style)) = sign {
         add(sign, style);
     }
     if let Contact::Waiting(why) = &picture.contact {

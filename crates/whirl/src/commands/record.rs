@@ -85,16 +85,16 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     output::print_text(&(in_words(&summary?) + "\n"))
 }
 
-/// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped.
+/// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped. Does not wait for it.
 ///
 /// # Errors
-/// It cannot be started, or cannot record: in its own words, with its own exit code.
-pub(crate) fn companion(path: &Path, bench: &BenchName) -> Result<Companion, Failure> {
+/// It cannot be started.
+pub(crate) fn launch(path: &Path, bench: &BenchName) -> Result<Companion, Failure> {
     let path =
         path.to_str().ok_or_else(|| Failure::Usage(format!("'{}': expected a name in UTF-8", path.display())))?;
     let bench = format!("--bench={bench}");
     let arguments = ["record", &bench, "--follow", "--as-child", "--", path];
-    Companion::start("recorder", FAREWELL, arguments.map(str::to_owned).to_vec())
+    Companion::launch("recorder", FAREWELL, arguments.map(str::to_owned).to_vec())
 }
 
 fn in_words(summary: &Summary) -> String {
