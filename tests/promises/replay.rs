@@ -132,7 +132,7 @@ mod with {
         let simulation = root.simulate(&["three-mass"]);
         let folder = root.path().join("here");
         std::fs::create_dir(&folder).unwrap();
-        let mut screen = Screen::start_in(root.path(), &folder, &["dash"], (200, 40));
+        let mut screen = Screen::start_in(&folder, root.path(), &["dash"], (200, 40));
         screen.wait_words("RUNNING");
         // A configuration that has gone wrong since.
         let config = root.path().join("config/whirl");
@@ -145,9 +145,9 @@ mod with {
         // The folder has gone.
         std::fs::remove_dir(&folder).unwrap();
         screen.press("r");
-        screen.wait_words("the recording failed: '.': no folder to record into");
+        screen.wait_words("cannot be made: No such file or directory");
         screen.press("q");
-        assert!(screen.ended().success(), "what was told is no failure of the dashboard");
+        assert_eq!(screen.ended().exit_code(), 2, "a recording that was asked for has failed");
         assert_eq!(simulation.end().code, Some(0));
     }
 

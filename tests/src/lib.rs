@@ -120,6 +120,7 @@ impl Root {
         command.env("WHIRL_ROOT", self.path());
         // Not the configuration of whoever runs the tests.
         command.env("XDG_CONFIG_HOME", self.path().join("config")).env("XDG_DATA_HOME", self.path().join("data"));
+        command.env("XDG_STATE_HOME", self.path().join("state"));
         command
     }
 

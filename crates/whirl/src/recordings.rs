@@ -51,10 +51,14 @@ impl Recordings {
             recorder.end()?;
             self.said.push(outcome(&mut recorder));
         }
+        let mut failed = None;
         for said in self.said {
-            output::print_text(&said?)?;
+            match said {
+                Ok(words) => output::print_text(&words)?,
+                Err(failure) => failed = failed.or(Some(failure)),
+            }
         }
-        Ok(())
+        failed.map_or(Ok(()), Err)
     }
 }
 
@@ -97,9 +101,10 @@ impl Scribe for Recordings {
             return Some(match ready {
                 Ok(_) => ScribeNews::Records(path.display().to_string()),
                 Err(failure) => {
-                    // It never recorded: that is told, and no failure of what else was done here.
                     self.recorder = None;
-                    ScribeNews::Ended(Err(failure.to_string()))
+                    let told = failure.to_string();
+                    self.said.push(Err(failure));
+                    ScribeNews::Ended(Err(told))
                 }
             });
         }
