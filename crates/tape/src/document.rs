@@ -13,8 +13,8 @@ use wire::message::Trip;
 use wire::{Happening, Moment};
 
 use crate::event::{Event, Remark, What};
-use crate::recording::{Revision, Session, Source};
 use crate::schema::{self, Column};
+use crate::session::{Revision, Session, Source};
 
 /// A document that is not one of ours.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]

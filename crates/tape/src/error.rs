@@ -29,7 +29,7 @@ pub enum TapeError {
         problem: String,
     },
     /// Writing failed on the way. What was on disk by then stays readable.
-    #[error("cannot go on writing '{}': {problem}; what is there stays readable ({bytes} bytes)", path.display())]
+    #[error("cannot go on writing '{}': {problem}; {}", path.display(), left(*bytes))]
     Stopped {
         /// The file.
         path: PathBuf,
@@ -79,5 +79,13 @@ impl TapeError {
             }
             _ => Self::place(path, format!("cannot be made: {error}")),
         }
+    }
+}
+
+/// What a recording that could not go on leaves.
+fn left(bytes: u64) -> String {
+    match bytes {
+        0 => "nothing of it is left".to_owned(),
+        bytes => format!("what is there stays readable ({bytes} bytes)"),
     }
 }

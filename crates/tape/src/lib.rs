@@ -11,6 +11,7 @@
 #![cfg_attr(not(feature = "rerun"), allow(dead_code, reason = "much of it serves the encoder and the reader"))]
 
 mod batch;
+mod contents;
 mod document;
 mod error;
 mod event;
@@ -25,6 +26,7 @@ mod row;
 #[cfg(feature = "rerun")]
 mod rrd;
 pub mod schema;
+mod session;
 mod sink;
 
 pub use batch::Batch;
@@ -32,6 +34,7 @@ pub use error::TapeError;
 pub use event::{Event, Remark, What};
 pub use info::{AlarmInfo, At, Damping, Info, Peak, TripInfo};
 pub use offline::OfflineTape;
-pub use recording::{Gap, Recording, Revision, Session, Source, Span};
+pub use recording::Recording;
 pub use reel::{Keep, Reel};
+pub use session::{Gap, Revision, Session, Source, Span};
 pub use sink::{Head, Sink, available, create, join};

@@ -11,8 +11,8 @@ use crate::batch::Batch;
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
 use crate::gather::Gatherer;
-use crate::recording::{Session, Source};
 use crate::schema;
+use crate::session::{Session, Source};
 use crate::sink::{self, Head, Sink};
 
 /// A run being recorded. It is written under another name beside its place, and takes its name when it is whole.

@@ -7,164 +7,20 @@
 use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 
-use alarms::{Limits, Turn};
-use rotor::{C64, Rotor, Scales, Settings};
-use wire::message::{Analysis, Flags, Health, Trip};
-use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
+use alarms::Turn;
+use rotor::{Rotor, Scales};
+use wire::message::{Analysis, Flags, Trip};
+use wire::{Bulletin, Happening, SettingsMessage, State, Text};
 
 use crate::batch::Batch;
+use crate::contents::{Contents, Decoder, Stretch};
 use crate::error::TapeError;
 use crate::event::{self, Event, Remark, What};
 use crate::row::Row;
+use crate::session::{Gap, Revision, Session, Span};
 
 /// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
 const KEPT: usize = 6;
-
-/// About the whole file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Session {
-    /// Version of what the recording holds, [`crate::schema::VERSION`] when written now.
-    pub schema: u32,
-    /// Version of the program that recorded.
-    pub whirl: String,
-    /// Version of the program that simulated.
-    pub simulation: String,
-    /// Which run of which process.
-    pub run_id: u64,
-    /// The bench's name; empty for an offline run.
-    pub bench: String,
-    /// Where it comes from.
-    pub source: Source,
-    /// Wall clock when the simulation started, nanoseconds since 1970.
-    pub started_ns: u64,
-    /// Steps a second that it paced itself to; 0 for an offline run.
-    pub rate_hz: f64,
-    /// Advance of `tau` per step.
-    pub dtau: f64,
-    /// What alarms were held against; `None` if nobody judged, as in runs without a bench and before there were alarms.
-    pub limits: Option<Limits>,
-}
-
-/// Where a recording comes from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Source {
-    /// A running bench.
-    Live,
-    /// `whirl run`: the wall clock of its steps is made up, one second of it for one unit of `tau`.
-    Offline,
-}
-
-impl Source {
-    /// Its name in files.
-    #[must_use]
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Live => "live",
-            Self::Offline => "offline",
-        }
-    }
-
-    pub(crate) fn of(name: &str) -> Self {
-        if name == "offline" { Self::Offline } else { Self::Live }
-    }
-}
-
-/// Settings, whole, with the poles under them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Revision {
-    /// The first step made with them.
-    pub from: u64,
-    /// Their number: 1 at the start of a run.
-    pub revision: u64,
-    /// Who made the change.
-    pub who: String,
-    /// Why; may be empty.
-    pub why: String,
-    /// The settings.
-    pub settings: Settings,
-    /// Poles, least damped first; none if they did not converge.
-    pub poles: Vec<C64>,
-    /// The smallest damping ratio; 0 if there are no poles.
-    pub min_damping: f64,
-}
-
-/// The first step on file and the last.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Span {
-    /// The first.
-    pub first: Moment,
-    /// The last.
-    pub last: Moment,
-}
-
-impl Span {
-    /// Seconds on the wall clock between the two.
-    #[must_use]
-    pub fn seconds(&self) -> f64 {
-        self.last.wall_ns.saturating_sub(self.first.wall_ns) as f64 / 1e9
-    }
-}
-
-/// Steps that are missing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Gap {
-    /// The first that is missing.
-    pub from: u64,
-    /// How many.
-    pub count: u64,
-}
-
-/// Where to find a stretch of steps.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Stretch {
-    /// In which of the files.
-    pub(crate) part: usize,
-    pub(crate) offset: u64,
-    pub(crate) bytes: u64,
-    pub(crate) rows: u64,
-    pub(crate) first: Moment,
-    pub(crate) last: Moment,
-    /// Steps missing within it.
-    pub(crate) gaps: Vec<Gap>,
-}
-
-/// What has been read of a file when it was opened.
-#[derive(Debug)]
-pub(crate) struct Contents {
-    pub(crate) session: Session,
-    pub(crate) rotor: Rotor,
-    pub(crate) scales: Option<Scales>,
-    /// Ascending in steps.
-    pub(crate) stretches: Vec<Stretch>,
-    pub(crate) revisions: Vec<Revision>,
-    pub(crate) events: Vec<Event>,
-    pub(crate) remarks: Vec<Remark>,
-    /// Ascending in steps.
-    pub(crate) health: Vec<(Moment, Health)>,
-    pub(crate) notices: Vec<String>,
-    pub(crate) bytes: u64,
-}
-
-impl Contents {
-    /// Takes what a further part of the same recording holds.
-    pub(crate) fn append(&mut self, part: Self) {
-        self.stretches.extend(part.stretches);
-        self.revisions.extend(part.revisions);
-        self.events.extend(part.events);
-        self.remarks.extend(part.remarks);
-        self.health.extend(part.health);
-        self.notices.extend(part.notices);
-        self.bytes += part.bytes;
-    }
-}
-
-/// Decodes stretches of an open file.
-pub(crate) trait Decoder: Send {
-    fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError>;
-
-    /// Keeps the file open no longer than it is read: there are many.
-    fn close(&mut self) {}
-}
 
 /// A recording, open for reading.
 pub struct Recording {

@@ -7,9 +7,10 @@ use std::collections::VecDeque;
 use std::path::{Path, PathBuf};
 
 use crate::batch::Batch;
+use crate::contents::{Contents, Decoder, Stretch};
 use crate::error::TapeError;
 use crate::event::What;
-use crate::recording::{Contents, Decoder, Source, Stretch};
+use crate::session::Source;
 
 /// Numbers of parts are smaller than this: what is larger is a time of day.
 const MOST_PARTS: u32 = 100_000;

@@ -9,8 +9,8 @@ use wire::{Bulletin, Happening, Moment};
 use crate::batch::Batch;
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
-use crate::recording::{Revision, Session, Source};
 use crate::schema;
+use crate::session::{Revision, Session, Source};
 
 /// One thing to be put on tape, in the order in which it came.
 #[derive(Clone, Debug)]

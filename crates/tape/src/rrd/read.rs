@@ -13,10 +13,11 @@ use rerun::log::{Chunk, LogMsg};
 
 use super::{chunks, write};
 use crate::batch::Batch;
+use crate::contents::{Contents, Decoder as StretchDecoder, Stretch};
 use crate::document::{self, EventDocument, RevisionDocument, SessionDocument, Told};
 use crate::error::TapeError;
-use crate::recording::{Contents, Decoder as StretchDecoder, Gap, Stretch};
 use crate::schema;
+use crate::session::Gap;
 
 /// A message that claims to be larger than this is not one.
 const MOST_BYTES: u64 = 1 << 31;

@@ -13,8 +13,8 @@ use rotor::{C64, Rotor, Settings};
 
 use super::chunks;
 use crate::batch::Batch;
-use crate::recording::Revision;
 use crate::schema;
+use crate::session::Revision;
 
 type Chunks = Vec<Result<Chunk, ChunkError>>;
 

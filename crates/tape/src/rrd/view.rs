@@ -13,8 +13,8 @@ use rerun::log::LogMsg;
 use rotor::Rotor;
 
 use super::scene;
-use crate::recording::Source;
 use crate::schema::{self, Column};
+use crate::session::Source;
 
 /// The messages that carry the layout; none if rerun has been switched off by its environment variable.
 pub(super) fn blueprint(rotor: &Rotor, source: Source) -> Vec<LogMsg> {

@@ -18,8 +18,8 @@ use crate::batch::Batch;
 use crate::document::{self, EventDocument, RevisionDocument, SessionDocument};
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
-use crate::recording::Revision;
 use crate::schema;
+use crate::session::Revision;
 use crate::sink::{Head, Sink};
 
 use super::ledger::Ledger;

@@ -1,0 +1,62 @@
+//! What has been read of a file when it was opened, and what reads the rest when it is asked for.
+
+use rotor::{Rotor, Scales};
+use wire::Moment;
+use wire::message::Health;
+
+use crate::batch::Batch;
+use crate::error::TapeError;
+use crate::event::{Event, Remark};
+use crate::session::{Gap, Revision, Session};
+
+/// Where to find a stretch of steps.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Stretch {
+    /// In which of the files.
+    pub(crate) part: usize,
+    pub(crate) offset: u64,
+    pub(crate) bytes: u64,
+    pub(crate) rows: u64,
+    pub(crate) first: Moment,
+    pub(crate) last: Moment,
+    /// Steps missing within it.
+    pub(crate) gaps: Vec<Gap>,
+}
+
+/// What has been read of a file when it was opened.
+#[derive(Debug)]
+pub(crate) struct Contents {
+    pub(crate) session: Session,
+    pub(crate) rotor: Rotor,
+    pub(crate) scales: Option<Scales>,
+    /// Ascending in steps.
+    pub(crate) stretches: Vec<Stretch>,
+    pub(crate) revisions: Vec<Revision>,
+    pub(crate) events: Vec<Event>,
+    pub(crate) remarks: Vec<Remark>,
+    /// Ascending in steps.
+    pub(crate) health: Vec<(Moment, Health)>,
+    pub(crate) notices: Vec<String>,
+    pub(crate) bytes: u64,
+}
+
+impl Contents {
+    /// Takes what a further part of the same recording holds.
+    pub(crate) fn append(&mut self, part: Self) {
+        self.stretches.extend(part.stretches);
+        self.revisions.extend(part.revisions);
+        self.events.extend(part.events);
+        self.remarks.extend(part.remarks);
+        self.health.extend(part.health);
+        self.notices.extend(part.notices);
+        self.bytes += part.bytes;
+    }
+}
+
+/// Decodes stretches of an open file.
+pub(crate) trait Decoder: Send {
+    fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError>;
+
+    /// Keeps the file open no longer than it is read: there are many.
+    fn close(&mut self) {}
+}

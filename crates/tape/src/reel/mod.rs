@@ -1,0 +1,336 @@
+//! Which files a recording is kept in: one, a new one whenever it grows too large, the last so many minutes, or the
+//! seconds around each trip. Knows nothing of how a file is written.
+
+mod keep;
+mod place;
+mod wait;
+
+use std::collections::VecDeque;
+use std::path::{Path, PathBuf};
+
+use alarms::Limits;
+use rotor::Difference;
+use wire::{Bulletin, Happening, Keeping, Moment};
+
+use crate::error::TapeError;
+use crate::event::{Event, Remark, What};
+use crate::session::Revision;
+use crate::sink::{self, Head, Item, Sink};
+
+pub use keep::Keep;
+use place::{check, free_bytes, name};
+use wait::Wait;
+
+/// Makes the file at a path.
+type Open = Box<dyn FnMut(&Path, &Head) -> Result<Box<dyn Sink>, TapeError> + Send>;
+
+/// Puts what is recorded into files.
+pub struct Reel {
+    open: Open,
+    path: PathBuf,
+    subject: Subject,
+    keep: Keep,
+    /// How things stand now; `None` before the first run.
+    head: Option<Head>,
+    file: Option<Part>,
+    /// Files made so far.
+    parts: u32,
+    /// Finished, oldest first.
+    done: VecDeque<Done>,
+    rows: u64,
+    bytes: u64,
+    last: Moment,
+    wait: Wait,
+}
+
+/// Whose recording it is.
+#[derive(Debug)]
+struct Subject {
+    bench: String,
+    limits: Limits,
+}
+
+impl Subject {
+    fn head(&self, bulletin: Box<Bulletin>) -> Head {
+        Head::live(bulletin, &self.bench).judged_by(self.limits.clone())
+    }
+}
+
+struct Part {
+    path: PathBuf,
+    sink: Box<dyn Sink>,
+    began_ns: Option<u64>,
+}
+
+#[derive(Debug)]
+struct Done {
+    path: PathBuf,
+    last_ns: u64,
+    bytes: u64,
+}
+
+impl Reel {
+    /// A reel on `path`, for a bench called `bench` that is held against `limits`. Nothing is written yet.
+    ///
+    /// # Errors
+    /// The path is taken or no place for a file, or this build cannot record.
+    pub fn new(path: &Path, bench: &str, keep: Keep, limits: Limits) -> Result<Self, TapeError> {
+        sink::available()?;
+        Self::with(path, Subject { bench: bench.to_owned(), limits }, keep, Box::new(sink::create))
+    }
+
+    fn with(path: &Path, subject: Subject, keep: Keep, open: Open) -> Result<Self, TapeError> {
+        check(path)?;
+        Ok(Self {
+            open,
+            path: path.to_owned(),
+            subject,
+            keep,
+            head: None,
+            file: None,
+            parts: 0,
+            done: VecDeque::new(),
+            rows: 0,
+            bytes: 0,
+            last: Moment::default(),
+            wait: Wait::default(),
+        })
+    }
+
+    /// Steps in the files.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        self.rows
+    }
+
+    /// Bytes in the files, those that were let go not counted.
+    #[must_use]
+    pub fn bytes(&self) -> u64 {
+        self.bytes + self.file.as_ref().map_or(0, |part| part.sink.bytes())
+    }
+
+    /// Files made so far.
+    #[must_use]
+    pub fn parts(&self) -> u32 {
+        self.parts
+    }
+
+    /// Files that are finished, oldest first.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.done.iter().map(|done| done.path.as_path())
+    }
+
+    /// Puts one thing where it belongs.
+    ///
+    /// # Errors
+    /// A file cannot be made or written, or the disk has too little room left.
+    pub(crate) fn take(&mut self, item: Item) -> Result<(), TapeError> {
+        match self.keep.keeping {
+            Keeping::Pretrigger(seconds) => self.take_waiting(item, seconds),
+            _ => self.put(item),
+        }
+    }
+
+    /// Ends the recording, for a reason that the file tells. Returns the files that it has become.
+    ///
+    /// # Errors
+    /// As [`Reel::take`].
+    pub fn finish(mut self, why: &str) -> Result<Vec<PathBuf>, TapeError> {
+        self.close(What::Ends(why.to_owned()))?;
+        let parts: Vec<PathBuf> = self.done.iter().map(|done| done.path.clone()).collect();
+        if !matches!(self.keep.keeping, Keeping::Last(_)) || parts.is_empty() {
+            return Ok(parts);
+        }
+        sink::join(&parts, &self.path)?;
+        for part in &parts {
+            // The whole is there: a part that stays behind is a nuisance and no loss.
+            let _ = std::fs::remove_file(part);
+        }
+        Ok(vec![self.path])
+    }
+
+    fn put(&mut self, item: Item) -> Result<(), TapeError> {
+        match item {
+            Item::Run(bulletin, at) => {
+                if self.file.is_some() {
+                    let next = self.next_path();
+                    self.close(What::Continues(name(&next)))?;
+                }
+                self.last = at;
+                self.head = Some(self.subject.head(bulletin));
+                self.begin()
+            }
+            Item::Steps(batch) => {
+                let Some((first, last)) = batch.span() else { return Ok(()) };
+                self.last = last;
+                self.make_room(first)?;
+                let Some(part) = &mut self.file else { return Ok(()) };
+                part.began_ns.get_or_insert(first.wall_ns);
+                part.sink.steps(&batch)?;
+                self.rows += batch.len() as u64;
+                Ok(())
+            }
+            Item::Event(event) => {
+                let mut told = Event::from(&*event);
+                if let Some(head) = self.head.as_ref().filter(|head| event.revision > head.bulletin.revision) {
+                    let (before, after) = (head.bulletin.settings.unpack(), event.settings.unpack());
+                    told.change = Difference::between(&before, &after).to_string();
+                }
+                let head = self.head.as_mut();
+                let revision = head.and_then(|head| head.earlier(&event).or_else(|| head.follow(&event)));
+                if let Some(revision) = revision {
+                    self.revision(&revision, told.at)?;
+                }
+                self.file.as_mut().map_or(Ok(()), |part| part.sink.event(&told))
+            }
+            Item::Bulletin(bulletin, at) => {
+                let revision = self.catch_up(bulletin);
+                if let Some(revision) = revision {
+                    self.revision(&revision, at)?;
+                }
+                let (Some(part), Some(head)) = (&mut self.file, &self.head) else { return Ok(()) };
+                part.sink.health(&head.bulletin, at)
+            }
+            Item::Remark(remark) => {
+                if let Some(head) = &mut self.head {
+                    head.heed(&remark);
+                }
+                self.file.as_mut().map_or(Ok(()), |part| part.sink.remark(&remark))
+            }
+        }
+    }
+
+    fn revision(&mut self, revision: &Revision, at: Moment) -> Result<(), TapeError> {
+        self.file.as_mut().map_or(Ok(()), |part| part.sink.revision(revision, at))
+    }
+
+    /// Takes over a bulletin. Settings in it whose event has not come, which only a very busy bench can bring about, are
+    /// recorded from here.
+    fn catch_up(&mut self, bulletin: Box<Bulletin>) -> Option<Revision> {
+        let head = self.head.as_mut()?;
+        if bulletin.revision <= head.bulletin.revision {
+            // The event was faster: its settings stay.
+            let newest = std::mem::replace(&mut head.bulletin, bulletin);
+            head.bulletin.settings = newest.settings;
+            head.bulletin.revision = newest.revision;
+            head.bulletin.applied_at_step = newest.applied_at_step;
+            head.bulletin.changed_by = newest.changed_by;
+            return None;
+        }
+        head.bulletin = bulletin;
+        Some(head.revision())
+    }
+
+    /// Begins the next file, with all that makes it readable alone.
+    fn begin(&mut self) -> Result<(), TapeError> {
+        let Some(head) = &self.head else { return Ok(()) };
+        let path = self.next_path();
+        let mut sink = (self.open)(&path, head)?;
+        self.parts += 1;
+        sink.revision(&head.revision(), self.last)?;
+        sink.remark(&Remark { at: self.last, what: What::Begins })?;
+        for remark in &head.standing {
+            sink.remark(remark)?;
+        }
+        self.file = Some(Part { path, sink, began_ns: None });
+        Ok(())
+    }
+
+    fn close(&mut self, why: What) -> Result<(), TapeError> {
+        let Some(mut part) = self.file.take() else { return Ok(()) };
+        part.sink.remark(&Remark { at: self.last, what: why })?;
+        let bytes = part.sink.finish()?;
+        self.bytes += bytes;
+        self.done.push_back(Done { path: part.path, last_ns: self.last.wall_ns, bytes });
+        Ok(())
+    }
+
+    /// Turns to the next file where that is due, lets go of what is too old, and looks at the disk.
+    fn make_room(&mut self, now: Moment) -> Result<(), TapeError> {
+        let Some(part) = &self.file else { return Ok(()) };
+        let window = if let Keeping::Last(seconds) = self.keep.keeping { Some(seconds) } else { None };
+        let age = part.began_ns.map_or(0.0, |began| now.wall_ns.saturating_sub(began) as f64 / 1e9);
+        let too_old = window.is_some_and(|window| age >= window / Keep::ROLLING_PARTS);
+        let too_large = self.keep.split.is_some_and(|split| part.sink.bytes() >= split);
+        if too_old || too_large {
+            let next = self.next_path();
+            self.close(What::Continues(name(&next)))?;
+            self.begin()?;
+        }
+        if let Some(window) = window {
+            let oldest = now.wall_ns.saturating_sub((window * 1e9) as u64);
+            while let Some(done) = self.done.pop_front_if(|done| done.last_ns < oldest) {
+                self.bytes -= done.bytes;
+                std::fs::remove_file(&done.path).map_err(|error| self.stopped(error.to_string()))?;
+            }
+        }
+        let free = free_bytes(&self.path);
+        if free.is_some_and(|free| free < self.keep.min_free) {
+            self.close(What::Ends("the disk is nearly full".into()))?;
+            let megabytes = |bytes: u64| bytes / 1_000_000;
+            let (left, limit) = (megabytes(free.unwrap_or_default()), megabytes(self.keep.min_free));
+            return Err(self.stopped(format!("the disk has {left} MB left, fewer than the {limit} MB to be kept free")));
+        }
+        Ok(())
+    }
+
+    fn stopped(&self, problem: String) -> TapeError {
+        TapeError::Stopped { path: self.path.clone(), problem, bytes: self.bytes() }
+    }
+
+    /// The name of the next file: as given, then with `-2`, `-3` before the ending; `-1` too where parts will be joined.
+    fn next_path(&self) -> PathBuf {
+        let number = self.parts + 1;
+        if number == 1 && !matches!(self.keep.keeping, Keeping::Last(_)) {
+            return self.path.clone();
+        }
+        let stem = self.path.file_stem().unwrap_or_default().to_string_lossy();
+        self.path.with_file_name(format!("{stem}-{number}.rrd"))
+    }
+
+    /// Holds what comes until a trip, and writes from the last `seconds` before it to some after it.
+    fn take_waiting(&mut self, item: Item, seconds: f64) -> Result<(), TapeError> {
+        let now_ns = match &item {
+            Item::Steps(batch) => batch.span().map_or(self.last, |(_, last)| last).wall_ns,
+            _ => self.last.wall_ns,
+        };
+        let window_ns = (seconds * 1e9) as u64;
+        let trips = matches!(&item, Item::Event(event) if matches!(event.happening(), Some(Happening::Tripped(_))));
+        let new_run = matches!(item, Item::Run(..));
+        if self.wait.until_ns.is_some_and(|until| now_ns > until) || new_run {
+            self.close(What::Ends("the time after the trip is over".into()))?;
+            self.wait = Wait { head: self.head.take(), ..Wait::default() };
+        }
+        if self.wait.until_ns.is_some() {
+            if trips {
+                self.wait.until_ns = Some(now_ns + after_ns(seconds));
+            }
+            return self.put(item);
+        }
+        if let Item::Steps(batch) = &item {
+            self.last = batch.span().map_or(self.last, |(_, last)| last);
+        }
+        if new_run {
+            // Nobody asks any more how the run before it stood.
+            self.wait = Wait::default();
+        }
+        self.wait.items.push_back(item);
+        self.wait.let_go(now_ns.saturating_sub(window_ns), &self.subject);
+        if trips {
+            self.wait.until_ns = Some(now_ns + after_ns(seconds));
+            self.head = self.wait.head.take();
+            self.begin()?;
+            for item in std::mem::take(&mut self.wait.items) {
+                self.put(item)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn after_ns(seconds: f64) -> u64 {
+    (seconds.min(Keep::AFTER_TRIP) * 1e9) as u64
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,265 @@
+//! What is recorded goes where it belongs, without any file being written.
+
+use std::sync::{Arc, Mutex};
+
+use alarms::{Level, Turn, Watch};
+use wire::message::Trip;
+use wire::{SettingsMessage, State};
+
+use super::*;
+use crate::batch::Batch;
+
+/// What was written, file by file.
+type Log = Arc<Mutex<Vec<String>>>;
+
+/// A sink that notes what it is given; each step counts for a hundred bytes.
+struct Noting {
+    name: String,
+    log: Log,
+    bytes: u64,
+}
+
+impl Noting {
+    fn note(&mut self, what: &str) -> Result<(), TapeError> {
+        self.log.lock().unwrap().push(format!("{} {what}", self.name));
+        Ok(())
+    }
+}
+
+impl Sink for Noting {
+    fn steps(&mut self, batch: &Batch) -> Result<(), TapeError> {
+        self.bytes += 100 * batch.len() as u64;
+        self.note(&format!("{}..={}", batch.seq[0], batch.seq[batch.len() - 1]))
+    }
+
+    fn revision(&mut self, revision: &Revision, _: Moment) -> Result<(), TapeError> {
+        self.note(&format!("revision {}", revision.revision))
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), TapeError> {
+        self.note(event.happening.name())
+    }
+
+    fn remark(&mut self, remark: &Remark) -> Result<(), TapeError> {
+        self.note(&remark.text())
+    }
+
+    fn health(&mut self, _: &Bulletin, _: Moment) -> Result<(), TapeError> {
+        Ok(())
+    }
+
+    fn bytes(&self) -> u64 {
+        self.bytes
+    }
+
+    fn finish(self: Box<Self>) -> Result<u64, TapeError> {
+        Ok(self.bytes)
+    }
+}
+
+struct Bench {
+    reel: Reel,
+    log: Log,
+    folder: tempfile::TempDir,
+}
+
+impl Bench {
+    fn new(keep: Keep) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let log = Log::default();
+        let shared = log.clone();
+        let open: Open = Box::new(move |path, _| {
+            std::fs::write(path, "").unwrap();
+            Ok(Box::new(Noting { name: name(path), log: shared.clone(), bytes: 0 }))
+        });
+        let subject = Subject { bench: "rig".into(), limits: Limits::default() };
+        let reel = Reel::with(&folder.path().join("s.rrd"), subject, keep, open).unwrap();
+        Self { reel, log, folder }
+    }
+
+    fn run(&mut self) {
+        self.reel.take(Item::Run(bulletin(), Moment::default())).unwrap();
+    }
+
+    /// One second of steps at 10 a second.
+    fn second(&mut self, second: u64) {
+        let mut batch = Batch::new(3);
+        for seq in 10 * second..10 * (second + 1) {
+            let wall_ns = 1_000_000_000_000 + seq * 100_000_000;
+            batch.push(&State { run_id: 1, seq, wall_ns, count: 3, ..State::default() });
+        }
+        self.reel.take(Item::Steps(batch)).unwrap();
+    }
+
+    fn event(&mut self, happening: &Happening, revision: u64) {
+        let mut event = happening.event();
+        (event.run_id, event.revision, event.settings) = (1, revision, bulletin().settings);
+        self.reel.take(Item::Event(event)).unwrap();
+    }
+
+    fn log(&self) -> Vec<String> {
+        std::mem::take(&mut self.log.lock().unwrap())
+    }
+
+    fn files(&self) -> Vec<String> {
+        let mut files: Vec<_> =
+            std::fs::read_dir(self.folder.path()).unwrap().flatten().map(|e| name(&e.path())).collect();
+        files.sort();
+        files
+    }
+}
+
+fn bulletin() -> Box<Bulletin> {
+    let rotor = rotor::builtin::rotor("three-mass").unwrap();
+    let off = rotor::builtin::feedback(&rotor, "off").unwrap();
+    let settings = rotor::Settings::new(&rotor, 1.0, off);
+    let settings = SettingsMessage::pack(&settings).unwrap();
+    let mut bulletin = Box::new(Bulletin { run_id: 1, revision: 1, settings, ..Bulletin::default() });
+    bulletin.set_rotor(&rotor);
+    bulletin
+}
+
+fn keep(keeping: Keeping) -> Keep {
+    Keep { keeping, split: None, min_free: 0 }
+}
+
+#[test]
+fn every_part_of_a_split_recording_can_be_read_alone() {
+    let mut bench = Bench::new(Keep { split: Some(1500), ..keep(Keeping::All) });
+    bench.run();
+    bench.second(0);
+    bench.event(&Happening::Settings, 2);
+    bench.second(1);
+    bench.second(2);
+    let said = bench.log();
+    assert_eq!(
+        said,
+        [
+            "s.rrd revision 1",
+            "s.rrd recording begins",
+            "s.rrd 0..=9",
+            "s.rrd revision 2",
+            "s.rrd settings",
+            "s.rrd 10..=19",
+            "s.rrd recording goes on in s-2.rrd",
+            "s-2.rrd revision 2",
+            "s-2.rrd recording begins",
+            "s-2.rrd 20..=29",
+        ]
+    );
+    let files = bench.reel.finish("enough").unwrap();
+    assert_eq!(files.iter().map(|f| name(f)).collect::<Vec<_>>(), ["s.rrd", "s-2.rrd"]);
+}
+
+fn alarm(seq: u64, level: Level) -> Item {
+    let before = if level == Level::Fine { Level::Alarm } else { Level::Fine };
+    let at = Moment { seq, ..Moment::default() };
+    let (watch, cause) = (Watch::Damping, String::new());
+    let turn = Turn { at, watch, before, level, value: seq as f64, limit: 0.0, worst: 0.0, cause };
+    Item::Remark(Remark { at, what: What::Alarm(turn) })
+}
+
+#[test]
+fn an_alarm_in_force_stands_at_the_head_of_every_part_until_it_ends() {
+    let mut bench = Bench::new(Keep { split: Some(1000), ..keep(Keeping::All) });
+    bench.run();
+    bench.second(0);
+    bench.reel.take(alarm(5, Level::Alarm)).unwrap();
+    bench.second(1);
+    bench.second(2);
+    bench.reel.take(alarm(25, Level::Fine)).unwrap();
+    bench.second(3);
+    let said = bench.log();
+    let told: Vec<&str> = said.iter().filter(|line| line.contains("damping")).map(String::as_str).collect();
+    let rose = "alarm: damping 5, limit 0";
+    let [again, further] = [2, 3].map(|part| format!("s-{part}.rrd {rose}"));
+    let fell = "s-3.rrd damping within its limits again: 25, at worst 0";
+    assert_eq!(told, [&format!("s.rrd {rose}"), &again, &further, fell], "{said:?}");
+}
+
+#[test]
+fn an_alarm_before_the_time_that_a_trip_looks_back_is_told_all_the_same() {
+    let mut bench = Bench::new(keep(Keeping::Pretrigger(3.0)));
+    bench.run();
+    bench.second(0);
+    bench.reel.take(alarm(5, Level::Warning)).unwrap();
+    (1..20).for_each(|second| bench.second(second));
+    bench.event(&Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }), 1);
+    let said = bench.log();
+    assert_eq!(said[2], "s.rrd warning: damping 5, limit 0", "{said:?}");
+}
+
+#[test]
+fn a_rolling_recording_lets_go_of_what_is_too_old() {
+    let mut bench = Bench::new(keep(Keeping::Last(16.0)));
+    bench.run();
+    (0..40).for_each(|second| bench.second(second));
+    // Parts of two seconds; those that end more than sixteen ago are gone.
+    let files = bench.files();
+    assert!((9..=10).contains(&files.len()), "{files:?}");
+    assert!(!files.contains(&"s-1.rrd".to_owned()) && files.contains(&"s-20.rrd".to_owned()), "{files:?}");
+    assert!(bench.reel.bytes() <= 100 * 10 * 19, "{}", bench.reel.bytes());
+}
+
+#[test]
+fn a_trip_writes_what_came_before_it_under_the_settings_of_then() {
+    let mut bench = Bench::new(keep(Keeping::Pretrigger(3.0)));
+    bench.run();
+    (0..10).for_each(|second| bench.second(second));
+    bench.event(&Happening::Settings, 2);
+    (10..20).for_each(|second| bench.second(second));
+    bench.event(&Happening::Settings, 3);
+    bench.second(20);
+    assert!(bench.log().is_empty() && bench.files().is_empty());
+    bench.event(&Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }), 3);
+    let said = bench.log();
+    assert_eq!(
+        said,
+        [
+            "s.rrd revision 2",
+            "s.rrd recording begins",
+            "s.rrd 170..=179",
+            "s.rrd 180..=189",
+            "s.rrd 190..=199",
+            "s.rrd revision 3",
+            "s.rrd settings",
+            "s.rrd 200..=209",
+            "s.rrd tripped",
+        ]
+    );
+    (21..30).for_each(|second| bench.second(second));
+    let said = bench.log();
+    assert_eq!(said.last().unwrap(), "s.rrd recording ends: the time after the trip is over");
+    assert_eq!(said.len(), 4, "three seconds after it, and the end: {said:?}");
+    // The next trip has a file of its own.
+    bench.event(&Happening::Restarted, 3);
+    bench.event(&Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }), 3);
+    assert_eq!(bench.log()[0], "s-2.rrd revision 3");
+    assert_eq!(bench.files(), ["s-2.rrd", "s.rrd"]);
+}
+
+#[test]
+fn another_run_is_another_file() {
+    let mut bench = Bench::new(keep(Keeping::All));
+    bench.run();
+    bench.second(0);
+    bench.run();
+    bench.second(0);
+    assert_eq!(bench.reel.finish("enough").unwrap().len(), 2);
+}
+
+#[test]
+fn what_is_no_place_for_a_file_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = folder.path().join("there.rrd");
+    std::fs::write(&there, "").unwrap();
+    for (path, why) in [
+        (there, "is already there"),
+        (folder.path().join("no/s.rrd"), "no folder to record into"),
+        (folder.path().join("s.csv"), "ends in .rrd"),
+        (folder.path().join("there.rrd/s.rrd"), "is no folder"),
+    ] {
+        let told = check(&path).unwrap_err().to_string();
+        assert!(told.contains(why), "{told}");
+    }
+}
