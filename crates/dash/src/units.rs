@@ -90,7 +90,11 @@ impl Units {
     pub(crate) fn step(&self, key: Key) -> f64 {
         match self.setting(key).factor {
             1.0 => key.parameter.step,
-            factor => nice_ceiling(key.parameter.step * factor),
+            // What the product of round numbers leaves behind their digits is not part of them.
+            factor => {
+                let step = nice_ceiling(key.parameter.step * factor);
+                format!("{step:.3e}").parse().unwrap_or(step)
+            }
         }
     }
 

@@ -122,6 +122,26 @@ mod tests {
     }
 
     #[test]
+    fn a_moment_that_is_clicked_at_is_where_the_player_goes_on_from() {
+        let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
+        let player = Player::new(Box::new(session()), &mut feed, &mut time).unwrap();
+        let (edits, _taken) = channel::bounded(8);
+        let feed = Arc::new(Mutex::new(feed));
+        let mut app =
+            App::new("memory".into(), feed, edits, None, Desk::at_once(), Arc::default(), &Options::default())
+                .playing(player, time);
+        let first = lock(&app.feed).history().places().start;
+        app.look_at(first + 100);
+        assert_eq!(app.player.as_ref().unwrap().seq(), 100);
+        app.press(KeyEvent::new(Char('>'), KeyModifiers::NONE));
+        assert_eq!(app.player.as_ref().unwrap().seq(), 101);
+        let tau = session().states[57].tau;
+        app.look_when(0, tau);
+        let stands = app.player.as_ref().unwrap().seq();
+        assert!((session().states[stands as usize].tau - tau).abs() < 0.0101);
+    }
+
+    #[test]
     fn a_time_is_typed_and_gone_to() {
         // tau rises by 0.01 a step, from 0.01 on; the last stretch that reaches 0.5 is that after the last restart.
         let (there, ..) = pressed(&[Char('g'), Char('0'), Char('.'), Char('5'), Char('7'), Backspace, Enter]);

@@ -559,3 +559,29 @@ fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
     let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
     assert_eq!(at, Some(50_601_000_000_000));
 }
+
+#[test]
+fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
+    let (mut app, taken) = dashboard(&Options::default());
+    {
+        let mut bulletin = tests::bulletin("three-mass", "composite");
+        let scales = crate::units::tests::SI;
+        bulletin.scales = [scales.w0, scales.k_t, scales.m_t, scales.e_t];
+        lock(&app.feed).read(bulletin);
+    }
+    let shown = frame(&mut app);
+    assert!(shown.contains("23873 rpm (R 2.5000)") && shown.contains("23873.24"), "{shown}");
+    press(&mut app, &[Right]);
+    command(&mut app, "deadband 1e-5");
+    press(&mut app, &[Enter]);
+    type_in(&mut app, "9549.296585513721");
+    press(&mut app, &[Enter]);
+    let edits: Vec<Edit> = taken.try_iter().collect();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let [Edit::Nudge(_, nudge), Edit::Set(deadband), Edit::Set(speed)] = &edits[..] else { panic!("{edits:?}") };
+    // 500 rpm; 10 um are 2 e_t; 9549.3 rpm are 1000 rad/s.
+    assert!(
+        near(*nudge, 500.0 / 9_549.296_585_513_721) && near(deadband[0].1, 2.0) && near(speed[0].1, 1.0),
+        "{edits:?}"
+    );
+}

@@ -120,7 +120,7 @@ fn draw_standings(
     buffer: &mut Buffer,
 ) {
     let room = rows.len().saturating_sub(spared);
-    let heading = ("", ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
+    let heading = (String::new(), ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
     let lines = view.alarms.standings().map(|(watch, standing, limit)| {
         let unit = unit_of(watch, units);
         let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| unit.short(value, 5));
@@ -139,7 +139,8 @@ fn draw_standings(
             (Some(_), None) if view.replay.is_none() => Span::styled("unknown", theme::quiet()),
             (Some(_), _) => Span::styled(level_words(standing.at), theme::loud(level_color(standing.at))),
         };
-        (watch.name(), cells, state)
+        let unit = if units.scales.is_some() { unit.name } else { "" };
+        (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
     });
     for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
         let text = format!("{name:<10}{now:>9}{warning:>9}{alarm:>9}  ");

@@ -104,7 +104,8 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     let Some(now) = picture.now else { return };
     let track = &picture.track;
     let factor = unit.factor;
-    let [y, z] = track.force(now).map(|part| part * factor);
+    // A zero has no sign.
+    let [y, z] = track.force(now).map(|part| part * factor + 0.0);
     let most = picture.peak_force * factor;
     let within = track.range(Channel::Force, picture.window.clone()).map_or(0.0, |[_, high]| high * factor);
     let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * factor);

@@ -32,8 +32,9 @@ const FRESH: f64 = 2.0;
 /// Steps that an orbit shows at low speed, where that many turns take too long.
 const MOST_STEPS: usize = 10_000;
 
-/// Width of a cell in which y and z have room beside the radius.
+/// Width of a cell in which y and z have room beside the radius, and height of one in which they have room above it.
 const ROOM_FOR_PLACE: u16 = 26;
+const ROWS_FOR_PLACE: u16 = 12;
 
 /// The orbits; the wheel changes their scale.
 #[derive(Debug, Default)]
@@ -135,13 +136,21 @@ fn draw_one(
     if let Some(last) = shown.clone().last() {
         let [y, z] = track.place(last, mass);
         let told = |value| unit.short(value, 3);
-        let now = match cell.width {
-            ROOM_FOR_PLACE.. => format!("{}  y {}  z {}", told(radius([y, z])), told(y), told(z)),
-            _ => told(radius([y, z])),
+        let mut line = |from_below: u16, x: u16, text: &str| {
+            write(buffer, cell, x, cell.bottom().saturating_sub(from_below), text, theme::quiet());
         };
-        let row = if cell.height > 3 { cell.bottom() - 1 } else { cell.top() };
-        let column = cell.left() + if cell.height > 3 { 0 } else { 4 };
-        write(buffer, cell, column, row, &now, theme::quiet());
+        match (cell.width, cell.height) {
+            (_, ..=3) => write(buffer, cell, cell.left() + 4, cell.top(), &told(radius([y, z])), theme::quiet()),
+            (ROOM_FOR_PLACE.., _) => {
+                line(1, cell.left(), &format!("{}  y {}  z {}", told(radius([y, z])), told(y), told(z)));
+            }
+            (_, ROWS_FOR_PLACE..) => {
+                line(3, cell.left(), &format!("y {}", told(y)));
+                line(2, cell.left(), &format!("z {}", told(z)));
+                line(1, cell.left(), &told(radius([y, z])));
+            }
+            _ => line(1, cell.left(), &told(radius([y, z]))),
+        }
     }
 }
 

@@ -164,7 +164,8 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
             write(buffer, inner, x, y, &format!("{zeta}"), theme::quiet());
         }
     }
-    let number = |value: f64| units.rate.short(value, 2);
+    // A scale that stands still was chosen: it is told as it is.
+    let number = |value: f64| units.rate.short(value, if axes.re.is_fixed() || axes.im.is_fixed() { 3 } else { 2 });
     let symmetric = top == -bottom;
     let im = if symmetric { format!("±{}", number(top)) } else { format!("{} to {}", number(bottom), number(top)) };
     let name = if units.scales.is_some() { " 1/s" } else { "" };

@@ -21,6 +21,7 @@ use crate::plot::short;
 use crate::screen::View;
 use crate::theme;
 use crate::typing::Typing;
+use crate::units::Units;
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color) {
@@ -65,9 +66,13 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     add(view.bench.to_owned(), plain.bold());
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
         add(bulletin.rotor_name.as_str().to_owned(), plain);
-        let rpm =
-            bulletin.scales().map_or_else(String::new, |scales| format!(" ({:.0} rpm)", scales.rpm(settings.speed)));
-        add(format!("R {}{rpm}", settings.speed), plain);
+        let speed = match picture.units() {
+            units @ Units { scales: Some(_), .. } => {
+                format!("{} (R {:.4})", units.speed_told(settings.speed), settings.speed)
+            }
+            _ => format!("R {}", settings.speed),
+        };
+        add(speed, plain);
         add(format!("{:.0}/s", picture.rate), plain);
         let health = &bulletin.health;
         let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
