@@ -8,6 +8,7 @@ use alarms::{Gauge, Reading};
 use rotor::{Rotor, Settings};
 use wire::{Bulletin, Event, Happening, RecorderStatus, State};
 
+use crate::contact::Contact;
 use crate::history::History;
 use crate::journal::Journal;
 use crate::picture::Picture;
@@ -19,19 +20,6 @@ use crate::view_time::ViewTime;
 const BEFORE: u64 = 10_240;
 /// Seconds that an overview shows at least.
 const OVERVIEW: f64 = 60.0;
-
-/// How things stand between us and the simulation.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Contact {
-    /// No bench of that name yet, or a reason why we cannot attach.
-    Waiting(String),
-    /// States arrive.
-    Live,
-    /// The process lives but sends nothing.
-    Stalled,
-    /// The process has ended.
-    Gone,
-}
 
 /// All that has been heard, in bounded memory. The reader thread writes it, the drawing thread takes pictures.
 #[derive(Debug)]

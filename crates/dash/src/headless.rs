@@ -18,13 +18,14 @@ use crate::analysis::Desk;
 use crate::feed::Feed;
 use crate::link::{self, Shared, Wires, lock};
 use crate::looks::{Look, still};
+use crate::options::Options;
 use crate::panels::registry::Panels;
-use crate::panels::settings::Cursor;
-use crate::panels::status::Message;
 use crate::pointed::Pointed;
-use crate::screen::{self, View};
-use crate::session::Options;
+use crate::screen;
 use crate::terminal;
+use crate::view::Cursor;
+use crate::view::Message;
+use crate::view::View;
 use crate::view_time::ViewTime;
 
 /// How often what has come in is held against the alarms' limits.

@@ -9,7 +9,8 @@ use crossbeam::channel::Sender;
 use wire::{BenchName, Carrier, HostState, Listener, WireError};
 
 use crate::clerk::News;
-use crate::feed::{Contact, Feed};
+use crate::contact::Contact;
+use crate::feed::Feed;
 
 /// How often we look for new states: a fraction of a frame, and of the buffer at any rate.
 const POLL: Duration = Duration::from_millis(4);

@@ -5,152 +5,13 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use rotor::{C64, Rotor, Settings};
-use wire::message::{Flags, Trip};
+use wire::message::Trip;
 use wire::{Bulletin, RecorderStatus};
 
-use crate::feed::Contact;
-use crate::history::{Block, Channel, Era, Mark, STEPS};
+use crate::contact::Contact;
+use crate::history::{Era, Mark, Track};
 use crate::journal::Entry;
 use crate::units::Units;
-
-/// Consecutive steps, shared with the history; the first has the index 0.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Track {
-    masses: usize,
-    blocks: Vec<Arc<Block>>,
-    first: u64,
-    /// Index within the first block of the first step.
-    skipped: usize,
-    len: usize,
-}
-
-impl Track {
-    /// `len` steps from the one that is `skipped` steps into the first block; its place in the history is `first`.
-    pub(crate) fn new(masses: usize, blocks: Vec<Arc<Block>>, first: u64, skipped: usize, len: usize) -> Self {
-        Self { masses, blocks, first, skipped, len }
-    }
-
-    /// How many masses the rotor of these steps has; 0 before the first.
-    pub(crate) fn masses(&self) -> usize {
-        self.masses
-    }
-
-    /// How many steps there are.
-    pub(crate) fn len(&self) -> usize {
-        self.len
-    }
-
-    /// Place in the history of the first step.
-    pub(crate) fn first(&self) -> u64 {
-        self.first
-    }
-
-    /// Displacements `[y, z]` of a mass over some steps.
-    pub(crate) fn places(&self, steps: Range<usize>, mass: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
-        let (from, to) = (self.skipped + steps.start, self.skipped + steps.end.min(self.len).max(steps.start));
-        let blocks = if from < to { from / STEPS..to.div_ceil(STEPS) } else { 0..0 };
-        blocks.flat_map(move |at| {
-            let within = from.max(at * STEPS) - at * STEPS..to.min((at + 1) * STEPS) - at * STEPS;
-            let block = &self.blocks[at];
-            let [y, z] = [Channel::Y(mass), Channel::Z(mass)].map(|channel| &block.values(channel)[within.clone()]);
-            y.iter().zip(z).map(|(y, z)| [*y, *z])
-        })
-    }
-
-    /// Place of step `step` in the history: never used twice.
-    pub(crate) fn place_of(&self, step: usize) -> u64 {
-        self.first + step as u64
-    }
-
-    fn block(&self, step: usize) -> (&Block, usize) {
-        let at = self.skipped + step;
-        (&self.blocks[at / STEPS], at % STEPS)
-    }
-
-    /// A quantity at step `step`.
-    pub(crate) fn value(&self, channel: Channel, step: usize) -> f64 {
-        let (block, at) = self.block(step);
-        block.value(channel, at)
-    }
-
-    /// The least and the greatest value of a quantity over some steps; `None` if there are none. Cheap over any length.
-    pub(crate) fn range(&self, channel: Channel, steps: Range<usize>) -> Option<[f64; 2]> {
-        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
-        let (mut at, end) = (self.skipped + steps.start, self.skipped + steps.end.min(self.len));
-        while at < end {
-            let block = &self.blocks[at / STEPS];
-            let to = (end - at / STEPS * STEPS).min(STEPS);
-            block.widen(&mut range, channel, at % STEPS, to);
-            at = (at / STEPS + 1) * STEPS;
-        }
-        (range[0] <= range[1]).then_some(range)
-    }
-
-    /// Dimensionless time of step `step`.
-    pub(crate) fn tau(&self, step: usize) -> f64 {
-        self.value(Channel::Tau, step)
-    }
-
-    /// Spin angle at step `step`, in radians.
-    pub(crate) fn angle(&self, step: usize) -> f64 {
-        self.value(Channel::Angle, step)
-    }
-
-    /// Spin speed `R` at step `step`.
-    pub(crate) fn speed(&self, step: usize) -> f64 {
-        self.value(Channel::Speed, step)
-    }
-
-    /// Control `[y, z]` delivered at step `step`.
-    pub(crate) fn force(&self, step: usize) -> [f64; 2] {
-        [self.value(Channel::ForceY, step), self.value(Channel::ForceZ, step)]
-    }
-
-    /// Control `[y, z]` asked for at step `step`.
-    pub(crate) fn commanded(&self, step: usize) -> [f64; 2] {
-        [self.value(Channel::CommandY, step), self.value(Channel::CommandZ, step)]
-    }
-
-    /// Displacement `[y, z]` of a mass at step `step`.
-    pub(crate) fn place(&self, step: usize, mass: usize) -> [f64; 2] {
-        [self.value(Channel::Y(mass), step), self.value(Channel::Z(mass), step)]
-    }
-
-    /// Velocity `[y, z]` of a mass at step `step`.
-    pub(crate) fn velocity(&self, step: usize, mass: usize) -> [f64; 2] {
-        [self.value(Channel::Vy(mass), step), self.value(Channel::Vz(mass), step)]
-    }
-
-    /// When step `step` was due to be sent, nanoseconds since 1970.
-    pub(crate) fn wall_ns(&self, step: usize) -> u64 {
-        let (block, at) = self.block(step);
-        block.wall_ns(at)
-    }
-
-    /// What was special about step `step`.
-    pub(crate) fn flags(&self, step: usize) -> Flags {
-        let (block, at) = self.block(step);
-        Flags(block.flags(at))
-    }
-
-    /// Divides some steps into at most `count` columns of as many steps each, in order. Their borders stay at the same
-    /// steps while the window moves on, so that a plot scrolls and does not flicker.
-    pub(crate) fn columns(
-        &self,
-        steps: Range<usize>,
-        count: usize,
-    ) -> impl ExactSizeIterator<Item = Range<usize>> + Clone {
-        let most = count.saturating_sub(1).max(1);
-        let each = steps.len().div_ceil(most).max(1);
-        let phase = ((self.first + steps.start as u64) % each as u64) as usize;
-        let columns = if steps.is_empty() { 0 } else { (phase + steps.len()).div_ceil(each) };
-        (0..columns.min(count)).map(move |column| {
-            let from = steps.start + (column * each).saturating_sub(phase);
-            let to = steps.start + (column + 1) * each - phase;
-            from..to.min(steps.end)
-        })
-    }
-}
 
 /// What one frame is drawn from. Everything is at the cursor's moment, unless it says that it is live.
 #[derive(Clone, Debug)]
@@ -202,7 +63,7 @@ pub(crate) struct Picture {
 impl Picture {
     /// How many masses have been heard of.
     pub(crate) fn masses(&self) -> usize {
-        self.track.masses
+        self.track.masses()
     }
 
     /// The minimum damping and the poles, least damped first, if they are known.

@@ -1,56 +1,18 @@
 //! The screen: a line that says how things stand, the panels of a [`Layout`], a line of hints, and what lies on top.
 
-use alarms::Alarms;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
-use crate::analysis::Desk;
-use crate::keymap::Keymap;
 use crate::layers::Layer;
-use crate::layout::Layout;
-use crate::panels::offers::{self, Offer};
-use crate::panels::registry::{Panels, Wish};
-use crate::panels::settings::Cursor;
-use crate::panels::status::Message;
-use crate::panels::{help, status};
-use crate::picture::Picture;
-use crate::pointed::Pointed;
-use crate::replay::{self, Show};
+use crate::layout::{Layout, SMALLEST};
+use crate::panels::offers;
+use crate::panels::panel::Wish;
+use crate::panels::registry::Panels;
+use crate::panels::{help, status, time_line};
 use crate::theme;
-use crate::view_time::ViewTime;
-use crate::what_if::WhatIf;
-
-/// The smallest screen that the panels fit on.
-pub(crate) const SMALLEST: (u16, u16) = (60, 16);
-
-/// All that a frame shows.
-#[derive(Debug)]
-pub(crate) struct View<'a> {
-    pub(crate) picture: &'a Picture,
-    pub(crate) time: &'a ViewTime,
-    pub(crate) bench: &'a str,
-    pub(crate) cursor: &'a Cursor,
-    pub(crate) message: &'a Message,
-    /// Where to ask for what takes long to compute.
-    pub(crate) desk: &'a Desk,
-    pub(crate) alarms: &'a Alarms,
-    /// What lies on top of the panels, the topmost last.
-    pub(crate) layers: &'a [Layer],
-    /// What can follow the command that is being typed.
-    pub(crate) offers: &'a [Offer],
-    /// What lists shall show; everything if it is empty.
-    pub(crate) filter: &'a str,
-    pub(crate) keymap: &'a Keymap,
-    /// What the change that is being typed or asked about would mean.
-    pub(crate) what_if: Option<&'a WhatIf>,
-    pub(crate) read_only: bool,
-    /// What a person points at.
-    pub(crate) pointed: &'a Pointed,
-    /// The player, if this is a recording.
-    pub(crate) replay: Option<Show<'a>>,
-}
+use crate::view::View;
 
 /// Draws everything.
 pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: Rect, buffer: &mut Buffer) {
@@ -68,8 +30,8 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     match &view.replay {
         None => status::draw_top(view, top, buffer),
         Some(show) => {
-            replay::draw_top(show, view, top, buffer);
-            replay::draw_time(show, line, buffer);
+            time_line::draw_top(show, view, top, buffer);
+            time_line::draw_time(show, line, buffer);
         }
     }
     let (places, strips) = layout.places_and_strips(body);
@@ -120,41 +82,14 @@ fn parts(area: Rect, has_line_of_time: bool) -> [Rect; 4] {
 }
 
 #[cfg(test)]
-pub(crate) mod tests {
-    use std::sync::LazyLock;
-
+mod tests {
     use super::*;
-    use crate::feed::{Contact, Feed, tests};
+    use crate::contact::Contact;
+    use crate::feed::{Feed, tests};
     use crate::looks::still::text;
-
-    static CURSOR: Cursor = Cursor { row: 0, typed: None };
-    static HINTS: Message = Message::Hints;
-    static KEYMAP: std::sync::LazyLock<Keymap> = std::sync::LazyLock::new(Keymap::default);
-    static LIVE: ViewTime = ViewTime::LIVE;
-    static DESK: LazyLock<Desk> = LazyLock::new(Desk::at_once);
-    static NOTHING: Pointed = Pointed { plot: None, mode: None, frequency: None, speed: None };
-    static ALARMS: LazyLock<Alarms> = LazyLock::new(Alarms::default);
-
-    /// A view of `picture` by somebody who has pressed nothing yet.
-    pub(crate) fn view(picture: &Picture) -> View<'_> {
-        View {
-            picture,
-            time: &LIVE,
-            bench: "default",
-            cursor: &CURSOR,
-            message: &HINTS,
-            desk: &DESK,
-            alarms: &ALARMS,
-            layers: &[],
-            offers: &[],
-            filter: "",
-            keymap: &KEYMAP,
-            what_if: None,
-            read_only: false,
-            pointed: &NOTHING,
-            replay: None,
-        }
-    }
+    use crate::picture::Picture;
+    use crate::view::tests::view;
+    use crate::view_time::ViewTime;
 
     fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {
         frame_of("overview", picture, width, height, help)

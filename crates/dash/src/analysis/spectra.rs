@@ -5,7 +5,7 @@ use std::ops::Range;
 use rotor::C64;
 use spectrum::{Peak, Spectrum, SpectrumError, Welch, welch};
 
-use crate::picture::Track;
+use crate::history::Track;
 
 /// Steps that a spectrum looks back at most: 65 s at 1000 steps a second.
 const MOST: usize = 1 << 16;

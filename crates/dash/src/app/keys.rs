@@ -7,10 +7,10 @@ use super::{App, Message};
 use crate::actions::{self, Action};
 use crate::clerk::Edit;
 use crate::layers::Layer;
-use crate::panels::offers::Offer;
+use crate::options::Ended;
 use crate::picture::Picture;
-use crate::session::Ended;
 use crate::typing::{Typed, Typing, is_letter};
+use crate::view::Offer;
 
 impl App<'_> {
     pub(super) fn press(&mut self, key: KeyEvent) {

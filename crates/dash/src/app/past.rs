@@ -6,8 +6,8 @@ use super::App;
 use crate::actions::Action;
 use crate::feed::Feed;
 use crate::link::lock;
-use crate::panels::status::Message;
 use crate::replay::Player;
+use crate::view::Message;
 use crate::view_time::ViewTime;
 
 impl App<'_> {
@@ -75,9 +75,9 @@ mod tests {
 
     use super::*;
     use crate::analysis::Desk;
+    use crate::options::Options;
     use crate::replay::Past as _;
     use crate::replay::tests::session;
-    use crate::session::Options;
 
     /// Presses keys on a recording; returns where that leads, what is said, and whether there is something beside.
     fn pressed(keys: &[KeyCode]) -> (u64, bool, Message) {

@@ -4,10 +4,11 @@ use super::App;
 use crate::actions::{Action, Read};
 use crate::axis::Scaling;
 use crate::link::lock;
-use crate::panels::registry::{KINDS, Wish, plots};
+use crate::panels::panel::Wish;
+use crate::panels::registry::{KINDS, plots};
 use crate::panels::series::Strip;
-use crate::panels::status::Message;
 use crate::screen;
+use crate::view::Message;
 
 impl App<'_> {
     /// The plots of the layout, in the order of its picture.

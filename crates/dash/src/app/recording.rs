@@ -1,9 +1,9 @@
 //! The key that records the bench.
 
 use super::App;
+use crate::hands::{Scribe, ScribeNews};
 use crate::link::lock;
-use crate::panels::status::Message;
-use crate::session::{Scribe, ScribeNews};
+use crate::view::Message;
 
 impl<'a> App<'a> {
     /// The same with somebody who can record.
@@ -60,7 +60,7 @@ mod tests {
     use super::*;
     use crate::feed::Feed;
     use crate::looks::still::text;
-    use crate::session::Options;
+    use crate::options::Options;
 
     #[derive(Default)]
     struct Writer {

@@ -6,6 +6,7 @@
 
 mod block;
 mod era;
+mod track;
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -14,10 +15,10 @@ use std::sync::Arc;
 use wire::message::Flags;
 use wire::{Bulletin, State};
 
-pub(crate) use block::{Block, Channel, STEPS};
+pub(crate) use block::Channel;
+use block::{Block, STEPS};
 pub(crate) use era::{Era, Mark};
-
-use crate::picture::Track;
+pub(crate) use track::Track;
 
 /// Bytes that steps may take unless somebody says otherwise: 12 minutes of a rotor with three masses at 1000 steps a second.
 pub(crate) const BOUND: usize = 128_000_000;

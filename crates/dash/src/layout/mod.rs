@@ -12,7 +12,7 @@
 //! """
 //! ```
 //!
-//! A block of equal words is one panel; `.` stays empty. The last screen must fit on [`SMALLEST`](crate::screen::SMALLEST).
+//! A block of equal words is one panel; `.` stays empty. The last screen must fit on 60 x 16.
 
 mod read;
 
@@ -21,6 +21,9 @@ use rotor::file::Problems;
 
 use crate::panels::registry::KINDS;
 use crate::panels::series::Strip;
+
+/// The smallest screen that the panels fit on.
+pub(crate) const SMALLEST: (u16, u16) = (60, 16);
 
 /// Names and files of the built-in layouts, in the order of their digits.
 pub const BUILT_IN: [(&str, &str); 6] = [

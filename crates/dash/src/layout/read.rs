@@ -7,9 +7,9 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::{Layout, Place, Screen, Size};
+use crate::layout::SMALLEST;
 use crate::panels::registry::KINDS;
 use crate::panels::series::Strip;
-use crate::screen::SMALLEST;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 

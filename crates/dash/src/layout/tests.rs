@@ -1,5 +1,5 @@
 use super::*;
-use crate::screen::SMALLEST;
+use crate::layout::SMALLEST;
 
 fn wrong(text: &str) -> String {
     Layout::read("x", text).unwrap_err().to_string()

@@ -17,13 +17,13 @@ use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
 use super::list::{List, mark, passes, row_of, told};
-use super::registry::{Intent, Mouse, Panel};
+use super::panel::{Intent, Mouse, Panel};
 use super::status::{level_color, level_words};
 use super::{framed, write};
 use crate::actions::Action;
-use crate::screen::View;
 use crate::theme;
 use crate::units::{Unit, Units};
+use crate::view::View;
 
 /// The panel; its list is that of what has been. A click on one that nobody has acknowledged does that, on any other it looks
 /// at its moment.
@@ -196,7 +196,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
 
     fn frame(alarms: &Alarms, width: u16, height: u16) -> String {
         let picture = tests::picture();

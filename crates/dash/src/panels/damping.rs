@@ -16,12 +16,12 @@ use ratatui::text::Line;
 use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write, write_right};
 use crate::axis::Axis;
 use crate::plot::{Plot, Window, nice_ceiling, short};
-use crate::screen::View;
 use crate::theme;
+use crate::view::View;
 
 /// Height of the large digits, and width of each, in cells.
 const DIGITS: (u16, u16) = (4, 4);
@@ -163,7 +163,7 @@ mod tests {
     use crate::feed::tests;
     use crate::history::Era;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
 
     #[test]
     fn a_stable_rotor_shows_its_damping_large() {

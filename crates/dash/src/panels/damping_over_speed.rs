@@ -16,16 +16,16 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write, write_right};
 use crate::actions::Read;
 use crate::analysis::{OverSpeed, Question};
 use crate::axis::Axis;
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::pointed::Point;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Units;
+use crate::view::View;
 
 /// What the panel shows.
 #[derive(Clone, Copy, Debug)]
@@ -299,7 +299,7 @@ mod tests {
         assert!(frame(&facts, 60, 14).contains("stable 0 to 7.0"));
         let picture = crate::feed::tests::picture();
         let drawn = drawn(60, 14, |area, buffer| {
-            DampingOverSpeed::default().draw(&crate::screen::tests::view(&picture), area, buffer);
+            DampingOverSpeed::default().draw(&crate::view::tests::view(&picture), area, buffer);
         });
         assert_eq!(drawn, frame(&facts, 60, 14));
     }

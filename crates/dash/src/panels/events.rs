@@ -17,12 +17,12 @@ use wire::Happening;
 
 use super::alarms::clock;
 use super::list::{List, mark, passes, row_of, told};
-use super::registry::{Intent, Mouse, Panel};
+use super::panel::{Intent, Mouse, Panel};
 use super::{framed, write};
 use crate::journal::Entry;
 use crate::plot::short;
-use crate::screen::View;
 use crate::theme;
+use crate::view::View;
 
 /// The list; a click looks at the moment of an event.
 #[derive(Debug, Default)]
@@ -119,7 +119,7 @@ mod tests {
     use crate::feed::{Feed, tests};
     use crate::journal::tests::event;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]
@@ -166,7 +166,7 @@ mod tests {
         let mut time = ViewTime::LIVE;
         time.jump(50);
         let picture = feed.picture(&time, std::time::Instant::now());
-        let view = crate::screen::View { time: &time, ..view(&picture) };
+        let view = crate::view::View { time: &time, ..view(&picture) };
         let frame = drawn(60, 11, |area, buffer| Events::default().draw(&view, area, buffer));
         let rows: Vec<&str> = frame.lines().collect();
         assert!(

@@ -11,12 +11,12 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write, write_right};
 use crate::axis::Axis;
 use crate::plot::short;
-use crate::screen::View;
 use crate::theme;
+use crate::view::View;
 
 /// Width of a label and its number.
 const HEAD: u16 = 13;
@@ -84,7 +84,7 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
 
     #[test]
     fn shows_the_force_now_and_at_most() {

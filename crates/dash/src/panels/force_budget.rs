@@ -20,14 +20,13 @@ use ratatui::text::Line;
 use rotor::{C64, J, Signal};
 
 use super::force::when;
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write};
 use crate::axis::Axis;
-use crate::history::Channel;
-use crate::picture::Track;
+use crate::history::{Channel, Track};
 use crate::plot::short;
-use crate::screen::View;
 use crate::theme;
+use crate::view::View;
 
 /// Width of a label and its number.
 const HEAD: u16 = 16;
@@ -159,7 +158,7 @@ mod tests {
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]

@@ -9,8 +9,8 @@ use rotor::PARAMETERS;
 
 use super::list::passes;
 use crate::actions::{ACTIONS, MOUSE};
-use crate::screen::View;
 use crate::theme;
+use crate::view::View;
 
 /// Signs whose meaning the panels do not spell out.
 const SIGNS: [(&str, &str); 10] = [
@@ -76,7 +76,7 @@ mod tests {
     #[test]
     fn every_key_command_sign_and_setting_is_explained() {
         let picture = crate::feed::tests::picture();
-        let view = crate::screen::tests::view(&picture);
+        let view = crate::view::tests::view(&picture);
         let frame = drawn(120, 140, |area, buffer| draw(&view, 0, area, buffer));
         for row in ACTIONS {
             for keys in row.keys {
@@ -96,7 +96,7 @@ mod tests {
     #[test]
     fn a_small_screen_shows_a_part_and_how_to_see_the_rest() {
         let picture = crate::feed::tests::picture();
-        let view = crate::screen::tests::view(&picture);
+        let view = crate::view::tests::view(&picture);
         let first = drawn(80, 20, |area, buffer| draw(&view, 0, area, buffer));
         assert!(first.contains("up and down move it") && first.contains("this help"), "{first}");
         let last = drawn(80, 20, |area, buffer| draw(&view, 1000, area, buffer));

@@ -12,6 +12,7 @@ pub(crate) mod list;
 pub(crate) mod modes;
 pub(crate) mod offers;
 pub(crate) mod orbits;
+pub(crate) mod panel;
 pub(crate) mod poles;
 pub(crate) mod raw;
 pub(crate) mod registry;
@@ -20,6 +21,7 @@ pub(crate) mod settings;
 pub(crate) mod spectrum;
 pub(crate) mod status;
 pub(crate) mod strips;
+pub(crate) mod time_line;
 pub(crate) mod waterfall;
 
 use ratatui::buffer::Buffer;

@@ -17,14 +17,14 @@ use ratatui::text::Line;
 use rotor::{C64, Mode, Spectrum, Whirl};
 
 use super::list::{List, mark, passes, row_of, told};
-use super::registry::{Intent, Mouse, Panel};
+use super::panel::{Intent, Mouse, Panel};
 use super::{framed, write};
 use crate::history::Era;
 use crate::plot::short;
 use crate::pointed::Point;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Units;
+use crate::view::View;
 
 /// Columns before the shape: heading, and width in cells.
 const COLUMNS: [(&str, u16); 5] = [("damping", 9), ("log dec", 9), ("frequency", 11), ("/R", 8), ("whirl", 10)];
@@ -166,7 +166,7 @@ mod tests {
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
     use crate::picture::Picture;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     fn frame(picture: &Picture, width: u16, height: u16) -> String {

@@ -16,18 +16,10 @@ use ratatui::widgets::{Block, Clear, Widget};
 
 use super::write;
 use crate::theme;
+use crate::view::Offer;
 
 /// Rows at most, with the one that counts the rest.
 const ROWS: usize = 12;
-
-/// One way to go on.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Offer {
-    /// What would be typed.
-    pub(crate) word: String,
-    /// What that means; may be empty.
-    pub(crate) detail: String,
-}
 
 /// Draws them at the lower left of `body`; nothing if there are none.
 pub(crate) fn draw(offers: &[Offer], body: Rect, buffer: &mut Buffer) {

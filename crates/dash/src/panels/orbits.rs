@@ -14,16 +14,16 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write};
 use crate::axis::Axis;
-use crate::history::Channel;
-use crate::picture::{Picture, Track};
+use crate::history::{Channel, Track};
+use crate::picture::Picture;
 use crate::plot::{Plot, nice_ceiling, short};
 use crate::replay::Beside;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Unit;
+use crate::view::View;
 
 /// Turns of the rotor that an orbit shows.
 const TURNS: f64 = 8.0;
@@ -243,7 +243,7 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]

@@ -16,16 +16,16 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::text::Line;
 use rotor::{C64, Whirl, damping_ratio};
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write, write_right};
 use crate::actions::Read;
 use crate::analysis::Question;
 use crate::axis::{Axis, Scaling};
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::pointed::Point;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Units;
+use crate::view::View;
 
 /// Damping ratios that get a ray.
 const RAYS: [f64; 4] = [0.05, 0.1, 0.2, 0.5];
@@ -229,7 +229,7 @@ mod tests {
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]

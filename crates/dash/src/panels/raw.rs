@@ -17,12 +17,12 @@ use ratatui::style::Style;
 use ratatui::text::Line;
 
 use super::list::{List, mark, passes, told};
-use super::registry::Panel;
+use super::panel::Panel;
 use super::{framed, write};
 use crate::plot::short;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Unit;
+use crate::view::View;
 
 /// Digits of a number, and the width of its column.
 const DIGITS: usize = 6;
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]

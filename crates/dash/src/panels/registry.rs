@@ -11,97 +11,15 @@ use super::force::Force;
 use super::force_budget::ForceBudget;
 use super::modes::Modes;
 use super::orbits::Orbits;
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::poles::Poles;
-use super::series::Strip;
 use super::spectrum::SpectrumPanel;
 use super::strips::Strips;
 use super::waterfall::{OverSpeed, OverTime};
 use super::{raw, settings};
-use crate::actions::{Action, Read};
-use crate::axis::Scaling;
-use crate::pointed::{Point, Pointed};
-use crate::screen::View;
-
-/// A part of the screen. It owns its state and draws its own frame.
-pub(crate) trait Panel {
-    /// Draws it; any area must do.
-    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer);
-
-    /// Moves its list, if it is one, by so many rows.
-    fn scroll(&mut self, _rows: isize) {}
-
-    /// What the mouse at a position of its area asks for.
-    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
-        if let Mouse::Wheel(notches) = mouse {
-            self.scroll(3 * notches as isize);
-        }
-        None
-    }
-
-    /// Changes a scale or what it shows; `None` if that is no matter of this panel.
-    fn wish(&mut self, _wish: &Wish<'_>) -> Option<Result<(), String>> {
-        None
-    }
-
-    /// Where its read-out goes from what is pointed at now.
-    fn read(&mut self, _view: &View<'_>, _read: Read) -> Option<Point> {
-        None
-    }
-}
-
-/// What is wished of a plot.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Wish<'a> {
-    /// Another scale of its values; the second is that of the other axis, where both are values.
-    Value(&'a [Scaling]),
-    /// Another scale of its horizontal axis, where that is not time. What is pointed at stays where it is.
-    Along(Scaling, &'a Pointed),
-    /// Another scale of the strip of this name.
-    Strip(&'a str, &'a [Scaling]),
-    /// Other strips; those of the layout if there are none.
-    Strips(Option<&'a [Strip]>),
-    /// What strips the layout has, if it says so.
-    StripsOfLayout(Option<&'a [Strip]>),
-    /// Spectra of this mass, counted from 0; of the one with the control bearing if there is none.
-    Mass(Option<usize>),
-    /// Spectra over other frequencies.
-    Frequencies(Scaling),
-}
-
-/// What the mouse does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mouse {
-    /// The left button goes down.
-    Click,
-    /// The mouse moves so many cells to the right with the left button down.
-    Drag(i32),
-    /// The wheel turns so many notches towards us.
-    Wheel(i32),
-}
-
-/// What a panel asks of the dashboard.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Intent {
-    /// Select this row of the settings.
-    Row(usize),
-    /// Look at the step of this place in the history.
-    Look(u64),
-    /// Point at this.
-    Point(Point),
-    /// Look at what was at this time, in nanoseconds since 1970 and in that of the rotor.
-    When { wall_ns: u64, tau: f64 },
-    /// Show so many times as much time.
-    ZoomTime(f64),
-    /// The same as a key.
-    Do(Action),
-}
-
-/// A panel without a state of its own is just its drawing.
-impl<F: FnMut(&View<'_>, Rect, &mut Buffer)> Panel for F {
-    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        self(view, area, buffer);
-    }
-}
+use crate::actions::Read;
+use crate::pointed::Point;
+use crate::view::View;
 
 /// One row of the table.
 pub(crate) struct Kind {
@@ -286,9 +204,12 @@ impl Panels {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::axis::Scaling;
     use crate::feed::tests;
+    use crate::panels::series::Strip;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::pointed::Pointed;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]

@@ -17,22 +17,12 @@ use ratatui::widgets::Widget;
 use rotor::{Gain, Key, Scope, Settings};
 
 use super::list::{passes, told};
-use super::registry::{Intent, Mouse, Panel};
+use super::panel::{Intent, Mouse, Panel};
 use super::{framed, write, write_right};
 use crate::actions::Action;
-use crate::screen::View;
 use crate::theme;
-use crate::typing::Typing;
 use crate::units::Units;
-
-/// What a person is doing with the settings.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Cursor {
-    /// The selected row.
-    pub(crate) row: usize,
-    /// What has been typed, while a value is being typed.
-    pub(crate) typed: Option<Typing>,
-}
+use crate::view::{Cursor, View};
 
 /// The rows of the panel: every key there is, but one deadband for all masses where they are all alike, and no index on
 /// the gains of a single signal.
@@ -153,7 +143,7 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
 
     #[test]
     fn values_steps_and_selection_are_shown() {

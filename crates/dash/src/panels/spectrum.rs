@@ -16,7 +16,7 @@ use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
 use spectrum::{Peak, Spectrum};
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::{framed, wheel_times, write, write_right};
 use crate::actions::Read;
 use crate::analysis::{Orbit, OrbitSpectrum};
@@ -24,9 +24,9 @@ use crate::axis::{Axis, Scaling};
 use crate::picture::Picture;
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::pointed::Point;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Units;
+use crate::view::View;
 
 /// Orders that are marked, on both sides, the most important first.
 const ORDERS: [(f64, &str); 3] = [(1.0, "1X"), (0.5, ".5X"), (2.0, "2X")];
@@ -331,7 +331,7 @@ mod tests {
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     /// A mass that whirls forward at 1X and, less, backward at half of it.

@@ -14,14 +14,14 @@ use ratatui::widgets::Widget;
 use wire::{Keeping, RecorderState, RecorderStatus};
 
 use crate::actions::ACTIONS;
-use crate::feed::Contact;
+use crate::contact::Contact;
 use crate::layers::Layer;
 use crate::picture::Picture;
 use crate::plot::short;
-use crate::screen::View;
 use crate::theme;
 use crate::typing::Typing;
 use crate::units::Units;
+use crate::view::{Message, View};
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color) {
@@ -167,17 +167,6 @@ fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
     Some((told, red))
 }
 
-/// What is told at the foot.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Message {
-    /// What the keys do.
-    Hints,
-    /// Something has been done.
-    Good(String),
-    /// Something has not.
-    Bad(String),
-}
-
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
 pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let prompt = |sign: &str, line: &Typing| {
@@ -244,7 +233,7 @@ mod tests {
     use crate::feed::tests;
     use crate::panels::alarms::tests::damping;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     fn top(picture: &Picture, paused: bool) -> String {

@@ -14,16 +14,16 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
 use ratatui::text::{Line, Span};
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::series::{Strip, Trace};
 use super::{framed, wheel_times, write, write_right};
 use crate::axis::{Axis, Scaling};
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::replay::Beside;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Unit;
+use crate::view::View;
 
 /// What strips show if neither a person nor the layout says otherwise.
 const USUAL: &str = "y z u";
@@ -316,7 +316,7 @@ mod tests {
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     #[test]

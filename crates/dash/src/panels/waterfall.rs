@@ -16,7 +16,7 @@ use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
 use spectrum::Peak;
 
-use super::registry::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel, Wish};
 use super::spectrum::{Frequencies, in_decades, shift, told};
 use super::{framed, write, write_right};
 use crate::actions::Read;
@@ -24,9 +24,9 @@ use crate::analysis::{Fall, Orbit, Over, Row, Waterfall};
 use crate::axis::Axis;
 use crate::plot::short;
 use crate::pointed::Point;
-use crate::screen::View;
 use crate::theme;
 use crate::units::Units;
+use crate::view::View;
 
 /// Decades of density from the first sign of ink to the most: amplitudes down to a thousandth.
 const DECADES: f64 = 6.0;
@@ -246,7 +246,7 @@ mod tests {
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
     use crate::picture::Picture;
-    use crate::screen::tests::view;
+    use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
     /// A run-up from R = 1 to 3 in forty seconds, with the motion in step: 1X throughout.

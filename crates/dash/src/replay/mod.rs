@@ -19,6 +19,6 @@ mod stage;
 pub(crate) mod tests;
 
 pub use past::{Past, PastEvent, PastWhat};
-pub(crate) use player::Player;
-pub(crate) use show::{Beside, Show, draw_time, draw_top};
+pub(crate) use player::{Player, Repeat};
+pub(crate) use show::{Beside, Show};
 pub use stage::replay;

@@ -18,6 +18,16 @@ pub struct PastEvent {
     pub why: String,
 }
 
+impl PastEvent {
+    /// In a line: what, by whom, why.
+    pub(super) fn words(&self) -> String {
+        let Self { what, who, why, .. } = self;
+        let by = if who.is_empty() || who == "sim" { String::new() } else { format!(" by {who}") };
+        let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
+        format!("{what}{by}{why}")
+    }
+}
+
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PastWhat {

@@ -259,7 +259,7 @@ impl Player {
         self.go(seq, feed, time)?;
         // Several may have happened before one step.
         let all = self.events.iter().filter(|event| event.at.seq == seq);
-        Ok(all.map(super::show::words).collect::<Vec<_>>().join("; "))
+        Ok(all.map(PastEvent::words).collect::<Vec<_>>().join("; "))
     }
 
     /// Sets where the loop begins, then where it ends, then ends it; and says so.

@@ -13,7 +13,7 @@ use crate::feed::Feed;
 use crate::input;
 use crate::link::Shared;
 use crate::looks::Look;
-use crate::session::{DashError, Ended, Options};
+use crate::options::{DashError, Ended, Options};
 use crate::terminal::Screen;
 
 /// Plays `past` on the terminal until a person or a signal ends it.

@@ -19,7 +19,8 @@ use crate::layout::built_in;
 use crate::looks::still::text;
 use crate::panels::registry::Panels;
 use crate::replay::player::{Repeat, SPEEDS};
-use crate::screen::{self, View};
+use crate::screen;
+use crate::view::View;
 use crate::view_time::ViewTime;
 
 /// A session in memory.
@@ -266,7 +267,7 @@ impl Stage {
             alarms: self.player.alarms(),
             what_if: self.player.what_if(),
             replay: Some(self.player.shown(&picture)),
-            ..screen::tests::view(&picture)
+            ..crate::view::tests::view(&picture)
         };
         let layouts = built_in();
         let layout = layouts.iter().find(|there| there.name() == layout).unwrap();

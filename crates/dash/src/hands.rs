@@ -1,0 +1,38 @@
+//! What the dashboard needs done outside of itself, by whoever started it: processes are not its business.
+
+/// Whoever started the simulation, if it was us.
+pub trait Keeper {
+    /// How the simulation ended, once it has.
+    fn ended(&mut self) -> Option<String>;
+    /// Starts it again.
+    ///
+    /// # Errors
+    /// It cannot be started, in words.
+    fn revive(&mut self) -> Result<(), String>;
+}
+
+/// Whoever can record the bench, in a process of its own.
+pub trait Scribe {
+    /// Starts a recording, and says in which file it will be. Does not wait for it.
+    ///
+    /// # Errors
+    /// It cannot be started, in words.
+    fn start(&mut self) -> Result<String, String>;
+    /// Whether a recording that was started here has not said yet that it records.
+    fn is_starting(&self) -> bool;
+    /// Asks the recording that was started here to end in good order. Does not wait.
+    fn stop(&mut self);
+    /// Whether a recording that was started here has not ended yet.
+    fn is_at_work(&self) -> bool;
+    /// What has become of the recording that was started here: each thing is told once.
+    fn news(&mut self) -> Option<ScribeNews>;
+}
+
+/// What becomes of a recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ScribeNews {
+    /// It records, in this file.
+    Records(String),
+    /// It has ended, in good order or not, in words.
+    Ended(Result<String, String>),
+}

@@ -1,0 +1,91 @@
+//! What a panel is, and what is asked of one and by one.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Position, Rect};
+
+use super::series::Strip;
+use crate::actions::{Action, Read};
+use crate::axis::Scaling;
+use crate::pointed::{Point, Pointed};
+use crate::view::View;
+
+/// A part of the screen. It owns its state and draws its own frame.
+pub(crate) trait Panel {
+    /// Draws it; any area must do.
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer);
+
+    /// Moves its list, if it is one, by so many rows.
+    fn scroll(&mut self, _rows: isize) {}
+
+    /// What the mouse at a position of its area asks for.
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
+        if let Mouse::Wheel(notches) = mouse {
+            self.scroll(3 * notches as isize);
+        }
+        None
+    }
+
+    /// Changes a scale or what it shows; `None` if that is no matter of this panel.
+    fn wish(&mut self, _wish: &Wish<'_>) -> Option<Result<(), String>> {
+        None
+    }
+
+    /// Where its read-out goes from what is pointed at now.
+    fn read(&mut self, _view: &View<'_>, _read: Read) -> Option<Point> {
+        None
+    }
+}
+
+/// What is wished of a plot.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Wish<'a> {
+    /// Another scale of its values; the second is that of the other axis, where both are values.
+    Value(&'a [Scaling]),
+    /// Another scale of its horizontal axis, where that is not time. What is pointed at stays where it is.
+    Along(Scaling, &'a Pointed),
+    /// Another scale of the strip of this name.
+    Strip(&'a str, &'a [Scaling]),
+    /// Other strips; those of the layout if there are none.
+    Strips(Option<&'a [Strip]>),
+    /// What strips the layout has, if it says so.
+    StripsOfLayout(Option<&'a [Strip]>),
+    /// Spectra of this mass, counted from 0; of the one with the control bearing if there is none.
+    Mass(Option<usize>),
+    /// Spectra over other frequencies.
+    Frequencies(Scaling),
+}
+
+/// What the mouse does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mouse {
+    /// The left button goes down.
+    Click,
+    /// The mouse moves so many cells to the right with the left button down.
+    Drag(i32),
+    /// The wheel turns so many notches towards us.
+    Wheel(i32),
+}
+
+/// What a panel asks of the dashboard.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Intent {
+    /// Select this row of the settings.
+    Row(usize),
+    /// Look at the step of this place in the history.
+    Look(u64),
+    /// Point at this.
+    Point(Point),
+    /// Look at what was at this time, in nanoseconds since 1970 and in that of the rotor.
+    When { wall_ns: u64, tau: f64 },
+    /// Show so many times as much time.
+    ZoomTime(f64),
+    /// The same as a key.
+    Do(Action),
+}
+
+/// A panel without a state of its own is just its drawing.
+impl<F: FnMut(&View<'_>, Rect, &mut Buffer)> Panel for F {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        self(view, area, buffer);
+    }
+}
