@@ -328,7 +328,9 @@ impl App<'_> {
                 self.layers.clear();
                 self.row = row;
             }
-            Some(Intent::Point(point)) => self.pointed.at(point),
+            // A click on the same again takes it back; a drag within one cell does not.
+            Some(Intent::Point(point)) if mouse == Mouse::Click => self.pointed.at(point),
+            Some(Intent::Point(point)) => self.pointed.put(point, true),
             Some(Intent::Look(place)) => self.look_at(place),
             Some(Intent::When { wall_ns, tau }) => self.look_when(wall_ns, tau),
             Some(Intent::ZoomTime(times)) => self.look(|time, _, seconds| time.zoom(times, seconds)),

@@ -581,7 +581,7 @@ fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
     let [Edit::Nudge(_, nudge), Edit::Set(deadband), Edit::Set(speed)] = &edits[..] else { panic!("{edits:?}") };
     // 500 rpm; 10 um are 2 e_t; 9549.3 rpm are 1000 rad/s.
     assert!(
-        near(*nudge, 500.0 / 9_549.296_585_513_721) && near(deadband[0].1, 2.0) && near(speed[0].1, 1.0),
+        near(*nudge, 500.0 / 9_549.296_585_513_72) && near(deadband[0].1, 2.0) && near(speed[0].1, 1.0),
         "{edits:?}"
     );
 }

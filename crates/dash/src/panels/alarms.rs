@@ -47,7 +47,9 @@ impl Panel for AlarmList {
         match mouse {
             Mouse::Wheel(notches) => self.scroll(3 * notches as isize),
             // What the frame says is of all of them.
-            Mouse::Click if at.y == area.y && view.alarms.unseen() > 0 => return Some(Intent::Do(Action::Acknowledge)),
+            Mouse::Click if at.y == area.y && view.alarms.unseen() > 0 && view.replay.is_none() => {
+                return Some(Intent::Do(Action::Acknowledge));
+            }
             Mouse::Click => {
                 let (first, intents) = &self.drawn;
                 return intents.get(row_of(area, at)?.checked_sub(*first)?).cloned();
@@ -58,11 +60,11 @@ impl Panel for AlarmList {
     }
 }
 
-/// What a click on an entry asks for.
-fn intent(entry: &Entry) -> Intent {
+/// What a click on an entry asks for. Those of a recording were for others to acknowledge.
+fn intent(entry: &Entry, is_recorded: bool) -> Intent {
     match entry.seen_ns {
-        None => Intent::Do(Action::Acknowledge),
-        Some(_) => Intent::When { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
+        None if !is_recorded => Intent::Do(Action::Acknowledge),
+        _ => Intent::When { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
     }
 }
 
@@ -99,7 +101,10 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
         let words = if unjudged { "recorded without alarms" } else { "nothing has been past its limit" };
         write(buffer, row, row.x, row.y, words, theme::quiet());
     }
-    (usize::from(below.y - inner.y), entries[in_view].iter().map(|entry| intent(entry)).collect())
+    (
+        usize::from(below.y - inner.y),
+        entries[in_view].iter().map(|entry| intent(entry, view.replay.is_some())).collect(),
+    )
 }
 
 /// The unit of what is watched; a share and a ratio have none.

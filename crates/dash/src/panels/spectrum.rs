@@ -283,7 +283,8 @@ fn draw_spectrum(
             write_right(buffer, area, y, &format!("{name:>7} {radius}"), theme::loud(color));
         }
     }
-    let within = panel.frequencies.half_column();
+    // A line is as wide as a column, and its window two bins: what is nearest is the line.
+    let within = panel.frequencies.half_column().max(1.01 * spectrum.resolution());
     if let Some(line) = view.pointed.frequency.and_then(|frequency| spectrum.at(frequency, within, speed)) {
         let edge = Rect { width: frame.width.saturating_sub(1), ..frame };
         let text = told(&line, &units);
@@ -366,6 +367,26 @@ mod tests {
         let highest = (0..140).max_by(|a, b| columns[*a].total_cmp(&columns[*b])).unwrap();
         let of_1x = (140.0 * (2.5 / reach + 1.0) / 2.0) as usize;
         assert!(highest.abs_diff(of_1x) <= 1, "{highest} and {of_1x}");
+    }
+
+    #[test]
+    fn the_line_that_is_pointed_at_is_read_and_scales_stand_still() {
+        let picture = picture();
+        let pole = rotor::C64::new(-0.1, 1.9);
+        let pointed =
+            crate::pointed::Pointed { frequency: Some(2.47), mode: Some(pole), ..crate::pointed::Pointed::default() };
+        let seen = View { pointed: &pointed, ..view(&picture) };
+        let mut panel = SpectrumPanel::default();
+        panel.wish(&Wish::Value(&[Scaling::Fix([1e-4, 1e2])]));
+        panel.wish(&Wish::Along(Scaling::Fix([1.0, 3.0]), &pointed));
+        let panel = std::cell::RefCell::new(panel);
+        let frame = drawn(72, 14, |area, buffer| panel.borrow_mut().draw(&seen, area, buffer));
+        assert!(frame.contains("tau fixed ") && frame.contains("│=1e2"), "{frame}");
+        assert!(frame.contains("└ ┆ 2.500  1X  2.000 e_t ─"), "{frame}");
+        assert!(frame.contains('◈') && !frame.contains("-1X "), "backward is out of view, the mode is not:\n{frame}");
+        let wrong = panel.borrow_mut().wish(&Wish::Value(&[Scaling::Fix([-1.0, 2.0])]));
+        assert_eq!(wrong, Some(Err("-1..2: expected densities above 0, such as 1e-6..1e2".into())));
+        insta::assert_snapshot!("spectrum_pointed", frame);
     }
 
     #[test]

@@ -265,23 +265,23 @@ fn write_labels(
     buffer: &mut Buffer,
 ) {
     let mut x = area.left();
-    let mut add = |text: &str, gap: u16, style| {
-        write(buffer, area, x, area.top(), text, style);
-        x += text.chars().count() as u16 + gap;
+    let mut add = |text: &str, style| {
+        // What is drawn below must not run into the words.
+        write(buffer, area, x, area.top(), &format!("{text} "), style);
+        x += text.chars().count() as u16 + 1;
     };
     let is_one = strip.is_of_every_mass() || strip.name == "u" || traces.is_empty();
     if is_one {
-        add(&strip.name, 1, theme::quiet());
+        add(&strip.name, theme::quiet());
     }
     for trace in traces {
         if !is_one {
-            // What is drawn below must not run into the words.
-            add(&format!("{} ", trace.label), 0, theme::loud(trace.color));
+            add(&trace.label, theme::loud(trace.color));
         }
         if let Some((now, unit)) = cursor
             && let Some(value) = trace.value(view.picture, now)
         {
-            add(&unit.short(value, 4), 1, theme::loud(trace.color));
+            add(&unit.short(value, 4), theme::loud(trace.color));
         }
     }
 }
@@ -345,6 +345,39 @@ mod tests {
             assert!(frame.contains(&short(value, 4)), "{value}:\n{frame}");
         }
         insta::assert_snapshot!("strips_with_cursor", frame);
+    }
+
+    #[test]
+    fn chosen_strips_have_their_names_their_values_under_the_cursor_and_their_units() {
+        let now = std::time::Instant::now();
+        let mut feed = crate::feed::Feed::new("");
+        feed.read(tests::bulletin("three-mass", "composite"));
+        (0..4000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        let mut time = ViewTime::LIVE;
+        time.at(1000, &feed.history().places(), feed.seconds());
+        let picture = feed.picture(&time, now);
+        let seen = View { time: &time, ..view(&picture) };
+        let chosen = Strip::read_all("radius.2 y.1+z.1 force damping speed").unwrap();
+        let mut strips = Strips::default();
+        strips.wish(&Wish::Strips(Some(&chosen)));
+        strips.wish(&Wish::Strip("speed", &[Scaling::Fix([2.0, 3.0])]));
+        let strips = std::cell::RefCell::new(strips);
+        let frame = drawn(90, 22, |area, buffer| strips.borrow_mut().draw(&seen, area, buffer));
+        let [y, z] = picture.track.place(1000, 0).map(|part| short(part, 4));
+        let damping = short(picture.era.as_ref().unwrap().min_damping, 4);
+        for words in [
+            "│radius.2 2.500 ",
+            &format!("│y.1 {y} z.1 {z} "),
+            "│force 0.800 ",
+            &format!("│damping {damping} "),
+            "│speed 2.500 ",
+            "0 to 3 e_t│",
+            "±2 e_t│",
+            "=2.000 to 3.000 R│",
+        ] {
+            assert!(frame.contains(words), "{words}:\n{frame}");
+        }
+        insta::assert_snapshot!("strips_chosen", frame);
     }
 
     #[test]

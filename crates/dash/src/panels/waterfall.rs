@@ -287,6 +287,19 @@ mod tests {
     }
 
     #[test]
+    fn the_newest_row_is_read_at_the_frequency_that_is_pointed_at() {
+        // 1 e_t at 1X, which is R = 3 by the end; a row is some turns of a run-up, so its line is a little broad and low.
+        let picture = run_up();
+        let pointed = crate::pointed::Pointed { frequency: Some(2.97), ..crate::pointed::Pointed::default() };
+        let seen = View { pointed: &pointed, ..view(&picture) };
+        let frame = drawn(64, 16, |area, buffer| OverTime::default().draw(&seen, area, buffer));
+        let told = frame.lines().last().unwrap();
+        let radius: f64 = told.split_whitespace().nth_back(2).unwrap().parse().unwrap();
+        assert!(told.starts_with("└ ┆ 2.970  0.99X  ") && (0.3..1.1).contains(&radius), "{frame}");
+        assert!(frame.lines().filter(|line| line.contains('┆')).count() > 3, "{frame}");
+    }
+
+    #[test]
     fn too_little_motion_is_told() {
         let picture = tests::picture();
         let frame = drawn(40, 6, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
