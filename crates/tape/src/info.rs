@@ -11,6 +11,7 @@ use wire::{Happening, Moment};
 
 use crate::error::TapeError;
 use crate::recording::{Recording, is_tripped};
+use crate::session::Revision;
 
 /// A recording in short. Lengths in `e_t`, forces in `w0^2 e_t`, times in `tau`, unless a name says otherwise.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -63,7 +64,7 @@ pub struct Info {
     pub alarms: Vec<AlarmInfo>,
     /// What they were held against: warning and alarm, null where there is no limit. Null if nobody judged.
     pub alarm_limits: Option<BTreeMap<&'static str, Option<[f64; 2]>>>,
-    /// The smallest damping ratio under any settings in force; null if no poles are known.
+    /// The smallest damping ratio under any settings in force; null if no poles are known, or no steps.
     pub min_damping: Option<Damping>,
     /// The largest control force; null without steps.
     pub max_force: Option<Peak>,
@@ -137,8 +138,9 @@ impl From<&Entry> for AlarmInfo {
 pub struct Damping {
     /// The damping ratio.
     pub value: f64,
-    /// The first step under those settings.
-    pub step: u64,
+    /// The first step on file under those settings.
+    #[serde(flatten)]
+    pub at: At,
     /// Their revision.
     pub revision: u64,
 }
@@ -164,16 +166,28 @@ impl Info {
     pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
         let (mut force, mut radius) = (None::<Peak>, None::<Peak>);
         let mut held = false;
+        // Of the settings that were in force while steps were recorded; the first do not count as a change.
+        let first = recording.span().map_or(0, |span| span.first.seq);
+        let revisions = recording.revisions();
+        let in_force = revisions.partition_point(|r| r.from <= first).max(1) - 1;
+        let in_force: Vec<Revision> = revisions.get(in_force..).unwrap_or_default().to_vec();
+        let last = recording.span().map_or(0, |span| span.last.seq);
+        let damped = in_force.iter().filter(|r| !r.poles.is_empty() && r.from <= last);
+        let least = damped.min_by(|a, b| a.min_damping.total_cmp(&b.min_damping));
+        let mut damping = None::<Damping>;
         let recalled = Alarms::recalled(Limits::none(), &recording.turns());
         let mut alarms: Vec<Entry> = recalled.entries().filter(|entry| entry.watch != Watch::Trip).cloned().collect();
         alarms.reverse();
         recording.visit(0..u64::MAX, 1, |state| {
+            let at = At { step: state.seq, tau: state.tau, wall_ns: state.wall_ns };
+            if let Some(least) = least.filter(|least| damping.is_none() && least.from <= state.seq) {
+                damping = Some(Damping { value: least.min_damping, at, revision: least.revision });
+            }
             // A machine that is held repeats the step that tripped it.
             let is_held = std::mem::replace(&mut held, is_tripped(state)) && held;
             if is_held {
                 return ControlFlow::Continue(());
             }
-            let at = At { step: state.seq, tau: state.tau, wall_ns: state.wall_ns };
             let [y, z] = state.force_delivered;
             // A turn tells the worst until then: that of an alarm that never ended is for us to find.
             for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.rose.seq <= state.seq) {
@@ -195,13 +209,6 @@ impl Info {
         let rows = recording.rows();
         let seconds = span.map_or(0.0, |span| span.seconds());
         let counted = span.map_or(0, |span| span.last.seq - span.first.seq);
-        // Of the settings that were in force while steps were recorded; the first do not count as a change.
-        let revisions = recording.revisions();
-        let first = span.map_or(0, |span| span.first.seq);
-        let in_force = revisions.partition_point(|r| r.from <= first).max(1) - 1;
-        let in_force = revisions.get(in_force..).unwrap_or_default();
-        let damped = in_force.iter().filter(|r| !r.poles.is_empty());
-        let least = damped.min_by(|a, b| a.min_damping.total_cmp(&b.min_damping));
         let trips = recording.events().iter().filter_map(|event| match &event.happening {
             Happening::Tripped(trip) => {
                 Some(TripInfo { at: event.at.into(), why: trip.to_string(), revision: event.revision })
@@ -239,7 +246,7 @@ impl Info {
             trips: trips.collect(),
             alarms: alarms.iter().map(AlarmInfo::from).collect(),
             alarm_limits: session.limits.as_ref().map(pairs),
-            min_damping: least.map(|r| Damping { value: r.min_damping, step: r.from.max(first), revision: r.revision }),
+            min_damping: damping,
             max_force: force,
             max_radius: radius,
             notices: recording.notices(),

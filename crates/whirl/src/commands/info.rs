@@ -75,7 +75,7 @@ fn for_people(info: &Info) -> String {
     if let Some(damping) = info.min_damping {
         line(
             "damping",
-            format!("least {} from step {}, revision {}", rounded(damping.value), damping.step, damping.revision),
+            format!("least {} from {}, revision {}", rounded(damping.value), at(&damping.at), damping.revision),
         );
     }
     if let Some(force) = info.max_force {
