@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
+use alarms::{Limits, Watch};
 use rotor::{Settings, builtin};
 use tape::Keep;
 use tape::recorder::{self, Order};
@@ -30,7 +31,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     settings.trip = 20.0;
     let options = sim::Options { bench: bench.clone(), rate_hz: RATE_HZ, dtau: DTAU };
     let keep = Keep { min_free: 0, ..Keep::default() };
-    let order = Order { bench: bench.clone(), path, keep, follow: false, limits: alarms::Limits::default() };
+    // Of the rotor, and not of the machine that it is made on.
+    let mut limits = Limits::default();
+    limits.set(Watch::Orbit, Some([5.0, 15.0]))?;
+    limits.set(Watch::Lateness, None)?;
+    let order = Order { bench: bench.clone(), path, keep, follow: false, limits };
     let (stop_sim, stop_tape) = (AtomicBool::new(false), AtomicBool::new(false));
     let (ready, is_ready) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {

@@ -272,19 +272,35 @@ fn a_place_that_is_taken_or_missing_is_refused() {
     assert!(refused(&folder.path().join("no/a.rrd")).to_string().contains("No such file or directory"));
 }
 
-/// The sample was written by schema version 1, and stays readable.
+/// A sample that was written by schema version 1 before there were alarms stays readable.
 #[test]
 fn regress_a_recording_of_schema_1_is_read() {
+    let recording = is_a_run_up_that_was_saved(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/schema-1.rrd"));
+    assert_eq!((recording.session().limits.clone(), recording.turns().len()), (None, 2), "the trip and its end");
+}
+
+/// The sample in `recordings/` tells its story in alarms too.
+#[test]
+fn the_sample_is_what_its_readme_says() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../recordings/run-up.rrd");
     assert!(path.metadata().unwrap().len() < 1_000_000);
-    let mut recording = Recording::open(&path).unwrap();
+    let recording = is_a_run_up_that_was_saved(&path);
+    let turns = recording.turns();
+    let first = |watch, level| turns.iter().find(|turn| (turn.watch, turn.level) == (watch, level)).unwrap().at.seq;
+    let unstable = first(Watch::Damping, Level::Alarm);
+    assert!(unstable < first(Watch::Orbit, Level::Warning));
+    assert!(first(Watch::Orbit, Level::Alarm) < first(Watch::Trip, Level::Alarm));
+    assert!(first(Watch::Trip, Level::Alarm) < first(Watch::Orbit, Level::Fine));
+    assert_eq!(recording.settings_at(unstable).unwrap().from, unstable, "from the step of the change");
+}
+
+/// Unstable, tripped, restarted under better gains, kicked, and quiet.
+fn is_a_run_up_that_was_saved(path: &Path) -> Recording {
+    let mut recording = Recording::open(path).unwrap();
     assert_eq!((recording.session().schema, recording.rotor().name()), (1, "three-mass"));
     let read = states(&mut recording);
     assert_eq!(read.len() as u64, recording.rows());
     assert!(recording.gaps().is_empty() && read.len() > 2000);
-    // It was made before alarms were written down.
-    assert_eq!((recording.session().limits.clone(), recording.turns().len()), (None, 2), "the trip and its end");
-    // It is what its README says: unstable, tripped, restarted under better gains, kicked, and quiet.
     let names: Vec<&str> = recording.events().iter().map(|e| e.happening.name()).filter(|n| *n != "late").collect();
     let at = |name: &str| names.iter().position(|n| *n == name).unwrap();
     assert!(at("tripped") < at("restarted") && at("restarted") < at("note") && at("note") < at("impulse"), "{names:?}");
@@ -296,4 +312,5 @@ fn regress_a_recording_of_schema_1_is_read() {
     assert!(after.min_damping > 0.0 && after.settings.speed == 3.2);
     let last = read.last().unwrap();
     assert!(last.points().iter().all(|p| p.radius() < 5.0) && last.flags.names().iter().all(|n| n != "tripped"));
+    recording
 }
