@@ -7,8 +7,8 @@ use std::path::Path;
 use rotor::file::{self, Problems};
 use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
 
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::machine_args::MachineArgs;
 use crate::range::{Range, RangeError};
 use crate::units::Units;
 

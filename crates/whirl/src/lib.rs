@@ -18,11 +18,13 @@ mod catalog;
 mod cli;
 mod commands;
 mod companion;
+mod dispatch;
 mod failure;
 mod folders;
 mod interrupt;
 mod layouts;
 mod logging;
+mod machine_args;
 mod output;
 mod place;
 mod range;
@@ -37,7 +39,7 @@ use clap::Parser;
 #[must_use]
 pub fn main() -> ExitCode {
     let cli = cli::Cli::parse();
-    match commands::run(cli) {
+    match dispatch::run(cli) {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),
     }

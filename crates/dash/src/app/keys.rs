@@ -6,6 +6,7 @@ use rotor::Settings;
 use super::{App, Message};
 use crate::actions::{self, Action};
 use crate::clerk::Edit;
+use crate::complete;
 use crate::layers::Layer;
 use crate::options::Ended;
 use crate::picture::Picture;
@@ -112,13 +113,13 @@ impl App<'_> {
     fn completions(&self, line: &str) -> Vec<String> {
         let layouts: Vec<String> = self.layouts.iter().map(|layout| layout.name().to_owned()).collect();
         let presets = if is_of_presets(line) { self.presets.names() } else { Vec::new() };
-        actions::completions(line, &layouts, &presets)
+        complete::completions(line, &layouts, &presets)
     }
 
     /// Types on what all that can follow have in common.
     fn complete(&mut self) {
         let Some(Layer::Command(line)) = self.layers.last() else { return };
-        let common = actions::common(&self.completions(line.text()));
+        let common = complete::common(&self.completions(line.text()));
         if let Some(Layer::Command(line)) = self.layers.last_mut()
             && common.len() > line.text().len()
         {
@@ -133,7 +134,7 @@ impl App<'_> {
             let word = whole.trim_end().rsplit(' ').next().unwrap_or_default().to_owned();
             let detail = match known {
                 Some((rotor, settings)) => self.presets.words(&word, rotor, settings),
-                None => actions::meaning(&word),
+                None => complete::meaning(&word),
             };
             Offer { word, detail }
         };

@@ -2,7 +2,7 @@
 //!
 //! Everything else that was done to the machine is done to this one too: impulses, restarts and changes of other settings
 //! come at the steps at which they came. With nothing changed it reproduces what happened to the last bit, as far as the
-//! recording tells on which line of time the run was ([`Line`]).
+//! recording tells on which line of time the run was ([`super::machine::Line`]).
 //!
 //! It may run on for as long as the recording does. What it remembers is bounded: where it was lately, step by step
 //! ([`Rows`]), and how it was now and then, so that what is forgotten can be run anew when somebody goes back to it. A long
@@ -10,11 +10,10 @@
 
 use std::ops::Range;
 
-use rotor::{C64, Rotor, Settings};
-use wire::State;
+use rotor::Settings;
 use wire::message::Trip;
 
-use super::machine::Machine;
+use super::machine::{Act, Machine, Root};
 use super::rows::Rows;
 use crate::clerk::{self, Edit};
 use crate::what_if::WhatIf;
@@ -23,37 +22,6 @@ use crate::what_if::WhatIf;
 const AT_ONCE: u64 = 200_000;
 /// Steps from one memory of how the machine was to the next.
 const STRIDE: u64 = 1 << 16;
-
-/// Something that was done to the machine, before the step of that number.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Act {
-    /// An impulse on a mass.
-    Impulse(usize, C64),
-    /// Back to rest.
-    Restart,
-    /// Other settings.
-    Settings(Settings),
-}
-
-/// The line of time that a run is on: where its clock was set last, and how many steps ago.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Line {
-    pub(crate) tau: f64,
-    pub(crate) angle: f64,
-    pub(crate) steps: u64,
-}
-
-/// The moment from which a branch runs on.
-#[derive(Clone, Debug)]
-pub(crate) struct Root {
-    pub(crate) rotor: Rotor,
-    pub(crate) dtau: f64,
-    /// The step it begins after.
-    pub(crate) state: State,
-    /// The settings that this step was made with.
-    pub(crate) settings: Settings,
-    pub(crate) line: Line,
-}
 
 /// What a person has changed.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,10 +1,41 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
-use rotor::{C64, MAX_MASSES, Settings, Stepper};
+use rotor::{C64, MAX_MASSES, Rotor, Settings, Stepper};
+use wire::State;
 use wire::message::Trip;
 
-use super::branch::{Act, Root};
 use crate::what_if::WhatIf;
+
+/// Something that was done to the machine, before the step of that number.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Act {
+    /// An impulse on a mass.
+    Impulse(usize, C64),
+    /// Back to rest.
+    Restart,
+    /// Other settings.
+    Settings(Settings),
+}
+
+/// The line of time that a run is on: where its clock was set last, and how many steps ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Line {
+    pub(super) tau: f64,
+    pub(super) angle: f64,
+    pub(super) steps: u64,
+}
+
+/// The moment from which a branch runs on.
+#[derive(Clone, Debug)]
+pub(super) struct Root {
+    pub(super) rotor: Rotor,
+    pub(super) dtau: f64,
+    /// The step it begins after.
+    pub(super) state: State,
+    /// The settings that this step was made with.
+    pub(super) settings: Settings,
+    pub(super) line: Line,
+}
 
 /// The machine as it is after a step.
 pub(super) struct Machine {

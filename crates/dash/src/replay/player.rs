@@ -7,8 +7,9 @@ use alarms::{Alarms, Level, Limits, Turn, Watch};
 use rotor::Settings;
 use wire::{Bulletin, Happening, SettingsMessage, State};
 
-use super::branch::{Act, Branch, Line, Root};
+use super::branch::Branch;
 use super::loaded::Loaded;
+use super::machine::{Act, Line, Root};
 use super::{Past, PastEvent};
 use crate::clerk::Edit;
 use crate::feed::Feed;

@@ -8,9 +8,9 @@ use study::force::{ForceError, Point};
 use study::run::Settled;
 
 use crate::catalog::Machine;
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table};
 use crate::range::Range;
 use crate::units::UnitsDocument;

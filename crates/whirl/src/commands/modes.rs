@@ -5,8 +5,8 @@ use serde::Serialize;
 
 use super::linear::{Part, PoleDocument};
 use crate::catalog::{self, Machine};
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table};
 use crate::units::{Units, UnitsDocument};
 

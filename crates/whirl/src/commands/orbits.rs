@@ -4,8 +4,8 @@ use rotor::circular::{Circular, Orbit};
 use serde::Serialize;
 
 use crate::catalog::Machine;
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::machine_args::MachineArgs;
 use crate::output::{Cell, rounded};
 use crate::range::Range;
 use crate::units::Units;

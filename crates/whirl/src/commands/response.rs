@@ -7,9 +7,9 @@ use super::orbits::{
     PointDocument, SweepArgs, contact, deadband_text, heading, headings, points, radii, speeds_text, stability,
 };
 use crate::catalog::Machine;
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table};
 use crate::units::UnitsDocument;
 

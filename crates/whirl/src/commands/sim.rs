@@ -9,8 +9,8 @@ use sim::Options;
 
 use crate::attach::{self, BenchArgs};
 use crate::catalog::{self, Machine};
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::machine_args::MachineArgs;
 use crate::{interrupt, output};
 
 /// What a child says once it simulates.

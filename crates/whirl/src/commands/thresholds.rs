@@ -4,9 +4,9 @@ use rotor::{Stability, Whirl};
 use serde::Serialize;
 
 use crate::catalog::Machine;
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table};
 use crate::range::Range;
 use crate::units::UnitsDocument;

@@ -5,9 +5,9 @@ use serde::Serialize;
 
 use super::linear::PoleDocument;
 use crate::catalog::Machine;
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
 use crate::units::{Units, UnitsDocument};

@@ -12,9 +12,9 @@ use study::spectrum::{self, Collector, Peak, Spectrum};
 use study::step_size::Fastest;
 
 use crate::catalog::{self, Machine};
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::machine_args::MachineArgs;
 use crate::output::Format;
 
 use out::Out;

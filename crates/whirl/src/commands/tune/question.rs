@@ -7,8 +7,8 @@ use tuner::{Axis, Family, FamilyError, Measure, Problem, ProblemError, Quantity,
 
 use super::TuneArgs;
 use crate::catalog::Machine;
-use crate::cli::MachineArgs;
 use crate::failure::Failure;
+use crate::machine_args::MachineArgs;
 use crate::range::Range;
 use crate::units::Units;
 

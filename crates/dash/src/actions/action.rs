@@ -1,0 +1,108 @@
+//! What can be asked of the dashboard.
+
+use rotor::Key;
+
+use crate::axis::Scaling;
+use crate::panels::series::Strip;
+
+/// What a person asks of the dashboard.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Action {
+    /// Select the setting so many rows further down.
+    Select(isize),
+    /// Raise the selected setting by so many of its steps.
+    Nudge(f64),
+    /// Start to type a value; enter takes it, esc drops it.
+    Type,
+    /// Set these, all at once.
+    Set(Vec<(Key, f64)>),
+    /// Take back the last change, whoever made it.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// All gains to zero.
+    Off,
+    /// Search gains; this says for what.
+    Search(String),
+    /// Strike the rotor.
+    Impulse,
+    /// Restart from rest, or bring back a simulation that has ended.
+    Restart,
+    /// Hold the present settings to compare with.
+    Hold,
+    /// Change places between the held settings and the present ones.
+    Swap,
+    /// Keep the gains under a name.
+    Save(String),
+    /// Take gains kept under a name.
+    Load(String),
+    /// Delete gains kept under a name.
+    Delete(String),
+    /// Put a note on the record.
+    Note(String),
+    /// Stop and go on with the picture.
+    Pause,
+    /// Move the cursor by so many seconds.
+    Seek(f64),
+    /// Move the cursor by so many steps.
+    Step(i64),
+    /// Show so many times as much time.
+    Zoom(f64),
+    /// Show so many seconds.
+    Span(f64),
+    /// Show as much time as at the start.
+    ZoomReset,
+    /// Choose a plot by name, or the next (`1`) or the one before (`-1`).
+    Choose(String),
+    /// The scale of the values of a plot: of the named one, or of the chosen one.
+    Scale(Option<String>, Vec<Scaling>),
+    /// Move the read-out of the chosen plot.
+    Read(Read),
+    /// What the strips show; what the layout says if there is none.
+    Strips(Option<Vec<Strip>>),
+    /// The mass, counted from 0, and the frequencies of the spectra: `None` leaves them as they are.
+    Spectra(Option<Option<usize>>, Option<Scaling>),
+    /// Start to record the bench, or end that.
+    Record,
+    /// All alarms have been seen.
+    Acknowledge,
+    /// A recording: play faster (1) or slower (-1).
+    Pace(isize),
+    /// A recording: to the next event (1) or the one before (-1).
+    Event(isize),
+    /// A recording: begin a loop, end it, drop it.
+    Loop,
+    /// A recording: to a dimensionless time.
+    GoTo(f64),
+    /// A recording: to its end, or its beginning.
+    End(bool),
+    /// Keep a picture of the screen, in this file or in one named by bench and time.
+    Picture(String),
+    /// Another layout, by its number counted from 1 or its name.
+    Layout(String),
+    /// Start to type a command; this much is typed already.
+    Command(String),
+    /// Move the lists by so many rows.
+    Scroll(isize),
+    /// Start to type what the lists shall show.
+    Filter,
+    /// Show and hide the help.
+    Help,
+    /// Close the top layer.
+    Escape,
+    /// Give the terminal back until the shell continues us.
+    Suspend,
+    /// End.
+    Quit,
+}
+
+/// Where the read-out of a plot shall stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Read {
+    /// So many columns, or modes, further on.
+    Move(i32),
+    /// At a value as it stands on the axis.
+    At(f64),
+    /// Nowhere.
+    Off,
+}

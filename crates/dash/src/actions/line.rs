@@ -1,0 +1,100 @@
+//! A line as it is typed after `:`, or stands behind a key.
+
+use rotor::Key;
+
+use super::action::Action;
+use super::argument::assignments;
+use super::table::ACTIONS;
+
+/// Whether a word is a setting, with or without an index.
+fn is_setting(word: &str) -> bool {
+    word.parse::<Key>().is_ok()
+}
+
+/// What a command line asks for.
+///
+/// # Errors
+/// In words: no such command, or what is wrong with its argument.
+pub(crate) fn parse(line: &str) -> Result<Action, String> {
+    let line = line.trim();
+    let end = line.find([' ', '=']).unwrap_or(line.len());
+    let (name, rest) = line.split_at(end);
+    let Some(row) = ACTIONS.iter().find(|row| row.name == name) else {
+        if is_setting(name) {
+            return assignments(line);
+        }
+        return Err(format!("no command '{name}': tab shows what there is, ? the help"));
+    };
+    let argument = rest.trim();
+    match (row.argument, argument) {
+        ("", "") => {}
+        ("", found) => return Err(format!("{name} '{found}': expected nothing after {name}")),
+        (wanted, "") if !wanted.starts_with('[') => return Err(format!("{name}: expected {name} {wanted}")),
+        _ => {}
+    }
+    (row.make)(argument).map_err(|error| format!("{name} {error}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::actions::Read;
+    use crate::axis::Scaling;
+
+    #[test]
+    fn every_row_and_every_key_is_a_command_that_parses() {
+        for row in ACTIONS {
+            assert!(ACTIONS.iter().filter(|other| other.name == row.name).count() == 1, "{} twice", row.name);
+            assert!(!is_setting(row.name), "{} is a setting", row.name);
+            for (chord, argument) in row.keys.iter().flat_map(|keys| keys.chords) {
+                let line = format!("{} {argument}", row.name);
+                // Keys of commands that take a text open the command line with the name in it.
+                let needs_text = !row.argument.is_empty() && !row.argument.starts_with('[') && argument.is_empty();
+                assert!(needs_text || parse(&line).is_ok(), "{chord}: {line}: {:?}", parse(&line));
+            }
+        }
+    }
+
+    #[test]
+    fn commands_are_parsed_and_mistakes_told() {
+        let key = |name: &str| name.parse::<Key>().unwrap();
+        assert_eq!(parse("seek -30"), Ok(Action::Seek(-30.0)));
+        assert_eq!(parse("  note two words "), Ok(Action::Note("two words".into())));
+        assert_eq!(parse("speed 6"), Ok(Action::Set(vec![(key("speed"), 6.0)])));
+        assert_eq!(parse("kd.2=-1e-3"), Ok(Action::Set(vec![(key("kd.2"), -1e-3)])));
+        assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::Set(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
+        assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
+        let fix = |low, high| Scaling::Fix([low, high]);
+        assert_eq!(parse("scale 0.5"), Ok(Action::Scale(None, vec![Scaling::Times(0.5)])));
+        assert_eq!(parse("scale auto"), Ok(Action::Scale(None, vec![Scaling::Auto])));
+        assert_eq!(
+            parse("scale poles -1..0.1 0..3"),
+            Ok(Action::Scale(Some("poles".into()), vec![fix(-1.0, 0.1), fix(0.0, 3.0)]))
+        );
+        assert_eq!(parse("strips auto"), Ok(Action::Strips(None)));
+        assert!(matches!(parse("strips y.1+z.1 force"), Ok(Action::Strips(Some(strips))) if strips.len() == 2));
+        assert_eq!(parse("spectrum 2 -3..3"), Ok(Action::Spectra(Some(Some(1)), Some(fix(-3.0, 3.0)))));
+        assert_eq!(parse("spectrum auto"), Ok(Action::Spectra(Some(None), Some(Scaling::Auto))));
+        assert_eq!(parse("read -1.25"), Ok(Action::Read(Read::At(-1.25))));
+        for (line, complaint) in [
+            ("scale", "scale : expected auto, TIMES or LOW..HIGH"),
+            ("scale orbits", "scale orbits: expected auto, TIMES or LOW..HIGH"),
+            ("scale orbits 1..x", "scale '1..x': expected auto, TIMES above 0 or LOW..HIGH"),
+            ("scale orbits -2", "scale '-2': expected auto, TIMES above 0 or LOW..HIGH"),
+            ("strips y.1+speed", "strips 'y.1+speed': expected series of one unit, and speed has another"),
+            ("spectrum 0", "spectrum '0': expected a mass, LOW..HIGH or auto"),
+            ("read there", "read 'there': expected a number"),
+            ("fly", "no command 'fly': tab shows what there is, ? the help"),
+            ("seek", "seek: expected seek SECONDS"),
+            ("seek x", "seek 'x': expected a number"),
+            ("seek NaN", "seek 'NaN': expected a number"),
+            ("zoom 0", "zoom 0: expected a number above 0"),
+            ("undo it", "undo 'it': expected nothing after undo"),
+            ("kd", "kd: expected kd=VALUE"),
+            ("kd=much", "kd = 'much': expected a number"),
+            ("", "no command '': tab shows what there is, ? the help"),
+        ] {
+            assert_eq!(parse(line), Err(complaint.to_owned()), "{line}");
+        }
+    }
+}

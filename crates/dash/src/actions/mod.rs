@@ -1,0 +1,13 @@
+//! The one table of actions: it makes the keys, the command line with its completion, the help screen, the hints at the
+//! foot, the README's table and the default configuration.
+//!
+//! A key stands for a command line, such as `nudge -1`; what is typed after `:` goes through the same [`parse`].
+
+mod action;
+mod argument;
+mod line;
+mod table;
+
+pub(crate) use action::{Action, Read};
+pub(crate) use line::parse;
+pub(crate) use table::{ACTIONS, Keys, MOUSE, Row};

@@ -1,0 +1,76 @@
+//! How a command line can go on.
+
+use rotor::PARAMETERS;
+
+use crate::actions::ACTIONS;
+use crate::panels::registry::plots;
+use crate::panels::series;
+
+/// Every way to go on with a command line: whole lines.
+pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) -> Vec<String> {
+    let (before, word) = line.rsplit_once(' ').map_or(("", line), |(before, word)| (before, word));
+    let settings = || PARAMETERS.iter().map(|parameter| format!("{}=", parameter.name));
+    let first = before.split_whitespace().next();
+    let candidates: Vec<String> = match first {
+        None => {
+            let named = ACTIONS.iter().map(|row| {
+                let space = if row.argument.is_empty() { "" } else { " " };
+                format!("{}{space}", row.name)
+            });
+            named.chain(settings()).collect()
+        }
+        Some("layout") => layouts.to_vec(),
+        Some("load" | "save" | "delete") => presets.to_vec(),
+        Some("set") => settings().collect(),
+        Some("search") => ["robust", "stop"].map(str::to_owned).to_vec(),
+        Some("choose") => plots().map(str::to_owned).collect(),
+        Some("scale") => plots().chain(["auto"]).map(str::to_owned).collect(),
+        Some("strips") => series::names().chain(["auto"]).map(str::to_owned).collect(),
+        Some("spectrum") => vec!["auto".to_owned()],
+        Some("read") => ["left", "right", "off"].map(str::to_owned).to_vec(),
+        Some(_) => Vec::new(),
+    };
+    let whole = |candidate: String| if before.is_empty() { candidate } else { format!("{before} {candidate}") };
+    candidates.into_iter().filter(|candidate| candidate.starts_with(word)).map(whole).collect()
+}
+
+/// What a completion means: what a command does, what a setting is. Empty for anything else.
+pub(crate) fn meaning(word: &str) -> String {
+    let word = word.trim_end();
+    if let Some(row) = ACTIONS.iter().find(|row| row.name == word) {
+        return format!("{} {}", row.argument, row.meaning).trim_start().to_owned();
+    }
+    let setting = word.strip_suffix('=').and_then(|name| PARAMETERS.iter().find(|parameter| parameter.name == name));
+    setting.map_or_else(String::new, |parameter| parameter.meaning.to_owned())
+}
+
+/// What all of some lines begin with.
+pub(crate) fn common(lines: &[String]) -> String {
+    let Some((first, rest)) = lines.split_first() else { return String::new() };
+    let alike = |at: usize, c: char| rest.iter().all(|line| line[at.min(line.len())..].starts_with(c));
+    let end = first.char_indices().find(|(at, c)| !alike(*at, *c)).map_or(first.len(), |(at, _)| at);
+    first[..end].to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn completion_offers_names_settings_and_what_commands_take() {
+        let layouts = ["operator".to_owned(), "overview".to_owned()];
+        let complete = |line: &str| completions(line, &layouts, &["good".to_owned()]);
+        assert_eq!(complete("se"), ["select ", "set ", "search ", "seek "]);
+        assert_eq!(complete("layout o"), ["layout operator", "layout overview"]);
+        assert_eq!(complete("load "), ["load good"]);
+        assert_eq!(complete("strips y.1 rad"), ["strips y.1 radius"]);
+        assert_eq!(complete("scale po"), ["scale poles"]);
+        assert!(complete("choose ").contains(&"choose spectrum".to_owned()));
+        assert_eq!(complete("set kd=1 sp"), ["set kd=1 speed="]);
+        assert!(complete("").len() > 20 && complete("").contains(&"speed=".to_owned()));
+        assert_eq!(common(&complete("se")), "se");
+        assert_eq!(common(&complete("layout ")), "layout o");
+        assert_eq!(common(&["ä".to_owned(), "ö".to_owned()]), "");
+        assert_eq!(common(&[]), "");
+    }
+}
