@@ -283,7 +283,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__dash)
-            opts="-h --bench --history --layout --theme --ascii --read-only --picture --size --after --help"
+            opts="-h --bench --history --layout --theme --ascii --read-only --picture --size --after --press --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -314,6 +314,10 @@ _whirl() {
                     return 0
                     ;;
                 --after)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --press)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -82,6 +82,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand dash" -l theme -d 'Colours: 
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l picture -d 'Take a picture of the screen, SVG or plain text, instead of showing it' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l size -d 'The size of that screen in cells' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l after -d 'Seconds to listen before the picture is taken' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l press -d 'Keys to press before it is taken: letters, names in brackets as <enter> or <ctrl-r>, and <3s> to wait' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l read-only -d 'Only look: change nothing'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -s h -l help -d 'Print help'

@@ -26,6 +26,18 @@ fn a_picture_shows_the_running_bench_as_text_and_as_svg() {
     let svg = fs::read_to_string(svg).unwrap();
     assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>") && svg.contains("minimum damping"));
 
+    // Keys are pressed before it is taken, and what they ask for is done.
+    let pressed = root.path().join("pressed.txt");
+    let file = pressed.to_str().unwrap();
+    let keys = ":speed 2.6<enter><1s>jjj<enter>-0.3";
+    let ran = root.run(&["dash", "--bench", "a", "--picture", file, "--after", "1", "--press", keys]);
+    assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""), "{ran:?}");
+    let shown = fs::read_to_string(&pressed).unwrap();
+    assert!(shown.contains("R 2.6") && shown.contains("-0.3_") && shown.contains("then 0."), "{shown}");
+    assert_eq!(root.run(&["status", "--json"]).json()["benches"][0]["speed"], 2.6);
+    let ran = root.run(&["dash", "--bench", "a", "--picture", file, "--press", "<nokey>"]);
+    assert_eq!(ran.code, Some(2), "{ran:?}");
+
     let ran = root.run(&["dash", "--bench", "a", "--picture", "a.png"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.stderr.contains("--picture a.png: expected a file that ends in .svg or .txt"), "{ran:?}");

@@ -301,7 +301,7 @@ impl<'a> App<'a> {
     }
 
     /// What became of an edit.
-    fn learn(&mut self, outcome: Outcome) {
+    pub(crate) fn learn(&mut self, outcome: Outcome) {
         match outcome {
             Outcome::Done(text) => self.tell(Message::Good(text)),
             Outcome::Swapped(text, before) => {
@@ -322,7 +322,7 @@ impl<'a> App<'a> {
     }
 
     /// What time alone brings. Returns whether it shows.
-    fn tick(&mut self) -> bool {
+    pub(crate) fn tick(&mut self) -> bool {
         // Alarms go on while the view stands, and no peak falls between two frames.
         let reading = lock(&self.feed).reading();
         let mut shows = self.heed(&reading);

@@ -1,22 +1,19 @@
-//! The dashboard without a terminal: a picture of a running bench for papers, and frames for whoever measures what they
-//! cost. What it draws is what the screen shows.
+//! The dashboard without a terminal, for whoever measures what its frames cost. What it draws is what the screen shows.
 
 use std::io::{self, Write};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use alarms::Alarms;
-use crossbeam::channel;
 use ratatui::backend::CrosstermBackend;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::{Terminal, TerminalOptions, Viewport};
-use wire::{BenchName, Bulletin, Carrier, State};
+use wire::{Bulletin, State};
 
 use crate::analysis::Desk;
 use crate::feed::Feed;
-use crate::link::{self, Shared, Wires, lock};
+use crate::link::{Shared, lock};
 use crate::looks::{Look, still};
 use crate::options::Options;
 use crate::panels::registry::Panels;
@@ -28,9 +25,6 @@ use crate::view::Message;
 use crate::view::View;
 use crate::view_time::ViewTime;
 
-/// How often what has come in is held against the alarms' limits.
-const LOOK: Duration = Duration::from_millis(100);
-
 /// A picture of the screen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Still {
@@ -40,38 +34,7 @@ pub struct Still {
     pub svg: String,
 }
 
-/// Attaches to `bench`, listens for `after`, and takes a picture of what a dashboard of `width` by `height` cells then
-/// shows. `None` if nothing was heard of the bench until then.
-///
-/// # Errors
-/// A thread cannot be started.
-pub fn portrait<C: Carrier>(
-    carrier: C,
-    bench: &BenchName,
-    options: &Options,
-    (width, height): (u16, u16),
-    after: Duration,
-) -> io::Result<Option<Still>> {
-    let mut headless = Headless::new(&bench.to_string(), options);
-    let stop = Arc::new(AtomicBool::new(false));
-    let (news, _nobody) = channel::bounded(1);
-    let (wake, _never) = channel::bounded(1);
-    let wires = Wires { news, wake, idle: Arc::default(), stop: stop.clone() };
-    let reader = link::spawn(carrier, bench.clone(), headless.feed.clone(), wires)?;
-    let start = Instant::now();
-    while start.elapsed() < after {
-        std::thread::sleep(LOOK.min(after.saturating_sub(start.elapsed())));
-        headless.heed();
-    }
-    let heard = lock(&headless.feed).heard().is_some();
-    let still = heard.then(|| headless.still(width, height));
-    stop.store(true, Ordering::Relaxed);
-    // It holds shared memory: it must have let go before we report that we are done.
-    let _ = reader.join();
-    Ok(still)
-}
-
-/// A dashboard without a terminal, and without threads unless [`portrait`] starts one.
+/// A dashboard without a terminal, without threads and without keys.
 pub struct Headless {
     bench: String,
     feed: Shared,

@@ -49,6 +49,13 @@ impl Chord {
     }
 }
 
+impl Chord {
+    /// The press of it.
+    pub(crate) fn event(self) -> KeyEvent {
+        KeyEvent::new(self.0, self.1)
+    }
+}
+
 impl FromStr for Chord {
     type Err = String;
 

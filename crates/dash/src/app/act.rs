@@ -218,6 +218,14 @@ impl App<'_> {
         }
     }
 
+    /// A picture of what it shows now.
+    pub(crate) fn still(&mut self, area: ratatui::layout::Rect) -> Still {
+        let mut buffer = ratatui::buffer::Buffer::empty(area);
+        self.render(area, &mut buffer);
+        self.look.finish(&mut buffer);
+        Still { text: still::text(&buffer), svg: still::svg(&buffer) }
+    }
+
     /// Moves the lists on the screen.
     fn scroll(&mut self, rows: isize) {
         let area = self.area;
@@ -235,11 +243,7 @@ impl App<'_> {
             return;
         };
         self.tell(Message::Hints);
-        let area = self.area;
-        let mut buffer = ratatui::buffer::Buffer::empty(area);
-        self.render(area, &mut buffer);
-        self.look.finish(&mut buffer);
-        let still = Still { text: still::text(&buffer), svg: still::svg(&buffer) };
+        let still = self.still(self.area);
         self.tell(match still_file::keep(&still, &folder, &self.bench, file) {
             Ok(told) => Message::Good(format!("picture kept: {told}")),
             Err(why) => Message::Bad(format!("picture: {why}")),

@@ -14,7 +14,7 @@ use crate::typing::{Typed, Typing, is_letter};
 use crate::view::Offer;
 
 impl App<'_> {
-    pub(super) fn press(&mut self, key: KeyEvent) {
+    pub(crate) fn press(&mut self, key: KeyEvent) {
         let action = self.keymap.action(key);
         // These work whatever lies on top, unless they are a letter of a text.
         let is_text = matches!(self.layers.last(), Some(Layer::Command(_) | Layer::Filter(_))) && is_letter(key);

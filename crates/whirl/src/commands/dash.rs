@@ -26,6 +26,9 @@ pub(crate) struct DashArgs {
     /// Seconds to listen before the picture is taken
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = clap::value_parser!(u32).range(1..=3600), requires = "picture")]
     after: u32,
+    /// Keys to press before it is taken: letters, names in brackets as <enter> or <ctrl-r>, and <3s> to wait
+    #[arg(long, value_name = "KEYS", default_value = "", hide_default_value = true, requires = "picture")]
+    press: dash::Presses,
 }
 
 /// Reads `120x40`.
@@ -142,7 +145,7 @@ fn picture<C: wire::Carrier>(
         return Err(Failure::Usage(format!("--picture {found}: expected a file that ends in .svg or .txt")));
     };
     let after = Duration::from_secs(args.after.into());
-    let still = dash::portrait(carrier, bench, options, args.size, after)?;
+    let still = dash::portrait(carrier, bench, options, args.size, after, &args.press)?;
     let still = still.ok_or_else(|| Failure::Bench(format!("bench '{bench}' sent nothing in {} s", args.after)))?;
     let content = if kind == "svg" { still.svg } else { still.text };
     std::fs::write(file, content).map_err(|error| Failure::Work(format!("cannot write {}: {error}", file.display())))
