@@ -145,6 +145,29 @@ fn thirty_seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
 }
 
 #[test]
+fn a_plot_is_chosen_its_scale_fixed_and_read_and_strips_show_what_was_asked_for() {
+    let root = Root::new();
+    let mut screen = started(&root);
+    screen.press(":scale orbits -7..7\r");
+    screen.wait_words("±7.0 e_t fixed");
+    screen.press("\t=");
+    screen.wait_words("┏ poles");
+    screen.press(".");
+    screen.wait_words("◈ ");
+    // Shift-tab as terminals send it.
+    screen.press("\x1b[Z");
+    screen.wait("another plot", |text| (!text.contains("┏ poles") && text.contains('┏')).then_some(()));
+    screen.press(":scale orbits auto\r");
+    screen.wait("a scale that follows", |text| (!text.contains("fixed")).then_some(()));
+    screen.press(":strips radius.2 damping\r");
+    screen.wait_words("│radius.2 ");
+    screen.wait_words("│damping ");
+    screen.press(":strips auto\r");
+    screen.wait_words("│u");
+    quit(screen);
+}
+
+#[test]
 fn the_alarm_that_fired_is_found_and_acknowledged() {
     let root = Root::new();
     let mut screen = started(&root);

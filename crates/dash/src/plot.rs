@@ -206,6 +206,12 @@ pub(crate) fn nice_ceiling(value: f64) -> f64 {
         .unwrap_or(10.0 * decade)
 }
 
+/// A round number as short as it can be told, for scales: 4, 0.06, 1.5.
+pub(crate) fn neat(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) { format!("{}", rounded + 0.0) } else { short(value, 3) }
+}
+
 /// A number in about `digits` characters, for labels.
 pub(crate) fn short(value: f64, digits: usize) -> String {
     if !value.is_finite() {
@@ -311,6 +317,12 @@ mod tests {
         ] {
             assert!((nice_ceiling(value) - nice).abs() < 1e-9 * nice, "{value}");
         }
+        for (value, text) in
+            [(4.0, "4"), (0.06, "0.06"), (-1.5, "-1.5"), (0.1 + 0.2, "0.3"), (150.0, "150"), (0.0, "0")]
+        {
+            assert_eq!(neat(value), text);
+        }
+        assert_eq!((neat(2e6), neat(f64::NAN)), ("2.0e6".into(), "-".into()));
         for (value, text) in
             [(0.0, "0.000"), (12.345, "12.35"), (-0.5, "-0.500"), (1234.5, "1234"), (2e6, "2.0e6"), (f64::NAN, "-")]
         {

@@ -21,7 +21,7 @@ use super::{framed, wheel_times, write, write_right};
 use crate::actions::Read;
 use crate::analysis::Question;
 use crate::axis::{Axis, Scaling};
-use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::plot::{Plot, Window, neat, nice_ceiling, short};
 use crate::pointed::Point;
 use crate::theme;
 use crate::units::Units;
@@ -165,7 +165,10 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
         }
     }
     // A scale that stands still was chosen: it is told as it is.
-    let number = |value: f64| units.rate.short(value, if axes.re.is_fixed() || axes.im.is_fixed() { 3 } else { 2 });
+    let number = |value: f64| match axes.re.is_fixed() || axes.im.is_fixed() {
+        true => neat(value * units.rate.factor),
+        false => units.rate.short(value, 2),
+    };
     let symmetric = top == -bottom;
     let im = if symmetric { format!("±{}", number(top)) } else { format!("{} to {}", number(bottom), number(top)) };
     let name = if units.scales.is_some() { " 1/s" } else { "" };

@@ -12,6 +12,7 @@ use std::ops::Range;
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
+use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
 use super::panel::{Intent, Mouse, Panel, Wish};
@@ -19,7 +20,7 @@ use super::series::{Strip, Trace};
 use super::{framed, wheel_times, write, write_right};
 use crate::axis::{Axis, Scaling};
 use crate::history::{Channel, Mark};
-use crate::plot::{Plot, Window, nice_ceiling, short};
+use crate::plot::{Plot, Window, neat, nice_ceiling, short};
 use crate::replay::Beside;
 use crate::theme;
 use crate::units::Unit;
@@ -216,13 +217,14 @@ fn draw_strip(strip: &Strip, unit: Unit, axis: &mut Axis, view: &View<'_>, area:
             }
         }
     }
-    write_labels(strip, &traces, cursor.map(|now| (now, unit)), view, area, buffer);
     let label = scale_text(
         [bottom, top],
         axis,
         if unit.name.len() * ROOM_FOR_UNIT <= usize::from(area.width) { unit.name } else { "" },
     );
     write_right(buffer, area, area.top(), &label, theme::quiet());
+    let room = Rect { width: area.width.saturating_sub(label.chars().count() as u16), ..area };
+    write_labels(strip, &traces, cursor.map(|now| (now, unit)), view, room, buffer);
 }
 
 /// The range that shows all of some lines, and as much of others as leaves these readable.
@@ -246,16 +248,12 @@ fn whole(lines: &[Vec<Column>], others: &[Vec<Column>], is_size: bool) -> [f64; 
 
 /// A range as a label.
 fn scale_text([low, high]: [f64; 2], axis: &Axis, unit: &str) -> String {
-    let digits = if axis.is_fixed() { 3 } else { 1 };
-    let range = match low {
-        _ if low == -high => format!("±{}", short(high, digits)),
-        0.0 => format!("0 to {}", short(high, digits)),
-        _ => format!("{} to {}", short(low, digits + 1), short(high, digits + 1)),
-    };
+    let range = if low == -high { format!("±{}", neat(high)) } else { format!("{} to {}", neat(low), neat(high)) };
     format!("{}{range} {unit}", axis.sign()).trim_end().to_owned()
 }
 
-/// The name of a strip, or those of its lines; with the values under a cursor.
+/// The name of a strip, or those of its lines; with the values under a cursor. Where they have no room, the marks of the lines
+/// stand for their names, and what then has none is left out: half a number would mislead.
 fn write_labels(
     strip: &Strip,
     traces: &[Trace],
@@ -264,25 +262,33 @@ fn write_labels(
     area: Rect,
     buffer: &mut Buffer,
 ) {
-    let mut x = area.left();
-    let mut add = |text: &str, style| {
-        // What is drawn below must not run into the words.
-        write(buffer, area, x, area.top(), &format!("{text} "), style);
-        x += text.chars().count() as u16 + 1;
-    };
     let is_one = strip.is_of_every_mass() || strip.name == "u" || traces.is_empty();
-    if is_one {
-        add(&strip.name, theme::quiet());
-    }
-    for trace in traces {
-        if !is_one {
-            add(&trace.label, theme::loud(trace.color));
+    let value = |trace: &Trace| {
+        let (now, unit) = cursor?;
+        Some(unit.short(trace.value(view.picture, now)?, 4))
+    };
+    let words = |short: bool| -> Vec<(String, Style)> {
+        let mut words = if is_one { vec![(strip.name.clone(), theme::quiet())] } else { Vec::new() };
+        for trace in traces {
+            let style = theme::loud(trace.color);
+            let name = if short { trace.mark.to_string() } else { trace.label.clone() };
+            words.extend(Some((name, style)).filter(|_| !is_one));
+            words.extend(value(trace).map(|value| (value, style)));
         }
-        if let Some((now, unit)) = cursor
-            && let Some(value) = trace.value(view.picture, now)
-        {
-            add(&unit.short(value, 4), theme::loud(trace.color));
+        words
+    };
+    let width = |words: &[(String, Style)]| words.iter().map(|(word, _)| word.chars().count() + 1).sum::<usize>();
+    let full = words(false);
+    let words = if width(&full) <= usize::from(area.width) { full } else { words(true) };
+    let mut x = area.left();
+    for (word, style) in words {
+        let wide = word.chars().count() as u16 + 1;
+        if x + wide > area.right() {
+            break;
         }
+        // What is drawn below must not run into the words.
+        write(buffer, area, x, area.top(), &format!("{word} "), style);
+        x += wide;
     }
 }
 
@@ -372,8 +378,8 @@ mod tests {
             &format!("│damping {damping} "),
             "│speed 2.500 ",
             "0 to 3 e_t│",
-            "±2 e_t│",
-            "=2.000 to 3.000 R│",
+            "±1.5 e_t│",
+            "=2 to 3 R│",
         ] {
             assert!(frame.contains(words), "{words}:\n{frame}");
         }
