@@ -54,9 +54,13 @@ impl App<'_> {
                 Ok(Some(format!("{} times as fast as it was", player.speed())))
             }),
             Action::GoTo(tau) => self.play(|player, feed, time| player.go_to_tau(tau, feed, time)).map(|_| None),
-            Action::Escape => self
-                .play(|player, feed, time| player.drop_branch(feed, time))
-                .map(|dropped| dropped.then(|| "what if dropped".to_owned())),
+            Action::Escape => {
+                let dropped = self.play(|player, feed, time| player.drop_branch(feed, time));
+                if dropped == Some(false) {
+                    self.filter.clear();
+                }
+                dropped.map(|dropped| dropped.then(|| "what if dropped".to_owned()))
+            }
             _ => return false,
         };
         if let Some(Some(words)) = told {
@@ -79,8 +83,8 @@ mod tests {
     use crate::replay::Past as _;
     use crate::replay::tests::session;
 
-    /// Presses keys on a recording; returns where that leads, what is said, and whether there is something beside.
-    fn pressed(keys: &[KeyCode]) -> (u64, bool, Message) {
+    /// A dashboard on a recording after some keys.
+    fn played(keys: &[KeyCode]) -> App<'static> {
         let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
         let player = Player::new(Box::new(session()), &mut feed, &mut time).unwrap();
         let (edits, taken) = channel::bounded(8);
@@ -92,10 +96,33 @@ mod tests {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }
         assert!(taken.is_empty(), "nothing is sent to anybody");
+        app
+    }
+
+    /// Presses keys on a recording; returns where that leads, what is said, and whether there is something beside.
+    fn pressed(keys: &[KeyCode]) -> (u64, bool, Message) {
+        let mut app = played(keys);
         let shown = app.with_view(|view, _, _| view.what_if.is_some());
         let player = app.player.as_ref().unwrap();
         assert_eq!(shown, player.has_branch(), "what it means is shown as long as it is there");
         (player.seq(), player.has_branch(), app.message.0.clone())
+    }
+
+    #[test]
+    fn esc_drops_what_is_beside_first_and_then_the_filter() {
+        let keys = [Char('/'), Char('k'), Enter, Char('0'), Esc];
+        let app = played(&keys);
+        assert!(!app.player.as_ref().unwrap().has_branch());
+        assert_eq!(app.filter, "k");
+        assert_eq!(played(&[&keys[..], &[Esc]].concat()).filter, "");
+    }
+
+    #[test]
+    fn settings_are_held_and_swapped_on_a_recording_too() {
+        let app = played(&[Char('B'), KeyCode::Right, Char('b')]);
+        let (held, now) = (app.held.clone().unwrap(), app.settings().unwrap());
+        assert_ne!(held, now);
+        assert_eq!(held.speed, now.speed + 0.05, "they have changed places");
     }
 
     use KeyCode::{Backspace, Char, End, Enter, Esc, Home};
