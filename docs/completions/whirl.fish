@@ -31,7 +31,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "sim" -d 'Run the simula
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "dash" -d 'Show a dashboard on a running simulation'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "record" -d 'Record a running simulation in a file, every step'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "replay" -d 'Play a recording in the dashboard, and run on from any moment of it with other gains'
-complete -c whirl -n "__fish_whirl_needs_command" -f -a "info" -d 'Tell what a recording holds: length, rates, changes, losses, trips, extremes'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "info" -d 'Tell what a recording holds: length, rates, changes, losses, trips, alarms, extremes'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "export" -d 'Make a table of a recording, as CSV or Parquet'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "tail" -d 'Print live telemetry, or what happens'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "layout" -d 'List the layouts of the dashboard, show one as a file, or check files'

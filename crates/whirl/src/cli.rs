@@ -35,7 +35,7 @@ pub(crate) enum Command {
     Record(commands::record::RecordArgs),
     /// Play a recording in the dashboard, and run on from any moment of it with other gains
     Replay(commands::replay::ReplayArgs),
-    /// Tell what a recording holds: length, rates, changes, losses, trips, extremes
+    /// Tell what a recording holds: length, rates, changes, losses, trips, alarms, extremes
     Info(commands::info::InfoArgs),
     /// Make a table of a recording, as CSV or Parquet
     Export(commands::export::ExportArgs),

@@ -76,6 +76,10 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
         let text = format!(" {} not acknowledged: a ", alarms.unseen());
         title.push(Span::styled(text, theme::badge(level_color(alarms.shown()))));
     }
+    let judged = view.replay.as_ref().is_none_or(|show| show.judged);
+    if !judged {
+        title.push(Span::styled(" recorded without alarms ", theme::quiet()));
+    }
     let all = alarms.entries().count();
     let units = view.picture.units();
     let entries: Vec<&Entry> = alarms.entries().filter(|entry| passes(view.filter, &words(entry, &units))).collect();
@@ -95,11 +99,10 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
     }
     mark(&in_view, told, area, buffer);
     if all == 0
+        && judged
         && let Some(row) = rows.next()
     {
-        let unjudged = view.replay.as_ref().is_some_and(|show| !show.judged);
-        let words = if unjudged { "recorded without alarms" } else { "nothing has been past its limit" };
-        write(buffer, row, row.x, row.y, words, theme::quiet());
+        write(buffer, row, row.x, row.y, "nothing has been past its limit", theme::quiet());
     }
     (
         usize::from(below.y - inner.y),

@@ -542,6 +542,8 @@ fn a_long_way_is_gone_in_stages_and_what_is_forgotten_is_run_anew() {
     let (mut feed, mut time) = (Feed::with_bound("", 60_000_000), ViewTime::LIVE);
     let player = Player::new(Box::new(Long(session())), &mut feed, &mut time).unwrap();
     let mut stage = Stage { player, feed, time };
+    let operator = stage.frame_of("operator", 200, 60);
+    assert!(operator.contains("recorded without alarms"), "nobody judged it: {operator}");
     stage.edit(&Edit::Nudge(key("kd"), 0.25)).unwrap();
     let arrive = |stage: &mut Stage, seq: u64| {
         stage.go(seq);
