@@ -72,6 +72,10 @@ impl App<'_> {
             return;
         };
         let name = KINDS[kind].name;
+        // A strip of the same name shows the same quantity.
+        if let Some(plot) = plot {
+            let _ = self.panels.wish_any(&Wish::Strip(plot, scalings));
+        }
         if let Some(Err(why)) = self.panels.wish(kind, &Wish::Value(scalings)) {
             self.tell(Message::Bad(format!("{name} {why}")));
         }

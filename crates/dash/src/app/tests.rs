@@ -520,6 +520,8 @@ fn strips_show_what_was_chosen() {
     for label in ["│radius.2", "│y.1 z.1 ", "│damping ", "│speed "] {
         assert!(shown.contains(label), "{label}:\n{shown}");
     }
+    command(&mut app, "scale damping 0..0.08");
+    assert!(frame(&mut app).contains("=0 to 0.08│"), "a strip may have the name of a panel:\n{}", frame(&mut app));
     command(&mut app, "strips y.9");
     assert_eq!(app.message.0, Message::Bad("strips 'y.9': expected a mass from 1 to 3".into()));
     command(&mut app, "strips auto");

@@ -135,8 +135,10 @@ impl<'t> Reader<'t> {
 
     /// What strips show, a word each.
     fn strips(&mut self, value: &Value<'t>) -> Option<Vec<Strip>> {
+        let before = self.problems.len();
         let words = self.words(value).concat();
-        if words.is_empty() {
+        // What is no text has been told of.
+        if words.is_empty() && self.problems.len() == before {
             self.problem(value.span().start, self.written(value), "series, such as \"y z u\"");
         }
         let mut strips = Vec::new();

@@ -69,9 +69,17 @@ fn problems_name_line_and_column() {
             "[[screen]]\ncolumns = '1'\npicture = 'poles force'",
             "2:11: 1 sizes: expected one for each of the 2 words of a line",
         ),
+        (
+            "[[screen]]\nstrips = 'y y.1+speed'\npicture = 'strips'",
+            "2:13: 'y.1+speed': expected series of one unit, and speed has another",
+        ),
+        ("[[screen]]\nstrips = 3\npicture = 'strips'", "2:10: '3': expected words in quotes"),
     ] {
         assert_eq!(wrong(text), problem, "{text}");
     }
+    assert!(
+        wrong("[[screen]]\nstrips = 'y foo'\npicture = 'strips'").starts_with("2:13: 'foo': expected y, z, radius")
+    );
     assert!(wrong("[[screen]]\npicture = 'pole'").starts_with("2:12: no panel 'pole': expected one of poles, damping"));
     assert!(
         wrong("[[screen]]\ncolumns = '1 1 1 1'\npicture = 'poles force orbits settings'")
