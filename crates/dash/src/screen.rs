@@ -116,6 +116,7 @@ mod tests {
             }
         }
         insta::assert_snapshot!("screen_80x24", frame(&picture, 80, 24, false));
+        insta::assert_snapshot!("screen_120x40", frame(&picture, 120, 40, false));
         insta::assert_snapshot!("screen_200x60", frame(&picture, 200, 60, false));
         insta::assert_snapshot!("screen_60x16", frame(&picture, 60, 16, false));
     }

@@ -346,7 +346,7 @@ pub(crate) const ACTIONS: &[Row] = &[
     Row {
         name: "picture",
         argument: "[FILE]",
-        meaning: "keep a picture of the screen: FILE.svg or FILE.txt, else both, named by bench and time",
+        meaning: "keep a picture of the screen as FILE.svg or FILE.txt, or else as both",
         keys: &[keys(&[("P", "")], "keep a picture of the screen, as SVG and as text", None)],
         make: |file| Ok(Action::Picture(file.to_owned())),
     },

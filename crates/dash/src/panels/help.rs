@@ -90,6 +90,9 @@ mod tests {
         for parameter in &PARAMETERS {
             assert!(frame.contains(parameter.name), "{}:\n{frame}", parameter.name);
         }
+        // A meaning that is cut off explains nothing.
+        let cut: Vec<&str> = frame.lines().filter(|line| line.ends_with('│') && !line.ends_with(" │")).collect();
+        assert_eq!(cut, [""; 0], "lines that do not fit");
         insta::assert_snapshot!("help", frame);
     }
 
