@@ -9,7 +9,7 @@ or, with rerun-sdk==0.36.3 and pyarrow from pip:
 
 1. A bench is recorded while `whirl tail --json` prints it: every value of the SDK equals the printed one.
 2. A run without a bench is written as .rrd and as .csv: every value of the SDK equals the one in the table.
-3. The sample in recordings/: entities, timelines, and every column beside `whirl export --parquet`.
+3. The sample in recordings/: entities, timelines, and every column beside `whirl export --parquet`; every alarm in its log.
 """
 
 import csv
@@ -98,6 +98,39 @@ def live(folder):
     return f"{len(lines)} steps as `whirl tail` printed them"
 
 
+def events(path):
+    """Every event of a recording: its step, its level, its words and its document, as the SDK reads them."""
+    for chunk in chunks(path):
+        if chunk.entity_path != "/events":
+            continue
+        batch = chunk.to_record_batch()
+        columns = ["step", "TextLog:level", "TextLog:text", "whirl:document"]
+        for step, [level], [text], [document] in zip(*(batch.column(name).to_pylist() for name in columns), strict=True):
+            yield step, level, text, json.loads(document)
+
+
+def alarms(folder):
+    """Each alarm that `whirl info` tells of rises in the log at its step, with a value that was that of its step."""
+    told = json.loads(whirl("info", SAMPLE, "--json"))["alarms"]
+    assert {"damping", "orbit"} <= {alarm["watch"] for alarm in told}, told
+    recorded, log = steps(SAMPLE), list(events(SAMPLE))
+    for alarm in told:
+        for end in ["from", "to"]:
+            [(_, level, text, document)] = [
+                event for event in log
+                if event[0] == alarm[end]["step"] and event[3].get("alarm", {}).get("watch") == alarm["watch"]
+            ]
+            alarmed = document["alarm"]
+            assert alarm["watch"] in text and level in ("ERROR", "WARN", "INFO"), text
+            assert (alarmed["before"] if end == "from" else alarmed["level"]) == "fine", document
+            if alarm["watch"] == "orbit":
+                row = recorded[alarm[end]["step"]]
+                radius = max((row[f"y{k}"] ** 2 + row[f"z{k}"] ** 2) ** 0.5 for k in (1, 2, 3))
+                # A hypotenuse is not rounded alike everywhere.
+                assert abs(alarmed["value"] - radius) <= 1e-14 * radius, (alarmed, radius)
+    return f"{len(told)} alarms as `whirl info` tells of them, each at its step"
+
+
 def offline(folder):
     """What is recorded of a run is what the run computed."""
     run = ["run", "three-mass", "--feedback", "composite", "--speed", "2.5", "--deadband", "1", "--duration", "50"]
@@ -140,6 +173,7 @@ def sample(folder):
 
 PROGRAM = str(Path(sys.argv[1]).resolve())
 assert rr.__version__ == "0.36.3", f"rerun-sdk is {rr.__version__}, expected 0.36.3"
-for check in [live, offline, sample]:
+for check in [live, offline, sample, alarms]:
     with tempfile.TemporaryDirectory(prefix="whirl-") as folder:
-        print(f"{check.__name__}: {check(Path(folder))}: equal to the last bit")
+        rest = "" if check is alarms else ": equal to the last bit"
+        print(f"{check.__name__}: {check(Path(folder))}{rest}")
