@@ -15,7 +15,8 @@ use wire::{Bulletin, Happening, Moment};
 
 use super::{chunks, scene, view};
 use crate::batch::Batch;
-use crate::document::{self, EventDocument, RevisionDocument, SessionDocument};
+use crate::document::event::EventDocument;
+use crate::document::{self, RevisionDocument, SessionDocument};
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
 use crate::schema;

@@ -1,0 +1,213 @@
+//! What a recording says in words: JSON documents beside the columns of numbers.
+//!
+//! Every field that a later version adds must be optional here, so that files without it stay readable. Numbers read back
+//! to the last bit (`float_roundtrip` of serde_json); feedback is the text of its own file, which does so too.
+
+pub(crate) mod event;
+
+use std::collections::BTreeMap;
+
+use alarms::{Limits, Watch};
+use rotor::file::{read_feedback, write_feedback};
+use rotor::{C64, Mass, Rotor, Scales, Settings};
+use serde::{Deserialize, Serialize};
+
+use crate::schema::{self, Column};
+use crate::session::{Revision, Session, Source};
+
+/// A document that is not one of ours.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub(crate) struct BadDocument(String);
+
+#[expect(clippy::needless_pass_by_value, reason = "as `map_err` gives it")]
+fn bad(error: impl ToString) -> BadDocument {
+    BadDocument(error.to_string())
+}
+
+/// Any document as its text.
+pub(crate) fn text(document: &impl Serialize) -> String {
+    // Plain numbers and words: this cannot fail.
+    serde_json::to_string(document).unwrap_or_default()
+}
+
+/// A document from its text.
+pub(crate) fn parse<'a, D: Deserialize<'a>>(text: &'a str) -> Result<D, BadDocument> {
+    serde_json::from_str(text).map_err(bad)
+}
+
+/// About the whole file.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct SessionDocument {
+    pub(crate) schema: u32,
+    whirl: String,
+    simulation: String,
+    run_id: String,
+    bench: String,
+    source: String,
+    started_ns: u64,
+    rate_hz: f64,
+    dtau: f64,
+    /// What alarms are held against: warning and alarm, or null where there is no limit. Absent if nobody judges.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    alarm_limits: Option<BTreeMap<String, Option<[f64; 2]>>>,
+    rotor: RotorDocument,
+    columns: Vec<ColumnDocument>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct RotorDocument {
+    name: String,
+    /// Per mass, the values of [`rotor::FIELDS`] by their keys.
+    masses: Vec<MassDocument>,
+    shafts: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    scales: Option<ScalesDocument>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct MassDocument {
+    mass: f64,
+    damping: f64,
+    cross_damping: f64,
+    bearing_stiffness: f64,
+    seal_stiffness: f64,
+    unbalance: f64,
+    deadband: f64,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct ScalesDocument {
+    w0: f64,
+    k_t: f64,
+    m_t: f64,
+    e_t: f64,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct ColumnDocument {
+    name: String,
+    unit: String,
+    meaning: String,
+}
+
+impl SessionDocument {
+    pub(crate) fn new(session: &Session, rotor: &Rotor, scales: Option<Scales>) -> Self {
+        let mass = |m: &Mass| {
+            let Mass { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } = *m;
+            MassDocument { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
+        };
+        let column = |c: Column| ColumnDocument { name: c.name, unit: c.unit.to_owned(), meaning: c.meaning };
+        Self {
+            schema: session.schema,
+            whirl: session.whirl.clone(),
+            simulation: session.simulation.clone(),
+            run_id: format!("{:016x}", session.run_id),
+            bench: session.bench.clone(),
+            source: session.source.name().to_owned(),
+            started_ns: session.started_ns,
+            rate_hz: session.rate_hz,
+            dtau: session.dtau,
+            alarm_limits: session.limits.as_ref().map(|limits| {
+                let limited = Watch::ALL.into_iter().filter(|watch| watch.has_limits());
+                limited.map(|watch| (watch.name().to_owned(), limits.pair(watch))).collect()
+            }),
+            rotor: RotorDocument {
+                name: rotor.name().to_owned(),
+                masses: rotor.masses().iter().map(mass).collect(),
+                shafts: rotor.shafts().to_vec(),
+                scales: scales.map(|Scales { w0, k_t, m_t, e_t }| ScalesDocument { w0, k_t, m_t, e_t }),
+            },
+            columns: schema::columns(rotor.len()).into_iter().map(column).collect(),
+        }
+    }
+
+    /// How many masses the rotor has.
+    pub(crate) fn masses(&self) -> usize {
+        self.rotor.masses.len()
+    }
+
+    pub(crate) fn read(self) -> Result<(Session, Rotor, Option<Scales>), BadDocument> {
+        let mass = |m: &MassDocument| {
+            let MassDocument { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } =
+                *m;
+            Mass { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
+        };
+        let RotorDocument { name, masses, shafts, scales } = self.rotor;
+        let rotor = Rotor::new(&name, masses.iter().map(mass).collect(), shafts).map_err(bad)?;
+        let scales = scales.map(|ScalesDocument { w0, k_t, m_t, e_t }| Scales { w0, k_t, m_t, e_t });
+        let session = Session {
+            schema: self.schema,
+            whirl: self.whirl,
+            simulation: self.simulation,
+            run_id: u64::from_str_radix(&self.run_id, 16).map_err(bad)?,
+            bench: self.bench,
+            source: Source::of(&self.source),
+            started_ns: self.started_ns,
+            rate_hz: self.rate_hz,
+            dtau: self.dtau,
+            limits: self.alarm_limits.map(limits_of).transpose()?,
+        };
+        Ok((session, rotor, scales))
+    }
+}
+
+fn limits_of(document: BTreeMap<String, Option<[f64; 2]>>) -> Result<Limits, BadDocument> {
+    let mut limits = Limits::none();
+    // What a later version watches beyond that is not ours to judge.
+    let known = document.into_iter().filter_map(|(name, pair)| Some((name.parse::<Watch>().ok()?, pair)));
+    for (watch, pair) in known {
+        limits.set(watch, pair).map_err(|expected| bad(format!("limits of {watch}: expected {expected}")))?;
+    }
+    Ok(limits)
+}
+
+/// Settings, whole, and the poles under them.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct RevisionDocument {
+    from: u64,
+    revision: u64,
+    who: String,
+    #[serde(default)]
+    why: String,
+    speed: f64,
+    trip: f64,
+    deadband: Vec<f64>,
+    /// The text of a feedback file.
+    feedback: String,
+    /// `[re, im]`, least damped first.
+    poles: Vec<[f64; 2]>,
+    min_damping: f64,
+}
+
+impl From<&Revision> for RevisionDocument {
+    fn from(r: &Revision) -> Self {
+        Self {
+            from: r.from,
+            revision: r.revision,
+            who: r.who.clone(),
+            why: r.why.clone(),
+            speed: r.settings.speed,
+            trip: r.settings.trip,
+            deadband: r.settings.deadband.clone(),
+            feedback: write_feedback(&r.settings.feedback),
+            poles: r.poles.iter().map(|p| [p.re, p.im]).collect(),
+            min_damping: r.min_damping,
+        }
+    }
+}
+
+impl RevisionDocument {
+    pub(crate) fn read(self) -> Result<Revision, BadDocument> {
+        let feedback = read_feedback(&self.feedback, Some(self.deadband.len())).map_err(bad)?;
+        Ok(Revision {
+            from: self.from,
+            revision: self.revision,
+            who: self.who,
+            why: self.why,
+            settings: Settings { speed: self.speed, deadband: self.deadband, trip: self.trip, feedback },
+            poles: self.poles.into_iter().map(|[re, im]| C64::new(re, im)).collect(),
+            min_damping: self.min_damping,
+        })
+    }
+}
