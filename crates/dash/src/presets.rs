@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use rotor::file::{MAX_BYTES, read_feedback, write_feedback};
 use rotor::{Feedback, Rotor, Settings};
 
+use crate::units::Units;
 use crate::what_if::WhatIf;
 
 /// The folder of the presets, if there is one.
@@ -108,7 +109,8 @@ impl Presets {
             None => "does not fit".into(),
             Some(then) => {
                 let unstable = if then.is_unstable() { " UNSTABLE" } else { "" };
-                format!("min damping {:.4}{unstable} at R {}{in_force}", then.min_damping, settings.speed)
+                let speed = Units::of(rotor.scales().copied(), None).speed_told(settings.speed);
+                format!("min damping {:.4}{unstable} at {speed}{in_force}", then.min_damping)
             }
         }
     }
