@@ -16,7 +16,7 @@ use ratatui::text::Line;
 use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
 
-use super::panel::{Intent, Mouse, Panel, Wish};
+use super::panel::{Intent, Mouse, Panel};
 use super::{framed, wheel_times, write, write_right};
 use crate::axis::Axis;
 use crate::plot::{Plot, Window, nice_ceiling, short};
@@ -50,9 +50,8 @@ impl Panel for Damping {
         (history.contains(at) && !over.is_empty()).then(|| Intent::Look(picture.track.first() + step as u64))
     }
 
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        let Wish::Value([scaling, ..]) = wish else { return None };
-        Some(self.scale.take(*scaling, None))
+    fn scale(&mut self) -> Option<&mut Axis> {
+        Some(&mut self.scale)
     }
 }
 

@@ -8,11 +8,11 @@
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Position, Rect};
+use ratatui::layout::Rect;
 use ratatui::text::Line;
 
-use super::panel::{Intent, Mouse, Panel, Wish};
-use super::{framed, wheel_times, write, write_right};
+use super::panel::Panel;
+use super::{framed, write, write_right};
 use crate::axis::Axis;
 use crate::plot::short;
 use crate::theme;
@@ -32,16 +32,8 @@ impl Panel for Force {
         draw(view, &mut self.scale, area, buffer);
     }
 
-    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
-        if let Mouse::Wheel(notches) = mouse {
-            self.scale.zoom(wheel_times(notches), None);
-        }
-        None
-    }
-
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        let Wish::Value([scaling, ..]) = wish else { return None };
-        Some(self.scale.take(*scaling, None))
+    fn scale(&mut self) -> Option<&mut Axis> {
+        Some(&mut self.scale)
     }
 }
 

@@ -18,6 +18,7 @@ pub(crate) mod raw;
 pub(crate) mod registry;
 pub(crate) mod series;
 pub(crate) mod settings;
+pub(crate) mod spectral;
 pub(crate) mod spectrum;
 pub(crate) mod status;
 pub(crate) mod strips;

@@ -4,8 +4,9 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 
 use super::series::Strip;
+use super::wheel_times;
 use crate::actions::{Action, Read};
-use crate::axis::Scaling;
+use crate::axis::{Axis, Scaling};
 use crate::pointed::{Point, Pointed};
 use crate::view::View;
 
@@ -17,17 +18,26 @@ pub(crate) trait Panel {
     /// Moves its list, if it is one, by so many rows.
     fn scroll(&mut self, _rows: isize) {}
 
-    /// What the mouse at a position of its area asks for.
+    /// The scale of its values, if it has one and no more to say about it.
+    fn scale(&mut self) -> Option<&mut Axis> {
+        None
+    }
+
+    /// What the mouse at a position of its area asks for. The wheel moves a list, and changes a scale.
     fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
         if let Mouse::Wheel(notches) = mouse {
-            self.scroll(3 * notches as isize);
+            match self.scale() {
+                Some(scale) => scale.zoom(wheel_times(notches), None),
+                None => self.scroll(3 * notches as isize),
+            }
         }
         None
     }
 
     /// Changes a scale or what it shows; `None` if that is no matter of this panel.
-    fn wish(&mut self, _wish: &Wish<'_>) -> Option<Result<(), String>> {
-        None
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        let Wish::Value([scaling, ..]) = wish else { return None };
+        self.scale().map(|scale| scale.take(*scaling, None))
     }
 
     /// Where its read-out goes from what is pointed at now.

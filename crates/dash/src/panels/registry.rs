@@ -13,10 +13,8 @@ use super::modes::Modes;
 use super::orbits::Orbits;
 use super::panel::{Intent, Mouse, Panel, Wish};
 use super::poles::Poles;
-use super::spectrum::SpectrumPanel;
 use super::strips::Strips;
-use super::waterfall::{OverSpeed, OverTime};
-use super::{raw, settings};
+use super::{raw, settings, spectrum, waterfall};
 use crate::actions::Read;
 use crate::pointed::Point;
 use crate::view::View;
@@ -105,21 +103,21 @@ pub(crate) const KINDS: &[Kind] = &[
         meaning: "full spectrum of one mass, forward and backward",
         least: (28, 6),
         is_plot: true,
-        make: || Box::<SpectrumPanel>::default(),
+        make: || Box::new(spectrum::panel()),
     },
     Kind {
         name: "waterfall",
         meaning: "its spectra over time",
         least: (24, 6),
         is_plot: true,
-        make: || Box::<OverTime>::default(),
+        make: || Box::new(waterfall::over_time()),
     },
     Kind {
         name: "waterfall-over-speed",
         meaning: "its spectra over the speeds that were run through",
         least: (24, 6),
         is_plot: true,
-        make: || Box::<OverSpeed>::default(),
+        make: || Box::new(waterfall::over_speed()),
     },
     Kind {
         name: "alarms",

@@ -12,20 +12,15 @@
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Position, Rect};
+use ratatui::layout::Rect;
 use ratatui::text::Line;
-use spectrum::{Peak, Spectrum};
+use spectrum::Spectrum;
 
-use super::panel::{Intent, Mouse, Panel, Wish};
-use super::{framed, wheel_times, write, write_right};
-use crate::actions::Read;
+use super::spectral::{Spectral, SpectralPanel, shift, told};
+use super::{framed, write, write_right};
 use crate::analysis::{Orbit, OrbitSpectrum};
-use crate::axis::{Axis, Scaling};
-use crate::picture::Picture;
-use crate::plot::{Plot, Window, nice_ceiling, short};
-use crate::pointed::Point;
+use crate::plot::{Plot, Window, short};
 use crate::theme;
-use crate::units::Units;
 use crate::view::View;
 
 /// Orders that are marked, on both sides, the most important first.
@@ -35,162 +30,15 @@ const DECADES: f64 = 8.0;
 /// Lines that are named.
 const NAMED: usize = 4;
 
-/// Which mass and which frequencies a panel of spectra shows.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Frequencies {
-    /// The mass, counted from 0; that with the control bearing if there is none.
-    mass: Option<usize>,
-    /// Frequencies, as they stand on the axis.
-    along: Axis,
-    /// The frequencies that were last shown, in units of `w0`, where, and over how many columns.
-    shown: Option<([f64; 2], Rect)>,
-}
-
-impl Frequencies {
-    /// The mass that is looked at.
-    pub(super) fn mass(&self, picture: &Picture) -> usize {
-        let bearing = picture.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
-        self.mass.unwrap_or(bearing).min(picture.masses().saturating_sub(1))
-    }
-
-    /// The range of frequencies to show over `area`, in units of `w0`.
-    pub(super) fn over(&mut self, picture: &Picture, area: Rect) -> [f64; 2] {
-        let factor = picture.units().frequency.factor;
-        let reach = reach(picture) * factor;
-        let range = self.along.over([-reach, reach]).map(|end| end / factor);
-        self.shown = Some((range, area));
-        range
-    }
-
-    /// The sign of a range that stands still, for a title.
-    pub(super) fn word(&self) -> &'static str {
-        self.along.word()
-    }
-
-    /// Half of what one column stands for.
-    fn half_column(&self) -> f64 {
-        self.shown.map_or(0.0, |([low, high], area)| 0.5 * (high - low) / f64::from(area.width.max(1)))
-    }
-
-    /// What the mouse asks for: a click points at a frequency, the wheel shows more or fewer.
-    pub(super) fn mouse(&mut self, view: &View<'_>, mouse: Mouse, at: Position) -> Option<Intent> {
-        let ([low, high], area) = self.shown?;
-        let along = (f64::from(at.x.checked_sub(area.x)?) + 0.5) / f64::from(area.width);
-        let frequency = low + along * (high - low);
-        match mouse {
-            Mouse::Wheel(notches) => {
-                let there = frequency * view.picture.units().frequency.factor;
-                // Both sides alike, unless what is pointed at lies far from the middle.
-                let about = if self.along.is_fixed() { Some(there) } else { None };
-                self.along.zoom(wheel_times(notches), about);
-                None
-            }
-            Mouse::Click | Mouse::Drag(_) => {
-                let within = at.x < area.right() && (area.top()..=area.bottom()).contains(&at.y);
-                within.then_some(Intent::Point(Point::Frequency(frequency)))
-            }
-        }
-    }
-
-    pub(super) fn wish(&mut self, wish: &Wish<'_>, units: &Units) -> Option<Result<(), String>> {
-        match wish {
-            Wish::Along(scaling, pointed) => {
-                let about = pointed.frequency.map(|frequency| frequency * units.frequency.factor);
-                Some(self.along.take(*scaling, about))
-            }
-            Wish::Frequencies(scaling) => Some(self.along.take(*scaling, None)),
-            Wish::Mass(mass) => {
-                self.mass = *mass;
-                Some(Ok(()))
-            }
-            _ => None,
-        }
-    }
-
-    pub(super) fn read(&self, view: &View<'_>, read: Read) -> Option<Point> {
-        let ([low, high], _) = self.shown?;
-        let before = view.pointed.frequency;
-        let speed = view.picture.now.map_or(0.0, |now| view.picture.track.speed(now));
-        let frequency = match read {
-            Read::Off => before.unwrap_or(0.0),
-            Read::At(frequency) => frequency / view.picture.units().frequency.factor,
-            Read::Move(by) => before.map_or(speed, |there| there + 2.0 * f64::from(by) * self.half_column()),
-        };
-        Some(Point::Frequency(frequency.clamp(low, high)))
-    }
-}
-
-/// A scaling of densities, which the axis counts in decades.
-pub(super) fn in_decades(scaling: Scaling) -> Result<Scaling, String> {
-    match scaling {
-        Scaling::Fix([low, high]) if low <= 0.0 || high <= 0.0 => {
-            Err(format!("{low}..{high}: expected densities above 0, such as 1e-6..1e2"))
-        }
-        Scaling::Fix(range) => Ok(Scaling::Fix(range.map(f64::log10))),
-        other => Ok(other),
-    }
-}
-
-/// Decades by which densities on the screen are higher than dimensionless ones.
-pub(super) fn shift(units: &Units) -> f64 {
-    (units.length.factor.powi(2) / units.frequency.factor).log10()
-}
-
-/// The highest frequency that is shown: beyond twice the speed, and beyond every mode; round on the screen.
-fn reach(picture: &Picture) -> f64 {
-    let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
-    let highest = picture.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
-    let factor = picture.units().frequency.factor;
-    nice_ceiling((2.2 * speed).max(1.2 * highest).max(0.1) * factor) / factor
-}
-
-/// A line in words: its frequency, its order, and the radius of its orbit.
-pub(super) fn told(peak: &Peak, units: &Units) -> String {
-    let order = if peak.name.is_empty() { String::new() } else { format!("  {}", peak.name) };
-    let frequency = match units.scales {
-        Some(_) => units.frequency.told(peak.frequency, 5),
-        None => short(peak.frequency, 4),
-    };
-    format!(" ┆ {frequency}{order}  {} ", units.length.told(peak.radius, 4))
-}
-
 /// The spectrum: a click points at a frequency, the wheel shows more or fewer of them.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct SpectrumPanel {
-    frequencies: Frequencies,
-    /// Decades of density, as they stand on the axis.
-    value: Axis,
-    units: Option<Units>,
+pub(crate) fn panel() -> SpectralPanel {
+    SpectralPanel::new(draw)
 }
 
-impl Panel for SpectrumPanel {
-    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        draw(view, self, area, buffer);
-    }
-
-    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
-        self.frequencies.mouse(view, mouse, at)
-    }
-
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        if let Wish::Value(scalings) = wish {
-            // The highest stays where it is.
-            let top = self.value.shown().map(|[_, top]| top);
-            let scaling = in_decades(*scalings.first()?);
-            return Some(scaling.and_then(|scaling| self.value.take(scaling, top)));
-        }
-        self.frequencies.wish(wish, &self.units.unwrap_or(Units::DIMENSIONLESS))
-    }
-
-    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
-        self.frequencies.read(view, read)
-    }
-}
-
-fn draw(view: &View<'_>, panel: &mut SpectrumPanel, area: Rect, buffer: &mut Buffer) {
+fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
-    let mass = panel.frequencies.mass(picture);
-    let word = panel.frequencies.word();
+    let mass = axes.mass(picture);
+    let word = axes.word();
     let title = |tau: &str| Line::from(format!(" full spectrum  mass {}{tau}{word} ", mass + 1));
     let asked = picture.now.filter(|_| picture.masses() > 0).and_then(|now| {
         let view_steps = picture.window.len();
@@ -202,7 +50,7 @@ fn draw(view: &View<'_>, panel: &mut SpectrumPanel, area: Rect, buffer: &mut Buf
     };
     let inner = framed(title(&format!("  {} tau", short(answer.tau, 3))), area, buffer);
     match &answer.spectrum {
-        Ok(spectrum) => draw_spectrum(spectrum, &answer, view, panel, (area, inner), buffer),
+        Ok(spectrum) => draw_spectrum(spectrum, &answer, view, axes, (area, inner), buffer),
         // Standing still, or just begun.
         Err(why) => write(buffer, inner, inner.left(), inner.top(), &why.to_string(), theme::quiet()),
     }
@@ -212,7 +60,7 @@ fn draw_spectrum(
     spectrum: &Spectrum,
     answer: &OrbitSpectrum,
     view: &View<'_>,
-    panel: &mut SpectrumPanel,
+    axes: &mut Spectral,
     (frame, area): (Rect, Rect),
     buffer: &mut Buffer,
 ) {
@@ -220,15 +68,15 @@ fn draw_spectrum(
         return;
     }
     let (picture, units) = (view.picture, view.picture.units());
-    panel.units = Some(units);
+    axes.units = units;
     let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
     let plotted = Rect { height: area.height.saturating_sub(1), ..area };
-    let [low, high] = panel.frequencies.over(picture, plotted);
+    let [low, high] = axes.over(picture, plotted);
     let columns = usize::from(plotted.width) * 2;
     let densities = columns_of(spectrum, [low, high], columns, shift(&units));
     let top = densities.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
     let top = if top.is_finite() { top } else { 0.0 };
-    let [bottom, top] = panel.value.over([top - DECADES, top]);
+    let [bottom, top] = axes.value.over([top - DECADES, top]);
     let mut plot = Plot::new(plotted, Window { x: [low, high], y: [bottom, top] });
     let mut upright = |frequency: f64, every: usize, color| {
         // Dotted, so that a line of the spectrum stands out on it.
@@ -256,8 +104,8 @@ fn draw_spectrum(
         String::new()
     };
     let highest = match top.fract() {
-        0.0 => format!("{}1e{top}{unit}", panel.value.sign()),
-        _ => format!("{}{:.0e}{unit}", panel.value.sign(), 10_f64.powf(top)),
+        0.0 => format!("{}1e{top}{unit}", axes.value.sign()),
+        _ => format!("{}{:.0e}{unit}", axes.value.sign(), 10_f64.powf(top)),
     };
     write(buffer, plotted, area.left(), area.top(), &highest, theme::quiet());
     let foot = area.bottom() - 1;
@@ -284,7 +132,7 @@ fn draw_spectrum(
         }
     }
     // A line is as wide as a column, and its window two bins: what is nearest is the line.
-    let within = panel.frequencies.half_column().max(1.01 * spectrum.resolution());
+    let within = axes.half_column().max(1.01 * spectrum.resolution());
     if let Some(line) = view.pointed.frequency.and_then(|frequency| spectrum.at(frequency, within, speed)) {
         let edge = Rect { width: frame.width.saturating_sub(1), ..frame };
         let text = told(&line, &units);
@@ -330,8 +178,12 @@ mod tests {
     use rotor::C64;
 
     use super::*;
+    use crate::axis::Scaling;
     use crate::feed::{Feed, tests};
+    use crate::panels::panel::{Panel, Wish};
+    use crate::panels::spectral::reach;
     use crate::panels::tests::drawn;
+    use crate::picture::Picture;
     use crate::view::tests::view;
     use crate::view_time::ViewTime;
 
@@ -352,9 +204,7 @@ mod tests {
     #[test]
     fn lines_are_named_and_stand_on_their_marks() {
         let picture = picture();
-        let frame_of = |width, height| {
-            drawn(width, height, |area, buffer| SpectrumPanel::default().draw(&view(&picture), area, buffer))
-        };
+        let frame_of = |width, height| drawn(width, height, |area, buffer| panel().draw(&view(&picture), area, buffer));
         let frame = frame_of(72, 14);
         assert!(frame.contains("1X    2.000 e_t") && frame.contains("-0.5X    0.050 e_t"), "{frame}");
         insta::assert_snapshot!("spectrum", frame);
@@ -376,10 +226,10 @@ mod tests {
         let pointed =
             crate::pointed::Pointed { frequency: Some(2.47), mode: Some(pole), ..crate::pointed::Pointed::default() };
         let seen = View { pointed: &pointed, ..view(&picture) };
-        let mut panel = SpectrumPanel::default();
-        panel.wish(&Wish::Value(&[Scaling::Fix([1e-4, 1e2])]));
-        panel.wish(&Wish::Along(Scaling::Fix([1.0, 3.0]), &pointed));
-        let panel = std::cell::RefCell::new(panel);
+        let mut shown = panel();
+        shown.wish(&Wish::Value(&[Scaling::Fix([1e-4, 1e2])]));
+        shown.wish(&Wish::Along(Scaling::Fix([1.0, 3.0]), &pointed));
+        let panel = std::cell::RefCell::new(shown);
         let frame = drawn(72, 14, |area, buffer| panel.borrow_mut().draw(&seen, area, buffer));
         assert!(frame.contains("tau fixed ") && frame.contains("│=1e2"), "{frame}");
         assert!(frame.contains("└ ┆ 2.500  1X  2.000 e_t ─"), "{frame}");
@@ -394,10 +244,10 @@ mod tests {
         let now = Instant::now();
         let mut feed = Feed::new("");
         let empty = feed.picture(&ViewTime::LIVE, now);
-        drawn(40, 8, |area, buffer| SpectrumPanel::default().draw(&view(&empty), area, buffer));
+        drawn(40, 8, |area, buffer| panel().draw(&view(&empty), area, buffer));
         (0..20).for_each(|seq| feed.hear(&tests::state(3, seq), now));
         let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(60, 8, |area, buffer| SpectrumPanel::default().draw(&view(&picture), area, buffer));
+        let frame = drawn(60, 8, |area, buffer| panel().draw(&view(&picture), area, buffer));
         assert!(frame.contains("20 samples are too few for a spectrum"), "{frame}");
         let frequency: Vec<f64> = (-50..50).map(f64::from).collect();
         let mut density = vec![1.0; 100];

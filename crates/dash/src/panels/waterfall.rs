@@ -12,20 +12,15 @@
 //! ```
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Position, Rect};
+use ratatui::layout::Rect;
 use ratatui::text::Line;
 use spectrum::Peak;
 
-use super::panel::{Intent, Mouse, Panel, Wish};
-use super::spectrum::{Frequencies, in_decades, shift, told};
+use super::spectral::{Spectral, SpectralPanel, shift, told};
 use super::{framed, write, write_right};
-use crate::actions::Read;
 use crate::analysis::{Fall, Orbit, Over, Row, Waterfall};
-use crate::axis::Axis;
 use crate::plot::short;
-use crate::pointed::Point;
 use crate::theme;
-use crate::units::Units;
 use crate::view::View;
 
 /// Decades of density from the first sign of ink to the most: amplitudes down to a thousandth.
@@ -37,88 +32,33 @@ const SECONDS: f64 = 60.0;
 /// Width of the labels at the left.
 const LABEL: u16 = 6;
 
-/// What both waterfalls have.
-#[derive(Clone, Debug, Default)]
-struct Scales {
-    frequencies: Frequencies,
-    /// Decades of density, as they stand on the axis of the spectrum.
-    value: Axis,
-    units: Option<Units>,
+/// Rows over time.
+pub(crate) fn over_time() -> SpectralPanel {
+    SpectralPanel::new(|view, axes, area, buffer| draw(view, Over::Time, axes, area, buffer))
 }
 
-impl Scales {
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        if let Wish::Value(scalings) = wish {
-            // The most ink stays what it is.
-            let top = self.value.shown().map(|[_, top]| top);
-            let scaling = in_decades(*scalings.first()?);
-            return Some(scaling.and_then(|scaling| self.value.take(scaling, top)));
-        }
-        self.frequencies.wish(wish, &self.units.unwrap_or(Units::DIMENSIONLESS))
-    }
+/// Rows over the speeds that were run through.
+pub(crate) fn over_speed() -> SpectralPanel {
+    SpectralPanel::new(|view, axes, area, buffer| draw(view, Over::Speed, axes, area, buffer))
 }
 
-/// Rows over time: a click points at a frequency, the wheel shows more or fewer of them.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct OverTime(Scales);
-
-/// Rows over the speeds that were run through; the same.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct OverSpeed(Scales);
-
-impl Panel for OverTime {
-    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        draw(view, Over::Time, &mut self.0, area, buffer);
-    }
-
-    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
-        self.0.frequencies.mouse(view, mouse, at)
-    }
-
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        self.0.wish(wish)
-    }
-
-    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
-        self.0.frequencies.read(view, read)
-    }
-}
-
-impl Panel for OverSpeed {
-    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        draw(view, Over::Speed, &mut self.0, area, buffer);
-    }
-
-    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
-        self.0.frequencies.mouse(view, mouse, at)
-    }
-
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        self.0.wish(wish)
-    }
-
-    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
-        self.0.frequencies.read(view, read)
-    }
-}
-
-fn draw(view: &View<'_>, over: Over, scales: &mut Scales, area: Rect, buffer: &mut Buffer) {
+fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
-    let mass = scales.frequencies.mass(picture);
+    let mass = axes.mass(picture);
     let name = match over {
         Over::Time => "waterfall",
         Over::Speed => "waterfall over speed",
     };
-    let word = if scales.value.is_fixed() { " fixed" } else { scales.frequencies.word() };
+    let word = if axes.value.is_fixed() { " fixed" } else { axes.word() };
     let inner = framed(Line::from(format!(" {name}  mass {}{word} ", mass + 1)), area, buffer);
     let (Some(now), true) = (picture.now, picture.masses() > 0 && inner.height > 1 && inner.width > LABEL) else {
         return;
     };
     let units = picture.units();
-    scales.units = Some(units);
+    axes.units = units;
     let rows = usize::from(inner.height) - 1;
     let plotted = Rect { x: inner.x + LABEL, width: inner.width - LABEL, height: rows as u16, ..inner };
-    let range = scales.frequencies.over(picture, plotted);
+    let range = axes.over(picture, plotted);
     let shown = if picture.seconds > 0.0 { (SECONDS / picture.seconds) as usize } else { 0 };
     let hop = shown.max(picture.window.len()).div_ceil(rows).max(1);
     // Rows are alike on both sides of zero: as far as the further end.
@@ -131,7 +71,7 @@ fn draw(view: &View<'_>, over: Over, scales: &mut Scales, area: Rect, buffer: &m
     }
     let shift = shift(&units);
     let most = shift + answer.rows.iter().flat_map(|row| &row.density).copied().fold(0.0_f64, f64::max).log10();
-    let [least, most] = scales.value.over([most - DECADES, most]).map(|end| end - shift);
+    let [least, most] = axes.value.over([most - DECADES, most]).map(|end| end - shift);
     let placed = rows_on_screen(&answer, over, plotted);
     for (row, y) in &placed {
         draw_row(row, (reach, range), [least, most], Rect { y: *y, height: 1, ..plotted }, buffer);
@@ -244,6 +184,7 @@ mod tests {
 
     use super::*;
     use crate::feed::{Feed, tests};
+    use crate::panels::panel::Panel;
     use crate::panels::tests::drawn;
     use crate::picture::Picture;
     use crate::view::tests::view;
@@ -272,17 +213,17 @@ mod tests {
     #[test]
     fn a_line_in_step_with_the_speed_leans_over_time_and_over_speed() {
         let picture = run_up();
-        let times = drawn(64, 16, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
-        let speeds = drawn(64, 16, |area, buffer| OverSpeed::default().draw(&view(&picture), area, buffer));
+        let times = drawn(64, 16, |area, buffer| over_time().draw(&view(&picture), area, buffer));
+        let speeds = drawn(64, 16, |area, buffer| over_speed().draw(&view(&picture), area, buffer));
         for frame in [&times, &speeds] {
             let found: Vec<usize> = frame.lines().filter_map(hottest).collect();
             assert!(found.len() > 5 && found.is_sorted() && found[0] < found[found.len() - 1], "{found:?}\n{frame}");
         }
         insta::assert_snapshot!("waterfall_over_time", times);
         insta::assert_snapshot!("waterfall_over_speed", speeds);
-        let small = drawn(24, 6, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
+        let small = drawn(24, 6, |area, buffer| over_time().draw(&view(&picture), area, buffer));
         insta::assert_snapshot!("waterfall_small", small);
-        let large = drawn(120, 30, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
+        let large = drawn(120, 30, |area, buffer| over_time().draw(&view(&picture), area, buffer));
         insta::assert_snapshot!("waterfall_large", large);
     }
 
@@ -292,7 +233,7 @@ mod tests {
         let picture = run_up();
         let pointed = crate::pointed::Pointed { frequency: Some(2.97), ..crate::pointed::Pointed::default() };
         let seen = View { pointed: &pointed, ..view(&picture) };
-        let frame = drawn(64, 16, |area, buffer| OverTime::default().draw(&seen, area, buffer));
+        let frame = drawn(64, 16, |area, buffer| over_time().draw(&seen, area, buffer));
         let told = frame.lines().last().unwrap();
         let radius: f64 = told.split_whitespace().nth_back(2).unwrap().parse().unwrap();
         assert!(told.starts_with("└ ┆ 2.970  0.99X  ") && (0.3..1.1).contains(&radius), "{frame}");
@@ -302,7 +243,7 @@ mod tests {
     #[test]
     fn too_little_motion_is_told() {
         let picture = tests::picture();
-        let frame = drawn(40, 6, |area, buffer| OverTime::default().draw(&view(&picture), area, buffer));
+        let frame = drawn(40, 6, |area, buffer| over_time().draw(&view(&picture), area, buffer));
         assert!(frame.contains("too little motion yet"), "{frame}");
     }
 }
