@@ -109,7 +109,7 @@ impl Presets {
             None => "does not fit".into(),
             Some(then) => {
                 let unstable = if then.is_unstable() { " UNSTABLE" } else { "" };
-                let speed = Units::of(rotor.scales().copied(), None).speed_told(settings.speed);
+                let speed = Units::of(rotor.scales().copied(), Some(1.0)).speed_told(settings.speed);
                 format!("min damping {:.4}{unstable} at {speed}{in_force}", then.min_damping)
             }
         }
