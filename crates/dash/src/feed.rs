@@ -122,7 +122,7 @@ impl Feed {
 
     /// Takes in an event.
     pub(crate) fn happen(&mut self, event: &Event) {
-        let is_news = self.journal.hear(event);
+        let is_news = self.journal.hear(event, &self.units());
         self.gauge.happen(event);
         if is_news && let Some(Happening::Note(_)) = event.happening() {
             self.history.note(event.run_id, event.seq);

@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use alarms::Level;
-use rotor::{Difference, Settings};
+use rotor::Settings;
 use wire::{Event, Happening};
 
 use crate::replay::{PastEvent, PastWhat};
+use crate::units::Units;
 
 /// Entries kept.
 const KEPT: usize = 500;
@@ -40,8 +41,8 @@ pub(crate) struct Journal {
 }
 
 impl Journal {
-    /// Takes in an event. Returns whether it was news.
-    pub(crate) fn hear(&mut self, event: &Event) -> bool {
+    /// Takes in an event, and puts it in words with the bench's `units`. Returns whether it was news.
+    pub(crate) fn hear(&mut self, event: &Event, units: &Units) -> bool {
         let (run, number) = self.newest;
         if event.run_id == run && event.number <= number {
             return false;
@@ -50,7 +51,7 @@ impl Journal {
         let before = self.settings.replace(event.settings.unpack()).filter(|_| event.run_id == run);
         let Some(happening) = event.happening() else { return false };
         let difference = match (&happening, &before, &self.settings) {
-            (Happening::Settings, Some(before), Some(after)) => Difference::between(before, after).to_string(),
+            (Happening::Settings, Some(before), Some(after)) => units.difference(before, after),
             _ => String::new(),
         };
         let what = if difference.is_empty() { happening.to_string() } else { difference };
@@ -113,11 +114,14 @@ pub(crate) mod tests {
     fn changes_are_told_in_words_and_once() {
         let mut settings = bulletin("three-mass", "composite").settings.unpack();
         let mut journal = Journal::default();
-        assert!(journal.hear(&event(1, &Happening::Started, &settings)));
+        assert!(journal.hear(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
         let change = event(2, &Happening::Settings, &settings);
-        assert!(journal.hear(&change) && !journal.hear(&change), "told again to who attaches anew");
-        journal.hear(&event(3, &Happening::Note("here it hums".into()), &settings));
+        assert!(
+            journal.hear(&change, &Units::DIMENSIONLESS) && !journal.hear(&change, &Units::DIMENSIONLESS),
+            "told again to who attaches anew"
+        );
+        journal.hear(&event(3, &Happening::Note("here it hums".into()), &settings), &Units::DIMENSIONLESS);
         let told: Vec<String> = journal.entries().iter().map(|entry| entry.what.clone()).collect();
         assert_eq!(told[0], "started");
         assert!(told[1].contains("kd") && told[1].contains("-0.5879 -> 0.1"), "{told:?}");
@@ -129,11 +133,11 @@ pub(crate) mod tests {
         let settings = bulletin("three-mass", "composite").settings.unpack();
         let mut journal = Journal::default();
         for number in 1..=KEPT as u64 + 5 {
-            journal.hear(&event(number, &Happening::Restarted, &settings));
+            journal.hear(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);
         }
         let mut other = event(1, &Happening::Started, &settings);
         other.run_id = 8;
-        assert!(journal.hear(&other));
+        assert!(journal.hear(&other, &Units::DIMENSIONLESS));
         let entries = journal.entries();
         assert_eq!((entries.len(), entries.last().unwrap().happening.clone()), (KEPT, Happening::Started));
     }

@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use rotor::{Key, Scales};
+use rotor::{Difference, Key, Scales, Settings};
 
 use crate::plot::{nice_ceiling, short};
 
@@ -103,6 +103,27 @@ impl Units {
         typed.iter().map(|(key, value)| (*key, value / self.setting(*key).factor)).collect()
     }
 
+    /// A value of a setting as people read it: with its unit where that is none of the machine's own.
+    pub(crate) fn value(&self, key: Key, value: f64) -> String {
+        let unit = self.setting(key);
+        if unit.factor == 1.0 {
+            return value.to_string();
+        }
+        let counted = value * unit.factor;
+        // What the product leaves behind the digits that were typed is not part of them.
+        let rounded: f64 = format!("{counted:.9e}").parse().unwrap_or(counted);
+        format!("{rounded} {}", unit.name)
+    }
+
+    /// What has changed, as people read it.
+    pub(crate) fn difference(&self, before: &Settings, after: &Settings) -> String {
+        let Difference { values, law } = Difference::between(before, after);
+        let one =
+            |(key, was, is): &(Key, f64, f64)| format!("{key} {} -> {}", self.value(*key, *was), self.value(*key, *is));
+        let told = values.iter().map(one).chain(law.then(|| "another feedback".to_owned()));
+        told.collect::<Vec<_>>().join(", ")
+    }
+
     /// A spin speed as people read it.
     pub(crate) fn speed(&self, speed: f64) -> String {
         match self.scales {
@@ -140,6 +161,23 @@ pub(crate) mod tests {
         assert_eq!(units.rate.told(-0.5, 4), "-500.0 1/s");
         let large = Scales { e_t: 2e-3, ..SI };
         assert_eq!(Units::of(Some(large), Some(0.25)).length.told(2.0, 4), "4.000 mm");
+    }
+
+    #[test]
+    fn changes_are_told_in_what_they_were_typed_in() {
+        let units = Units::of(Some(SI), Some(1.0));
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        let mut before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
+        let speed: Key = "speed".parse().unwrap();
+        let [typed] = units.settings_of_typed(&[(speed, 30_000.0)])[..] else { panic!("one") };
+        let after = Settings { speed: typed.1, ..before.clone() };
+        assert_eq!(units.value(speed, typed.1), "30000 rpm");
+        assert_eq!(units.difference(&before, &after), "speed 0 rpm -> 30000 rpm");
+        assert_eq!(Units::DIMENSIONLESS.value(speed, 2.5), "2.5");
+        before.speed = 1.0;
+        let kd: Key = "kd".parse().unwrap();
+        let nudged = crate::clerk::Edit::Nudge(kd, 0.01).applied(&before).unwrap();
+        assert_eq!(units.difference(&before, &nudged), "kd.1 -0.5879 -> -0.5779");
     }
 
     #[test]

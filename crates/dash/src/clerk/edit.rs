@@ -2,6 +2,8 @@
 
 use rotor::{C64, Key, Settings};
 
+use crate::units::Units;
+
 /// What a person wants changed.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Edit {
@@ -55,13 +57,15 @@ impl Edit {
         self.change(&mut settings).ok()?.then_some(settings)
     }
 
-    /// What it is, for whoever asked for it.
-    pub(crate) fn what(&self) -> String {
+    /// What it is, for whoever asked for it, in the bench's `units`.
+    pub(crate) fn what(&self, units: &Units) -> String {
         match self {
             Self::Nudge(key, _) => key.to_string(),
-            Self::Set(values) => {
-                values.iter().map(|(key, value)| format!("{key} = {value}")).collect::<Vec<_>>().join(", ")
-            }
+            Self::Set(values) => values
+                .iter()
+                .map(|(key, value)| format!("{key} = {}", units.value(*key, *value)))
+                .collect::<Vec<_>>()
+                .join(", "),
             Self::Off => "control off".into(),
             Self::Become(_, what) => what.clone(),
             Self::Swap(_) => "swapped".into(),
@@ -70,7 +74,7 @@ impl Edit {
             Self::Redo => "done again".into(),
             Self::Impulse(mass, velocity) => format!("impulse {} on mass {}", velocity.re, mass + 1),
             Self::Restart => "restarted from rest".into(),
-            Self::Sure(edit, _) => edit.what(),
+            Self::Sure(edit, _) => edit.what(units),
         }
     }
 
@@ -82,7 +86,8 @@ impl Edit {
             Self::Undo => super::UNDO.into(),
             Self::Redo => super::REDO.into(),
             Self::Sure(edit, _) => edit.why(),
-            other => other.what(),
+            // None of these has a number in it that is counted in anything.
+            other => other.what(&Units::DIMENSIONLESS),
         }
     }
 }

@@ -15,9 +15,10 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
-use rotor::{Difference, Rotor, Settings};
+use rotor::{Rotor, Settings};
 use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, WireError};
 
+use crate::units::Units;
 use crate::what_if::WhatIf;
 pub(crate) use edit::{Edit, carry_over};
 use ledger::Ledger;
@@ -160,7 +161,7 @@ impl<C: Carrier> Clerk<C> {
             Edit::Note(text) => self.order(wanted, &Change::Note { text: text.clone() }),
             Edit::Undo | Edit::Redo => self.retrace(wanted, agreed),
             _ => self.apply(wanted, agreed, |settings| wanted.change(settings).map(|_| ())).map(|applied| {
-                let words = told(&applied.answer, &wanted.what());
+                let words = told(&applied.answer, &wanted.what(&self.units()));
                 if matches!(wanted, Edit::Swap(_)) {
                     Outcome::Swapped(words, Box::new(applied.before))
                 } else {
@@ -171,10 +172,15 @@ impl<C: Carrier> Clerk<C> {
         done.unwrap_or_else(|not| not)
     }
 
+    /// The units of the rotor.
+    fn units(&self) -> Units {
+        Units::of(self.rotor.as_ref().and_then(|rotor| rotor.scales().copied()), Some(1.0))
+    }
+
     /// Has something done that changes no settings.
     fn order(&mut self, edit: &Edit, change: &Change) -> Result<Outcome, Outcome> {
         let answer = self.ask(change, "")?;
-        let words = told(&answer, &edit.what());
+        let words = told(&answer, &edit.what(&self.units()));
         Ok(if answer.is_accepted() { Outcome::Done(words) } else { Outcome::Refused(words) })
     }
 
@@ -185,17 +191,18 @@ impl<C: Carrier> Clerk<C> {
         let step = if back { self.ledger.to_undo() } else { self.ledger.to_redo() };
         let step = step.cloned().ok_or_else(|| format!("nothing to {}", edit.why()))?;
         let (from, to) = if back { (&step.after, &step.before) } else { (&step.before, &step.after) };
+        let units = self.units();
         let applied = self.apply(edit, agreed, |settings| {
             // What was to be taken back is what the person saw last.
             if settings != from {
-                return Err(format!("not {}: somebody else has changed the settings meanwhile", edit.what()));
+                return Err(format!("not {}: somebody else has changed the settings meanwhile", edit.what(&units)));
             }
             settings.clone_from(to);
             Ok(())
         })?;
         let who = if step.who == self.who { String::new() } else { format!(", made by {}", step.who) };
-        let difference = Difference::between(&applied.before, &applied.after);
-        Ok(Outcome::Done(told(&applied.answer, &format!("{}: {difference}{who}", edit.what()))))
+        let difference = units.difference(&applied.before, &applied.after);
+        Ok(Outcome::Done(told(&applied.answer, &format!("{}: {difference}{who}", edit.what(&units)))))
     }
 
     /// Changes the newest settings and has the result put in force; asks first if the rotor would become unstable, unless

@@ -16,6 +16,7 @@ use wire::message::Trip;
 use super::machine::{Act, Machine, Root};
 use super::rows::Rows;
 use crate::clerk::{self, Edit};
+use crate::units::Units;
 use crate::what_if::WhatIf;
 
 /// Steps that are made at once: a tenth of a second or so.
@@ -116,7 +117,7 @@ impl Branch {
             Edit::Note(_) => return Err("a recording takes no more notes".into()),
             edit => {
                 edit.change(&mut wish.settings)?;
-                edit.what()
+                edit.what(&Units::of(self.root.rotor.scales().copied(), Some(1.0)))
             }
         };
         wish.settings.check(&self.root.rotor).map_err(|error| error.to_string())?;
