@@ -112,8 +112,8 @@ fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cu
     let (step, unit) = (units.step(key), units.setting(key).name);
     let step = match row.width {
         0..26 => String::new(),
-        26..34 => format!("±{step}"),
-        _ => format!("±{step:<4} {unit:<3}"),
+        26..34 => format!("±{}", compact(step)),
+        _ => format!("±{:<4} {unit:<3}", compact(step)),
     };
     let room = if step.is_empty() { 0 } else { step.chars().count().max(5) as u16 };
     write(buffer, row, row.right().saturating_sub(room), row.top(), &step, theme::quiet());
@@ -132,10 +132,15 @@ fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
     let digits = if unit.name == "m" { 1e9 } else { 1e6 };
     let rounded = (value * digits).round() / digits;
     match settings.gain(key) {
-        Some(Gain::Linear { .. }) => format!("{rounded} linear"),
-        Some(Gain::Table(_)) => format!("{rounded} table"),
-        Some(Gain::Constant(_)) | None => rounded.to_string(),
+        Some(Gain::Linear { .. }) => format!("{} linear", compact(rounded)),
+        Some(Gain::Table(_)) => format!("{} table", compact(rounded)),
+        Some(Gain::Constant(_)) | None => compact(rounded),
     }
+}
+
+/// Every digit there is, without a row of zeros in front: `0.05`, `5e-6`.
+fn compact(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }
 
 #[cfg(test)]
@@ -144,6 +149,13 @@ mod tests {
     use crate::feed::tests;
     use crate::panels::tests::drawn;
     use crate::view::tests::view;
+
+    #[test]
+    fn small_values_have_no_row_of_zeros() {
+        for (value, text) in [(0.0, "0"), (2.5, "2.5"), (-0.5879, "-0.5879"), (0.001, "0.001"), (-5e-6, "-5e-6")] {
+            assert_eq!(compact(value), text);
+        }
+    }
 
     #[test]
     fn values_steps_and_selection_are_shown() {
