@@ -44,9 +44,7 @@ use crate::replay::Player;
 use crate::screen;
 use crate::search::Search;
 use crate::terminal::{self, Screen};
-use crate::view::Cursor;
-use crate::view::Message;
-use crate::view::View;
+use crate::view::{Cursor, Message, View};
 use crate::view_time::ViewTime;
 use crate::what_if::WhatIf;
 
@@ -233,8 +231,8 @@ impl<'a> App<'a> {
         screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))
     }
 
-    /// Draws a frame.
-    fn render(&mut self, area: Rect, buffer: &mut ratatui::buffer::Buffer) {
+    /// Draws a frame, in roles still.
+    pub(crate) fn render(&mut self, area: Rect, buffer: &mut ratatui::buffer::Buffer) {
         self.area = area;
         self.with_view(|view, layout, panels| screen::draw(view, layout, panels, area, buffer));
     }

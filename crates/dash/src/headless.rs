@@ -1,47 +1,28 @@
-//! The dashboard without a terminal, for whoever measures what its frames cost. What it draws is what the screen shows.
+//! The dashboard without a terminal, for whoever measures what its frames cost: the same as on one, without its threads.
 
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use alarms::Alarms;
+use crossbeam::channel;
 use ratatui::backend::CrosstermBackend;
-use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::{Terminal, TerminalOptions, Viewport};
 use wire::{Bulletin, State};
 
 use crate::analysis::Desk;
+use crate::app::App;
 use crate::feed::Feed;
 use crate::link::{Shared, lock};
-use crate::looks::{Look, still};
+use crate::looks::Look;
+use crate::looks::still::Still;
 use crate::options::Options;
-use crate::panels::registry::Panels;
-use crate::pointed::Pointed;
-use crate::screen;
 use crate::terminal;
-use crate::view::Cursor;
-use crate::view::Message;
-use crate::view::View;
-use crate::view_time::ViewTime;
-
-/// A picture of the screen.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Still {
-    /// Its characters, a line each row.
-    pub text: String,
-    /// The same as SVG.
-    pub svg: String,
-}
 
 /// A dashboard without a terminal, without threads and without keys.
 pub struct Headless {
-    bench: String,
     feed: Shared,
-    options: Options,
-    panels: Panels,
-    alarms: Alarms,
-    desk: Desk,
+    app: App<'static>,
     look: Look,
 }
 
@@ -49,15 +30,11 @@ impl Headless {
     /// A dashboard that has heard nothing yet. A picture can have all colours.
     #[must_use]
     pub fn new(bench: &str, options: &Options) -> Self {
-        Self {
-            bench: bench.to_owned(),
-            feed: Arc::new(Mutex::new(Feed::with_bound("waiting", options.history))),
-            options: options.clone(),
-            panels: Panels::new(),
-            alarms: Alarms::new(options.limits.clone()),
-            desk: Desk::at_once(),
-            look: Look::of_picture(options.wishes),
-        }
+        let feed: Shared = Arc::new(Mutex::new(Feed::with_bound("waiting", options.history)));
+        // Without keys nothing is wanted.
+        let (edits, _) = channel::bounded(0);
+        let app = App::new(bench.to_owned(), feed.clone(), edits, None, Desk::at_once(), Arc::default(), options);
+        Self { feed, app, look: Look::of_picture(options.wishes) }
     }
 
     /// Takes in one step.
@@ -70,44 +47,10 @@ impl Headless {
         lock(&self.feed).read(bulletin);
     }
 
-    fn heed(&mut self) {
-        let reading = lock(&self.feed).reading();
-        self.alarms.read(&reading);
-    }
-
-    /// Draws everything, in roles still.
-    fn draw(&mut self, area: Rect, buffer: &mut Buffer) {
-        self.heed();
-        let (time, cursor, message) = (ViewTime::LIVE, Cursor::default(), Message::Hints);
-        let picture = lock(&self.feed).picture(&time, Instant::now());
-        let view = View {
-            picture: &picture,
-            time: &time,
-            bench: &self.bench,
-            cursor: &cursor,
-            message: &message,
-            desk: &self.desk,
-            alarms: &self.alarms,
-            layers: &[],
-            offers: &[],
-            filter: "",
-            keymap: &self.options.keys,
-            what_if: None,
-            read_only: self.options.read_only,
-            pointed: &Pointed::default(),
-            replay: None,
-        };
-        screen::draw(&view, &self.options.layouts[self.options.layout], &mut self.panels, area, buffer);
-    }
-
     /// A picture of what it shows now.
     #[must_use]
     pub fn still(&mut self, width: u16, height: u16) -> Still {
-        let area = Rect::new(0, 0, width, height);
-        let mut buffer = Buffer::empty(area);
-        self.draw(area, &mut buffer);
-        self.look.finish(&mut buffer);
-        Still { text: still::text(&buffer), svg: still::svg(&buffer) }
+        self.app.still(Rect::new(0, 0, width, height))
     }
 
     /// Sends frames to `out` as to a terminal of `width` by `height` cells; what it is shown already is not sent again.
@@ -140,7 +83,7 @@ impl<W: Write> Frames<W> {
     pub fn draw(&mut self) -> io::Result<()> {
         let Self { headless, terminal } = self;
         let look = headless.look;
-        terminal::draw_whole(terminal, look, |frame| headless.draw(frame.area(), frame.buffer_mut()))
+        terminal::draw_whole(terminal, look, |frame| headless.app.render(frame.area(), frame.buffer_mut()))
     }
 }
 

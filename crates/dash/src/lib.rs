@@ -50,9 +50,10 @@ mod what_if;
 
 pub use config::Config;
 pub use hands::{Keeper, Scribe, ScribeNews};
-pub use headless::{Frames, Headless, Still};
+pub use headless::{Frames, Headless};
 pub use keymap::Keymap;
 pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};
+pub use looks::still::Still;
 pub use looks::{ThemeName, UnknownTheme, Wishes};
 pub use manual::{manual_commands, manual_keys};
 pub use options::{DashError, Ended, Options};

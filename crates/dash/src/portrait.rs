@@ -15,10 +15,11 @@ use crate::analysis::Desk;
 use crate::app::App;
 use crate::clerk;
 use crate::feed::Feed;
-use crate::headless::Still;
 use crate::keymap::Chord;
 use crate::link::{self, Shared, Wires, lock};
+use crate::looks::still::Still;
 use crate::options::Options;
+use crate::session::{EDITS_WAITING, NEWS_WAITING};
 
 /// How often what has come in is held against the alarms' limits.
 const LOOK: Duration = Duration::from_millis(100);
@@ -84,9 +85,9 @@ pub fn portrait<C: Carrier>(
 ) -> io::Result<Option<Still>> {
     let feed: Shared = Arc::new(Mutex::new(Feed::with_bound("waiting", options.history)));
     let stop = Arc::new(AtomicBool::new(false));
-    let (send_news, news) = channel::bounded(2 * wire::EVENTS_KEPT);
+    let (send_news, news) = channel::bounded(NEWS_WAITING);
     let (wake, _never) = channel::bounded(1);
-    let (send_edit, wanted) = channel::bounded(64);
+    let (send_edit, wanted) = channel::bounded(EDITS_WAITING);
     let (carry, edits) = channel::bounded(1);
     let (send_outcome, outcomes) = channel::unbounded();
     let wires = Wires { news: send_news, wake, idle: Arc::default(), stop: stop.clone() };

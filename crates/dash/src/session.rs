@@ -18,9 +18,9 @@ use crate::options::{DashError, Ended, Options};
 use crate::terminal::Screen;
 
 /// News that may wait for the clerk, who may wait a second for an answer: all events that a late reader is told, and bulletins.
-const NEWS_WAITING: usize = 2 * wire::EVENTS_KEPT;
+pub(crate) const NEWS_WAITING: usize = 2 * wire::EVENTS_KEPT;
 /// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
-const EDITS_WAITING: usize = 64;
+pub(crate) const EDITS_WAITING: usize = 64;
 
 /// Shows `bench` on the terminal until a person or a signal ends it.
 ///

@@ -5,7 +5,7 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::headless::Still;
+use crate::looks::still::Still;
 
 /// Keeps a picture in `folder`: as `name`, which ends in `.svg` or `.txt`, or as both under the name of the bench and the
 /// present time. Returns where.

@@ -10,9 +10,8 @@ use rotor::{C64, Key, Rotor, Settings};
 use super::{App, Intent, Message, Mouse, lock};
 use crate::actions::Action;
 use crate::clerk::Edit;
-use crate::headless::Still;
 use crate::layers::{Deed, Layer};
-use crate::looks::still;
+use crate::looks::still::Still;
 use crate::options::Ended;
 use crate::panels::registry::KINDS;
 use crate::panels::settings::{rows, shown_rows};
@@ -223,7 +222,7 @@ impl App<'_> {
         let mut buffer = ratatui::buffer::Buffer::empty(area);
         self.render(area, &mut buffer);
         self.look.finish(&mut buffer);
-        Still { text: still::text(&buffer), svg: still::svg(&buffer) }
+        Still::of(&buffer)
     }
 
     /// Moves the lists on the screen.

@@ -24,6 +24,15 @@ impl App<'_> {
         self.shown_plots().contains(&plot).then_some(plot)
     }
 
+    /// The chosen plot; says so if there is none.
+    fn chosen_or_told(&mut self) -> Option<usize> {
+        let chosen = self.chosen();
+        if chosen.is_none() {
+            self.tell(Message::Bad("no plot is chosen: tab or a click chooses one".into()));
+        }
+        chosen
+    }
+
     /// Chooses a plot by name, or so many on in the order of the layout.
     pub(super) fn choose(&mut self, which: &str) {
         let shown = self.shown_plots();
@@ -50,7 +59,7 @@ impl App<'_> {
     /// Another scale of the values of a plot.
     pub(super) fn scale(&mut self, plot: Option<&str>, scalings: &[Scaling]) {
         let kind = match plot {
-            None => self.chosen(),
+            None => self.chosen_or_told(),
             Some(name) => {
                 let kind = KINDS.iter().position(|kind| kind.is_plot && kind.name == name);
                 // What is no plot may be a strip.
@@ -67,10 +76,7 @@ impl App<'_> {
                 }
             }
         };
-        let Some(kind) = kind else {
-            self.tell(Message::Bad("no plot is chosen: tab or a click chooses one".into()));
-            return;
-        };
+        let Some(kind) = kind else { return };
         let name = KINDS[kind].name;
         // A strip of the same name shows the same quantity.
         if let Some(plot) = plot {
@@ -152,10 +158,7 @@ impl App<'_> {
 
     /// Moves the read-out of the chosen plot.
     pub(super) fn read(&mut self, read: Read) {
-        let Some(kind) = self.chosen() else {
-            self.tell(Message::Bad("no plot is chosen: tab or a click chooses one".into()));
-            return;
-        };
+        let Some(kind) = self.chosen_or_told() else { return };
         let before = self.pointed;
         match self.with_view(|view, _, panels| panels.read(kind, view, read)) {
             // Where it stands already it stays.

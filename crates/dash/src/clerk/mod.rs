@@ -128,7 +128,8 @@ impl<C: Carrier> Clerk<C> {
                 self.ledger.hear(&event);
                 // It may come before the bulletin that tells the same.
                 if let Some(known) = &mut self.known
-                    && (known.run, true) == (event.run_id, known.revision < event.revision)
+                    && known.run == event.run_id
+                    && known.revision < event.revision
                 {
                     (known.revision, known.settings) = (event.revision, event.settings.unpack());
                     known.by = event.who.as_str().to_owned();

@@ -21,6 +21,22 @@ const SIXTEEN: [&str; 16] = [
     "#23d18b", "#f5f543", "#3b8eea", "#d670d6", "#29b8db", "#ffffff",
 ];
 
+/// A picture of the screen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Still {
+    /// Its characters, a line each row.
+    pub text: String,
+    /// The same as SVG.
+    pub svg: String,
+}
+
+impl Still {
+    /// A picture of a finished frame.
+    pub(crate) fn of(buffer: &Buffer) -> Self {
+        Self { text: text(buffer), svg: svg(buffer) }
+    }
+}
+
 /// A frame as lines of text, without blanks at their ends.
 pub(crate) fn text(buffer: &Buffer) -> String {
     let area = buffer.area;
@@ -32,7 +48,7 @@ pub(crate) fn text(buffer: &Buffer) -> String {
 }
 
 /// A finished frame as an SVG document.
-pub(crate) fn svg(buffer: &Buffer) -> String {
+fn svg(buffer: &Buffer) -> String {
     let area = buffer.area;
     let (width, height) = (f64::from(area.width) * CELL.0 + 2.0 * EDGE, f64::from(area.height) * CELL.1 + 2.0 * EDGE);
     let mut out = format!(

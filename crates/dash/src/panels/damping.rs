@@ -17,7 +17,7 @@ use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
 
 use super::panel::{Intent, Mouse, Panel};
-use super::{framed, wheel_times, write, write_right};
+use super::{framed, look_at, wheel_times, write, write_right};
 use crate::axis::Axis;
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::theme;
@@ -44,10 +44,7 @@ impl Panel for Damping {
         }
         let picture = view.picture;
         let history = parts(area.inner(Margin::new(1, 1)), picture.poles()?.0).history;
-        let over = &picture.overview;
-        let along = (f64::from(at.x.checked_sub(history.x)?) + 0.5) / f64::from(history.width);
-        let step = over.start + (along * over.len() as f64) as usize;
-        (history.contains(at) && !over.is_empty()).then(|| Intent::Look(picture.track.first() + step as u64))
+        look_at(picture, &picture.overview, history, at)
     }
 
     fn scale(&mut self) -> Option<&mut Axis> {

@@ -25,13 +25,17 @@ pub(crate) mod strips;
 pub(crate) mod time_line;
 pub(crate) mod waterfall;
 
+use std::ops::Range;
+
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Widget};
 
+use crate::picture::Picture;
 use crate::theme;
+use panel::Intent;
 
 /// Draws a frame with a title and returns the area inside it.
 fn framed(title: Line<'_>, area: Rect, buffer: &mut Buffer) -> Rect {
@@ -52,6 +56,16 @@ fn write(buffer: &mut Buffer, area: Rect, x: u16, y: u16, text: &str, style: Sty
 fn write_right(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
     let width = text.chars().count() as u16;
     write(buffer, area, area.right().saturating_sub(width).max(area.left()), y, text, style);
+}
+
+/// What a click asks for where the steps `over` of the picture are drawn across `area`: to look at the one there.
+fn look_at(picture: &Picture, over: &Range<usize>, area: Rect, at: Position) -> Option<Intent> {
+    if over.is_empty() || !area.contains(at) {
+        return None;
+    }
+    let along = (f64::from(at.x - area.x) + 0.5) / f64::from(area.width);
+    let step = over.start + (along * over.len() as f64) as usize;
+    Some(Intent::Look(picture.track.first() + step as u64))
 }
 
 /// How many times as much a plot shows after so many notches of the wheel towards us.

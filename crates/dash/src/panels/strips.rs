@@ -17,7 +17,7 @@ use ratatui::text::{Line, Span};
 
 use super::panel::{Intent, Mouse, Panel, Wish};
 use super::series::{Strip, Trace};
-use super::{framed, wheel_times, write, write_right};
+use super::{framed, look_at, wheel_times, write, write_right};
 use crate::axis::{Axis, Scaling};
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, neat, nice_ceiling, short};
@@ -80,16 +80,12 @@ impl Panel for Strips {
     }
 
     fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
-        let inner = area.inner(Margin::new(1, 1));
         match mouse {
             Mouse::Wheel(notches) => Some(Intent::ZoomTime(wheel_times(notches))),
-            Mouse::Click | Mouse::Drag(_) if inner.contains(at) => {
-                let window = &view.picture.window;
-                let along = (f64::from(at.x - inner.x) + 0.5) / f64::from(inner.width);
-                let step = window.start + (along * window.len() as f64) as usize;
-                (!window.is_empty()).then(|| Intent::Look(view.picture.track.first() + step as u64))
+            Mouse::Click | Mouse::Drag(_) => {
+                let inner = area.inner(Margin::new(1, 1));
+                look_at(view.picture, &view.picture.window, inner, at)
             }
-            Mouse::Click | Mouse::Drag(_) => None,
         }
     }
 
