@@ -32,7 +32,7 @@ fn machine(masses: usize) -> (Rotor, Feedback, Vec<f64>) {
             };
             let rotor = Rotor::new("chain", vec![mass; masses], vec![0.5; masses - 1]).expect("valid");
             let signal = Signal::composite(&vec![0.1; masses], [0.1, 0.3, -0.1, 0.0]);
-            (rotor, Feedback { bearing: 0, signals: vec![signal] })
+            (rotor, Feedback::new(0, vec![signal]))
         }
     };
     (rotor, feedback, vec![0.5; masses])

@@ -21,7 +21,7 @@ pub fn cancelling(rotor: &Rotor, reference: f64) -> Option<Feedback> {
     let mut signal = Signal::at_mass(0, 1, [0.0; 4]);
     // `0.0 -` gives 0 and not -0 for a rotor without damping.
     *signal.gain_mut(GainKind::Kc) = Gain::Linear { at_zero: mass.damping * reference, slope: 0.0 - mass.damping };
-    Some(Feedback { bearing: 0, signals: vec![signal] })
+    Some(Feedback::new(0, vec![signal]))
 }
 
 /// Full-state feedback that gives the rotor chosen poles at one speed.
@@ -102,7 +102,7 @@ pub fn assign_poles(rotor: &Rotor, speed: f64, bearing: usize, wanted: &[C64]) -
     if let Some(at) = wanted.iter().position(|s| !(s.re.is_finite() && s.im.is_finite())) {
         return Err(AssignError::NotFinite(at + 1));
     }
-    let off = Feedback { bearing, signals: vec![Signal::at_mass(bearing, n, [0.0; 4])] };
+    let off = Feedback::new(bearing, vec![Signal::at_mass(bearing, n, [0.0; 4])]);
     let table = influence(&ClosedLoop::new(rotor, &off, speed, &[]))?;
     if let Some(stuck) = table.iter().find(|mode| mode.pbh[bearing] < PBH_LIMIT) {
         return Err(not_controllable(stuck, bearing));
@@ -148,7 +148,7 @@ fn not_controllable(mode: &Influence, bearing: usize) -> AssignError {
 /// `u = -f x` as individual feedback: `f_k = kd - j kc` on displacement k, `f_{n+k} = cd - j cc` on its velocity.
 fn full_state(bearing: usize, n: usize, f: &[C64]) -> Feedback {
     let signal = |k: usize| Signal::at_mass(k, n, [f[k].re, f[n + k].re, 0.0 - f[k].im, 0.0 - f[n + k].im]);
-    Feedback { bearing, signals: (0..n).map(signal).collect() }
+    Feedback::new(bearing, (0..n).map(signal).collect())
 }
 
 /// The row `f` for which `A - b f` has the eigenvalues `wanted`.

@@ -71,7 +71,7 @@ pub fn feedback(rotor: &Rotor, name: &str) -> Option<Feedback> {
         "off" => {
             let structure = live_feedback_name(rotor);
             return Some(if structure == "off" {
-                Feedback { bearing: 0, signals: vec![Signal::at_mass(0, rotor.len(), [0.0; 4])] }
+                Feedback::new(0, vec![Signal::at_mass(0, rotor.len(), [0.0; 4])])
             } else {
                 feedback(rotor, structure)?.off()
             });
@@ -95,7 +95,7 @@ pub fn feedback(rotor: &Rotor, name: &str) -> Option<Feedback> {
         ],
         _ => return None,
     };
-    Some(Feedback { bearing: 0, signals })
+    Some(Feedback::new(0, signals))
 }
 
 #[cfg(test)]

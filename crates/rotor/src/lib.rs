@@ -9,7 +9,8 @@
 //!
 //! * [`Rotor`], [`Mass`]: the parameters. [`builtin`]: the report's two rotors and their feedback.
 //! * [`Scales`]: what an SI rotor keeps of its units. [`mod@file`]: rotors and feedback as TOML text.
-//! * [`Feedback`], [`Signal`], [`Gain`]: the control law.
+//! * [`Plant`]: the rotor without control, independent of speed: a chain, or dense matrices.
+//! * [`Feedback`], [`Signal`], [`Gain`]: the control law, from crate `control`.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it.
@@ -25,12 +26,12 @@ mod crossing;
 mod difference;
 mod eigen;
 mod family;
-mod feedback;
 pub mod file;
 mod follow;
 mod influence;
 mod modes;
 mod params;
+mod plant;
 mod quadratic;
 pub mod report_form;
 mod settings;
@@ -41,13 +42,14 @@ mod trace;
 
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
 pub use closed_loop::ClosedLoop;
+pub use control::{ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal};
 pub use difference::Difference;
 pub use eigen::{PoleError, eigenvalues};
-pub use feedback::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
+pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};
 pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
@@ -56,13 +58,13 @@ pub use thresholds::{Stability, Threshold, thresholds};
 pub use trace::{Branch, CriticalSpeed, Trace, critical_speeds, trace};
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.
-pub type C64 = num_complex::Complex<f64>;
+pub type C64 = control::C64;
 
 /// The imaginary unit.
-pub const J: C64 = C64::new(0.0, 1.0);
+pub const J: C64 = control::J;
 
 /// The most masses a rotor can have. Fixed, because state crosses process borders in fixed-size messages.
-pub const MAX_MASSES: usize = 16;
+pub const MAX_MASSES: usize = control::MAX_SENSORS;
 
 /// The longest name a rotor can have, in bytes of UTF-8, for the same reason.
 pub const MAX_NAME: usize = 64;

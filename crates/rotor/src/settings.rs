@@ -190,6 +190,8 @@ pub struct Settings {
     pub deadband: Vec<f64>,
     /// Orbit radius at which the machine trips, in `e_t`.
     pub trip: f64,
+    /// Greatest rate of change of the speed, per unit of `tau`; infinite where it jumps.
+    pub ramp: f64,
     /// The control law.
     pub feedback: Feedback,
 }
@@ -201,7 +203,7 @@ impl Settings {
     /// Settings for `rotor` at `speed` under `feedback`: its own deadbands, the default trip limit.
     #[must_use]
     pub fn new(rotor: &Rotor, speed: f64, feedback: Feedback) -> Self {
-        Self { speed, deadband: rotor.deadbands(), trip: Self::DEFAULT_TRIP, feedback }
+        Self { speed, deadband: rotor.deadbands(), trip: Self::DEFAULT_TRIP, ramp: f64::INFINITY, feedback }
     }
 
     /// Checks everything against the rotor it is for.

@@ -35,7 +35,7 @@ fn machine() -> impl Strategy<Value = (Rotor, Feedback)> {
             0..n,
         )
             .prop_map(|(masses, shafts, signals, bearing)| {
-                (Rotor::new("random", masses, shafts).expect("in range"), Feedback { bearing, signals })
+                (Rotor::new("random", masses, shafts).expect("in range"), Feedback::new(bearing, signals))
             })
     })
 }

@@ -108,7 +108,7 @@ proptest! {
 fn single(mass: Mass, gain: Gain) -> (Rotor, Feedback) {
     let mut signal = Signal::at_mass(0, 1, [0.0; 4]);
     *signal.gain_mut(GainKind::Kc) = gain;
-    (Rotor::new("one", vec![mass], vec![]).expect("valid"), Feedback { bearing: 0, signals: vec![signal] })
+    (Rotor::new("one", vec![mass], vec![]).expect("valid"), Feedback::new(0, vec![signal]))
 }
 
 fn seal() -> Mass {

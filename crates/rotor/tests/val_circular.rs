@@ -34,7 +34,7 @@ fn five() -> (Rotor, Feedback, Vec<f64>) {
     ];
     let rotor = Rotor::new("five", masses, vec![0.4, 0.6, 0.5, 0.3]).expect("valid");
     let signal = Signal::composite(&[0.2, 1.0, 0.3, 0.0, 0.1], [0.1, 0.3, -0.1, 0.0]);
-    (rotor, Feedback { bearing: 1, signals: vec![signal] }, vec![0.05, 0.0, 0.04, 0.0, 0.06])
+    (rotor, Feedback::new(1, vec![signal]), vec![0.05, 0.0, 0.04, 0.0, 0.06])
 }
 
 /// Largest residual of the equations of motion, taken from the state matrix and the orbit alone.
@@ -95,7 +95,7 @@ fn val_one_mass_has_the_orbits_of_its_quadratic() {
         let mass =
             Mass { mass: 1.0, damping, bearing_stiffness: 0.8, seal_stiffness: 0.2, unbalance: 1.0, ..Mass::default() };
         let rotor = Rotor::new("one", vec![mass], vec![]).expect("valid");
-        let feedback = Feedback { bearing: 0, signals: vec![Signal::at_mass(0, 1, [kd, 0.0, 0.0, 0.0])] };
+        let feedback = Feedback::new(0, vec![Signal::at_mass(0, 1, [kd, 0.0, 0.0, 0.0])]);
         let speeds = speeds(0.02, 3.0, 150);
         let found = synchronous(&rotor, &feedback, &[deadband], &speeds).expect("solved");
         for (speed, orbits) in speeds.iter().zip(&found.orbits) {

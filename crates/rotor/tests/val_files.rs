@@ -168,11 +168,12 @@ fn any_feedback() -> impl Strategy<Value = (usize, Feedback)> {
             (weights(), weights(), gains()).prop_map(|(displacement, velocity, gains)| Signal {
                 displacement,
                 velocity,
-                gains
+                gains,
+                filters: vec![]
             }),
         ];
         (Just(n), 0..n, prop::collection::vec(signal, 1..=4))
-            .prop_map(|(n, bearing, signals)| (n, Feedback { bearing, signals }))
+            .prop_map(|(n, bearing, signals)| (n, Feedback::new(bearing, signals)))
     })
 }
 
@@ -289,7 +290,7 @@ fn what_is_left_out_has_its_default() {
     let feedback = read_feedback("bearing = 1\n[[signal]]\nmass = 2\nkc = { at_zero = 1, slope = -0.5 }\n", None);
     let mut signal = Signal::at_mass(1, 2, [0.0; 4]);
     *signal.gain_mut(GainKind::Kc) = Gain::Linear { at_zero: 1.0, slope: -0.5 };
-    assert_eq!(feedback.expect("valid"), Feedback { bearing: 0, signals: vec![signal] });
+    assert_eq!(feedback.expect("valid"), Feedback::new(0, vec![signal]));
     // A byte order mark, Windows line ends, inline tables: all TOML.
     let windows = "\u{feff}name = 'x'\r\nmass = [{ mass = 1_0.5, unbalance = -0x10 }]\r\n".replace("-0x10", "0x10");
     assert_eq!(read_rotor(&windows, "y").expect("valid").masses()[0].unbalance, 16.0);

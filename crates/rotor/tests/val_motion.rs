@@ -100,8 +100,7 @@ fn val_circular_whirl_of_a_chain_with_three_deadbands_is_followed() {
         vec![0.4, 0.6, 0.5, 0.3],
     )
     .expect("valid");
-    let feedback =
-        Feedback { bearing: 1, signals: vec![Signal::composite(&[0.2, 1.0, 0.3, 0.0, 0.1], [0.1, 0.3, -0.1, 0.0])] };
+    let feedback = Feedback::new(1, vec![Signal::composite(&[0.2, 1.0, 0.3, 0.0, 0.1], [0.1, 0.3, -0.1, 0.0])]);
     let deadband = [0.05, 0.0, 0.04, 0.0, 0.06];
     let closed_loop = ClosedLoop::new(&rotor, &feedback, 0.9, &deadband);
     let c = synchronous_with_deadband(&rotor, &closed_loop, &deadband);

@@ -38,10 +38,8 @@ fn chain(described: &Value) -> (Rotor, Feedback) {
         }
         signal
     });
-    let feedback = Feedback {
-        bearing: usize::try_from(described["bearing"].as_u64().expect("a mass")).expect("small") - 1,
-        signals: signals.collect(),
-    };
+    let bearing = usize::try_from(described["bearing"].as_u64().expect("a mass")).expect("small") - 1;
+    let feedback = Feedback::new(bearing, signals.collect());
     feedback.check(n).expect("fits");
     (Rotor::new("chain", masses, list("shaft")).expect("valid"), feedback)
 }

@@ -132,7 +132,7 @@ fn balanced() -> impl Strategy<Value = (Rotor, Feedback)> {
             });
             let rotor = Rotor::new("balanced", masses.collect(), vec![shaft; n - 1]).expect("valid");
             let signal = Signal::at_mass(0, n, [0.1, 0.2, -0.1, 0.05]);
-            (rotor, Feedback { bearing: n - 1, signals: vec![signal] })
+            (rotor, Feedback::new(n - 1, vec![signal]))
         },
     )
 }

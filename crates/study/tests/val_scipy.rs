@@ -35,7 +35,7 @@ fn five(speed: f64) -> ClosedLoop {
     });
     let rotor = Rotor::new("five", masses.to_vec(), vec![0.4, 0.6, 0.5, 0.3]).expect("valid");
     let signal = Signal::composite(&[0.2, 1.0, 0.3, 0.0, 0.1], [0.1, 0.3, -0.1, 0.05]);
-    let feedback = Feedback { bearing: 1, signals: vec![signal] };
+    let feedback = Feedback::new(1, vec![signal]);
     feedback.check(5).expect("fits");
     ClosedLoop::new(&rotor, &feedback, speed, &[0.05, 0.0, 0.10, 0.0, 0.15])
 }

@@ -248,7 +248,7 @@ impl Family {
                 of.iter().for_each(|&i| masses[i].bearing_stiffness *= at);
             }
         }
-        let off = Feedback { bearing: 0, signals: Vec::new() };
+        let off = Feedback::new(0, Vec::new());
         let rotor = Rotor::new(self.rotor.name(), masses, shafts).expect("every value was checked when its range was");
         Quadratic::of(&ClosedLoop::new(&rotor, &off, speed, &[]))
     }

@@ -88,13 +88,13 @@ impl Structure {
     #[must_use]
     pub fn composite(masses: usize, bearing: usize, sensors: &[usize]) -> Feedback {
         let weights: Vec<f64> = (0..masses).map(|i| f64::from(u8::from(sensors.contains(&i)))).collect();
-        Feedback { bearing, signals: vec![Signal::composite(&weights, [0.0; 4])] }
+        Feedback::new(bearing, vec![Signal::composite(&weights, [0.0; 4])])
     }
 
     /// A signal for every one of `sensors` (masses counted from 0).
     #[must_use]
     pub fn individual(masses: usize, bearing: usize, sensors: &[usize]) -> Feedback {
-        Feedback { bearing, signals: sensors.iter().map(|&mass| Signal::at_mass(mass, masses, [0.0; 4])).collect() }
+        Feedback::new(bearing, sensors.iter().map(|&mass| Signal::at_mass(mass, masses, [0.0; 4])).collect())
     }
 
     /// How its gains depend on speed.

@@ -146,13 +146,15 @@ impl SettingsMessage {
                 displacement: signal.displacement[..masses].to_vec(),
                 velocity: signal.velocity[..masses].to_vec(),
                 gains: GainKind::ALL.map(|kind| gain(&signal.gains[kind as usize])),
+                filters: vec![],
             })
             .collect();
         Settings {
             speed: self.speed,
             deadband: self.deadband[..masses].to_vec(),
             trip: self.trip,
-            feedback: Feedback { bearing: self.bearing as usize, signals },
+            ramp: f64::INFINITY,
+            feedback: Feedback::new(self.bearing as usize, signals),
         }
     }
 }

@@ -177,7 +177,7 @@ mod tests {
         ) {
             let rotor = builtin::rotor("three-mass").unwrap();
             let signals = vec![Signal::composite(&weights, gains), Signal::at_mass(2, 3, others)];
-            let feedback = Feedback { bearing: 0, signals };
+            let feedback = Feedback::new(0, signals);
             let mut state = tests::state(3, 0);
             let (mut p, mut v) = ([C64::ZERO; 3], [C64::ZERO; 3]);
             for (mass, q) in at.chunks(4).enumerate() {

@@ -32,7 +32,7 @@ pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Prob
     let signals = (tables.into_iter().enumerate())
         .map(|(i, (table, at))| signal(&mut reader, table, &format!("[[signal]] {}", i + 1), &at, count, of))
         .collect();
-    reader.finish(Feedback { bearing, signals })
+    reader.finish(Feedback::new(bearing, signals))
 }
 
 /// How many masses a file without a rotor is meant for.

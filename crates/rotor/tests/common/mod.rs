@@ -48,7 +48,7 @@ pub(crate) fn machine(most: usize) -> impl Strategy<Value = (Rotor, Feedback)> {
             0..n,
         )
             .prop_map(|(masses, shafts, signals, bearing)| {
-                (Rotor::new("random", masses, shafts).expect("in range"), Feedback { bearing, signals })
+                (Rotor::new("random", masses, shafts).expect("in range"), Feedback::new(bearing, signals))
             })
     })
 }

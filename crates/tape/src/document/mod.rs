@@ -205,7 +205,13 @@ impl RevisionDocument {
             revision: self.revision,
             who: self.who,
             why: self.why,
-            settings: Settings { speed: self.speed, deadband: self.deadband, trip: self.trip, feedback },
+            settings: Settings {
+                speed: self.speed,
+                deadband: self.deadband,
+                trip: self.trip,
+                ramp: f64::INFINITY,
+                feedback,
+            },
             poles: self.poles.into_iter().map(|[re, im]| C64::new(re, im)).collect(),
             min_damping: self.min_damping,
         })

@@ -4,7 +4,7 @@
 //! feedback. Each [`Signal`] is a weighted sum of displacements and of velocities with four gains. One signal with
 //! several weights is the report's *composite* output (4.25)-(4.27); one signal per sensor is *individual* feedback.
 
-use crate::{C64, MAX_MASSES};
+use crate::{C64, Filter, FilterError, MAX_SENSORS, PartError, Parts};
 
 /// A gain over spin speed `R`.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,13 +104,20 @@ pub struct Signal {
     pub velocity: Vec<f64>,
     /// The gains, in the order of [`GainKind::ALL`].
     pub gains: [Gain; 4],
+    /// What shapes it, in a row; empty for the law alone.
+    pub filters: Vec<Filter>,
 }
 
 impl Signal {
     /// A signal over the same weights for displacement and velocity, with constant gains `[kd, cd, kc, cc]`.
     #[must_use]
     pub fn composite(weights: &[f64], gains: [f64; 4]) -> Self {
-        Self { displacement: weights.to_vec(), velocity: weights.to_vec(), gains: gains.map(Gain::Constant) }
+        Self {
+            displacement: weights.to_vec(),
+            velocity: weights.to_vec(),
+            gains: gains.map(Gain::Constant),
+            filters: vec![],
+        }
     }
 
     /// The signal of the sensor at mass `mass` (counted from 0) of `masses`, with constant gains `[kd, cd, kc, cc]`.
@@ -142,6 +149,10 @@ pub struct Feedback {
     pub bearing: usize,
     /// The signals, at least one.
     pub signals: Vec<Signal>,
+    /// What shapes the sum of the signals, in a row; empty for the law alone.
+    pub filters: Vec<Filter>,
+    /// What stands around the law; the default is the ideal loop.
+    pub parts: Parts,
 }
 
 /// Why feedback does not fit a rotor.
@@ -156,7 +167,7 @@ pub enum FeedbackError {
         masses: usize,
     },
     /// No signal, or more than a message can carry.
-    #[error("feedback has 1 to {MAX_MASSES} signals, found {0}")]
+    #[error("feedback has 1 to {MAX_SENSORS} signals, found {0}")]
     Signals(usize),
     /// A weight vector has the wrong length.
     #[error("signal {signal}: {field} has {found} weights, but the rotor has {masses} masses")]
@@ -186,9 +197,35 @@ pub enum FeedbackError {
         /// The gain's name.
         gain: &'static str,
     },
+    /// A filter of a signal is not in order.
+    #[error("signal {signal}: {why}")]
+    Filter {
+        /// Which signal, counted from 1.
+        signal: usize,
+        /// What is wrong with it.
+        why: FilterError,
+    },
+    /// A filter of the bearing is not in order.
+    #[error("bearing: {0}")]
+    BearingFilter(FilterError),
+    /// A number of the loop is not allowed.
+    #[error(transparent)]
+    Part(#[from] PartError),
 }
 
 impl Feedback {
+    /// Signals that drive the bearing at mass `bearing` (counted from 0) through an ideal loop.
+    #[must_use]
+    pub fn new(bearing: usize, signals: Vec<Signal>) -> Self {
+        Self { bearing, signals, filters: vec![], parts: Parts::default() }
+    }
+
+    /// Whether force follows displacement and velocity at once and exactly: gains alone.
+    #[must_use]
+    pub fn is_ideal(&self) -> bool {
+        self.parts.is_ideal() && self.filters.is_empty() && self.signals.iter().all(|s| s.filters.is_empty())
+    }
+
     /// Checks that this feedback can drive a rotor of `masses` masses.
     ///
     /// # Errors
@@ -197,7 +234,7 @@ impl Feedback {
         if self.bearing >= masses {
             return Err(FeedbackError::Bearing { found: self.bearing + 1, masses });
         }
-        if self.signals.is_empty() || self.signals.len() > MAX_MASSES {
+        if self.signals.is_empty() || self.signals.len() > MAX_SENSORS {
             return Err(FeedbackError::Signals(self.signals.len()));
         }
         for (i, signal) in self.signals.iter().enumerate() {
@@ -214,7 +251,12 @@ impl Feedback {
                     return Err(FeedbackError::Gain { signal: i + 1, gain: kind.name() });
                 }
             }
+            for filter in &signal.filters {
+                filter.check().map_err(|why| FeedbackError::Filter { signal: i + 1, why })?;
+            }
         }
+        self.filters.iter().try_for_each(Filter::check).map_err(FeedbackError::BearingFilter)?;
+        self.parts.check()?;
         Ok(())
     }
 
@@ -259,9 +301,9 @@ pub struct ControlRow {
     /// The mass that carries the bearing, counted from 0.
     pub bearing: usize,
     /// Complex gain on each displacement, `sum (kd - j kc) weight`; zero beyond the last mass.
-    pub displacement: [C64; MAX_MASSES],
+    pub displacement: [C64; MAX_SENSORS],
     /// Complex gain on each velocity, `sum (cd - j cc) weight`; zero beyond the last mass.
-    pub velocity: [C64; MAX_MASSES],
+    pub velocity: [C64; MAX_SENSORS],
 }
 
 #[cfg(test)]
@@ -279,7 +321,7 @@ mod tests {
 
     #[test]
     fn composite_weights_act_on_every_sensor_they_name() {
-        let feedback = Feedback { bearing: 0, signals: vec![Signal::composite(&[1.0, 2.0], [3.0, 5.0, 7.0, 11.0])] };
+        let feedback = Feedback::new(0, vec![Signal::composite(&[1.0, 2.0], [3.0, 5.0, 7.0, 11.0])]);
         let row = feedback.at(0.0);
         assert_eq!(row.displacement[..2], [C64::new(3.0, -7.0), C64::new(6.0, -14.0)]);
         assert_eq!(row.velocity[..2], [C64::new(5.0, -11.0), C64::new(10.0, -22.0)]);
@@ -291,18 +333,18 @@ mod tests {
         let told = |f: Feedback| f.check(2).unwrap_err().to_string();
         let sound = Signal::at_mass(0, 2, [0.0; 4]);
         assert_eq!(
-            told(Feedback { bearing: 2, signals: vec![sound.clone()] }),
+            told(Feedback::new(2, vec![sound.clone()])),
             "control bearing at mass 3, but the rotor has masses 1 to 2"
         );
-        assert_eq!(told(Feedback { bearing: 0, signals: vec![] }), "feedback has 1 to 16 signals, found 0");
+        assert_eq!(told(Feedback::new(0, vec![])), "feedback has 1 to 16 signals, found 0");
         assert_eq!(
-            told(Feedback { bearing: 0, signals: vec![Signal::at_mass(0, 3, [0.0; 4])] }),
+            told(Feedback::new(0, vec![Signal::at_mass(0, 3, [0.0; 4])])),
             "signal 1: displacement has 3 weights, but the rotor has 2 masses"
         );
         let mut bad = sound;
         *bad.gain_mut(GainKind::Cd) = Gain::Table(vec![(1.0, 0.0), (1.0, 2.0)]);
         assert_eq!(
-            told(Feedback { bearing: 0, signals: vec![bad] }),
+            told(Feedback::new(0, vec![bad])),
             "signal 1: cd must be finite, and a table non-empty with rising speeds"
         );
     }

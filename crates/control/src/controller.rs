@@ -1,0 +1,757 @@
+//! A loop at work. Its continuous parts are integrated together with the plant, stage by stage; its sampled parts act at
+//! their instants, between two stretches of integration, and hold.
+//!
+//! Who integrates does this for every stretch over which nothing jumps:
+//!
+//! 1. [`Controller::act`] at its start: samples that are due are taken, commands that are due take effect.
+//! 2. [`Controller::flow`] in every stage: the rates of the continuous states, and the force.
+//! 3. With a continuous delay, [`Controller::remember`] at its end, with what the rates are there; if it says so the stretch is
+//!    integrated again, because the delay is shorter than the stretch.
+//! 4. [`Controller::finish`] at its end: the force there is where the limit of its rate goes on from.
+
+use std::collections::VecDeque;
+
+use crate::block::{Block, Sampled};
+use crate::delay_line::{DelayLine, Stretch};
+use crate::words::Words;
+use crate::{C64, Feedback, FeedbackError, Gain, LinearLoop, Parts, Signal};
+
+/// More stretches of delay than this are refused: 5 MB.
+const MOST_STRETCHES: f64 = 65_536.0;
+/// Times that differ by less than this share of a step are one: sums of steps round.
+const SAME_TIME: f64 = 1e-9;
+
+/// Why a loop cannot work at a step.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LoopError {
+    /// The feedback itself is not in order.
+    #[error(transparent)]
+    Feedback(#[from] FeedbackError),
+    /// Samples closer together than steps.
+    #[error("sample = {sample}: shorter than a step of {dtau}; expected at least that, or dtau = {sample}")]
+    SampleWithinStep {
+        /// The period asked for.
+        sample: f64,
+        /// The step.
+        dtau: f64,
+    },
+    /// A delay of more steps than are remembered.
+    #[error("delay = {delay} is {:.0} steps of {dtau}: at most {MOST_STRETCHES:.0} are remembered", delay / dtau)]
+    DelayTooLong {
+        /// The delay asked for.
+        delay: f64,
+        /// The step, or the sampling period.
+        dtau: f64,
+    },
+}
+
+/// What a loop sees in one stage.
+#[derive(Clone, Copy, Debug)]
+pub struct Stage<'a> {
+    /// Time.
+    pub tau: f64,
+    /// Time since the stretch began.
+    pub since: f64,
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Displacement at every station.
+    pub displacement: &'a [C64],
+    /// Velocity at every station.
+    pub velocity: &'a [C64],
+}
+
+/// What a loop puts out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Output {
+    /// What the law asks for now; a sampled one, at its last sample.
+    pub commanded: C64,
+    /// What acts on the plant.
+    pub delivered: C64,
+    /// Whether the actuator is at its limit of force or of rate.
+    pub saturated: bool,
+}
+
+/// One row of the law: weights of what the sensors read, the gains on it, and what shapes it.
+#[derive(Clone, Debug)]
+struct Row {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    gains: [Gain; 4],
+    /// `kd - j kc` and `cd - j cc` at the speed of the moment.
+    now: [C64; 2],
+    filters: Chain,
+}
+
+/// Filters in a row, with the place of their states.
+#[derive(Clone, Debug)]
+struct Chain {
+    blocks: Vec<Sampled>,
+    first: usize,
+}
+
+/// Draws noise: the same seed, the same noise.
+#[derive(Clone, Debug)]
+struct Noise {
+    deviation: f64,
+    random: fastrand::Rng,
+    displacement: Vec<C64>,
+    velocity: Vec<C64>,
+}
+
+impl Noise {
+    fn draw(&mut self) {
+        for place in self.displacement.iter_mut().chain(&mut self.velocity) {
+            // Box and Muller: two independent normal numbers at once.
+            let radius = (-2.0 * (1.0 - self.random.f64()).ln()).sqrt();
+            *place = C64::from_polar(self.deviation * radius, std::f64::consts::TAU * self.random.f64());
+        }
+    }
+}
+
+/// A loop in motion around one control bearing.
+#[derive(Clone, Debug)]
+pub struct Controller {
+    parts: Parts,
+    /// The stations that it senses.
+    sensors: Vec<usize>,
+    rows: Vec<Row>,
+    /// Filters of the sum, at the bearing.
+    bearing: Chain,
+    scheduled: bool,
+    speed: f64,
+    /// Continuous states: of sensors, of filters unless they are sampled, of the actuator.
+    sensor_states: usize,
+    filter_states: usize,
+    actuator_states: usize,
+    noise: Option<Noise>,
+    reading: [Vec<C64>; 2],
+    /// States of filters in a sampled loop.
+    sampled: Vec<C64>,
+    next_sample: u64,
+    /// Commands under way, with the time from which they act.
+    waiting: VecDeque<(f64, C64)>,
+    /// The command that acts, in a sampled loop.
+    acting: C64,
+    line: Option<DelayLine>,
+    /// The command over the stretch that is being integrated.
+    current: Stretch,
+    /// How often the present stretch was integrated.
+    passes: u32,
+    output: Output,
+    tolerance: f64,
+}
+
+impl Controller {
+    /// A loop that has never done anything, for steps of `dtau` at most.
+    ///
+    /// # Errors
+    /// Feedback that does not fit `stations` stations, or parts that cannot work at this step.
+    pub fn new(feedback: &Feedback, stations: usize, speed: f64, dtau: f64) -> Result<Self, LoopError> {
+        feedback.check(stations)?;
+        let parts = feedback.parts;
+        let is_sampled = parts.sample > 0.0;
+        if is_sampled && parts.sample < dtau * (1.0 - SAME_TIME) {
+            return Err(LoopError::SampleWithinStep { sample: parts.sample, dtau });
+        }
+        let stretch = if is_sampled { parts.sample } else { dtau };
+        let stretches = (parts.delay / stretch).ceil();
+        if stretches > MOST_STRETCHES {
+            return Err(LoopError::DelayTooLong { delay: parts.delay, dtau: stretch });
+        }
+        let sensed = |station: &usize| {
+            let weighs = |weights: &[f64]| weights.get(*station).is_some_and(|w| *w != 0.0);
+            feedback.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
+        };
+        let sensors: Vec<usize> = (0..stations).filter(sensed).collect();
+        let count = sensors.len();
+        let mut filter_states = 0;
+        let mut chain = |filters: &[crate::Filter]| {
+            let first = filter_states;
+            let period = if is_sampled { parts.sample } else { 0.0 };
+            let blocks: Vec<Sampled> =
+                filters.iter().flat_map(crate::Filter::blocks).map(|b| Sampled::new(b, period, speed)).collect();
+            filter_states += blocks.iter().map(|b| b.block.order).sum::<usize>();
+            Chain { blocks, first }
+        };
+        let rows: Vec<Row> =
+            feedback.signals.iter().map(|signal| Row::new(signal, &sensors, chain(&signal.filters))).collect();
+        let bearing = chain(&feedback.filters);
+        let noise = (parts.noise > 0.0).then(|| Noise {
+            deviation: parts.noise,
+            random: fastrand::Rng::with_seed(parts.seed as u64),
+            displacement: vec![C64::ZERO; count],
+            velocity: vec![C64::ZERO; count],
+        });
+        let room = (1.25 * stretches) as usize + 16;
+        let mut made = Self {
+            parts,
+            scheduled: rows.iter().any(Row::is_scheduled)
+                || rows.iter().any(|row| row.filters.follows_speed())
+                || bearing.follows_speed(),
+            rows,
+            bearing,
+            speed: f64::NAN,
+            sensor_states: if parts.sensor_lag > 0.0 { 2 * count } else { 0 },
+            filter_states: if is_sampled { 0 } else { filter_states },
+            actuator_states: match (parts.lag > 0.0, parts.lag_damping > 0.0) {
+                (false, _) => 0,
+                (true, false) => 1,
+                (true, true) => 2,
+            },
+            noise,
+            reading: [vec![C64::ZERO; count], vec![C64::ZERO; count]],
+            sampled: vec![C64::ZERO; if is_sampled { filter_states } else { 0 }],
+            next_sample: 0,
+            waiting: VecDeque::with_capacity(if is_sampled { room } else { 0 }),
+            acting: C64::ZERO,
+            line: (parts.delay > 0.0 && !is_sampled).then(|| DelayLine::new(room)),
+            current: Stretch::default(),
+            passes: 0,
+            output: Output::default(),
+            tolerance: SAME_TIME * dtau,
+            sensors,
+        };
+        made.follow(speed);
+        Ok(made)
+    }
+
+    /// How many complex states it has that flow.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.sensor_states + self.filter_states + self.actuator_states
+    }
+
+    /// The stations that it senses, counted from 0.
+    #[must_use]
+    pub fn sensors(&self) -> &[usize] {
+        &self.sensors
+    }
+
+    /// What its sensors read last: displacement of each.
+    #[must_use]
+    pub fn readings(&self) -> &[C64] {
+        &self.reading[0]
+    }
+
+    /// What it puts out at the end of the last stretch.
+    #[must_use]
+    pub fn output(&self) -> Output {
+        self.output
+    }
+
+    /// Whether it remembers its command because of a delay without sampling.
+    #[must_use]
+    pub fn remembers(&self) -> bool {
+        self.line.is_some()
+    }
+
+    /// Back to before it did anything, at `tau` = 0.
+    pub fn rest(&mut self) {
+        self.sampled.fill(C64::ZERO);
+        self.reading.iter_mut().for_each(|readings| readings.fill(C64::ZERO));
+        self.waiting.clear();
+        (self.next_sample, self.acting, self.output) = (0, C64::ZERO, Output::default());
+        self.current = Stretch::default();
+        if let Some(line) = &mut self.line {
+            line.fill(C64::ZERO);
+        }
+        if let Some(noise) = &mut self.noise {
+            noise.random = fastrand::Rng::with_seed(self.parts.seed as u64);
+        }
+    }
+
+    /// Takes the gains of this speed.
+    #[inline]
+    fn follow(&mut self, speed: f64) {
+        if speed == self.speed || !self.scheduled && !self.speed.is_nan() {
+            return;
+        }
+        self.speed = speed;
+        for row in &mut self.rows {
+            let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|i: usize| row.gains[i].at(speed));
+            row.now = [C64::new(kd, -kc), C64::new(cd, -cc)];
+            row.filters.blocks.iter_mut().for_each(|block| block.follow(speed));
+        }
+        self.bearing.blocks.iter_mut().for_each(|block| block.follow(speed));
+    }
+
+    /// Draws the noise of a step, in a loop without sampling: once a step, before anything else.
+    pub fn begin_step(&mut self) {
+        if self.parts.sample == 0.0
+            && let Some(noise) = &mut self.noise
+        {
+            noise.draw();
+        }
+    }
+
+    /// When something jumps next; infinite in a continuous loop.
+    #[must_use]
+    pub fn next_event(&self) -> f64 {
+        if self.parts.sample == 0.0 {
+            return f64::INFINITY;
+        }
+        let next_sample = self.next_sample as f64 * self.parts.sample;
+        self.waiting.front().map_or(next_sample, |(time, _)| time.min(next_sample))
+    }
+
+    /// Takes the samples and lets the commands take effect that are due.
+    pub fn act(&mut self, stage: &Stage<'_>, x: &[C64]) {
+        self.follow(stage.speed);
+        if self.parts.sample > 0.0 {
+            let now = stage.tau + self.tolerance;
+            loop {
+                let at = self.next_sample as f64 * self.parts.sample;
+                if at > now {
+                    break;
+                }
+                self.next_sample += 1;
+                if let Some(noise) = &mut self.noise {
+                    noise.draw();
+                }
+                self.read(stage, x);
+                let command = self.sampled_command();
+                self.output.commanded = command;
+                let acts_from = at + self.parts.delay;
+                // A delay that was shortened meanwhile: the newest word counts.
+                while self.waiting.back().is_some_and(|(time, _)| *time >= acts_from) {
+                    self.waiting.pop_back();
+                }
+                self.waiting.push_back((acts_from, command));
+            }
+            while let Some((_, command)) = self.waiting.front().filter(|(time, _)| *time <= now) {
+                self.acting = *command;
+                self.waiting.pop_front();
+            }
+        } else if self.line.is_some() {
+            self.passes = 0;
+            let guess = self.line.as_ref().and_then(DelayLine::last).copied();
+            // Beyond the last stretch until this one is known: as that went on.
+            self.current = guess.unwrap_or(Stretch { value: [self.output.commanded; 2], ..Stretch::default() });
+        }
+    }
+
+    /// The rates of its continuous states `x` into `dx`, and the force on the plant.
+    #[inline]
+    pub fn flow(&mut self, stage: &Stage<'_>, x: &[C64], dx: &mut [C64]) -> C64 {
+        self.follow(stage.speed);
+        let command = if self.parts.sample > 0.0 {
+            self.flow_of_sensors(stage, x, dx);
+            self.acting
+        } else {
+            self.read(stage, x);
+            self.flow_of_sensors(stage, x, dx);
+            let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
+            let command = self.command(&x[from..to], Some(&mut dx[from..to]));
+            self.output.commanded = command;
+            self.late(stage, command)
+        };
+        let first = self.sensor_states + self.filter_states;
+        let drive = self.actuate(command, &x[first..], &mut dx[first..]);
+        self.limited(drive, stage.since).0
+    }
+
+    /// What was asked for a delay ago.
+    #[inline]
+    fn late(&self, stage: &Stage<'_>, command: C64) -> C64 {
+        let Some(line) = &self.line else { return command };
+        let then = stage.tau - self.parts.delay;
+        let began = stage.tau - stage.since;
+        // Within the stretch that is being integrated, what is known of it.
+        if then > began { self.current.at(then) } else { line.at(then) }
+    }
+
+    fn flow_of_sensors(&self, stage: &Stage<'_>, x: &[C64], dx: &mut [C64]) {
+        if self.sensor_states == 0 {
+            return;
+        }
+        let rate = 1.0 / self.parts.sensor_lag;
+        let count = self.sensors.len();
+        for (k, station) in self.sensors.iter().enumerate() {
+            dx[k] = (stage.displacement[*station] - x[k]) * rate;
+            dx[count + k] = (stage.velocity[*station] - x[count + k]) * rate;
+        }
+    }
+
+    /// What the sensors read.
+    #[inline]
+    fn read(&mut self, stage: &Stage<'_>, x: &[C64]) {
+        let count = self.sensors.len();
+        for (k, station) in self.sensors.iter().enumerate() {
+            let [p, v] = if self.sensor_states > 0 {
+                [x[k], x[count + k]]
+            } else {
+                [stage.displacement[*station], stage.velocity[*station]]
+            };
+            (self.reading[0][k], self.reading[1][k]) = (p, v);
+        }
+        if let Some(noise) = &self.noise {
+            self.reading[0].iter_mut().zip(&noise.displacement).for_each(|(reading, n)| *reading += n);
+            self.reading[1].iter_mut().zip(&noise.velocity).for_each(|(reading, n)| *reading += n);
+        }
+        let quantum = self.parts.quantum;
+        if quantum > 0.0 {
+            for reading in self.reading.iter_mut().flatten() {
+                *reading = C64::new((reading.re / quantum).round() * quantum, (reading.im / quantum).round() * quantum);
+            }
+        }
+    }
+
+    /// The law on the present readings, in a continuous loop; the rates of the filters' states `x` into `dx`.
+    #[inline]
+    fn command(&self, x: &[C64], mut dx: Option<&mut [C64]>) -> C64 {
+        let mut sum = C64::ZERO;
+        for row in &self.rows {
+            sum -= self.shaped(&row.filters, row.of(&self.reading), x, dx.as_deref_mut());
+        }
+        self.shaped(&self.bearing, sum, x, dx)
+    }
+
+    #[inline]
+    fn shaped(&self, chain: &Chain, mut w: C64, x: &[C64], mut dx: Option<&mut [C64]>) -> C64 {
+        let mut first = chain.first;
+        for Sampled { block, .. } in &chain.blocks {
+            let states = first..first + block.order;
+            let x = &x[states.clone()];
+            if let Some(dx) = &mut dx {
+                let dx = &mut dx[states.clone()];
+                if block.winds_up && self.winds_up(x[0] * w.conj()) {
+                    dx.fill(C64::ZERO);
+                } else {
+                    block.derivative(x, w, self.speed, dx);
+                }
+            }
+            w = block.output(x, w);
+            first = states.end;
+        }
+        w
+    }
+
+    /// Whether an integrator is held: the actuator is at its limit, and integrating would lead further.
+    fn winds_up(&self, further: C64) -> bool {
+        self.output.saturated && further.re > 0.0
+    }
+
+    /// The rate of the command, from the rates of readings and filters' states: its jumps count for nothing.
+    fn command_rate(&self, rates: &Stage<'_>, x_rate: &[C64]) -> C64 {
+        let count = self.sensors.len();
+        let rate = |k: usize, velocity: bool| match (self.sensor_states > 0, velocity) {
+            (true, false) => x_rate[k],
+            (true, true) => x_rate[count + k],
+            (false, false) => rates.displacement[self.sensors[k]],
+            (false, true) => rates.velocity[self.sensors[k]],
+        };
+        let mut sum = C64::ZERO;
+        let states = &x_rate[self.sensor_states..self.sensor_states + self.filter_states];
+        for row in &self.rows {
+            let on = |weights: &[f64], velocity| -> C64 {
+                weights.iter().enumerate().map(|(k, weight)| rate(k, velocity) * *weight).sum()
+            };
+            let w = row.now[0] * on(&row.displacement, false) + row.now[1] * on(&row.velocity, true);
+            sum -= self.shaped(&row.filters, w, states, None);
+        }
+        self.shaped(&self.bearing, sum, states, None)
+    }
+
+    /// The law on the present readings, in a sampled loop, whose filters go on by a sample.
+    fn sampled_command(&mut self) -> C64 {
+        let saturated = self.output.saturated;
+        let held = |further: C64| saturated && further.re > 0.0;
+        let Self { rows, bearing, sampled, reading, .. } = self;
+        let mut through = |chain: &Chain, mut w: C64| {
+            let mut first = chain.first;
+            for block in &chain.blocks {
+                let states = first..first + block.block.order;
+                w = block.take(&mut sampled[states.clone()], w, held);
+                first = states.end;
+            }
+            w
+        };
+        let mut sum = C64::ZERO;
+        for row in rows.iter() {
+            sum -= through(&row.filters, row.of(reading));
+        }
+        through(bearing, sum)
+    }
+
+    /// The actuator's output for a command, and the rates of its states.
+    #[inline]
+    fn actuate(&self, command: C64, x: &[C64], dx: &mut [C64]) -> C64 {
+        let Parts { lag, lag_damping, .. } = self.parts;
+        match self.actuator_states {
+            0 => command,
+            1 => {
+                dx[0] = (command - x[0]) / lag;
+                x[0]
+            }
+            _ => {
+                // The second state is lag times the rate of the first.
+                dx[0] = x[1] / lag;
+                dx[1] = (command - x[0] - x[1] * (2.0 * lag_damping)) / lag;
+                x[0]
+            }
+        }
+    }
+
+    /// The force that the actuator can deliver, and whether that is less than it would.
+    #[inline]
+    fn limited(&self, drive: C64, since: f64) -> (C64, bool) {
+        let Parts { limit, slew, .. } = self.parts;
+        let (mut force, mut saturated) = (drive, false);
+        if slew.is_finite() {
+            let change = drive - self.output.delivered;
+            let (size, most) = (change.norm(), slew * since);
+            if size > most {
+                force = self.output.delivered + change * (most / size);
+                saturated = true;
+            }
+        }
+        if limit.is_finite() {
+            let size = force.norm();
+            if size > limit {
+                force *= limit / size;
+                saturated = true;
+            }
+        }
+        (force, saturated)
+    }
+
+    /// Keeps the command over the stretch from `from` to `to`, whose values and rates at both ends are known now.
+    ///
+    /// `start` and `end` are `(command, rate of command)`. Returns whether the stretch must be integrated again, because it
+    /// used what is known only now.
+    pub fn remember(&mut self, from: f64, to: f64, start: (C64, C64), end: (C64, C64)) -> bool {
+        let Some(line) = &mut self.line else { return false };
+        let mut stretch = Stretch { from, to, value: [start.0, end.0], slope: [start.1, end.1] };
+        if self.parts.quantum > 0.0 {
+            // Stairs have no slope of their own.
+            stretch.slope = [(end.0 - start.0) / (to - from).max(f64::MIN_POSITIVE); 2];
+        }
+        self.passes += 1;
+        self.current = stretch;
+        // The first pass errs by the fourth power of the step, each more by a power less.
+        if self.parts.delay < to - from && self.passes < 3 {
+            return true;
+        }
+        line.push(stretch);
+        false
+    }
+
+    /// The command in this state and its rate, for [`Controller::remember`]; `rates` has velocities and accelerations.
+    pub fn command_and_rate(&mut self, stage: &Stage<'_>, x: &[C64], rates: &Stage<'_>, x_rate: &[C64]) -> (C64, C64) {
+        self.read(stage, x);
+        let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
+        (self.command(&x[from..to], None), self.command_rate(rates, x_rate))
+    }
+
+    /// Begins where an ideal loop was, whose force was `force`.
+    pub fn begin_with(&mut self, force: C64) {
+        self.output = Output { commanded: force, delivered: force, saturated: false };
+        self.acting = force;
+        if let Some(line) = &mut self.line {
+            line.fill(force);
+        }
+    }
+
+    /// Ends a stretch: the force at its end stands from here on.
+    pub fn finish(&mut self, stage: &Stage<'_>, x: &[C64]) -> Output {
+        self.follow(stage.speed);
+        let command = if self.parts.sample > 0.0 {
+            self.acting
+        } else {
+            self.read(stage, x);
+            let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
+            let command = self.command(&x[from..to], None);
+            self.output.commanded = command;
+            self.late(stage, command)
+        };
+        let first = self.sensor_states + self.filter_states;
+        let drive = if self.actuator_states > 0 { x[first] } else { command };
+        let (delivered, saturated) = self.limited(drive, stage.since);
+        self.output = Output { delivered, saturated, ..self.output };
+        self.output
+    }
+
+    /// Goes on where `other` was, as far as what that held still means something: `from` are its continuous states, `to` are
+    /// filled. What is new starts as if what is read now had been read for ever.
+    pub fn adopt(&mut self, other: &Self, from: &[C64], stage: &Stage<'_>, to: &mut [C64]) {
+        let now = stage.tau - self.tolerance;
+        self.output = other.output;
+        if let (Some(noise), Some(old)) = (&mut self.noise, &other.noise)
+            && self.parts.seed == other.parts.seed
+        {
+            noise.random = old.random.clone();
+        }
+        self.next_sample = match self.parts.sample {
+            0.0 => 0,
+            sample if sample == other.parts.sample => other.next_sample,
+            sample => (now / sample).ceil().max(0.0) as u64,
+        };
+        let count = self.sensors.len();
+        if self.sensor_states > 0 {
+            for (k, station) in self.sensors.iter().enumerate() {
+                let known = other.sensors.iter().position(|s| s == station).filter(|_| other.sensor_states > 0);
+                let old = known.map(|at| [from[at], from[other.sensors.len() + at]]);
+                let [p, v] = old.unwrap_or([stage.displacement[*station], stage.velocity[*station]]);
+                (to[k], to[count + k]) = (p, v);
+            }
+        }
+        self.read(stage, to);
+        let filters = self.sensor_states..self.sensor_states + self.filter_states;
+        let same = self.chains().eq(other.chains());
+        let is_sampled = self.parts.sample > 0.0;
+        if same && is_sampled && self.parts.sample == other.parts.sample {
+            self.sampled.copy_from_slice(&other.sampled);
+        } else if same && !is_sampled && other.parts.sample == 0.0 {
+            to[filters.clone()].copy_from_slice(&from[other.sensor_states..other.sensor_states + other.filter_states]);
+        } else {
+            let mut states = std::mem::take(&mut self.sampled);
+            self.settle(if is_sampled { &mut states } else { &mut to[filters.clone()] });
+            self.sampled = states;
+        }
+        if self.actuator_states > 0 {
+            let actuator = self.sensor_states + self.filter_states;
+            let old = other.sensor_states + other.filter_states;
+            let second =
+                if other.actuator_states == 2 { from[old + 1] * (self.parts.lag / other.parts.lag) } else { C64::ZERO };
+            to[actuator] = if other.actuator_states > 0 { from[old] } else { self.output.delivered };
+            if self.actuator_states == 2 {
+                to[actuator + 1] = second;
+            }
+        }
+        self.acting = if other.parts.sample > 0.0 { other.acting } else { other.output.commanded };
+        if is_sampled {
+            let room = self.waiting.capacity();
+            self.waiting.extend(other.waiting.iter().take(room).copied());
+        }
+        if let Some(line) = &mut self.line {
+            match &other.line {
+                Some(old) => line.adopt(old),
+                None => line.fill(other.output.commanded),
+            }
+        }
+    }
+
+    fn chains(&self) -> impl Iterator<Item = Block> {
+        self.rows
+            .iter()
+            .map(|row| &row.filters)
+            .chain([&self.bearing])
+            .flat_map(|chain| chain.blocks.iter().map(|b| b.block))
+    }
+
+    /// Filters' states as if the present readings had been there for ever.
+    fn settle(&self, states: &mut [C64]) {
+        let still = |chain: &Chain, mut w: C64, states: &mut [C64]| {
+            let mut first = chain.first;
+            for Sampled { block, .. } in &chain.blocks {
+                let x = &mut states[first..first + block.order];
+                first += block.order;
+                x.fill(C64::ZERO);
+                if let Some(x) = block.at_rest(w, self.speed) {
+                    states[first - block.order] = x;
+                }
+                w = block.output(&states[first - block.order..first], w);
+            }
+            w
+        };
+        let mut sum = C64::ZERO;
+        for row in &self.rows {
+            sum -= still(&row.filters, row.of(&self.reading), states);
+        }
+        still(&self.bearing, sum, states);
+    }
+
+    /// The same loop as matrices at a spin speed: noise, resolution and limits left out.
+    #[must_use]
+    pub fn linear(&self, speed: f64) -> LinearLoop {
+        let mut at = self.clone();
+        at.follow(speed);
+        let rows =
+            at.rows.iter().map(|row| (&row.displacement[..], &row.velocity[..], row.now, &row.filters.blocks[..]));
+        LinearLoop::of(&at.parts, &at.sensors, rows, &at.bearing.blocks, speed)
+    }
+
+    /// Writes down all it holds beside its continuous states.
+    pub fn save(&self, words: &mut Words) {
+        words.put(self.next_sample);
+        words.put(u64::from(self.output.saturated));
+        for z in [self.acting, self.output.commanded, self.output.delivered] {
+            words.put_c64(z);
+        }
+        self.sampled.iter().chain(self.reading.iter().flatten()).for_each(|z| words.put_c64(*z));
+        words.put(self.waiting.len() as u64);
+        for (time, command) in &self.waiting {
+            words.put_f64(*time);
+            words.put_c64(*command);
+        }
+        if let Some(noise) = &self.noise {
+            words.put(noise.random.get_seed());
+            noise.displacement.iter().chain(&noise.velocity).for_each(|z| words.put_c64(*z));
+        }
+        if let Some(line) = &self.line {
+            line.save(words);
+        }
+    }
+
+    /// Takes up what was written down by a loop like this. `None` if the words do not fit; it is then in no good state.
+    #[must_use]
+    pub fn restore(&mut self, words: &mut Words) -> Option<()> {
+        self.next_sample = words.take()?;
+        self.output.saturated = words.take()? != 0;
+        self.acting = words.take_c64()?;
+        self.output.commanded = words.take_c64()?;
+        self.output.delivered = words.take_c64()?;
+        for z in self.sampled.iter_mut().chain(self.reading.iter_mut().flatten()) {
+            *z = words.take_c64()?;
+        }
+        self.waiting.clear();
+        for _ in 0..words.take()? {
+            let entry = (words.take_f64()?, words.take_c64()?);
+            if self.waiting.len() == self.waiting.capacity() {
+                return None;
+            }
+            self.waiting.push_back(entry);
+        }
+        if let Some(noise) = &mut self.noise {
+            noise.random = fastrand::Rng::with_seed(words.take()?);
+            for z in noise.displacement.iter_mut().chain(&mut noise.velocity) {
+                *z = words.take_c64()?;
+            }
+        }
+        match &mut self.line {
+            Some(line) => line.restore(words),
+            None => Some(()),
+        }
+    }
+}
+
+impl Row {
+    fn new(signal: &Signal, sensors: &[usize], filters: Chain) -> Self {
+        let picked =
+            |weights: &[f64]| sensors.iter().map(|station| weights.get(*station).copied().unwrap_or(0.0)).collect();
+        Self {
+            displacement: picked(&signal.displacement),
+            velocity: picked(&signal.velocity),
+            gains: signal.gains.clone(),
+            now: [C64::ZERO; 2],
+            filters,
+        }
+    }
+
+    fn is_scheduled(&self) -> bool {
+        !self.gains.iter().all(|gain| matches!(gain, Gain::Constant(_)))
+    }
+
+    /// `(kd - j kc) sum of displacements + (cd - j cc) sum of velocities`.
+    #[inline]
+    fn of(&self, [displacement, velocity]: &[Vec<C64>; 2]) -> C64 {
+        let on = |weights: &[f64], readings: &[C64]| -> C64 { weights.iter().zip(readings).map(|(w, r)| r * *w).sum() };
+        self.now[0] * on(&self.displacement, displacement) + self.now[1] * on(&self.velocity, velocity)
+    }
+}
+
+impl Chain {
+    fn follows_speed(&self) -> bool {
+        self.blocks.iter().any(|block| block.block.follows_speed)
+    }
+}

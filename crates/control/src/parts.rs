@@ -1,0 +1,221 @@
+//! What stands between displacement and force beside the law: the numbers of each part, and which are allowed.
+//!
+//! Not the parts at work: those are in [`crate::Controller`].
+
+/// One number of a loop: a row of [`PARTS`].
+#[derive(Clone, Copy, Debug)]
+pub struct Part {
+    /// Its key, in files and among the settings.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+    /// Its unit.
+    pub unit: &'static str,
+    /// What the unit measures, for those who show it in other units.
+    pub quantity: Quantity,
+    /// The least allowed value where the part is there.
+    pub min: f64,
+    /// The greatest allowed value where the part is there.
+    pub max: f64,
+    /// What one key press adds.
+    pub step: f64,
+    /// What an absent part counts as; typed as `off`.
+    pub absent: f64,
+    /// Where it stands in [`Parts`].
+    pub get: fn(&Parts) -> f64,
+    /// Puts it there.
+    pub set: fn(&mut Parts, f64),
+}
+
+/// What a number of the loop measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// A time, in `tau`.
+    Time,
+    /// A displacement, in `e_t`.
+    Displacement,
+    /// A control acceleration, in `w0^2 e_t`.
+    Force,
+    /// A rate of it, in `w0^3 e_t`.
+    ForceRate,
+    /// A pure number.
+    Number,
+}
+
+/// The loop around the law. The default is the ideal loop: exact, immediate, unlimited.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Parts {
+    /// Time constant of the sensors, a first-order lag; 0 is none.
+    pub sensor_lag: f64,
+    /// Standard deviation of each component of a sensor's noise, per sample; without sampling, per step.
+    pub noise: f64,
+    /// Resolution of the sensors: readings are whole multiples of it; 0 is none.
+    pub quantum: f64,
+    /// Which noise: the same seed gives the same run, bit for bit.
+    pub seed: f64,
+    /// Sampling and hold period; 0 is a continuous loop.
+    pub sample: f64,
+    /// Delay of measurement and computation.
+    pub delay: f64,
+    /// Time constant of the actuator; 0 is none.
+    pub lag: f64,
+    /// Damping ratio of an actuator of second order, `lag^2 v'' + 2 lag_damping lag v' + v = u`; 0 is one of first order.
+    pub lag_damping: f64,
+    /// Largest magnitude of the force; infinite without a limit.
+    #[serde(with = "unlimited")]
+    pub limit: f64,
+    /// Largest magnitude of the force's rate of change; infinite without a limit.
+    #[serde(with = "unlimited")]
+    pub slew: f64,
+}
+
+/// JSON has no infinity: no limit is `null` there.
+mod unlimited {
+    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+    pub(super) fn serialize<S: Serializer>(limit: &f64, to: S) -> Result<S::Ok, S::Error> {
+        limit.is_finite().then_some(*limit).serialize(to)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+        Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::INFINITY))
+    }
+}
+
+impl Default for Parts {
+    fn default() -> Self {
+        Self {
+            sensor_lag: 0.0,
+            noise: 0.0,
+            quantum: 0.0,
+            seed: 1.0,
+            sample: 0.0,
+            delay: 0.0,
+            lag: 0.0,
+            lag_damping: 0.0,
+            limit: f64::INFINITY,
+            slew: f64::INFINITY,
+        }
+    }
+}
+
+macro_rules! part {
+    ($field:ident, $meaning:literal, $unit:literal, $quantity:ident, $min:expr, $max:expr, $step:expr, $absent:expr) => {
+        Part {
+            name: stringify!($field),
+            meaning: $meaning,
+            unit: $unit,
+            quantity: Quantity::$quantity,
+            min: $min,
+            max: $max,
+            step: $step,
+            absent: $absent,
+            get: |parts| parts.$field,
+            set: |parts, value| parts.$field = value,
+        }
+    };
+}
+
+/// Every number of the loop, in the order in which a signal passes them.
+pub const PARTS: [Part; 10] = [
+    part!(sensor_lag, "time constant of the sensors", "tau", Time, 1e-6, 1e6, 0.01, 0.0),
+    part!(noise, "sensor noise, standard deviation per sample", "e_t", Displacement, 1e-12, 1e6, 0.001, 0.0),
+    part!(quantum, "resolution of the sensors", "e_t", Displacement, 1e-12, 1e6, 0.001, 0.0),
+    part!(seed, "which noise", "", Number, 0.0, 9_007_199_254_740_991.0, 1.0, 1.0),
+    part!(sample, "sampling and hold period", "tau", Time, 1e-6, 1e6, 0.01, 0.0),
+    part!(delay, "delay of measurement and computation", "tau", Time, 1e-9, 1e6, 0.01, 0.0),
+    part!(lag, "time constant of the actuator", "tau", Time, 1e-6, 1e6, 0.01, 0.0),
+    part!(lag_damping, "damping ratio of an actuator of second order", "", Number, 0.01, 100.0, 0.05, 0.0),
+    part!(limit, "largest force |u|", "w0^2 e_t", Force, 1e-9, 1e12, 1.0, f64::INFINITY),
+    part!(slew, "largest rate of force |du/dtau|", "w0^3 e_t", ForceRate, 1e-9, 1e12, 10.0, f64::INFINITY),
+];
+
+impl Part {
+    /// Whether a value is allowed: within its range, or absent.
+    #[must_use]
+    pub fn admits(&self, value: f64) -> bool {
+        value == self.absent || (self.min..=self.max).contains(&value)
+    }
+
+    /// What is allowed, in words that follow "expected".
+    #[must_use]
+    pub fn words(&self) -> String {
+        let Self { min, max, .. } = self;
+        let absent = if self.absent.is_finite() { format!("{} or ", self.absent) } else { String::new() };
+        format!("{absent}a number from {min} to {max}, or off")
+    }
+}
+
+/// A number of the loop that is not allowed.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{name} = {found}: expected {expected}")]
+pub struct PartError {
+    /// Its key.
+    pub name: &'static str,
+    /// The value.
+    pub found: f64,
+    /// What is allowed.
+    pub expected: String,
+}
+
+impl Parts {
+    /// Whether force follows displacement at once and exactly.
+    #[must_use]
+    pub fn is_ideal(&self) -> bool {
+        PARTS.iter().filter(|part| part.name != "seed" && part.name != "lag_damping").all(|p| (p.get)(self) == p.absent)
+    }
+
+    /// Checks every number.
+    ///
+    /// # Errors
+    /// The first that is not allowed, by name.
+    pub fn check(&self) -> Result<(), PartError> {
+        for part in &PARTS {
+            let found = (part.get)(self);
+            if !part.admits(found) {
+                return Err(PartError { name: part.name, found, expected: part.words() });
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_default_is_ideal_and_allowed() {
+        let parts = Parts::default();
+        parts.check().expect("allowed");
+        assert!(parts.is_ideal());
+        for part in PARTS.iter().filter(|p| p.name != "seed" && p.name != "lag_damping") {
+            let mut changed = parts;
+            (part.set)(&mut changed, part.step);
+            assert!(!changed.is_ideal(), "{}", part.name);
+            assert_eq!((part.get)(&changed), part.step);
+            changed.check().expect("a step is allowed");
+        }
+    }
+
+    #[test]
+    fn what_is_not_allowed_is_named() {
+        for (name, value) in [
+            ("delay", -0.01),
+            ("delay", f64::NAN),
+            ("delay", f64::INFINITY),
+            ("limit", 0.0),
+            ("slew", 0.0),
+            ("sample", -1.0),
+            ("noise", f64::NEG_INFINITY),
+        ] {
+            let part = PARTS.iter().find(|part| part.name == name).expect("there is");
+            let mut parts = Parts::default();
+            (part.set)(&mut parts, value);
+            let told = parts.check().unwrap_err().to_string();
+            assert!(told.starts_with(&format!("{name} = {value}: expected ")), "{told}");
+        }
+    }
+}

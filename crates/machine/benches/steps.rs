@@ -1,0 +1,89 @@
+//! A step of three masses: the fused path alone, the same in a machine, and with every part of the loop on.
+
+use control::{Filter, Parts};
+use divan::{Bencher, black_box};
+use machine::{Machine, Program};
+use rotor::{Settings, builtin};
+
+fn main() {
+    divan::main();
+}
+
+/// Steps a call, so that the clock is not what is measured.
+const STEPS: usize = 1000;
+
+fn settings(change: impl Fn(&mut rotor::Feedback)) -> (rotor::Rotor, Settings) {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let mut feedback = builtin::feedback(&rotor, "individual").expect("built in");
+    change(&mut feedback);
+    let mut settings = Settings::new(&rotor, 6.0, feedback);
+    settings.deadband.fill(1.0);
+    (rotor, settings)
+}
+
+fn machine(change: impl Fn(&mut rotor::Feedback)) -> Machine {
+    let (rotor, settings) = settings(change);
+    Machine::new(Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped"))
+}
+
+fn thousand(bencher: Bencher, mut machine: Machine) {
+    bencher.counter(STEPS).bench_local(|| {
+        for _ in 0..STEPS {
+            machine.step();
+        }
+        black_box(machine.sample().displacement[0])
+    });
+}
+
+#[divan::bench]
+fn fused_path_alone(bencher: Bencher) {
+    let (rotor, settings) = settings(|_| ());
+    let mut stepper = rotor::stepper(&settings.closed_loop(&rotor));
+    bencher.counter(STEPS).bench_local(|| {
+        let mut worst: f64 = 0.0;
+        for _ in 0..STEPS {
+            stepper.step(0.01);
+            worst = worst.max(stepper.motion().largest_radius() + stepper.control().re);
+        }
+        black_box(worst)
+    });
+}
+
+#[divan::bench]
+fn ideal_machine(bencher: Bencher) {
+    thousand(bencher, machine(|_| ()));
+}
+
+#[divan::bench]
+fn every_part(bencher: Bencher) {
+    thousand(
+        bencher,
+        machine(|f| {
+            f.parts = Parts {
+                sensor_lag: 0.01,
+                noise: 0.001,
+                quantum: 0.0005,
+                sample: 0.05,
+                delay: 0.02,
+                lag: 0.02,
+                limit: 20.0,
+                slew: 500.0,
+                ..Parts::default()
+            };
+            f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+            f.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+        }),
+    );
+}
+
+#[divan::bench]
+fn every_continuous_part(bencher: Bencher) {
+    thousand(
+        bencher,
+        machine(|f| {
+            f.parts = Parts { sensor_lag: 0.01, delay: 0.02, lag: 0.02, limit: 20.0, slew: 500.0, ..Parts::default() };
+            f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+            f.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+        }),
+    );
+}

@@ -1,0 +1,264 @@
+//! Plant and loop integrated together: classical fourth-order Runge-Kutta between instants at which something jumps.
+//!
+//! This is the way of everything that is not a chain under an ideal loop at a steady speed, which has a fused path of its
+//! own. It allocates nothing once it is made.
+
+use std::sync::Arc;
+
+use control::{Controller, Output, Stage, Words};
+use rotor::{C64, Direction, OperatingPoint, Plant, Spin};
+
+use crate::linear_form::LinearForm;
+use crate::motion::Motion;
+
+/// A plant in motion with the loop around it.
+#[derive(Clone, Debug)]
+pub(crate) struct Integrator {
+    plant: Arc<Plant>,
+    column: Direction,
+    clearances: Vec<f64>,
+    pub(crate) controller: Controller,
+    /// Displacements, velocities, and what flows in the loop.
+    state: Vec<C64>,
+    /// The state at which a stage looks.
+    stage: Vec<C64>,
+    slopes: [Vec<C64>; 4],
+    /// Displacement, velocity and acceleration at the stations, unless those are the coordinates.
+    stations: [Vec<C64>; 3],
+    /// Times closer than this are one.
+    tolerance: f64,
+}
+
+impl Integrator {
+    pub(crate) fn new(
+        plant: Arc<Plant>,
+        column: Direction,
+        clearances: Vec<f64>,
+        controller: Controller,
+        dtau: f64,
+    ) -> Self {
+        let width = 2 * plant.order() + controller.order();
+        let stations = if plant.stations_are_coordinates() { 0 } else { plant.stations().len() };
+        Self {
+            column,
+            clearances,
+            controller,
+            state: vec![C64::ZERO; width],
+            stage: vec![C64::ZERO; width],
+            slopes: std::array::from_fn(|_| vec![C64::ZERO; width]),
+            stations: std::array::from_fn(|_| vec![C64::ZERO; stations]),
+            tolerance: 1e-9 * dtau,
+            plant,
+        }
+    }
+
+    fn order(&self) -> usize {
+        self.plant.order()
+    }
+
+    pub(crate) fn displacement(&self) -> &[C64] {
+        &self.state[..self.order()]
+    }
+
+    pub(crate) fn velocity(&self) -> &[C64] {
+        &self.state[self.order()..2 * self.order()]
+    }
+
+    pub(crate) fn velocity_mut(&mut self) -> &mut [C64] {
+        let n = self.order();
+        &mut self.state[n..2 * n]
+    }
+
+    /// Whether every number in it is finite.
+    pub(crate) fn is_finite(&self) -> bool {
+        self.state.iter().all(|z| z.is_finite()) && self.controller.output().delivered.is_finite()
+    }
+
+    /// Puts the plant somewhere; the loop stays as it is.
+    pub(crate) fn place(&mut self, displacement: &[C64], velocity: &[C64]) {
+        let n = self.order();
+        self.state[..n].copy_from_slice(displacement);
+        self.state[n..2 * n].copy_from_slice(velocity);
+    }
+
+    /// Back to rest.
+    pub(crate) fn rest(&mut self) {
+        self.state.fill(C64::ZERO);
+        self.controller.rest();
+    }
+
+    /// Bit `i` is set while contact `i` is closed.
+    pub(crate) fn contact(&self) -> u32 {
+        let closed = |(contact, clearance): (&rotor::Contact, &f64)| {
+            let r = self.plant.stations()[contact.station].row.read(self.displacement());
+            contact.stiffness > 0.0 && r.norm_sqr() > clearance * clearance
+        };
+        let contacts = self.plant.contacts().iter().zip(&self.clearances).take(32).enumerate();
+        contacts.filter(|(_, pair)| closed(*pair)).fold(0, |mask, (i, _)| mask | 1 << i)
+    }
+
+    /// The farthest that any station is from its centre.
+    pub(crate) fn largest_radius(&self) -> f64 {
+        let stations = self.plant.stations().iter();
+        stations.map(|s| s.row.read(self.displacement()).norm_sqr()).fold(0.0, f64::max).sqrt()
+    }
+
+    /// Advances from `from` to `to`, stopping wherever something jumps.
+    pub(crate) fn advance(&mut self, from: f64, to: f64, motion: &mut Motion) {
+        self.controller.begin_step();
+        let mut now = from;
+        while now < to {
+            motion.pass(now);
+            self.act(now, motion.speed_at(now));
+            let next = self.controller.next_event().min(motion.until());
+            // What is due within rounding of the end is due at the end.
+            let until = if next + self.tolerance >= to { to } else { next.max(now + self.tolerance) };
+            self.stretch(now, until, motion);
+            now = until;
+        }
+        motion.pass(to + self.tolerance);
+    }
+
+    fn act(&mut self, tau: f64, speed: f64) {
+        let n = self.order();
+        let Self { plant, controller, state, stations, .. } = self;
+        let stage = seen(plant, stations, state, tau, 0.0, speed);
+        controller.act(&stage, &state[2 * n..]);
+    }
+
+    /// Integrates over a stretch within which nothing jumps.
+    fn stretch(&mut self, from: f64, to: f64, motion: &Motion) {
+        let dtau = to - from;
+        let half = 0.5 * dtau;
+        let spins = [from, from + half, to].map(|tau| motion.spin_at(tau));
+        loop {
+            self.stage.copy_from_slice(&self.state);
+            self.slope(0, from, 0.0, &spins[0]);
+            let start = self.command(from, 0.0, &spins[0], 0);
+            self.step_to(half, 0);
+            self.slope(1, from + half, half, &spins[1]);
+            self.step_to(half, 1);
+            self.slope(2, from + half, half, &spins[1]);
+            self.step_to(dtau, 2);
+            self.slope(3, to, dtau, &spins[2]);
+            let sixth = dtau / 6.0;
+            let [k0, k1, k2, k3] = &self.slopes;
+            for (i, (stage, state)) in self.stage.iter_mut().zip(&self.state).enumerate() {
+                *stage = state + (k0[i] + (k1[i] + k2[i]) * 2.0 + k3[i]) * sixth;
+            }
+            let Some(start) = start else { break };
+            // The rates at the end close the stretch of the command that is remembered.
+            self.slope(3, to, dtau, &spins[2]);
+            let Some(end) = self.command(to, dtau, &spins[2], 3) else { break };
+            if !self.controller.remember(from, to, start, end) {
+                break;
+            }
+        }
+        std::mem::swap(&mut self.state, &mut self.stage);
+        let n = self.order();
+        let Self { plant, controller, state, stations, .. } = self;
+        let stage = seen(plant, stations, state, to, dtau, spins[2].speed);
+        controller.finish(&stage, &state[2 * n..]);
+    }
+
+    /// `state + h slope` into the stage.
+    fn step_to(&mut self, h: f64, slope: usize) {
+        for ((stage, state), slope) in self.stage.iter_mut().zip(&self.state).zip(&self.slopes[slope]) {
+            *stage = state + slope * h;
+        }
+    }
+
+    /// The rates of everything at the stage, into slope `into`.
+    fn slope(&mut self, into: usize, tau: f64, since: f64, spin: &Spin) {
+        let n = self.order();
+        let Self { plant, controller, stage, slopes, stations, clearances, column, .. } = self;
+        let (velocity, rest) = slopes[into].split_at_mut(n);
+        let (acceleration, flow) = rest.split_at_mut(n);
+        velocity.copy_from_slice(&stage[n..2 * n]);
+        plant.acceleration(spin, clearances, &stage[..n], &stage[n..2 * n], acceleration);
+        let looked = seen(plant, stations, stage, tau, since, spin.speed);
+        let force = controller.flow(&looked, &stage[2 * n..], flow);
+        column.add(force, acceleration);
+    }
+
+    /// The command at the stage and its rate, if the loop remembers it.
+    fn command(&mut self, tau: f64, since: f64, spin: &Spin, slope: usize) -> Option<(C64, C64)> {
+        if !self.controller.remembers() {
+            return None;
+        }
+        let n = self.order();
+        let Self { plant, controller, stage, slopes, stations, .. } = self;
+        let [place, pace, push] = stations;
+        if !plant.stations_are_coordinates() {
+            read(plant, &slopes[slope][n..2 * n], push);
+            read(plant, &stage[..n], place);
+            read(plant, &stage[n..2 * n], pace);
+        }
+        let of = |own: &'_ [C64]| own.is_empty();
+        let (p, v, a) = if of(place) {
+            (&stage[..n], &stage[n..2 * n], &slopes[slope][n..2 * n])
+        } else {
+            (&place[..], &pace[..], &push[..])
+        };
+        let at = Stage { tau, since, speed: spin.speed, displacement: p, velocity: v };
+        let rates = Stage { displacement: v, velocity: a, ..at };
+        Some(controller.command_and_rate(&at, &stage[2 * n..], &rates, &slopes[slope][2 * n..]))
+    }
+
+    /// The output of the loop in the present state, at rest since the last stretch.
+    pub(crate) fn output(&self) -> Output {
+        self.controller.output()
+    }
+
+    /// Takes over the motion of another plant and loop at `tau`: what they hold goes on as far as it still means something.
+    pub(crate) fn adopt(&mut self, other: &Self, tau: f64, speed: f64) {
+        let n = self.order();
+        self.state[..2 * n].copy_from_slice(&other.state[..2 * n]);
+        let Self { plant, controller, state, stage: spare, stations, .. } = self;
+        let looked = seen(plant, stations, state, tau, 0.0, speed);
+        controller.adopt(&other.controller, &other.state[2 * n..], &looked, &mut spare[2 * n..]);
+        state[2 * n..].copy_from_slice(&spare[2 * n..]);
+    }
+
+    pub(crate) fn linear(&self, at: &OperatingPoint) -> LinearForm {
+        LinearForm::of(&self.plant, &self.column, &self.controller, at)
+    }
+
+    pub(crate) fn save(&self, words: &mut Words) {
+        words.put(self.state.len() as u64);
+        self.state.iter().for_each(|z| words.put_c64(*z));
+        self.controller.save(words);
+    }
+
+    pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
+        words.take().filter(|width| *width == self.state.len() as u64)?;
+        for z in &mut self.state {
+            *z = words.take_c64()?;
+        }
+        self.controller.restore(words)
+    }
+}
+
+fn read(plant: &Plant, coordinates: &[C64], out: &mut [C64]) {
+    out.iter_mut().zip(plant.stations()).for_each(|(out, station)| *out = station.row.read(coordinates));
+}
+
+/// What the loop sees of a state.
+fn seen<'a>(
+    plant: &Plant,
+    stations: &'a mut [Vec<C64>; 3],
+    state: &'a [C64],
+    tau: f64,
+    since: f64,
+    speed: f64,
+) -> Stage<'a> {
+    let n = plant.order();
+    let (displacement, velocity) = state[..2 * n].split_at(n);
+    if plant.stations_are_coordinates() {
+        return Stage { tau, since, speed, displacement, velocity };
+    }
+    let [place, pace, _] = stations;
+    read(plant, displacement, place);
+    read(plant, velocity, pace);
+    Stage { tau, since, speed, displacement: place, velocity: pace }
+}

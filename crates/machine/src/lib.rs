@@ -1,0 +1,19 @@
+//! Plant, loop and motion as one [`Machine`]: stepped, guarded against what is not finite, tripped, saved and restored.
+//!
+//! A [`Program`] is settings compiled for it, away from the thread that steps, and swapped in between two steps. A chain under
+//! an ideal loop at a steady speed takes the fused path of crate `rotor`; everything else is integrated together with the
+//! loop's own states.
+//!
+//! Not its business: real time, messages, and what settings may be.
+
+mod integrate;
+mod linear_form;
+mod machine;
+mod motion;
+mod program;
+
+pub use control::{Output, Words};
+pub use linear_form::{LinearForm, SampledStep};
+pub use machine::{Machine, Sample, Trip, TripCause};
+pub use motion::{Leg, MAX_LEGS};
+pub use program::{Program, ProgramError};

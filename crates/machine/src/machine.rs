@@ -1,0 +1,398 @@
+//! The machine: a plant in motion, the loop around it, its speed, its guard and its trip.
+//!
+//! Whoever steps a rotor steps this: the live process, a recording's what-if, an offline run. So none of them can differ.
+
+use control::{Output, Words};
+use rotor::{C64, Stepper};
+
+use crate::motion::{Grid, Motion};
+use crate::program::Program;
+
+/// Why a machine has stopped by itself.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TripCause {
+    /// An orbit grew past the limit.
+    Orbit,
+    /// The motion left the range of numbers: the last that was finite is kept.
+    NotFinite,
+}
+
+/// A machine that has stopped by itself.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Trip {
+    /// Why.
+    pub cause: TripCause,
+    /// The station that was farthest out, counted from 0.
+    pub station: usize,
+    /// How far, in `e_t`.
+    pub radius: f64,
+    /// The limit then in force, in `e_t`.
+    pub limit: f64,
+}
+
+/// Where a machine is. Borrowed from it.
+#[derive(Clone, Copy, Debug)]
+pub struct Sample<'a> {
+    /// Time, in `tau`.
+    pub tau: f64,
+    /// Spin angle in radians, unwrapped.
+    pub angle: f64,
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Its rate of change.
+    pub acceleration: f64,
+    /// Displacement of every coordinate (of a chain: every mass), in `e_t`.
+    pub displacement: &'a [C64],
+    /// Their velocities.
+    pub velocity: &'a [C64],
+    /// What the loop asks for and delivers.
+    pub output: Output,
+    /// Bit `i` is set while contact `i` is closed.
+    pub contact: u32,
+}
+
+/// A machine.
+pub struct Machine {
+    program: Box<Program>,
+    fused: Option<Box<dyn Stepper>>,
+    /// Whether the fused path has the motion.
+    is_fused: bool,
+    grid: Grid,
+    motion: Motion,
+    /// Position and velocity when all was finite last.
+    good: [Vec<C64>; 2],
+    output: Output,
+    trip: Option<Trip>,
+}
+
+impl Clone for Machine {
+    fn clone(&self) -> Self {
+        Self {
+            program: self.program.clone(),
+            fused: self.fused.as_ref().map(|fused| fused.twin()),
+            is_fused: self.is_fused,
+            grid: self.grid,
+            motion: self.motion.clone(),
+            good: self.good.clone(),
+            output: self.output,
+            trip: self.trip,
+        }
+    }
+}
+
+impl std::fmt::Debug for Machine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Machine").field("program", &self.program).field("tau", &self.tau()).finish_non_exhaustive()
+    }
+}
+
+impl Machine {
+    /// A machine at rest at `tau` = 0, spinning at the speed at which its program ends.
+    #[must_use]
+    pub fn new(program: Program) -> Self {
+        let speed = program.legs.iter().rev().find_map(|leg| match leg {
+            crate::Leg::To { speed, .. } => Some(*speed),
+            crate::Leg::Dwell { .. } => None,
+        });
+        Self::spinning(program, speed.unwrap_or(0.0)).settled()
+    }
+
+    /// A machine at rest at `tau` = 0, spinning at `speed`, that follows its program from there.
+    #[must_use]
+    pub fn spinning(program: Program, speed: f64) -> Self {
+        let n = program.integrator.displacement().len();
+        let mut machine = Self {
+            fused: program.fused.as_ref().map(rotor::stepper),
+            is_fused: false,
+            grid: Grid { from: 0.0, steps: 0, dtau: program.inner_step() },
+            motion: Motion::steady(speed),
+            good: [vec![C64::ZERO; n], vec![C64::ZERO; n]],
+            output: Output::default(),
+            trip: None,
+            program: Box::new(program),
+        };
+        machine.motion.follow(0.0, &machine.program.legs);
+        machine.choose_path();
+        machine
+    }
+
+    fn settled(mut self) -> Self {
+        let speed = self.motion.speed_at(self.tau());
+        self.motion.settle(self.grid.tau(), 0.0, speed);
+        self
+    }
+
+    /// Time.
+    #[must_use]
+    pub fn tau(&self) -> f64 {
+        self.grid.tau()
+    }
+
+    /// Why it has stopped, if it has.
+    #[must_use]
+    pub fn trip(&self) -> Option<Trip> {
+        self.trip
+    }
+
+    /// Where it is now.
+    #[must_use]
+    pub fn sample(&self) -> Sample<'_> {
+        let tau = self.tau();
+        let rates = (self.motion.speed_at(tau), self.motion.acceleration());
+        let (speed, acceleration) = rates;
+        let output = self.output;
+        match &self.fused {
+            Some(fused) if self.is_fused => {
+                let motion = fused.motion();
+                let (displacement, velocity) = (motion.displacement, motion.velocity);
+                Sample {
+                    tau,
+                    angle: motion.angle,
+                    speed,
+                    acceleration,
+                    displacement,
+                    velocity,
+                    output,
+                    contact: fused.contact(),
+                }
+            }
+            _ => {
+                let Program { integrator, .. } = &*self.program;
+                let (displacement, velocity) = (integrator.displacement(), integrator.velocity());
+                let (angle, contact) = (self.motion.angle_at(tau), integrator.contact());
+                Sample { tau, angle, speed, acceleration, displacement, velocity, output, contact }
+            }
+        }
+    }
+
+    /// What the sensors read last.
+    #[must_use]
+    pub fn readings(&self) -> &[C64] {
+        self.program.integrator.controller.readings()
+    }
+
+    /// One step. Returns the trip if this step caused one; a machine that has tripped stands still.
+    pub fn step(&mut self) -> Option<Trip> {
+        if self.trip.is_some() {
+            return None;
+        }
+        if self.is_fused { self.step_fused() } else { self.step_integrated() }
+    }
+
+    fn step_fused(&mut self) -> Option<Trip> {
+        let fused = self.fused.as_mut()?;
+        for _ in 0..self.program.substeps {
+            fused.step(self.grid.dtau);
+        }
+        self.grid.steps += u64::from(self.program.substeps);
+        let (motion, control) = (fused.motion(), fused.control());
+        let radius = motion.largest_radius();
+        if motion.is_finite() && radius.is_finite() && control.is_finite() {
+            self.good[0].copy_from_slice(motion.displacement);
+            self.good[1].copy_from_slice(motion.velocity);
+            self.output = Output { commanded: control, delivered: control, saturated: false };
+            self.judge(radius)
+        } else {
+            fused.place(&self.good[0], &self.good[1]);
+            let control = fused.control();
+            self.output = Output { commanded: control, delivered: control, saturated: false };
+            self.stop(TripCause::NotFinite)
+        }
+    }
+
+    fn step_integrated(&mut self) -> Option<Trip> {
+        let Program { integrator, substeps, .. } = &mut *self.program;
+        for _ in 0..*substeps {
+            let from = self.grid.tau();
+            self.grid.steps += 1;
+            integrator.advance(from, self.grid.tau(), &mut self.motion);
+        }
+        let radius = integrator.largest_radius();
+        let ended = if integrator.is_finite() && radius.is_finite() {
+            self.good[0].copy_from_slice(integrator.displacement());
+            self.good[1].copy_from_slice(integrator.velocity());
+            self.output = integrator.output();
+            self.judge(radius)
+        } else {
+            integrator.place(&self.good[0], &self.good[1]);
+            self.stop(TripCause::NotFinite)
+        };
+        self.choose_path();
+        ended
+    }
+
+    fn judge(&mut self, radius: f64) -> Option<Trip> {
+        if radius <= self.program.trip_limit { None } else { self.stop(TripCause::Orbit) }
+    }
+
+    fn stop(&mut self, cause: TripCause) -> Option<Trip> {
+        let radius = |i: &usize| self.good[0][*i].norm();
+        let station = (0..self.good[0].len()).max_by(|a, b| radius(a).total_cmp(&radius(b))).unwrap_or(0);
+        self.trip = Some(Trip { cause, station, radius: radius(&station), limit: self.program.trip_limit });
+        self.trip
+    }
+
+    /// Hands the motion to the path that can go on with it.
+    fn choose_path(&mut self) {
+        let fusable = self.program.fused.is_some() && !self.motion.is_moving();
+        if fusable == self.is_fused {
+            return;
+        }
+        let tau = self.tau();
+        if fusable {
+            let angle = self.motion.angle_at(tau);
+            let speed = self.motion.speed_at(tau);
+            let (Some(fused), Some(closed_loop)) = (&mut self.fused, &self.program.fused) else { return };
+            fused.load(closed_loop);
+            fused.place(self.program.integrator.displacement(), self.program.integrator.velocity());
+            self.grid = Grid { from: tau, steps: 0, dtau: self.grid.dtau };
+            self.motion.settle(tau, angle, speed);
+            fused.set_clock(tau, angle, 0, self.grid.dtau);
+        } else if let Some(fused) = &self.fused {
+            let motion = fused.motion();
+            self.program.integrator.place(motion.displacement, motion.velocity);
+            self.program.integrator.controller.begin_with(fused.control());
+        }
+        self.is_fused = fusable;
+    }
+
+    /// Goes on by another program, which is left in `program`'s place when this returns: that one may be freed elsewhere. What
+    /// the loop holds is kept as far as it still means something; position, velocity, time and angle always.
+    ///
+    /// Both programs are of one plant. Nothing is allocated.
+    pub fn load(&mut self, program: &mut Box<Program>) {
+        let (tau, speed) = (self.tau(), self.motion.speed_at(self.tau()));
+        let goes_elsewhere = program.legs != self.program.legs;
+        let was_fused = self.is_fused;
+        if was_fused {
+            if let Some(fused) = &self.fused {
+                let motion = fused.motion();
+                self.program.integrator.place(motion.displacement, motion.velocity);
+                self.program.integrator.controller.begin_with(fused.control());
+                // The angle as the fused path has it.
+                if goes_elsewhere {
+                    self.motion.settle(tau, motion.angle, speed);
+                }
+            }
+        }
+        program.integrator.adopt(&self.program.integrator, tau, speed);
+        std::mem::swap(&mut self.program, program);
+        let dtau = self.program.inner_step();
+        if goes_elsewhere {
+            self.motion.follow(tau, &self.program.legs);
+        }
+        let still_fused = was_fused && self.program.fused.is_some() && !self.motion.is_moving();
+        if let (true, Some(fused), Some(closed_loop)) = (still_fused, &mut self.fused, &self.program.fused) {
+            // As the fused path does itself: a new line of time where speed or step change.
+            let is_new_line = closed_loop.speed() != speed || dtau != self.grid.dtau;
+            let angle = fused.motion().angle;
+            fused.load(closed_loop);
+            if is_new_line {
+                self.grid = Grid { from: tau, steps: 0, dtau };
+                self.motion.settle(tau, angle, closed_loop.speed());
+                fused.set_clock(tau, angle, 0, dtau);
+            }
+        } else {
+            self.grid.rebase(dtau);
+            self.choose_path();
+        }
+    }
+
+    /// A sudden change of velocity of a coordinate (of a chain: a mass), counted from 0; nothing if there is none such.
+    pub fn kick(&mut self, coordinate: usize, change: C64) {
+        match &mut self.fused {
+            Some(fused) if self.is_fused => fused.kick(coordinate, change),
+            _ => {
+                if let Some(v) = self.program.integrator.velocity_mut().get_mut(coordinate) {
+                    *v += change;
+                }
+            }
+        }
+    }
+
+    /// Back to rest at `tau` = 0, at the speed that its program ends at; a trip is over.
+    pub fn restart(&mut self) {
+        let speed = self.motion.speed_at(self.tau());
+        self.program.integrator.rest();
+        if let Some(fused) = &mut self.fused {
+            fused.rest();
+        }
+        self.grid = Grid { from: 0.0, steps: 0, dtau: self.grid.dtau };
+        self.motion.settle(0.0, 0.0, speed);
+        self.motion.follow(0.0, &self.program.legs);
+        self.good.iter_mut().for_each(|good| good.fill(C64::ZERO));
+        (self.output, self.trip) = (Output::default(), None);
+        self.choose_path();
+    }
+
+    /// Writes down everything that decides how it goes on, beside its program.
+    pub fn save(&self, words: &mut Words) {
+        words.put(u64::from(self.is_fused));
+        words.put_f64(self.grid.from);
+        words.put(self.grid.steps);
+        words.put_f64(self.grid.dtau);
+        self.motion.save(words);
+        for z in [self.output.commanded, self.output.delivered] {
+            words.put_c64(z);
+        }
+        words.put(u64::from(self.output.saturated));
+        match self.trip {
+            None => words.put(0),
+            Some(Trip { cause, station, radius, limit }) => {
+                words.put(1 + cause as u64);
+                words.put(station as u64);
+                words.put_f64(radius);
+                words.put_f64(limit);
+            }
+        }
+        let sample = self.sample();
+        sample.displacement.iter().chain(sample.velocity).for_each(|z| words.put_c64(*z));
+        if !self.is_fused {
+            self.program.integrator.save(words);
+        }
+    }
+
+    /// Takes up what a machine with this very program wrote down, to go on to the last bit.
+    ///
+    /// Returns whether the words fit; a machine that they do not fit is at rest again.
+    #[must_use]
+    pub fn restore(&mut self, words: &mut Words) -> bool {
+        let done = self.take_up(words).is_some() && words.is_at_end();
+        if !done {
+            self.restart();
+        }
+        done
+    }
+
+    fn take_up(&mut self, words: &mut Words) -> Option<()> {
+        let is_fused = words.take()? == 1;
+        self.grid = Grid { from: words.take_f64()?, steps: words.take()?, dtau: words.take_f64()? };
+        self.motion.restore(words)?;
+        self.output.commanded = words.take_c64()?;
+        self.output.delivered = words.take_c64()?;
+        self.output.saturated = words.take()? != 0;
+        self.trip = match words.take()? {
+            0 => None,
+            cause => Some(Trip {
+                cause: if cause == 1 { TripCause::Orbit } else { TripCause::NotFinite },
+                station: words.take()? as usize,
+                radius: words.take_f64()?,
+                limit: words.take_f64()?,
+            }),
+        };
+        for z in self.good.iter_mut().flatten() {
+            *z = words.take_c64()?;
+        }
+        let [displacement, velocity] = &self.good;
+        if is_fused {
+            let (fused, closed_loop) = (self.fused.as_mut()?, self.program.fused.as_ref()?);
+            fused.load(closed_loop);
+            fused.place(displacement, velocity);
+            fused.set_clock(self.grid.from, self.motion.angle_from(), self.grid.steps, self.grid.dtau);
+        } else {
+            self.program.integrator.restore(words)?;
+        }
+        self.is_fused = is_fused;
+        Some(())
+    }
+}

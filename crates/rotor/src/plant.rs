@@ -1,0 +1,489 @@
+//! The rotor without its control: equations of motion that know every speed, stored independently of it,
+//!
+//! ```text
+//! q'' = (D0 + R D1) q' + (S0 + R S1) q + contacts + unbalance (R^2 - j R') exp(j theta) + columns u
+//! ```
+//!
+//! with `q` complex coordinates, multiplied by the inverse of the mass matrix. A contact pushes back along its column with
+//! `stiffness s(|r|) r`, where `r` is the displacement that its row reads and `s` is (3.3): 0 within the clearance, then
+//! `1 - g / |r|`. The chain of the report is one way to make it; dense matrices of up to 64 coordinates are the other.
+//!
+//! Not its business: who computes the force `u`, and how the speed comes about.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::{C64, Rotor};
+
+/// The most coordinates of a plant.
+pub const MAX_ORDER: usize = 64;
+
+/// Where a plant is looked at by linear analysis.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct OperatingPoint {
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// The share of its stiffness that each contact has, 0 to 1; those that are missing have all of it.
+    pub contact_factors: Vec<f64>,
+}
+
+impl OperatingPoint {
+    /// Every contact at its full stiffness.
+    #[must_use]
+    pub fn at(speed: f64) -> Self {
+        Self { speed, contact_factors: vec![] }
+    }
+}
+
+/// How the spin drives a plant in one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spin {
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Its rate of change `R'`.
+    pub acceleration: f64,
+    /// `exp(j theta)`, with `theta` the angle of spin.
+    pub direction: C64,
+}
+
+/// A row or a column over the coordinates.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Direction {
+    /// One coordinate, with weight 1.
+    Unit(usize),
+    /// A weight for every coordinate.
+    Dense(Vec<C64>),
+}
+
+impl Direction {
+    /// What it reads of coordinates.
+    #[inline]
+    #[must_use]
+    pub fn read(&self, q: &[C64]) -> C64 {
+        match self {
+            Self::Unit(i) => q[*i],
+            Self::Dense(weights) => weights.iter().zip(q).map(|(w, q)| w * q).sum(),
+        }
+    }
+
+    /// Adds `amount` along it.
+    #[inline]
+    pub fn add(&self, amount: C64, to: &mut [C64]) {
+        match self {
+            Self::Unit(i) => to[*i] += amount,
+            Self::Dense(weights) => to.iter_mut().zip(weights).for_each(|(to, w)| *to += w * amount),
+        }
+    }
+
+    /// Itself in full.
+    #[must_use]
+    pub fn dense(&self, order: usize) -> DVector<C64> {
+        let mut whole = DVector::zeros(order);
+        match self {
+            Self::Unit(i) => whole[*i] = C64::ONE,
+            Self::Dense(weights) => whole.iter_mut().zip(weights).for_each(|(to, w)| *to = *w),
+        }
+        whole
+    }
+}
+
+/// A named place at which displacement is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Station {
+    /// Its name: `mass 1`, `left bearing`.
+    pub name: String,
+    /// What reads its displacement.
+    pub row: Direction,
+}
+
+/// A support bearing with a clearance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Contact {
+    /// The station whose displacement presses on it, counted from 0.
+    pub station: usize,
+    /// What it does to the coordinates, per unit of force; of the plant's inverse mass matrix too.
+    pub column: Direction,
+    /// Its stiffness.
+    pub stiffness: f64,
+}
+
+/// How the linear part is stored.
+#[derive(Clone, Debug, PartialEq)]
+enum Form {
+    Chain(Chain),
+    Matrices { damping: [DMatrix<C64>; 2], stiffness: [DMatrix<C64>; 2] },
+}
+
+/// Neighbours joined by shafts: three diagonals.
+#[derive(Clone, Debug, PartialEq)]
+struct Chain {
+    damping: Vec<C64>,
+    /// Own stiffness without bearings: at rest, and per unit of speed.
+    stiffness: Vec<[C64; 2]>,
+    before: Vec<f64>,
+    after: Vec<f64>,
+}
+
+/// A plant of its coordinates' matrices, as they are given to [`Plant::of_matrices`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct Matrices {
+    /// Mass matrix `M`.
+    pub mass: DMatrix<C64>,
+    /// `D0` and `D1` of `M q'' = (D0 + R D1) q' + ...`.
+    pub damping: [DMatrix<C64>; 2],
+    /// `S0` and `S1` of `... + (S0 + R S1) q`.
+    pub stiffness: [DMatrix<C64>; 2],
+    /// The stations, in order.
+    pub stations: Vec<Station>,
+    /// Contacts: station, column of force and stiffness.
+    pub contacts: Vec<Contact>,
+    /// Mass times eccentricity per coordinate.
+    pub unbalance: Vec<C64>,
+    /// What the force of each control bearing does to the coordinates.
+    pub columns: Vec<Direction>,
+}
+
+/// Why matrices are no plant.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlantError {
+    /// None, or more than fit.
+    #[error("{0} coordinates: expected 1 to {MAX_ORDER}")]
+    Order(usize),
+    /// Something of another size than the mass matrix.
+    #[error("{what} does not fit {order} coordinates")]
+    Size {
+        /// What.
+        what: &'static str,
+        /// How many coordinates there are.
+        order: usize,
+    },
+    /// A number that is not finite.
+    #[error("{0} has an entry that is not finite")]
+    NotFinite(&'static str),
+    /// A mass matrix that cannot be inverted.
+    #[error("the mass matrix is singular: every coordinate needs a mass")]
+    Massless,
+}
+
+/// A rotor without control.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plant {
+    order: usize,
+    form: Form,
+    stations: Vec<Station>,
+    contacts: Vec<Contact>,
+    unbalance: Vec<C64>,
+    /// Per control bearing, or per station of a chain, any of which may carry it.
+    columns: Vec<Direction>,
+    is_unit: bool,
+}
+
+impl Plant {
+    /// The chain of lumped masses: coordinate, station and possible control bearing `i` are mass `i`.
+    #[must_use]
+    pub fn of(rotor: &Rotor) -> Self {
+        let (masses, shafts) = (rotor.masses(), rotor.shafts());
+        let count = masses.len();
+        let shaft = |i: Option<usize>| i.and_then(|i| shafts.get(i)).copied().unwrap_or(0.0);
+        let mut chain = Chain { damping: vec![], stiffness: vec![], before: vec![], after: vec![] };
+        let mut contacts = Vec::new();
+        for (i, m) in masses.iter().enumerate() {
+            let (before, after) = (shaft(i.checked_sub(1)), shaft(Some(i)));
+            chain.damping.push(C64::new(-2.0 * m.damping, 2.0 * m.cross_damping));
+            let own = C64::from(-(m.seal_stiffness + before + after) / m.mass);
+            chain.stiffness.push([own, C64::new(0.0, m.damping)]);
+            chain.before.push(before / m.mass);
+            chain.after.push(after / m.mass);
+            contacts.push(Contact { station: i, column: Direction::Unit(i), stiffness: m.bearing_stiffness / m.mass });
+        }
+        Self {
+            order: count,
+            form: Form::Chain(chain),
+            stations: (0..count)
+                .map(|i| Station { name: format!("mass {}", i + 1), row: Direction::Unit(i) })
+                .collect(),
+            contacts,
+            unbalance: masses.iter().map(|m| C64::from(m.unbalance)).collect(),
+            columns: (0..count).map(Direction::Unit).collect(),
+            is_unit: true,
+        }
+    }
+
+    /// A plant of dense matrices.
+    ///
+    /// # Errors
+    /// Sizes that do not fit each other, numbers that are not finite, or a mass matrix that cannot be inverted.
+    pub fn of_matrices(given: Matrices) -> Result<Self, PlantError> {
+        let order = given.mass.nrows();
+        if !(1..=MAX_ORDER).contains(&order) {
+            return Err(PlantError::Order(order));
+        }
+        let [d0, d1] = &given.damping;
+        let [s0, s1] = &given.stiffness;
+        for (what, matrix) in
+            [("mass", &given.mass), ("damping", d0), ("damping", d1), ("stiffness", s0), ("stiffness", s1)]
+        {
+            if matrix.shape() != (order, order) {
+                return Err(PlantError::Size { what, order });
+            }
+            if !matrix.iter().all(|z| z.is_finite()) {
+                return Err(PlantError::NotFinite(what));
+            }
+        }
+        let fits = |direction: &Direction| match direction {
+            Direction::Unit(i) => *i < order,
+            Direction::Dense(weights) => weights.len() == order && weights.iter().all(|w| w.is_finite()),
+        };
+        let stations_fit = given.stations.iter().all(|station| fits(&station.row));
+        let contact_fits = |c: &Contact| c.station < given.stations.len() && fits(&c.column) && c.stiffness.is_finite();
+        for (what, is_fit) in [
+            ("a station", stations_fit),
+            ("a contact", given.contacts.iter().all(contact_fits)),
+            ("an unbalance", given.unbalance.len() == order && given.unbalance.iter().all(|u| u.is_finite())),
+            ("a control bearing", given.columns.iter().all(fits)),
+        ] {
+            if !is_fit {
+                return Err(PlantError::Size { what, order });
+            }
+        }
+        let inverse =
+            given.mass.try_inverse().filter(|m| m.iter().all(|z| z.is_finite())).ok_or(PlantError::Massless)?;
+        let through =
+            |direction: &Direction| Direction::Dense((&inverse * direction.dense(order)).iter().copied().collect());
+        let contacts = given.contacts.iter().map(|c| Contact { column: through(&c.column), ..c.clone() }).collect();
+        Ok(Self {
+            order,
+            form: Form::Matrices {
+                damping: given.damping.map(|d| &inverse * d),
+                stiffness: given.stiffness.map(|s| &inverse * s),
+            },
+            is_unit: false,
+            stations: given.stations,
+            contacts,
+            unbalance: (&inverse * DVector::from_vec(given.unbalance)).iter().copied().collect(),
+            columns: given.columns.iter().map(through).collect(),
+        })
+    }
+
+    /// How many coordinates it has.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.order
+    }
+
+    /// Where displacement is read.
+    #[must_use]
+    pub fn stations(&self) -> &[Station] {
+        &self.stations
+    }
+
+    /// Its support bearings with clearance; clearances are settings.
+    #[must_use]
+    pub fn contacts(&self) -> &[Contact] {
+        &self.contacts
+    }
+
+    /// Whether coordinate `i` is the displacement of station `i`, as in a chain.
+    #[must_use]
+    pub fn stations_are_coordinates(&self) -> bool {
+        self.is_unit
+    }
+
+    /// What the force of a control bearing does to the coordinates; `None` if there is no such bearing.
+    #[must_use]
+    pub fn column(&self, bearing: usize) -> Option<&Direction> {
+        self.columns.get(bearing)
+    }
+
+    /// What unbalance adds to the accelerations, per `R^2 - j R'` and direction of spin.
+    #[must_use]
+    pub fn unbalance(&self) -> &[C64] {
+        &self.unbalance
+    }
+
+    /// The accelerations of all coordinates without control, into `out`; `clearances` has one number a contact.
+    pub fn acceleration(&self, spin: &Spin, clearances: &[f64], q: &[C64], v: &[C64], out: &mut [C64]) {
+        match &self.form {
+            Form::Chain(chain) => chain.acceleration(spin.speed, q, v, out),
+            Form::Matrices { damping, stiffness } => {
+                // Columns are what nalgebra keeps together.
+                let n = self.order;
+                fn column(of: &[DMatrix<C64>; 2], i: usize, j: usize) -> &[C64] {
+                    let n = of[i].nrows();
+                    &of[i].as_slice()[j * n..(j + 1) * n]
+                }
+                out.fill(C64::ZERO);
+                for j in 0..n {
+                    let (v, q) = (v[j], q[j]);
+                    let (faster_v, faster_q) = (v * spin.speed, q * spin.speed);
+                    let on_v = column(damping, 0, j).iter().zip(column(damping, 1, j));
+                    let on_q = column(stiffness, 0, j).iter().zip(column(stiffness, 1, j));
+                    for (out, ((d0, d1), (s0, s1))) in out.iter_mut().zip(on_v.zip(on_q)) {
+                        *out += d0 * v + d1 * faster_v + s0 * q + s1 * faster_q;
+                    }
+                }
+            }
+        }
+        for (contact, clearance) in self.contacts.iter().zip(clearances) {
+            if contact.stiffness == 0.0 {
+                continue;
+            }
+            let r = self.stations[contact.station].row.read(q);
+            let factor = if *clearance > 0.0 {
+                let radius_squared = r.norm_sqr();
+                if radius_squared > clearance * clearance { 1.0 - clearance / radius_squared.sqrt() } else { 0.0 }
+            } else {
+                1.0
+            };
+            if factor > 0.0 {
+                contact.column.add(r * (-contact.stiffness * factor), out);
+            }
+        }
+        let drive = spin.direction * C64::new(spin.speed * spin.speed, -spin.acceleration);
+        out.iter_mut().zip(&self.unbalance).for_each(|(out, u)| *out += u * drive);
+    }
+
+    /// `D` and `S` of `q'' = D q' + S q` at an operating point, control off.
+    #[must_use]
+    pub fn linear(&self, at: &OperatingPoint) -> [DMatrix<C64>; 2] {
+        let speed = C64::from(at.speed);
+        let [damping, mut stiffness] = match &self.form {
+            Form::Chain(chain) => chain.matrices(at.speed),
+            Form::Matrices { damping: [d0, d1], stiffness: [s0, s1] } => [d0 + d1 * speed, s0 + s1 * speed],
+        };
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let factor = at.contact_factors.get(i).copied().unwrap_or(1.0) * contact.stiffness;
+            let (column, row) =
+                (contact.column.dense(self.order), self.stations[contact.station].row.dense(self.order));
+            stiffness -= column * row.transpose() * C64::from(factor);
+        }
+        [damping, stiffness]
+    }
+}
+
+impl Chain {
+    #[inline]
+    fn acceleration(&self, speed: f64, q: &[C64], v: &[C64], out: &mut [C64]) {
+        let last = q.len() - 1;
+        for i in 0..=last {
+            let [at_rest, per_speed] = self.stiffness[i];
+            let mut a = self.damping[i] * v[i] + (at_rest + per_speed * speed) * q[i];
+            if i > 0 {
+                a += q[i - 1] * self.before[i];
+            }
+            if i < last {
+                a += q[i + 1] * self.after[i];
+            }
+            out[i] = a;
+        }
+    }
+
+    fn matrices(&self, speed: f64) -> [DMatrix<C64>; 2] {
+        let n = self.damping.len();
+        let damping = DMatrix::from_diagonal(&DVector::from_column_slice(&self.damping));
+        let mut stiffness = DMatrix::zeros(n, n);
+        for i in 0..n {
+            stiffness[(i, i)] = self.stiffness[i][0] + self.stiffness[i][1] * speed;
+            if i > 0 {
+                stiffness[(i, i - 1)] = C64::from(self.before[i]);
+            }
+            if i + 1 < n {
+                stiffness[(i, i + 1)] = C64::from(self.after[i]);
+            }
+        }
+        [damping, stiffness]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{ClosedLoop, Feedback, J, Signal, builtin};
+
+    fn three_mass() -> Rotor {
+        builtin::rotor("three-mass").expect("built in")
+    }
+
+    fn off(masses: usize) -> Feedback {
+        Feedback::new(0, vec![Signal::at_mass(0, masses, [0.0; 4])])
+    }
+
+    /// The same rotor in coordinates that mix its masses, as a foreign model has them.
+    fn mixed(rotor: &Rotor) -> Plant {
+        let plant = Plant::of(rotor);
+        let n = plant.order();
+        let mix = DMatrix::from_fn(n, n, |i, k| C64::new(if i == k { 1.0 } else { 0.3 }, 0.1 * (i as f64 - k as f64)));
+        let mass = DMatrix::from_diagonal(&DVector::from_fn(n, |i, _| C64::from(rotor.masses()[i].mass)));
+        // q = mix x; the forces are projected on the rows of mix's adjoint.
+        let project = mix.adjoint();
+        let at = |speed: f64| plant.linear(&OperatingPoint { speed, contact_factors: vec![0.0; n] });
+        let ([d0, s0], [d1, s1]) = (at(0.0), at(1.0));
+        let through = |m: &DMatrix<C64>| &project * &mass * m * &mix;
+        let forces = |i: usize| Direction::Dense((&project * Direction::Unit(i).dense(n)).iter().copied().collect());
+        let given = Matrices {
+            mass: &project * &mass * &mix,
+            damping: [through(&d0), through(&(d1 - &d0))],
+            stiffness: [through(&s0), through(&(s1 - &s0))],
+            stations: (0..n)
+                .map(|i| Station { name: format!("{i}"), row: Direction::Dense(mix.row(i).iter().copied().collect()) })
+                .collect(),
+            contacts: (0..n)
+                .map(|i| Contact { station: i, column: forces(i), stiffness: rotor.masses()[i].bearing_stiffness })
+                .collect(),
+            unbalance: (&project * &mass * DVector::from_column_slice(plant.unbalance())).iter().copied().collect(),
+            columns: (0..n).map(forces).collect(),
+        };
+        Plant::of_matrices(given).expect("a plant")
+    }
+
+    #[test]
+    fn a_chain_has_the_state_matrix_that_the_fused_path_has() {
+        let rotor = three_mass();
+        let closed = ClosedLoop::new(&rotor, &off(3), 2.5, &[0.0; 3]);
+        let expected = closed.state_matrix_with(&[0.3, 1.0, 0.7]);
+        let [d, s] = Plant::of(&rotor).linear(&OperatingPoint { speed: 2.5, contact_factors: vec![0.3, 1.0, 0.7] });
+        assert!((expected.view((3, 3), (3, 3)) - d).norm() < 1e-15);
+        assert!((expected.view((3, 0), (3, 3)) - s).norm() < 1e-15);
+    }
+
+    #[test]
+    fn the_same_rotor_in_other_coordinates_moves_alike() {
+        let rotor = three_mass();
+        let (chain, mixed) = (Plant::of(&rotor), mixed(&rotor));
+        let x = [C64::new(1.0, 0.2), C64::new(-0.7, 3.0), C64::new(0.4, -2.0)];
+        let v = [C64::new(0.1, 0.5), C64::new(2.0, -1.0), C64::new(0.0, 0.3)];
+        let read = |x: &[C64]| -> Vec<C64> { mixed.stations().iter().map(|s| s.row.read(x)).collect() };
+        let (q, qv) = (read(&x), read(&v));
+        let spin = Spin { speed: 2.5, acceleration: 0.2, direction: (J * 0.7).exp() };
+        let clearances = [1.0, 0.0, 0.5];
+        let (mut a, mut b) = ([C64::ZERO; 3], [C64::ZERO; 3]);
+        chain.acceleration(&spin, &clearances, &q, &qv, &mut a);
+        mixed.acceleration(&spin, &clearances, &x, &v, &mut b);
+        for (a, b) in a.iter().zip(read(&b)) {
+            assert!((a - b).norm() < 1e-12, "{a} {b}");
+        }
+    }
+
+    #[test]
+    fn what_is_no_plant_is_refused_with_a_reason() {
+        let one = DMatrix::<C64>::identity(1, 1);
+        let given = Matrices {
+            mass: one.clone(),
+            damping: [one.clone(), one.clone()],
+            stiffness: [one.clone(), one],
+            stations: vec![Station { name: "s".into(), row: Direction::Unit(0) }],
+            contacts: vec![],
+            unbalance: vec![C64::ONE],
+            columns: vec![Direction::Unit(0)],
+        };
+        let told = |change: &dyn Fn(&mut Matrices)| {
+            let mut changed = given.clone();
+            change(&mut changed);
+            Plant::of_matrices(changed).expect_err("refused").to_string()
+        };
+        assert_eq!(told(&|g| g.mass[(0, 0)] = C64::ZERO), "the mass matrix is singular: every coordinate needs a mass");
+        assert_eq!(told(&|g| g.stiffness[1] = DMatrix::zeros(2, 2)), "stiffness does not fit 1 coordinates");
+        assert_eq!(told(&|g| g.damping[0][(0, 0)].im = f64::NAN), "damping has an entry that is not finite");
+        assert_eq!(told(&|g| g.columns = vec![Direction::Unit(1)]), "a control bearing does not fit 1 coordinates");
+        assert_eq!(told(&|g| g.mass = DMatrix::zeros(0, 0)), "0 coordinates: expected 1 to 64");
+    }
+}
