@@ -207,7 +207,7 @@ fn a_panic_restores_the_terminal_tells_where_and_ends_the_simulation() {
     let mut screen = Screen::start(root.path(), &[], (100, 30));
     screen.wait_words("RUNNING");
     let pid = simulation_of(&root);
-    kill_process(Pid::from_raw(screen.pid() as i32).unwrap(), Signal::USR1).unwrap();
+    kill_process(Pid::from_raw(screen.pid() as i32).unwrap(), Signal::URG).unwrap();
     assert_eq!(screen.ended().exit_code(), 1);
     assert!(!screen.is_taken());
     assert!(screen.text().contains("a test asked for this panic"), "{}", screen.text());

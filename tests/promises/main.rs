@@ -2,6 +2,7 @@
 
 mod circular;
 mod console;
+mod endings;
 mod events;
 mod files;
 mod linear;

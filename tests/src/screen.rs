@@ -3,11 +3,12 @@
 use std::io::{Read, Write};
 use std::num::NonZeroU16;
 use std::path::Path;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use portable_pty::{Child, CommandBuilder, ExitStatus, MasterPty, PtySize, native_pty_system};
+use rustix::termios::LocalModes;
 
 /// How long anything on the screen may take to appear: generous, because test machines are slow.
 pub const PATIENCE: Duration = Duration::from_secs(30);
@@ -24,6 +25,7 @@ pub struct Screen {
     /// Tells the thread that reads to let go of the terminal.
     closing: Arc<AtomicBool>,
     parser: Arc<Mutex<vt100::Parser>>,
+    bells: Arc<AtomicUsize>,
 }
 
 impl Screen {
@@ -81,18 +83,21 @@ impl Screen {
         let keys = pair.master.take_writer().expect("a writable terminal");
         let parser = Arc::new(Mutex::new(vt100::Parser::new(cells(rows), cells(columns), 0)));
         let written = parser.clone();
+        let bells = Arc::new(AtomicUsize::new(0));
+        let rung = bells.clone();
         let closing = Arc::new(AtomicBool::new(false));
         let closes = closing.clone();
         std::thread::spawn(move || {
             let mut bytes = [0; 65_536];
             while let Ok(count @ 1..) = output.read(&mut bytes) {
+                rung.fetch_add(bytes[..count].iter().filter(|byte| **byte == 7).count(), Ordering::SeqCst);
                 written.lock().unwrap_or_else(PoisonError::into_inner).process(&bytes[..count]);
                 if closes.load(Ordering::SeqCst) {
                     return;
                 }
             }
         });
-        Self { child, terminal: Some((pair.master, keys)), closing, parser }
+        Self { child, terminal: Some((pair.master, keys)), closing, parser, bells }
     }
 
     fn look<T>(&self, at: impl FnOnce(&vt100::Screen) -> T) -> T {
@@ -109,6 +114,29 @@ impl Screen {
     #[must_use]
     pub fn is_taken(&self) -> bool {
         self.look(|screen| screen.alternate_screen() || screen.hide_cursor())
+    }
+
+    /// How often the bell has rung.
+    #[must_use]
+    pub fn bells(&self) -> usize {
+        self.bells.load(Ordering::SeqCst)
+    }
+
+    /// Whether the program is told of the mouse.
+    #[must_use]
+    pub fn has_mouse(&self) -> bool {
+        self.look(|screen| screen.mouse_protocol_mode() != vt100::MouseProtocolMode::None)
+    }
+
+    /// Whether what is typed is shown by the terminal itself: it is not while a program has taken it over.
+    ///
+    /// # Panics
+    /// If the terminal is closed.
+    #[must_use]
+    pub fn is_cooked(&self) -> bool {
+        let (master, _) = self.terminal.as_ref().expect("the terminal is open");
+        let modes = master.get_termios().expect("a terminal has modes");
+        modes.local_flags.bits() & (LocalModes::ECHO | LocalModes::ICANON).bits() != 0
     }
 
     /// The colour of the first cell of `word`.

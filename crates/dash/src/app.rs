@@ -17,7 +17,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use alarms::{Alarms, Reading};
+use alarms::Alarms;
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use ratatui::layout::Rect;
 use rotor::Settings;
@@ -106,7 +106,10 @@ pub(crate) struct App<'a> {
     area: Rect,
     /// Where a drag was last.
     dragged: Option<(u16, u16)>,
+    /// What the loop is to do with the terminal before the next frame: stop, take it over anew, ring.
     suspend: bool,
+    continued: bool,
+    rings: bool,
     told_end: bool,
     quit: Option<Ended>,
     /// Moves through a recording, if there is no bench.
@@ -156,6 +159,8 @@ impl<'a> App<'a> {
             area: Rect::default(),
             dragged: None,
             suspend: false,
+            continued: false,
+            rings: false,
             told_end: false,
             quit: None,
             player: None,
@@ -172,18 +177,9 @@ impl<'a> App<'a> {
             if let Some(ended) = self.quit {
                 return Ok(ended);
             }
-            if std::mem::take(&mut self.suspend) {
-                screen.suspend()?;
-                drawn.stale = true;
-            }
-            let now = Instant::now();
-            if self.is_due(&drawn, now) {
-                let changes = lock(&self.feed).changes();
-                match self.draw(&mut screen) {
-                    Err(error) if terminal::is_gone(&error) => return Ok(Ended::Interrupted),
-                    done => done?,
-                }
-                drawn = Drawn { at: Some(now), changes, stale: false };
+            match self.attend(&mut screen, &mut drawn) {
+                Err(error) if terminal::is_gone(&error) => return Ok(Ended::Interrupted),
+                done => done?,
             }
             let moving = self.player.as_ref().map_or_else(|| self.time.is_live(), Player::is_busy);
             let tick = channel::after(if moving { FRAME } else { PAUSED_FRAME });
@@ -212,6 +208,29 @@ impl<'a> App<'a> {
         }
     }
 
+    /// What the terminal is asked for: to be given away and taken back, to ring, and to show a frame.
+    fn attend(&mut self, screen: &mut Screen, drawn: &mut Drawn) -> io::Result<()> {
+        if std::mem::take(&mut self.suspend) {
+            screen.suspend()?;
+            drawn.stale = true;
+        }
+        if std::mem::take(&mut self.continued) {
+            screen.take_again()?;
+            drawn.stale = true;
+        }
+        self.watch_alarms();
+        if std::mem::take(&mut self.rings) {
+            screen.ring();
+        }
+        let now = Instant::now();
+        if self.is_due(drawn, now) {
+            let changes = lock(&self.feed).changes();
+            screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))?;
+            *drawn = Drawn { at: Some(now), changes, stale: false };
+        }
+        Ok(())
+    }
+
     /// Whether a frame would show something new.
     fn is_due(&self, drawn: &Drawn, now: Instant) -> bool {
         let Some(at) = drawn.at else { return true };
@@ -227,11 +246,7 @@ impl<'a> App<'a> {
             || (feed.heard().is_some() && age >= SILENT_FRAME)
     }
 
-    fn draw(&mut self, screen: &mut Screen) -> io::Result<()> {
-        screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))
-    }
-
-    /// Draws a frame, in roles still.
+    /// Draws a frame, in roles still. Drawing does nothing else: what has come in is heeded between frames.
     pub(crate) fn render(&mut self, area: Rect, buffer: &mut ratatui::buffer::Buffer) {
         self.area = area;
         self.with_view(|view, layout, panels| screen::draw(view, layout, panels, area, buffer));
@@ -239,11 +254,7 @@ impl<'a> App<'a> {
 
     /// Does something with all that a frame shows at this moment.
     fn with_view<T>(&mut self, look: impl FnOnce(&View<'_>, &Layout, &mut Panels) -> T) -> T {
-        let (mut picture, reading) = {
-            let mut feed = lock(&self.feed);
-            (feed.picture(&self.time, Instant::now()), feed.reading())
-        };
-        self.heed(&reading);
+        let mut picture = lock(&self.feed).picture(&self.time, Instant::now());
         picture.recorder_starts = self.scribe.as_ref().is_some_and(|scribe| scribe.is_starting());
         if let Some(player) = &self.player {
             player.finish(&mut picture);
@@ -321,9 +332,7 @@ impl<'a> App<'a> {
 
     /// What time alone brings. Returns whether it shows.
     pub(crate) fn tick(&mut self) -> bool {
-        // Alarms go on while the view stands, and no peak falls between two frames.
-        let reading = lock(&self.feed).reading();
-        let mut shows = self.heed(&reading);
+        let mut shows = self.watch_alarms();
         let now = Instant::now();
         shows |= self.play(|player, feed, time| player.tick(feed, time, now)).unwrap_or(false);
         if self.message.0 != Message::Hints && self.message.1.elapsed() > MESSAGE {
@@ -344,16 +353,16 @@ impl<'a> App<'a> {
         shows
     }
 
-    /// Holds a reading against the limits. Returns whether an alarm rose or fell.
-    fn heed(&mut self, reading: &Reading) -> bool {
+    /// Holds what has come in against the limits: alarms go on while the view stands, and no peak falls between two
+    /// looks. Returns whether an alarm rose or fell.
+    pub(crate) fn watch_alarms(&mut self) -> bool {
         // What a recording tells is past, and comes in any order.
         if self.player.is_some() {
             return false;
         }
-        let turns = self.alarms.read(reading);
-        if self.alarms.has_risen() && self.bell {
-            Screen::ring();
-        }
+        let reading = lock(&self.feed).reading();
+        let turns = self.alarms.read(&reading);
+        self.rings |= self.alarms.has_risen() && self.bell;
         !turns.is_empty()
     }
 
@@ -365,6 +374,8 @@ impl<'a> App<'a> {
         match input {
             Input::Signal | Input::Closed => self.quit = Some(Ended::Interrupted),
             Input::Resized => {}
+            Input::Stop => self.suspend = true,
+            Input::Continued => self.continued = true,
             Input::Key(key) => self.press(key),
             Input::Mouse(event) => self.point(event),
         }

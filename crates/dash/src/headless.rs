@@ -83,6 +83,7 @@ impl<W: Write> Frames<W> {
     pub fn draw(&mut self) -> io::Result<()> {
         let Self { headless, terminal } = self;
         let look = headless.look;
+        headless.app.watch_alarms();
         terminal::draw_whole(terminal, look, |frame| headless.app.render(frame.area(), frame.buffer_mut()))
     }
 }

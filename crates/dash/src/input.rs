@@ -1,4 +1,4 @@
-//! The keyboard thread and the signals, as one stream of messages.
+//! The keyboard thread: keys, the mouse and resizes as messages. Signals are [`crate::signals`]'.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -6,8 +6,7 @@ use std::time::Duration;
 
 use crossbeam::channel::Sender;
 use crossterm::event::{self, Event, KeyEvent, KeyEventKind, MouseEvent, MouseEventKind};
-use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-use signal_hook::iterator::{Handle, Signals};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 /// How soon the keyboard thread notices that it shall end; nobody waits for that. Crossterm spins through the last
 /// millisecond of every wait, so a short one costs processor time while nothing happens.
@@ -24,6 +23,10 @@ pub(crate) enum Input {
     Resized,
     /// A signal asks us to end.
     Signal,
+    /// A signal asks us to stop until we are continued.
+    Stop,
+    /// We were stopped, and are continued.
+    Continued,
     /// The terminal is gone.
     Closed,
 }
@@ -33,6 +36,8 @@ pub(crate) fn keyboard(inputs: Sender<Input>, stop: Arc<AtomicBool>) -> std::io:
     std::thread::Builder::new().name("keyboard".into()).spawn(move || {
         while !stop.load(Ordering::Relaxed) {
             let input = match event::poll(PATIENCE) {
+                // Crossterm takes a terminal that is gone for one on which nothing is pressed, and spins.
+                Ok(false) if is_hung_up() => Input::Closed,
                 Ok(false) => continue,
                 Ok(true) => match event::read() {
                     Ok(Event::Key(key)) if key.kind != KeyEventKind::Release => Input::Key(key),
@@ -52,16 +57,11 @@ pub(crate) fn keyboard(inputs: Sender<Input>, stop: Arc<AtomicBool>) -> std::io:
     Ok(())
 }
 
-/// Turns SIGINT, SIGTERM and SIGHUP into messages until the handle is closed.
-pub(crate) fn signals(inputs: Sender<Input>) -> std::io::Result<Handle> {
-    let mut signals = Signals::new([SIGINT, SIGTERM, SIGHUP])?;
-    let handle = signals.handle();
-    std::thread::Builder::new().name("signals".into()).spawn(move || {
-        for _ in signals.forever() {
-            if inputs.send(Input::Signal).is_err() {
-                return;
-            }
-        }
-    })?;
-    Ok(handle)
+/// Whether the other side of the terminal is closed.
+fn is_hung_up() -> bool {
+    let stdin = std::io::stdin();
+    let mut asked = [PollFd::new(&stdin, PollFlags::empty())];
+    let at_once = Timespec { tv_sec: 0, tv_nsec: 0 };
+    let answered = poll(&mut asked, Some(&at_once)).is_ok_and(|count| count > 0);
+    answered && asked[0].revents().intersects(PollFlags::HUP | PollFlags::ERR | PollFlags::NVAL)
 }

@@ -2,7 +2,7 @@
 //!
 //! Three threads beside the one that draws. The **reader** ([`link`]) drains states and bulletins into a bounded
 //! [`feed`]; the **clerk** ([`clerk`]) carries edits to the simulation and knows what can be undone; the **keyboard**
-//! ([`input`]) turns terminal events and signals into messages. The loop in [`app`] takes input first, then answers,
+//! ([`input`]) turns terminal events into messages, as a fourth does with signals ([`signals`]). The loop in [`app`] takes input first, then answers,
 //! then the clock, and draws a [`picture::Picture`], made from the [`history`] and the [`view_time`]: pausing stops the view, never the data.
 //!
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
@@ -39,6 +39,7 @@ mod replay;
 mod screen;
 mod search;
 mod session;
+mod signals;
 mod still_file;
 mod terminal;
 mod theme;

@@ -15,6 +15,7 @@ use crate::input;
 use crate::link::{self, Shared, Wires};
 use crate::looks::Look;
 use crate::options::{DashError, Ended, Options};
+use crate::signals;
 use crate::terminal::Screen;
 
 /// News that may wait for the clerk, who may wait a second for an answer: all events that a late reader is told, and bulletins.
@@ -45,7 +46,7 @@ pub fn run<'a, C: Carrier>(
     let (send_input, inputs) = channel::unbounded();
 
     // Signals first: from here on they end us in good order.
-    let signals = input::signals(send_input.clone())?;
+    let signals = signals::listen(send_input.clone())?;
     let (wake, wakes) = channel::bounded(1);
     let idle = Arc::new(AtomicBool::new(false));
     let desk = Desk::open(&wake)?;

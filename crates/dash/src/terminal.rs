@@ -1,8 +1,11 @@
 //! The terminal: taken over, drawn on, and given back however we end.
+//!
+//! A frame is drawn while the [`Screen`] is borrowed, and whatever else acts on a terminal needs the screen too: so
+//! drawing can have no side effects. What asks for one is carried out by the loop, between two frames.
 
 use std::io::{self, IsTerminal, Stdout, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, Once, PoisonError, TryLockError};
+use std::sync::{Mutex, MutexGuard, Once, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use crossterm::cursor::{Hide, Show};
@@ -17,6 +20,7 @@ use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 
 use crate::looks::Look;
+use crate::signals;
 
 /// Whether the screen is ours at the moment.
 static TAKEN: AtomicBool = AtomicBool::new(false);
@@ -50,10 +54,25 @@ impl Screen {
     }
 
     /// Gives the terminal back, stops this process as the shell's ctrl-z would, and takes the terminal over again when
-    /// it is continued. Where no shell waits for it, the system does not stop it.
+    /// it is continued. Where no shell waits for it, it is not stopped.
+    ///
+    /// # Errors
+    /// The terminal fails, or is gone by then.
     pub(crate) fn suspend(&mut self) -> io::Result<()> {
         give_back();
-        signal_hook::low_level::raise(signal_hook::consts::SIGTSTP)?;
+        signals::stop();
+        self.terminal = take_over()?;
+        Ok(())
+    }
+
+    /// Takes the terminal over anew after somebody else has had it: whoever stopped us with a signal that cannot be
+    /// caught may have left it in any state.
+    ///
+    /// # Errors
+    /// The terminal fails, or is gone by then.
+    pub(crate) fn take_again(&mut self) -> io::Result<()> {
+        // Else raw mode is held to be on still.
+        let _ = disable_raw_mode();
         self.terminal = take_over()?;
         Ok(())
     }
@@ -71,7 +90,7 @@ impl Screen {
     }
 
     /// Rings the terminal's bell.
-    pub(crate) fn ring() {
+    pub(crate) fn ring(&mut self) {
         let _drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
         if TAKEN.load(Ordering::SeqCst) {
             // A bell that cannot be rung is no reason to end.
@@ -141,9 +160,45 @@ fn take_over() -> io::Result<Canvas> {
 /// Gives the terminal back, once. Nothing can be done here if that fails.
 fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
-        let _ = execute!(io::stdout(), EndSynchronizedUpdate, DisableMouseCapture, LeaveAlternateScreen, Show);
+        // First what cannot wait for a terminal that takes nothing at the moment.
         let _ = disable_raw_mode();
+        let _ = execute!(io::stdout(), EndSynchronizedUpdate, DisableMouseCapture, LeaveAlternateScreen, Show);
         let _ = io::stdout().flush();
+    }
+}
+
+/// Whether the terminal is ours.
+pub(crate) fn is_taken() -> bool {
+    TAKEN.load(Ordering::SeqCst)
+}
+
+/// Gives the terminal back from any thread, for good: the frame that is being drawn ends first, and no other follows.
+/// The process ends next, so nobody waits long for a terminal that takes nothing.
+pub(crate) fn leave_for_good() {
+    let leave = std::thread::Builder::new().name("farewell".into()).spawn(|| {
+        let last_frame = wait_for_frame();
+        give_back();
+        // Never unlocked.
+        std::mem::forget(last_frame);
+    });
+    if let Ok(leave) = leave {
+        let start = Instant::now();
+        while !leave.is_finished() && start.elapsed() < 3 * LAST_FRAME {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+    }
+}
+
+/// Waits for the frame that is being drawn, as long as that is worth it.
+fn wait_for_frame() -> Option<MutexGuard<'static, ()>> {
+    let start = Instant::now();
+    loop {
+        match DRAWING.try_lock() {
+            Ok(guard) => return Some(guard),
+            Err(TryLockError::Poisoned(guard)) => return Some(guard.into_inner()),
+            Err(TryLockError::WouldBlock) if start.elapsed() > LAST_FRAME => return None,
+            Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
+        }
     }
 }
 
@@ -155,10 +210,7 @@ fn restore_on_panic() {
         std::panic::set_hook(Box::new(move |panic| {
             if TAKEN.load(Ordering::SeqCst) {
                 PANICKED.store(true, Ordering::SeqCst);
-                let start = Instant::now();
-                while matches!(DRAWING.try_lock(), Err(TryLockError::WouldBlock)) && start.elapsed() < LAST_FRAME {
-                    std::thread::sleep(Duration::from_millis(1));
-                }
+                drop(wait_for_frame());
                 give_back();
             }
             report(panic);

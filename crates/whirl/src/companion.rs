@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read, Seek};
+use std::os::unix::process::CommandExt;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::time::{Duration, Instant};
@@ -195,6 +196,8 @@ fn spawn(what: &str, arguments: &[String]) -> Result<(Child, File), Failure> {
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
         .stderr(said.try_clone().map_err(failed)?)
+        // Whoever stops the dashboard and its job does not stop the machine.
+        .process_group(0)
         .spawn()
         .map_err(failed)?;
     Ok((child, said))

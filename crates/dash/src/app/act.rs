@@ -220,6 +220,7 @@ impl App<'_> {
     /// A picture of what it shows now.
     pub(crate) fn still(&mut self, area: ratatui::layout::Rect) -> Still {
         let mut buffer = ratatui::buffer::Buffer::empty(area);
+        self.watch_alarms();
         self.render(area, &mut buffer);
         self.look.finish(&mut buffer);
         Still::of(&buffer)

@@ -14,6 +14,7 @@ use crate::input;
 use crate::link::Shared;
 use crate::looks::Look;
 use crate::options::{DashError, Ended, Options};
+use crate::signals;
 use crate::terminal::Screen;
 
 /// Plays `past` on the terminal until a person or a signal ends it.
@@ -31,7 +32,7 @@ pub fn replay(past: Box<dyn Past>, options: &Options) -> Result<Ended, DashError
     let feed: Shared = Arc::new(Mutex::new(feed));
     let stop = Arc::new(AtomicBool::new(false));
     let (send_input, inputs) = channel::unbounded();
-    let signals = input::signals(send_input.clone())?;
+    let signals = signals::listen(send_input.clone())?;
     let screen = Screen::take(Look::of_environment(options.wishes))?;
     input::keyboard(send_input, stop.clone())?;
     // Nobody at the other end of these: edits go to the player, and nothing comes by itself.
