@@ -14,7 +14,7 @@ mod turn;
 mod watch;
 
 pub use gauge::Gauge;
-pub use limits::{Limit, Limits, MARGINAL_DAMPING};
+pub use limits::{LOW_DAMPING, Limit, Limits};
 pub use machine::{Alarms, Entry, Standing};
 pub use reading::{Reading, Sample};
 pub use turn::Turn;

@@ -3,7 +3,7 @@
 use crate::{Level, Watch};
 
 /// Damping ratio below which a rotor is stable but only just: API 684 asks for a log decrement of 0.1, which is this.
-pub const MARGINAL_DAMPING: f64 = 0.0159;
+pub const LOW_DAMPING: f64 = 0.0159;
 
 /// The share of a limit by which a value must come back.
 const MARGIN: f64 = 0.05;
@@ -65,7 +65,7 @@ impl Default for Limits {
     /// somebody says what the machine bears.
     fn default() -> Self {
         Self::none()
-            .having(Watch::Damping, Limit::below(MARGINAL_DAMPING, 0.0, DAMPING_MARGIN))
+            .having(Watch::Damping, Limit::below(LOW_DAMPING, 0.0, DAMPING_MARGIN))
             .having(Watch::Saturation, Limit::above(0.0, 0.1))
             .having(Watch::Lateness, Limit::above(0.01, 0.1))
             .having(Watch::Losses, Limit::above(0.0, 1000.0))

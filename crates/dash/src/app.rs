@@ -319,7 +319,8 @@ impl<'a> App<'a> {
             }
             Outcome::Refused(text) => self.tell(Message::Bad(text)),
             Outcome::Asks(edit, settings, damping) => {
-                let why = format!("UNSTABLE with that: minimum damping {damping:.4}");
+                let word = crate::theme::verdict(damping).1;
+                let why = format!("{word} with that: minimum damping {damping:.4}");
                 // No key that was meant for something else may answer.
                 if self.layers.is_empty() {
                     self.layers.push(Layer::Ask(edit, settings, why));

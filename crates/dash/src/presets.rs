@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use rotor::file::{MAX_BYTES, read_feedback, write_feedback};
 use rotor::{Feedback, Rotor, Settings};
 
+use crate::theme;
 use crate::units::Units;
 use crate::what_if::WhatIf;
 
@@ -108,9 +109,10 @@ impl Presets {
         match WhatIf::of(rotor, Settings { feedback, ..settings.clone() }) {
             None => "does not fit".into(),
             Some(then) => {
-                let unstable = if then.is_unstable() { " UNSTABLE" } else { "" };
+                let word = if then.is_unstable() { theme::verdict(then.min_damping).1 } else { "" };
+                let gap = if word.is_empty() { "" } else { " " };
                 let speed = Units::of(rotor.scales().copied(), Some(1.0)).speed_told(settings.speed);
-                format!("min damping {:.4}{unstable} at {speed}{in_force}", then.min_damping)
+                format!("min damping {:.4}{gap}{word} at {speed}{in_force}", then.min_damping)
             }
         }
     }

@@ -62,11 +62,25 @@ pub(crate) fn badge(color: Color) -> Style {
 
 /// The colour and the word for a minimum damping.
 pub(crate) fn verdict(min_damping: f64) -> (Color, &'static str) {
-    if min_damping <= 0.0 {
+    if min_damping < 0.0 {
         (BAD, "UNSTABLE")
-    } else if min_damping < alarms::MARGINAL_DAMPING {
-        (WARN, "marginal")
+    } else if min_damping == 0.0 {
+        // Zero but for rounding: `rotor` tells a marginal pole as exactly that.
+        (BAD, "MARGINAL")
+    } else if min_damping < alarms::LOW_DAMPING {
+        (WARN, "low")
     } else {
         (GOOD, "stable")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_damping_is_marginal_and_little_is_low() {
+        let words = [-1e-9, -0.0, 0.0, 1e-9, 0.5].map(|damping| verdict(damping).1);
+        assert_eq!(words, ["UNSTABLE", "MARGINAL", "MARGINAL", "low", "stable"]);
     }
 }

@@ -22,7 +22,7 @@ impl WhatIf {
         Some(Self { settings, poles, min_damping })
     }
 
-    /// Whether the rotor would not be stable.
+    /// Whether the rotor would not be stable: a mode grows, or is marginal.
     pub(crate) fn is_unstable(&self) -> bool {
         self.min_damping <= 0.0
     }

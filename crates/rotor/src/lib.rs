@@ -13,7 +13,7 @@
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law, from crate `control`.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
-//! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it.
+//! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it. [`Standing`]: what they say.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 //! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
@@ -29,6 +29,7 @@ mod family;
 pub mod file;
 mod follow;
 mod influence;
+mod marginal;
 mod modes;
 mod params;
 mod plant;
@@ -47,6 +48,7 @@ pub use difference::Difference;
 pub use eigen::{PoleError, eigenvalues};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
+pub use marginal::{Standing, standing};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};

@@ -1,10 +1,12 @@
 //! Poles of the linear rotor (deadband neglected), and what they say about stability.
 
+use crate::marginal::Standing;
 use crate::quadratic::Quadratic;
 use crate::{C64, ClosedLoop, MAX_MASSES, PoleError};
 
 /// The poles of `closed_loop` alone, without their shapes: every support bearing at its full stiffness, least damped
-/// first, of equally damped ones the highest `Im` first. Half the cost of [`Spectrum::of`].
+/// first, of equally damped ones the highest `Im` first. A part that is zero but for rounding is exactly zero
+/// (see [`Standing`]). Half the cost of [`Spectrum::of`].
 ///
 /// # Errors
 /// Coefficients that are not finite, or an eigenvalue iteration that does not converge.
@@ -14,6 +16,7 @@ pub fn poles(closed_loop: &ClosedLoop) -> Result<Vec<C64>, PoleError> {
 
 fn sorted(quadratic: &Quadratic) -> Result<Vec<C64>, PoleError> {
     let mut poles = quadratic.poles()?;
+    quadratic.settle(&mut poles);
     // Few enough for insertion, which computes each key once.
     let mut keys = [0.0; 2 * MAX_MASSES];
     for i in 0..poles.len() {
@@ -29,11 +32,11 @@ fn sorted(quadratic: &Quadratic) -> Result<Vec<C64>, PoleError> {
 }
 
 /// Relative damping of a pole, `-Re / |lambda|` (3.42), (4.28): 1 is overdamped, 0 the threshold, negative unstable.
-/// A pole at the origin counts as 0.
+/// A pole at the origin counts as 0. Never -0, so that a marginal pole reads as the zero that it is.
 #[must_use]
 pub fn damping_ratio(pole: C64) -> f64 {
     let size = pole.norm();
-    if size > 0.0 { -pole.re / size } else { 0.0 }
+    if size > 0.0 { (0.0 - pole.re) / size } else { 0.0 }
 }
 
 /// The sense in which a mode whirls.
@@ -71,11 +74,18 @@ impl Mode {
         damping_ratio(self.pole)
     }
 
-    /// Logarithmic decrement `2 pi zeta / sqrt(1 - zeta^2)`; infinite for a pole on the real axis.
+    /// Whether it decays, grows, or neither but for rounding.
+    #[must_use]
+    pub fn standing(&self) -> Standing {
+        Standing::of(self.pole)
+    }
+
+    /// Logarithmic decrement `2 pi zeta / sqrt(1 - zeta^2)`; infinite for a pole on the real axis, 0 for a
+    /// marginal one.
     #[must_use]
     pub fn log_decrement(&self) -> f64 {
         // The same quotient in terms of the pole, which keeps its digits near zeta = 1.
-        std::f64::consts::TAU * -self.pole.re / self.pole.im.abs()
+        if self.pole.re == 0.0 { 0.0 } else { std::f64::consts::TAU * -self.pole.re / self.pole.im.abs() }
     }
 
     /// Whirl frequency `|Im lambda|`, in radians per unit of `tau`.
@@ -115,10 +125,16 @@ impl Spectrum {
         self.modes.first().map_or(f64::NAN, Mode::damping)
     }
 
-    /// Whether every mode decays.
+    /// How the least damped mode stands.
+    #[must_use]
+    pub fn standing(&self) -> Standing {
+        self.modes.first().map_or(Standing::Unstable, Mode::standing)
+    }
+
+    /// Whether every mode decays, beyond rounding.
     #[must_use]
     pub fn is_stable(&self) -> bool {
-        self.min_damping() > 0.0
+        self.standing() == Standing::Stable
     }
 }
 

@@ -61,7 +61,7 @@ impl App<'_> {
                 self.layers.push(if holds {
                     Layer::Offer(edit, what)
                 } else {
-                    Layer::Ask(edit, candidate, format!("UNSTABLE: {what}"))
+                    Layer::Ask(edit, candidate, format!("{}: {what}", crate::theme::verdict(found.min_damping).1))
                 });
             }
             Err(why) => self.tell(Message::Bad(format!("search {wish}: {why}"))),

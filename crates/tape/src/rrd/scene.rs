@@ -162,7 +162,8 @@ pub(super) fn settings_text(revision: &Revision) -> TextDocument {
     let Revision { from, revision, who, why, settings, min_damping, poles } = revision;
     let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
     let stability = match poles.first() {
-        Some(pole) if pole.re >= 0.0 => format!("**unstable**, minimum damping ratio {min_damping:.5}"),
+        Some(pole) if pole.re == 0.0 => "**marginal**: damping is zero but for rounding".to_owned(),
+        Some(pole) if pole.re > 0.0 => format!("**unstable**, minimum damping ratio {min_damping:.5}"),
         Some(_) => format!("stable, minimum damping ratio {min_damping:.5}"),
         None => "poles unknown".to_owned(),
     };

@@ -1,9 +1,37 @@
 //! What the commands on the linear rotor share: modes as scripts read them.
 
-use rotor::{C64, Mode, Whirl};
+use rotor::{C64, Mode, Standing, Whirl};
 use serde::Serialize;
 
 use crate::failure::Failure;
+
+/// Why `stable` is `null`.
+const MARGINAL: &str = "the real part is zero but for rounding";
+
+/// How something stands, as scripts read it: `stable` is `null` where rounding decides, and `marginal` says so.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub(super) struct StandingDocument {
+    stable: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stable_null: Option<&'static str>,
+    marginal: bool,
+}
+
+impl From<Standing> for StandingDocument {
+    fn from(standing: Standing) -> Self {
+        let marginal = standing == Standing::Marginal;
+        Self { stable: standing.is_stable(), stable_null: marginal.then_some(MARGINAL), marginal }
+    }
+}
+
+/// The standing in a word, loud where it is not stable.
+pub(super) fn word(standing: Standing) -> &'static str {
+    match standing {
+        Standing::Stable => "stable",
+        Standing::Marginal => "MARGINAL (zero but for rounding)",
+        Standing::Unstable => "UNSTABLE",
+    }
+}
 
 /// Why `log_dec` is `null`.
 pub(super) const REAL_POLE: &str = "the pole is real: it does not whirl";
@@ -27,6 +55,8 @@ pub(super) struct PoleDocument {
     re: f64,
     im: f64,
     damping: f64,
+    /// Whether the real part is zero but for rounding; it is then exactly zero here.
+    marginal: bool,
     log_dec: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     log_dec_null: Option<&'static str>,
@@ -41,6 +71,7 @@ impl From<&Mode> for PoleDocument {
             re: mode.pole.re,
             im: mode.pole.im,
             damping: mode.damping(),
+            marginal: mode.standing() == Standing::Marginal,
             log_dec,
             log_dec_null: log_dec.is_none().then_some(REAL_POLE),
             frequency: mode.frequency(),

@@ -3,7 +3,7 @@
 use rotor::{Mode, Spectrum};
 use serde::Serialize;
 
-use super::linear::{Part, PoleDocument};
+use super::linear::{Part, PoleDocument, StandingDocument, word};
 use crate::catalog;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -27,7 +27,8 @@ pub(crate) struct PolesArgs {
 struct Document<'a> {
     rotor: &'a str,
     speed: f64,
-    stable: bool,
+    #[serde(flatten)]
+    standing: StandingDocument,
     min_damping: f64,
     modes: Vec<ModeDocument>,
     #[serde(flatten)]
@@ -58,29 +59,28 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let spectrum = Spectrum::of(&machine.settings.closed_loop(rotor))?;
 
     let mut table = Table::new(units.pick(
-        &["re", "im", "damping", "log dec", "frequency", "whirl"],
-        &["re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl"],
+        &["re", "im", "damping", "log dec", "frequency", "whirl", "stands"],
+        &["re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl", "stands"],
     ));
     for mode in &spectrum.modes {
         let pole = [mode.pole.re, mode.pole.im].map(|part| units.rate(part));
         let numbers = [pole[0], pole[1], mode.damping(), mode.log_decrement(), units.frequency(mode.frequency())];
-        table.row(numbers.map(Cell::from).into_iter().chain([Cell::from(&mode.whirl())]));
+        table.row(numbers.map(Cell::from).into_iter().chain([Cell::from(&mode.whirl()), Cell::from(&mode.standing())]));
     }
     let speed = machine.settings.speed;
     let document = Document {
         rotor: rotor.name(),
         speed,
-        stable: spectrum.is_stable(),
+        standing: spectrum.standing().into(),
         min_damping: spectrum.min_damping(),
         modes: spectrum.modes.iter().map(ModeDocument::from).collect(),
         units: units.document(),
     };
-    let word = if spectrum.is_stable() { "stable" } else { "UNSTABLE" };
     let per = units.pick("; per unit of tau = w0 t", "");
     args.format.print(
         &document,
         &format!("{} at {}, deadband neglected{per}", rotor.name(), units.speed_text(speed)),
         &table,
-        &format!("{word}, minimum damping {}", rounded(spectrum.min_damping())),
+        &format!("{}, minimum damping {}", word(spectrum.standing()), rounded(spectrum.min_damping())),
     )
 }
