@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicBool;
 use rayon::prelude::*;
 use rotor::{ClosedLoop, Feedback, PoleError, Rotor};
 
+use crate::disturbance::Judgement;
 use crate::run::{Outcome, Plan, RunError, Settle, Settled, run};
 use crate::step_size::Fastest;
 
@@ -18,6 +19,10 @@ pub struct Point {
     pub max_force: f64,
     /// How the motion came to rest.
     pub settled: Settled,
+    /// Whether the motion would stay, if it is steady.
+    pub stability: Option<Judgement>,
+    /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action.
+    pub centre: Judgement,
     /// When it left all bounds, if it did: there is no steady force then.
     pub diverged_at: Option<f64>,
 }
@@ -79,7 +84,8 @@ pub fn steady(
     stop: &AtomicBool,
 ) -> Result<Point, ForceError> {
     let outcome = until_settled(rotor, feedback, speed, deadband, LONGEST, stop)?;
-    Ok(Point { max_force: outcome.max_force, settled: outcome.settled, diverged_at: outcome.diverged_at })
+    let Outcome { max_force, settled, stability, centre, diverged_at, .. } = outcome;
+    Ok(Point { max_force, settled, stability, centre, diverged_at })
 }
 
 /// The whole outcome of a run from rest at one speed and clearance, until transients have died or `longest` in `tau`.

@@ -1,6 +1,7 @@
 //! Offline work on rotors: what takes a while, uses all cores, or leaves a file behind.
 //!
 //! * [`run`]: one simulation as fast as it goes, with maxima, means and automatic settling.
+//! * [`disturbance`]: whether the motion found would stay.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
@@ -9,6 +10,7 @@
 //!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
+pub mod disturbance;
 pub mod force;
 mod peak;
 pub mod plot;

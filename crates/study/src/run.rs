@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rotor::{C64, ClosedLoop, Motion, Stepper, stepper};
+use rotor::{C64, ClosedLoop, Motion, PoleError, Stepper, stepper};
 
+use crate::disturbance::{self, Judgement};
 use crate::peak::Peaks;
 use crate::settle::{Detector, Stretch};
 
@@ -71,8 +72,14 @@ pub struct Outcome {
     pub steps: u64,
     /// When the orbit left all bounds; the run ends there.
     pub diverged_at: Option<f64>,
+    /// The longest and the shortest of the steps taken: they are even between impulses. Zero without any.
+    pub step: (f64, f64),
     /// Whether transients had died.
     pub settled: Settled,
+    /// Whether the motion at the end would stay, if it is steady: settled, or on a circular orbit.
+    pub stability: Option<Judgement>,
+    /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action.
+    pub centre: Judgement,
     /// From where on maxima and means are taken. If nothing settled, from the middle of the run.
     pub maxima_from: f64,
     /// Largest `|u|`, in `w0^2 e_t`.
@@ -108,12 +115,15 @@ pub enum RunError {
     /// An observer failed.
     #[error(transparent)]
     Observer(#[from] std::io::Error),
+    /// The eigenvalues that tell stability could not be found.
+    #[error(transparent)]
+    Poles(#[from] PoleError),
 }
 
 /// Simulates `plan` from rest, showing every sample to `observers`. `stop` is looked at now and then.
 ///
 /// # Errors
-/// A plan of too many steps, an observer that fails, or `stop`.
+/// A plan of too many steps, an observer that fails, eigenvalues that do not converge, or `stop`.
 pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, RunError> {
     let steps = plan.duration / plan.dtau;
     if steps.is_nan() || steps > MOST_STEPS {
@@ -132,8 +142,8 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
     let mut now = 0.0;
     while going && now < plan.duration {
         let until = impulses.peek().map_or(plan.duration, |i| i.at);
-        let count = ((until - now) / plan.dtau - 1e-9).ceil().max(1.0);
-        let dtau = (until - now) / count;
+        let (count, dtau) = plan.even_steps(until - now);
+        watch.step = if watch.steps == 0 { (dtau, dtau) } else { (watch.step.0.max(dtau), watch.step.1.min(dtau)) };
         watch.peaks.break_off();
         for i in 0..count as u64 {
             if i % 4096 == 0 && stop.load(Ordering::Relaxed) {
@@ -157,7 +167,42 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
             going = watch.see(rotor.as_ref(), observers)?;
         }
     }
-    Ok(watch.outcome(rotor.as_ref()))
+    let centre = disturbance::of_centre(&plan.closed_loop)?;
+    let mut outcome = watch.outcome(rotor.as_ref(), centre);
+    if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
+        outcome.stability = disturbance::of_orbit(&plan.closed_loop, rotor.as_ref())?;
+        if outcome.stability.is_none() && matches!(outcome.settled, Settled::Steady | Settled::Beating) {
+            let judged = disturbance::of_beat(rotor.as_mut(), outcome.step.0, stop);
+            outcome.stability = Some(judged.ok_or(RunError::Interrupted)?);
+        }
+    }
+    Ok(outcome)
+}
+
+impl Plan {
+    /// How many even steps of at most [`Plan::dtau`] make up a stretch of time, and how long each is.
+    fn even_steps(&self, stretch: f64) -> (f64, f64) {
+        let count = (stretch / self.dtau - 1e-9).ceil().max(1.0);
+        (count, stretch / count)
+    }
+
+    /// The longest step that is taken: [`Plan::dtau`], or a little less where that does not fit.
+    #[must_use]
+    pub fn longest_step(&self) -> f64 {
+        let mut ends: Vec<f64> =
+            self.impulses.iter().map(|i| i.at).filter(|at| (0.0..self.duration).contains(at)).collect();
+        ends.push(self.duration);
+        ends.sort_by(f64::total_cmp);
+        let mut from = 0.0;
+        let mut longest = 0.0_f64;
+        for end in ends {
+            if end > from {
+                longest = longest.max(self.even_steps(end - from).1);
+            }
+            from = end;
+        }
+        longest
+    }
 }
 
 /// Keeps the books of a run.
@@ -170,6 +215,7 @@ struct Watch {
     peaks: Peaks,
     detector: Detector,
     steps: u64,
+    step: (f64, f64),
     diverged_at: Option<f64>,
 }
 
@@ -188,6 +234,7 @@ impl Watch {
             peaks: Peaks::new(3 + masses),
             detector: Detector::new(masses),
             steps: 0,
+            step: (0.0, 0.0),
             diverged_at: None,
         }
     }
@@ -231,7 +278,7 @@ impl Watch {
         Ok(bounded)
     }
 
-    fn outcome(mut self, rotor: &dyn Stepper) -> Outcome {
+    fn outcome(mut self, rotor: &dyn Stepper, centre: Judgement) -> Outcome {
         let motion = rotor.motion();
         let (settled, kept) = match self.settle {
             Settle::From(from) => {
@@ -246,8 +293,11 @@ impl Watch {
         let settled = if self.diverged_at.is_some() && settled != Settled::Given { Settled::No } else { settled };
         Outcome {
             steps: self.steps,
+            step: self.step,
             diverged_at: self.diverged_at,
             settled,
+            stability: None,
+            centre,
             maxima_from: kept.from,
             max_force: kept.maxima[0].sqrt(),
             max_force_component: kept.maxima[1].max(kept.maxima[2]).sqrt(),

@@ -65,9 +65,9 @@ pub(crate) enum Command {
     Run(commands::run::RunArgs),
     /// Print the largest steady control force over speed
     Force(commands::force::ForceArgs),
-    /// Print the exact synchronous response, all branches
+    /// Print the exact synchronous response, branch by branch
     Response(commands::response::ResponseArgs),
-    /// Print the exact self-excited limit cycles, all branches
+    /// Print the exact self-excited limit cycles, branch by branch
     Cycles(commands::cycles::CyclesArgs),
     /// Search the gains that damp the worst mode best, over speeds and deadband states
     Tune(commands::tune::TuneArgs),

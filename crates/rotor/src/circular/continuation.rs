@@ -4,6 +4,7 @@ use nalgebra::DVector;
 
 use super::newton::Closing;
 use super::orbit::Orbit;
+use super::response::AtSpeed;
 use super::tracer::{End, Node, Tracer};
 use super::whirl_equation::{Contact, Problem};
 use super::{Circular, cycle, response, stability};
@@ -11,6 +12,8 @@ use crate::{C64, PoleError};
 
 /// Orbits closer than this, relative to their size, are one.
 const SAME: f64 = 1e-6;
+/// At about how many speeds cycles are sought by homotopy.
+const THOROUGH: usize = 8;
 
 /// One branch over speed and amplitude.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,8 +30,16 @@ pub struct Curve {
 pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, PoleError> {
     let mut orbits: Vec<Vec<Orbit>> = Vec::with_capacity(speeds.len());
     let mut starts: Vec<Vec<Node>> = Vec::with_capacity(speeds.len());
-    for &speed in speeds {
-        let found = if problem.forced { response::at_speed(problem, speed) } else { cycle::at_speed(problem, speed)? };
+    let mut complete = Vec::with_capacity(speeds.len());
+    // The longest search at a few speeds: what it finds is followed to all others.
+    let apart = speeds.len().div_ceil(THOROUGH).max(1);
+    for (i, &speed) in speeds.iter().enumerate() {
+        let AtSpeed { found, complete: all } = if problem.forced {
+            response::at_speed(problem, speed)
+        } else {
+            cycle::at_speed(problem, speed, i % apart == 0 || i + 1 == speeds.len())?
+        };
+        complete.push(all);
         let (mut here, mut nodes): (Vec<Orbit>, Vec<Node>) = (Vec::new(), Vec::new());
         for (x, contact) in found {
             let orbit = describe(problem, &x, contact)?;
@@ -54,7 +65,8 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Pol
             let (nodes, ends) = branch(problem, start, range);
             for pair in nodes.windows(2) {
                 for (at, &speed) in speeds.iter().enumerate() {
-                    let Some(orbit) = between(problem, &pair[0], &pair[1], speed)? else { continue };
+                    let Some(x) = problem.between(&pair[0], &pair[1], speed) else { continue };
+                    let orbit = describe(problem, &x, pair[1].contact)?;
                     if let Some(known) = orbits[at].iter().position(|o| o.is_same(&orbit, SAME)) {
                         covered[at][known] = true;
                     } else {
@@ -72,7 +84,7 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Pol
     for here in &mut orbits {
         here.sort_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
     }
-    Ok(Circular { speeds: speeds.to_vec(), orbits, curves })
+    Ok(Circular { speeds: speeds.to_vec(), orbits, curves, complete })
 }
 
 /// The orbit that a solution stands for, with its stability.
@@ -80,6 +92,7 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
     let (c, frequency, speed) = problem.unpack(x);
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
+    let (growth, noise) = (growth.rate, growth.noise);
     let force = equation.force(c.as_slice(), frequency);
     let mut amplitude = c.as_slice().to_vec();
     if !problem.forced {
@@ -87,25 +100,24 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
         let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });
         amplitude.iter_mut().for_each(|c| *c *= largest.conj() / largest.norm());
     }
-    Ok(Orbit { speed, frequency, amplitude, contact, force, growth })
+    Ok(Orbit { speed, frequency, amplitude, contact, force, growth, noise })
 }
 
-/// The orbit at `speed` on the piece of branch between two neighbouring nodes, if it passes that speed.
-fn between(problem: &Problem<'_>, a: &Node, b: &Node, speed: f64) -> Result<Option<Orbit>, PoleError> {
-    let last = problem.unknowns() - 1;
-    let (from, to) = (a.x[last], b.x[last]);
-    if !(from.min(to)..=from.max(to)).contains(&speed) {
-        return Ok(None);
-    }
-    let part = if from == to { 0.0 } else { (speed - from) / (to - from) };
-    let guess = &a.x + (&b.x - &a.x) * part;
-    let solved = problem.solve(guess.clone(), b.contact, Closing::Speed(speed));
-    let reach = (&b.x - &a.x).norm() + 1e-6 * guess.norm();
-    match solved.filter(|x| (x - &guess).norm() <= reach) {
-        Some(x) if problem.is_consistent(problem.unpack(&x).0.as_slice(), b.contact, 1e-9) => {
-            describe(problem, &x, b.contact).map(Some)
+impl Problem<'_> {
+    /// Where the last unknown is `at` on the piece of branch between two neighbouring nodes, if it passes there; the set in
+    /// contact is that of `b`.
+    pub(super) fn between(&self, a: &Node, b: &Node, at: f64) -> Option<DVector<f64>> {
+        let last = self.unknowns() - 1;
+        let (from, to) = (a.x[last], b.x[last]);
+        if !(from.min(to)..=from.max(to)).contains(&at) {
+            return None;
         }
-        _ => Ok(None),
+        let part = if from == to { 0.0 } else { (at - from) / (to - from) };
+        let guess = &a.x + (&b.x - &a.x) * part;
+        let reach = (&b.x - &a.x).norm() + 1e-6 * guess.norm();
+        let near = |x: &DVector<f64>| (x - &guess).norm() <= reach;
+        let x = self.solve(guess.clone(), b.contact, Closing::Speed(at)).filter(near)?;
+        self.is_consistent(self.unpack(&x).0.as_slice(), b.contact, 1e-9).then_some(x)
     }
 }
 

@@ -7,8 +7,9 @@
 use nalgebra::DVector;
 
 use super::newton::Closing;
-use super::response::{crossings, patterns, sets};
+use super::response::{AtSpeed, crossings, patterns, sets, spread};
 use super::whirl_equation::{Contact, Equation, Problem};
+use super::{enumerated, homotopy};
 use crate::{C64, PoleError, eigenvalues};
 
 /// Even samples of the frequency, beside those that crowd around the poles.
@@ -18,25 +19,39 @@ const CROWD: usize = 40;
 /// A cycle that whirls slower than this is an equilibrium off centre.
 const SLOWEST: f64 = 1e-7;
 
-/// Limit cycles at `speed`, with the set in contact that each belongs to; some may be found more than once.
+/// Patterns of the factors `s_k` whose modes Newton's method starts from where nothing is proven.
+const STARTS: usize = 12;
+
+/// Limit cycles at `speed`; those that need the longest search only if it is to be `thorough`.
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(super) fn at_speed(problem: &Problem<'_>, speed: f64) -> Result<Vec<(DVector<f64>, Contact)>, PoleError> {
+pub(super) fn at_speed(problem: &Problem<'_>, speed: f64, thorough: bool) -> Result<AtSpeed, PoleError> {
     let equation = problem.at(speed);
+    let gapped: Vec<usize> = problem.contacts(problem.gapped).collect();
     let mut found = Vec::new();
     for contact in sets(problem).into_iter().filter(|set| *set != 0) {
         for (c, frequency) in starts(problem, &equation, contact)? {
             let x = problem.pack(c.as_slice(), frequency, speed);
-            if let Some(x) = problem.solve(x, contact, Closing::Speed(speed)) {
-                let (c, frequency, _) = problem.unpack(&x);
-                if frequency.abs() > SLOWEST && problem.is_consistent(c.as_slice(), contact, 1e-12) {
-                    found.push((x, contact));
-                }
-            }
+            found.extend(problem.solve(x, contact, Closing::Speed(speed)).map(|x| (x, contact)));
         }
     }
-    Ok(found)
+    if gapped.len() > super::ENUMERATED_FREE + 1 {
+        for factors in spread(&gapped, STARTS) {
+            for (c, frequency) in of_modes(problem, &equation, &gapped, &factors)? {
+                let x = problem.pack(c.as_slice(), frequency, speed);
+                found.extend(problem.solve_any(x, Closing::Speed(speed)));
+            }
+        }
+        if thorough {
+            found.extend(homotopy::by_growth(problem, speed)?);
+        }
+    }
+    found.retain(|(x, contact)| {
+        let (c, frequency, _) = problem.unpack(x);
+        frequency.abs() > SLOWEST && *contact != 0 && problem.is_consistent(c.as_slice(), *contact, 1e-12)
+    });
+    Ok(AtSpeed { found, complete: gapped.len() <= super::ENUMERATED_FREE })
 }
 
 fn starts(problem: &Problem<'_>, equation: &Equation, contact: Contact) -> Result<Vec<(DVector<C64>, f64)>, PoleError> {
@@ -45,7 +60,11 @@ fn starts(problem: &Problem<'_>, equation: &Equation, contact: Contact) -> Resul
         return by_modes(problem, equation, &in_contact);
     }
     let within = |k: usize| if contact >> k & 1 == 1 { 1.0 } else { 0.0 };
-    let frequencies = grid(&eigenvalues(equation.state_matrix(within))?);
+    let mut frequencies = grid(&eigenvalues(equation.state_matrix(within))?);
+    if let [k] = in_contact[..] {
+        frequencies.extend(enumerated::frequencies(equation, k)?);
+        frequencies.sort_by(f64::total_cmp);
+    }
     let columns = |w: f64| -> Option<Vec<DVector<C64>>> {
         let lu = equation.stiffened(w, within).lu();
         in_contact
@@ -111,19 +130,32 @@ fn by_modes(
 ) -> Result<Vec<(DVector<C64>, f64)>, PoleError> {
     let mut starts = Vec::new();
     for factors in patterns(in_contact) {
-        for pole in eigenvalues(equation.state_matrix(|k| factors[k]))? {
-            if pole.re.abs() > 0.2 * pole.norm() {
-                continue;
-            }
-            // One step of inverse iteration on the quadratic form gives the shape.
-            let lu = equation.stiffened(pole.im + 1e-9, |k| factors[k]).lu();
-            let uneven = DVector::from_fn(problem.masses, |k, _| C64::cis(k as f64 * 1.618_033_988_75));
-            let Some(shape) = lu.solve(&uneven).and_then(|c| lu.solve(&(&c / C64::from(c.norm())))) else { continue };
-            let sizes = in_contact.iter().map(|&k| problem.clearance(k) / (1.0 - factors[k]) / shape[k].norm());
-            let amplitude = sizes.fold(f64::INFINITY, f64::min);
-            if amplitude.is_finite() {
-                starts.push((shape * C64::from(amplitude), pole.im));
-            }
+        starts.extend(of_modes(problem, equation, in_contact, &factors)?);
+    }
+    Ok(starts)
+}
+
+/// Whirl in the modes of the rotor with these factors, scaled so that a typical one of them is met.
+fn of_modes(
+    problem: &Problem<'_>,
+    equation: &Equation,
+    in_contact: &[usize],
+    factors: &[f64],
+) -> Result<Vec<(DVector<C64>, f64)>, PoleError> {
+    let mut starts = Vec::new();
+    for pole in eigenvalues(equation.state_matrix(|k| factors[k]))? {
+        if pole.re.abs() > 0.2 * pole.norm() {
+            continue;
+        }
+        // One step of inverse iteration on the quadratic form gives the shape.
+        let lu = equation.stiffened(pole.im + 1e-9, |k| factors[k]).lu();
+        let uneven = DVector::from_fn(problem.masses, |k, _| C64::cis(k as f64 * 1.618_033_988_75));
+        let Some(shape) = lu.solve(&uneven).and_then(|c| lu.solve(&(&c / C64::from(c.norm())))) else { continue };
+        let touching = in_contact.iter().filter(|&&k| factors[k] > 0.0);
+        let sizes = touching.map(|&k| problem.clearance(k) / (1.0 - factors[k]) / shape[k].norm());
+        let amplitude = sizes.fold(f64::INFINITY, f64::min);
+        if amplitude.is_finite() {
+            starts.push((shape * C64::from(amplitude), pole.im));
         }
     }
     Ok(starts)

@@ -13,26 +13,40 @@
 //! asked for, and each is followed through folds and through the edges of the clearances by pseudo-arclength
 //! continuation. Motion that is not circular is not found here: integrate it with a [`crate::Stepper`].
 //!
-//! How complete the search is: at one speed the orbits that press on at most two bearings with deadband at a time are
-//! enumerated (one: closed form or a scan of one frequency; two: a scan of one unknown, refined); those on three or
-//! more come from Newton's method with many starts and from continuation, which is thorough but no proof.
+//! How complete the search is ([`Circular::complete`] says so speed by speed):
+//!
+//! * Orbits that press on few bearings with clearance at a time are roots of polynomials, all of which are computed:
+//!   [`ENUMERATED_FORCED`] bearings under unbalance, [`ENUMERATED_FREE`] without. Cycles on two are zeros of a function of the
+//!   frequency, which is scanned.
+//! * Under unbalance a rotor damped well enough has one orbit, whatever presses: a contraction proves it.
+//! * All others come from a search: homotopy from the free and from the tight rotor, Newton's method from many starts,
+//!   continuation over speed. It is thorough, but no proof: a branch that hangs on nothing else may be missed.
 
 mod continuation;
 mod cycle;
+mod enumerated;
+mod homotopy;
 mod newton;
 mod orbit;
 mod response;
 mod stability;
+mod steady;
 mod tracer;
 mod whirl_equation;
 
 use crate::{Feedback, PoleError, Rotor};
 
 pub use continuation::Curve;
-pub use orbit::Orbit;
+pub use orbit::{Orbit, Standing};
+pub use steady::{centre, orbit_of};
 pub use tracer::End;
 
-/// All circular orbits over a range of speeds.
+/// Every synchronous orbit that presses on at most this many bearings with clearance at a time is found.
+pub const ENUMERATED_FORCED: usize = 2;
+/// Every limit cycle that presses on at most this many is found.
+pub const ENUMERATED_FREE: usize = 1;
+
+/// Circular orbits over a range of speeds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circular {
     /// The speeds asked for, as given.
@@ -41,6 +55,8 @@ pub struct Circular {
     pub orbits: Vec<Vec<Orbit>>,
     /// The same orbits as curves over speed and amplitude, each followed from one end to the other.
     pub curves: Vec<Curve>,
+    /// For each speed whether it is proven, but for rounding, that there are no others than those in `orbits`.
+    pub complete: Vec<bool>,
 }
 
 /// The synchronous response `p = c exp(j R tau)` under the rotor's unbalance at every one of `speeds`, all branches.

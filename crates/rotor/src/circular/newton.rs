@@ -40,7 +40,7 @@ impl Problem<'_> {
         let n = self.masses;
         let c = DVector::from_fn(n, |k, _| C64::new(x[k], x[n + k]));
         let speed = x[self.unknowns() - 1];
-        (c, if self.forced { speed } else { x[2 * n] }, speed)
+        (c, if self.forced { self.frequency(speed) } else { x[2 * n] }, speed)
     }
 
     /// Equations and their derivatives at `x`, without the closing condition; and the size of the terms in them.
@@ -78,10 +78,7 @@ impl Problem<'_> {
                 slope[(n + i, n + k)] = (a - b).re;
             }
         }
-        // Gains may be any function of speed, so this one derivative is a difference.
-        let h = 1e-6 * speed.abs().max(1.0);
-        let at = |s: f64| self.at(s).residual(&c, if self.forced { s } else { frequency }, contact);
-        column(&mut slope, unknowns - 1, &((at(speed + h) - at(speed - h)) / C64::from(2.0 * h)));
+        column(&mut slope, unknowns - 1, &self.by_last(&equation, &c, frequency, speed, contact));
         if !self.forced {
             column(&mut slope, 2 * n, &equation.by_frequency(&c, frequency));
             residual[2 * n] = phase.dotc(&c).im;
@@ -94,12 +91,24 @@ impl Problem<'_> {
     }
 
     /// Solves from `x` on; `None` if it does not converge to a finite solution.
-    pub(super) fn solve(&self, mut x: DVector<f64>, contact: Contact, closing: Closing<'_>) -> Option<DVector<f64>> {
+    pub(super) fn solve(&self, x: DVector<f64>, contact: Contact, closing: Closing<'_>) -> Option<DVector<f64>> {
+        self.iterate(x, Some(contact), closing)
+    }
+
+    /// The same with every bearing in contact whose clearance the iteration is beyond, whatever that is at the end.
+    pub(super) fn solve_any(&self, x: DVector<f64>, closing: Closing<'_>) -> Option<(DVector<f64>, Contact)> {
+        let x = self.iterate(x, None, closing)?;
+        let contact = self.touching(&self.unpack(&x).0);
+        Some((x, contact))
+    }
+
+    fn iterate(&self, mut x: DVector<f64>, given: Option<Contact>, closing: Closing<'_>) -> Option<DVector<f64>> {
         let (n, last) = (self.masses, self.unknowns() - 1);
         let phase = self.unpack(&x).0;
         let mut halvings = 0;
         let mut before: Option<(f64, DVector<f64>, DVector<f64>)> = None;
         for _ in 0..MAX_ITERATIONS {
+            let contact = given.unwrap_or_else(|| self.touching(&self.unpack(&x).0));
             let (f, slope, scale) = self.linearise(&x, contact, &phase);
             let mut residual = f.push(0.0);
             let mut matrix = slope.insert_row(last, 0.0);

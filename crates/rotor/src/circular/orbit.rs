@@ -18,6 +18,42 @@ pub struct Orbit {
     /// Largest real part among the eigenvalues of the motion linearised about the orbit in the frame that turns with
     /// it; for a limit cycle without the zero that belongs to its free phase.
     pub growth: f64,
+    /// A `growth` of at most this size is rounding.
+    pub noise: f64,
+}
+
+/// What becomes of small disturbances.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Standing {
+    /// Every one dies away.
+    Stable,
+    /// One neither grows nor dies, as far as rounding lets that be told.
+    Marginal,
+    /// One grows.
+    Unstable,
+}
+
+impl Standing {
+    /// Whether it is stable; `None` on the margin.
+    #[must_use]
+    pub fn is_stable(self) -> Option<bool> {
+        match self {
+            Self::Stable => Some(true),
+            Self::Marginal => None,
+            Self::Unstable => Some(false),
+        }
+    }
+
+    /// `stable`, `marginal` or `UNSTABLE`.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Stable => "stable",
+            Self::Marginal => "marginal",
+            Self::Unstable => "UNSTABLE",
+        }
+    }
 }
 
 impl Orbit {
@@ -27,11 +63,23 @@ impl Orbit {
         self.amplitude.iter().map(|c| c.norm()).collect()
     }
 
-    /// Whether every small disturbance dies away. An orbit on the very margin (`growth` exactly 0, or a resting rotor
-    /// that floats free inside its clearances) counts as not stable.
+    /// Whether every small disturbance dies away. An orbit on the margin (a resting rotor that floats free inside its
+    /// clearances, say) counts as not stable.
     #[must_use]
     pub fn is_stable(&self) -> bool {
-        self.growth < 0.0
+        self.standing() == Standing::Stable
+    }
+
+    /// What becomes of small disturbances.
+    #[must_use]
+    pub fn standing(&self) -> Standing {
+        if self.growth < -self.noise {
+            Standing::Stable
+        } else if self.growth > self.noise {
+            Standing::Unstable
+        } else {
+            Standing::Marginal
+        }
     }
 
     /// The largest radius of any mass, in `e_t`.

@@ -8,23 +8,39 @@ use nalgebra::{DMatrix, DVector};
 
 use super::newton::Closing;
 use super::whirl_equation::{Contact, Equation, Problem};
+use super::{enumerated, homotopy};
 use crate::C64;
 
-/// Samples of one direction when two bearings are in contact: far finer than any pair of roots that are told apart.
-const ANGLES: usize = 720;
 /// Above this many bearings with clearance not every set can be tried.
 const MOST_SETS: usize = 5;
+/// Patterns of the factors `s_k` from which Newton's method starts where nothing is proven.
+const STARTS: usize = 48;
 
-/// Synchronous orbits at `speed`, with the set in contact that each belongs to; some may be found more than once.
-pub(super) fn at_speed(problem: &Problem<'_>, speed: f64) -> Vec<(DVector<f64>, Contact)> {
+/// What was found at one speed.
+pub(super) struct AtSpeed {
+    /// Solutions with the set in contact that each belongs to; some may be found more than once.
+    pub found: Vec<(DVector<f64>, Contact)>,
+    /// There are no others, but for rounding.
+    pub complete: bool,
+}
+
+/// Synchronous orbits at `speed`.
+pub(super) fn at_speed(problem: &Problem<'_>, speed: f64) -> AtSpeed {
     let equation = problem.at(speed);
     let centre = vec![C64::ZERO; problem.masses];
+    let gapped: Vec<usize> = problem.contacts(problem.gapped).collect();
+    let unique = !gapped.is_empty() && enumerated::is_unique(&equation, speed, &gapped);
     if equation.forcing().iter().all(|f| *f == C64::ZERO) {
-        return vec![(problem.pack(&centre, speed, speed), 0)];
+        // At rest there may be more, but they are equilibria off centre.
+        let complete = gapped.is_empty() || unique;
+        return AtSpeed { found: vec![(problem.pack(&centre, speed, speed), 0)], complete };
     }
     let mut found = Vec::new();
+    let mut enumerable = true;
     for contact in sets(problem) {
-        for start in starts(problem, &equation, speed, contact) {
+        let (starts, all) = starts(problem, &equation, speed, contact);
+        enumerable &= all;
+        for start in starts {
             let x = problem.pack(start.as_slice(), speed, speed);
             if let Some(x) = problem.solve(x, contact, Closing::Speed(speed))
                 && problem.is_consistent(problem.unpack(&x).0.as_slice(), contact, 1e-12)
@@ -33,7 +49,18 @@ pub(super) fn at_speed(problem: &Problem<'_>, speed: f64) -> Vec<(DVector<f64>, 
             }
         }
     }
-    found
+    let complete = (enumerable && gapped.len() <= super::ENUMERATED_FORCED) || unique;
+    if !complete || found.is_empty() {
+        found.extend(homotopy::by_load(problem, speed));
+    }
+    if !complete {
+        for factors in spread(&gapped, STARTS) {
+            let matrix: DMatrix<C64> = equation.stiffened(speed, |k| factors[k]);
+            let Some(c) = matrix.lu().solve(equation.forcing()).filter(is_finite) else { continue };
+            found.extend(problem.solve_any(problem.pack(c.as_slice(), speed, speed), Closing::Speed(speed)));
+        }
+    }
+    AtSpeed { found, complete }
 }
 
 /// The sets of bearings in contact that are tried: all of them, or, of very many bearings, those with few in contact or few out.
@@ -52,12 +79,12 @@ pub(super) fn sets(problem: &Problem<'_>) -> Vec<Contact> {
     sets
 }
 
-/// Amplitudes from which Newton's method reaches every orbit of this set.
-fn starts(problem: &Problem<'_>, equation: &Equation, speed: f64, contact: Contact) -> Vec<DVector<C64>> {
+/// Amplitudes from which Newton's method reaches every orbit of this set; and whether it is sure to reach all.
+fn starts(problem: &Problem<'_>, equation: &Equation, speed: f64, contact: Contact) -> (Vec<DVector<C64>>, bool) {
     let in_contact: Vec<usize> = problem.contacts(contact).collect();
     let within = |k: usize| if contact >> k & 1 == 1 { 1.0 } else { 0.0 };
     let lu = equation.stiffened(speed, within).lu();
-    let Some(base) = lu.solve(equation.forcing()).filter(is_finite) else { return Vec::new() };
+    let Some(base) = lu.solve(equation.forcing()).filter(is_finite) else { return (Vec::new(), false) };
     let columns: Option<Vec<DVector<C64>>> = in_contact
         .iter()
         .map(|&k| {
@@ -66,12 +93,16 @@ fn starts(problem: &Problem<'_>, equation: &Equation, speed: f64, contact: Conta
             lu.solve(&unit).filter(is_finite)
         })
         .collect();
-    let Some(columns) = columns else { return Vec::new() };
+    let Some(columns) = columns else { return (Vec::new(), false) };
     match in_contact[..] {
-        [] => vec![base],
-        [k] => directions(base[k], columns[0][k]).into_iter().map(|e| &base + &columns[0] * e).collect(),
+        [] => (vec![base], true),
+        [k] => {
+            let all = directions(base[k], columns[0][k]).into_iter().map(|e| &base + &columns[0] * e).collect();
+            // With nothing that drives it the phase of an orbit would be free.
+            (all, base[k] != C64::ZERO)
+        }
         [k, l] => two_in_contact(&base, &columns, k, l),
-        _ => by_factors(problem, equation, speed, &in_contact),
+        _ => (by_factors(problem, equation, speed, &in_contact), false),
     }
 }
 
@@ -91,23 +122,15 @@ fn directions(a: C64, h: C64) -> Vec<C64> {
     [a.arg() + angle, a.arg() + std::f64::consts::PI - angle].map(C64::cis).to_vec()
 }
 
-/// Scans the direction of `l`, for which that of `k` follows in closed form, for zeros of what is left.
-fn two_in_contact(base: &DVector<C64>, columns: &[DVector<C64>], k: usize, l: usize) -> Vec<DVector<C64>> {
-    // Per branch of e_k: (mismatch at l, e_k, e_l) along the scan, broken where e_k does not exist.
-    let mut starts = Vec::new();
-    for branch in 0..2 {
-        let scan: Vec<Option<(f64, DVector<C64>)>> = (0..=ANGLES + 1)
-            .map(|i| {
-                let e_l = C64::cis(std::f64::consts::TAU * i as f64 / ANGLES as f64);
-                let with_l = base + &columns[1] * e_l;
-                let e_k = *directions(with_l[k], columns[0][k]).get(branch)?;
-                let c = with_l + &columns[0] * e_k;
-                Some(((e_l.conj() * c[l]).im, c))
-            })
-            .collect();
-        starts.extend(crossings(&scan));
-    }
-    starts
+/// The directions of `l` are roots of a polynomial; those of `k` follow in closed form.
+fn two_in_contact(base: &DVector<C64>, columns: &[DVector<C64>], k: usize, l: usize) -> (Vec<DVector<C64>>, bool) {
+    let influence = [[columns[0][k], columns[1][k]], [columns[0][l], columns[1][l]]];
+    let Some(second) = enumerated::directions([base[k], base[l]], influence) else { return (Vec::new(), false) };
+    let starts = second.into_iter().flat_map(|e_l| {
+        let with_l = base + &columns[1] * e_l;
+        directions(with_l[k], columns[0][k]).into_iter().map(move |e_k| &with_l + &columns[0] * e_k)
+    });
+    (starts.collect(), true)
 }
 
 /// Places in a scan where the first member changes sign, comes close to zero, or begins and ends.
@@ -160,4 +183,21 @@ pub(super) fn patterns(in_contact: &[usize]) -> Vec<Vec<f64>> {
         patterns.extend([(0.2, 0.8), (0.8, 0.2), (0.5, 0.05), (0.5, 0.95)].map(|(all, one)| set(all, Some((k, one)))));
     }
     patterns
+}
+
+/// Factors by mass, `count` patterns spread evenly over all that there are (a lattice of irrational steps), among them
+/// many in which bearings are out of contact.
+pub(super) fn spread(gapped: &[usize], count: usize) -> impl Iterator<Item = Vec<f64>> {
+    // The positive root of x^(d+1) = x + 1: the golden ratio for more than one dimension.
+    let dimension = gapped.len() as f64;
+    let ratio = (0..50).fold(1.5_f64, |x, _| (1.0 + x).powf(1.0 / (dimension + 1.0)));
+    let gapped = gapped.to_vec();
+    (1..=count).map(move |i| {
+        let mut factors = vec![0.0; crate::MAX_MASSES];
+        for (d, &k) in gapped.iter().enumerate() {
+            let even = (0.5 + i as f64 * ratio.powi(-(d as i32) - 1)).fract();
+            factors[k] = (1.35 * even - 0.3).clamp(0.0, 0.995);
+        }
+        factors
+    })
 }

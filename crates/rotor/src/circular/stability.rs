@@ -5,8 +5,19 @@ use nalgebra::DMatrix;
 use super::whirl_equation::{Contact, Equation};
 use crate::{C64, J, PoleError, eigenvalues};
 
+/// How fast the fastest disturbance of an orbit grows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Growth {
+    /// The largest real part of an eigenvalue.
+    pub rate: f64,
+    /// A real part this small or smaller is rounding.
+    pub noise: f64,
+}
+
 /// An eigenvalue this small, against the largest of its matrix, is the zero of a limit cycle's free phase.
 const PHASE_ZERO: f64 = 1e-5;
+/// Real parts below this part of the size of the matrix are rounding: some thousand rounding errors.
+const NOISE: f64 = 1e-12;
 
 /// The largest real part among the eigenvalues of the disturbance `q` in `p = (c + q) exp(j w tau)`:
 ///
@@ -26,7 +37,7 @@ pub(super) fn growth(
     frequency: f64,
     contact: Contact,
     free_phase: bool,
-) -> Result<f64, PoleError> {
+) -> Result<Growth, PoleError> {
     let n = c.len();
     let (a, b) = equation.slope(c, frequency, contact);
     let mut matrix = DMatrix::<C64>::zeros(4 * n, 4 * n);
@@ -46,6 +57,7 @@ pub(super) fn growth(
             matrix[(3 * n + i, 3 * n + k)] = -damping.conj();
         }
     }
+    let noise = NOISE * matrix.norm();
     let mut poles = eigenvalues(matrix)?;
     if free_phase {
         let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -54,5 +66,5 @@ pub(super) fn growth(
             poles.swap_remove(zero);
         }
     }
-    Ok(poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max))
+    Ok(Growth { rate: poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max), noise })
 }

@@ -7,8 +7,22 @@ use crate::{C64, ClosedLoop, ControlRow, Feedback, J, Rotor};
 /// Which masses press on their support bearing: bit `k` for mass `k`.
 pub(super) type Contact = u32;
 
+/// What the last unknown is, along which a branch is followed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Along {
+    /// The spin speed.
+    Speed,
+    /// The logarithm of a factor on the unbalance, at this spin speed.
+    Load { speed: f64 },
+    /// The rate at which whirl grows, at this spin speed.
+    Growth { speed: f64 },
+}
+
 /// A rotor whose circular orbits are sought.
 pub(super) struct Problem<'a> {
+    along: Along,
+    /// The equation at the one speed of a branch that is not followed over speed.
+    fixed: Option<Equation>,
     rotor: &'a Rotor,
     feedback: &'a Feedback,
     deadband: Vec<f64>,
@@ -26,28 +40,57 @@ impl<'a> Problem<'a> {
             rotor.masses().iter().zip(&deadband).enumerate().fold(0, |set, (k, (mass, g))| {
                 if mass.bearing_stiffness > 0.0 && *g > 0.0 { set | 1 << k } else { set }
             });
-        Self { rotor, feedback, deadband, forced, gapped, masses: rotor.len() }
+        Self { along: Along::Speed, fixed: None, rotor, feedback, deadband, forced, gapped, masses: rotor.len() }
     }
 
-    /// The equation at one spin speed.
-    pub(super) fn at(&self, speed: f64) -> Equation {
-        let n = self.masses;
-        let closed_loop = ClosedLoop::new(self.rotor, self.feedback, speed, &self.deadband);
-        // Without clearance a bearing is linear: it belongs to the matrix.
-        let factors: Vec<f64> = (0..n).map(|k| if self.gapped >> k & 1 == 1 { 0.0 } else { 1.0 }).collect();
-        let state = closed_loop.state_matrix_with(&factors);
-        Equation {
-            stiffness: -state.view((n, 0), (n, n)),
-            damping: -state.view((n, n), (n, n)),
-            bearing: closed_loop.bearing[..n].to_vec(),
-            clearance: self.deadband.clone(),
-            forcing: DVector::from_iterator(
-                n,
-                closed_loop.unbalance[..n].iter().map(|f| C64::from(if self.forced { *f } else { 0.0 })),
-            ),
-            control: closed_loop.control,
-            gapped: self.gapped,
+    /// The same rotor, to be followed along something else than speed.
+    pub(super) fn along(&self, along: Along) -> Self {
+        let fixed = match along {
+            Along::Speed => None,
+            Along::Load { speed } | Along::Growth { speed } => Some(self.at(speed)),
+        };
+        let deadband = self.deadband.clone();
+        Self { along, fixed, deadband, ..*self }
+    }
+
+    /// The frequency that is given: that of the spin under unbalance, unless the spin is unknown itself.
+    pub(super) fn frequency(&self, last: f64) -> f64 {
+        match self.along {
+            Along::Load { speed } | Along::Growth { speed } => speed,
+            Along::Speed => last,
         }
+    }
+
+    /// The derivative of the residual by the last unknown.
+    pub(super) fn by_last(
+        &self,
+        equation: &Equation,
+        c: &DVector<C64>,
+        frequency: f64,
+        last: f64,
+        contact: Contact,
+    ) -> DVector<C64> {
+        match self.along {
+            Along::Load { .. } => -equation.forcing(),
+            Along::Growth { .. } => equation.by_growth(c, frequency),
+            Along::Speed => {
+                // Gains may be any function of speed, so this one derivative is a difference.
+                let h = 1e-6 * last.abs().max(1.0);
+                let at = |s: f64| self.at(s).residual(c, if self.forced { s } else { frequency }, contact);
+                (at(last + h) - at(last - h)) / C64::from(2.0 * h)
+            }
+        }
+    }
+
+    /// The equation at a value of the last unknown: a spin speed, unless the branch is followed along something else.
+    pub(super) fn at(&self, speed: f64) -> Equation {
+        if let Some(fixed) = &self.fixed {
+            return match self.along {
+                Along::Load { .. } => fixed.loaded(speed.exp()),
+                Along::Growth { .. } | Along::Speed => fixed.growing(speed),
+            };
+        }
+        Equation::of(&ClosedLoop::new(self.rotor, self.feedback, speed, &self.deadband), self.forced)
     }
 
     /// The largest clearance that matters, in `e_t`; 0 without any.
@@ -65,6 +108,12 @@ impl<'a> Problem<'a> {
         (0..self.masses).filter(move |k| set >> k & 1 == 1)
     }
 
+    /// The masses beyond their clearance.
+    pub(super) fn touching(&self, c: &DVector<C64>) -> Contact {
+        let beyond = self.contacts(self.gapped).filter(|&k| c[k].norm() > self.deadband[k]);
+        beyond.fold(0, |set, k| set | 1 << k)
+    }
+
     /// Whether the radii agree with the set of bearings in contact that they were computed for, to a relative `slack`.
     pub(super) fn is_consistent(&self, c: &[C64], contact: Contact, slack: f64) -> bool {
         self.contacts(self.gapped).all(|k| {
@@ -75,7 +124,10 @@ impl<'a> Problem<'a> {
 }
 
 /// The equation of circular whirl at one spin speed.
+#[derive(Clone)]
 pub(super) struct Equation {
+    /// The rate at which the whirl grows; zero on an orbit.
+    growth: f64,
     stiffness: DMatrix<C64>,
     damping: DMatrix<C64>,
     bearing: Vec<f64>,
@@ -86,11 +138,45 @@ pub(super) struct Equation {
 }
 
 impl Equation {
-    /// Dynamic stiffness `Z(w) = K + j w C - w^2`, without the bearings that have clearance.
+    /// The equation of a rotor at its operating point, under its unbalance or without.
+    pub(super) fn of(closed_loop: &ClosedLoop, forced: bool) -> Self {
+        let n = closed_loop.masses;
+        let is_gapped = |k: &usize| closed_loop.bearing[*k] > 0.0 && closed_loop.deadband[*k] > 0.0;
+        // Without clearance a bearing is linear: it belongs to the matrix.
+        let factors: Vec<f64> = (0..n).map(|k| if is_gapped(&k) { 0.0 } else { 1.0 }).collect();
+        let state = closed_loop.state_matrix_with(&factors);
+        Self {
+            growth: 0.0,
+            stiffness: -state.view((n, 0), (n, n)),
+            damping: -state.view((n, n), (n, n)),
+            bearing: closed_loop.bearing[..n].to_vec(),
+            clearance: closed_loop.deadband[..n].to_vec(),
+            forcing: DVector::from_iterator(
+                n,
+                closed_loop.unbalance[..n].iter().map(|f| C64::from(if forced { *f } else { 0.0 })),
+            ),
+            control: closed_loop.control,
+            gapped: (0..n).filter(is_gapped).fold(0, |set, k| set | 1 << k),
+        }
+    }
+
+    /// The same under another unbalance.
+    fn loaded(&self, factor: f64) -> Self {
+        Self { forcing: &self.forcing * C64::from(factor), ..self.clone() }
+    }
+
+    /// The same for whirl that grows at this rate.
+    pub(super) fn growing(&self, growth: f64) -> Self {
+        Self { growth, ..self.clone() }
+    }
+
+    /// Dynamic stiffness `Z = K + s C + s^2` with `s = j w`, plus the rate of growth; without the bearings that have
+    /// clearance.
     pub(super) fn dynamic_stiffness(&self, frequency: f64) -> DMatrix<C64> {
-        let mut z = &self.stiffness + &self.damping * (J * frequency);
+        let s = C64::new(self.growth, frequency);
+        let mut z = &self.stiffness + &self.damping * s;
         for k in 0..z.nrows() {
-            z[(k, k)] -= frequency * frequency;
+            z[(k, k)] += s * s;
         }
         z
     }
@@ -160,9 +246,19 @@ impl Equation {
         (a, b)
     }
 
-    /// Derivative of the residual by the frequency: `(j C - 2 w) c`.
+    /// Derivative of the residual by the frequency: `j (C + 2 s) c`.
     pub(super) fn by_frequency(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
-        &self.damping * c * J - c * C64::from(2.0 * frequency)
+        self.by_growth(c, frequency) * J
+    }
+
+    /// Derivative of the residual by the rate of growth: `(C + 2 s) c`.
+    fn by_growth(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
+        &self.damping * c + c * (C64::new(self.growth, frequency) * 2.0)
+    }
+
+    /// Stiffness of bearing `k`, `b_k`.
+    pub(super) fn bearing_stiffness(&self, k: usize) -> f64 {
+        self.bearing[k]
     }
 
     /// Damping matrix `C` of `p'' + C p' + K p`.

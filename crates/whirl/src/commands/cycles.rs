@@ -1,10 +1,11 @@
-//! `whirl cycles`: exact self-excited limit cycles of the balanced rotor, every branch over speed.
+//! `whirl cycles`: exact self-excited limit cycles of the balanced rotor, branch by branch over speed.
 
-use rotor::circular::{self, Curve, End, Orbit};
+use rotor::circular::{self, Curve, ENUMERATED_FREE, End, Orbit};
 use serde::Serialize;
 
 use super::orbits::{
-    PointDocument, SweepArgs, contact, deadband_text, heading, headings, points, radii, speeds_text, stability,
+    CompletenessDocument, PointDocument, SweepArgs, completeness, contact, deadband_text, heading, headings, points,
+    radii, speeds_text, stability,
 };
 use crate::catalog::Machine;
 use crate::failure::Failure;
@@ -29,6 +30,7 @@ pub(crate) struct CyclesArgs {
 struct Document<'a> {
     rotor: &'a str,
     deadband: &'a [f64],
+    completeness: CompletenessDocument,
     points: Vec<PointDocument<BranchDocument>>,
     /// Every branch as the threshold speed of a given amplitude: where whirl of that size neither grows nor decays.
     thresholds: Vec<ThresholdDocument>,
@@ -110,11 +112,14 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     }
     let mut footer: Vec<String> = found.curves.iter().filter_map(|curve| describe(curve, units)).collect();
     if found.orbits.iter().all(Vec::is_empty) {
-        footer.push("no self-excited circular limit cycle at any of these speeds".into());
+        footer.push("no self-excited circular limit cycle found at any of these speeds".into());
     }
+    let (completeness, proven) = completeness(&machine, &found, ENUMERATED_FREE);
+    footer.push(proven);
     let document = Document {
         rotor: rotor.name(),
         deadband: &settings.deadband,
+        completeness,
         points: points(&found),
         thresholds: found.curves.iter().map(Into::into).collect(),
         units: units.document(),

@@ -3,7 +3,9 @@
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use rotor::circular::Standing;
 use serde::Serialize;
+use study::disturbance::{self, Judgement, Means};
 use study::force::{ForceError, Point};
 use study::run::Settled;
 
@@ -11,7 +13,7 @@ use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
-use crate::output::{Cell, Format, Table};
+use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
 use crate::units::UnitsDocument;
 
@@ -47,6 +49,19 @@ struct Document<'a> {
     /// the run, see `settled`.
     max_force: Vec<Vec<Option<f64>>>,
     settled: Vec<Vec<Settled>>,
+    /// Whether a small disturbance of the steady motion dies away; `null` on the margin, and where no motion is steady, see
+    /// `stability`.
+    stable: Vec<Vec<Option<bool>>>,
+    /// `stable`, `marginal` or `unstable`; `null` where no motion is steady: it diverged, or has not settled.
+    stability: Vec<Vec<Option<Standing>>>,
+    /// How fast the fastest disturbance grows, per unit of tau.
+    growth: Vec<Vec<Option<f64>>>,
+    /// By `eigenvalues` on a circular orbit and at rest, by `simulation` on any other: that sees growth above `growth_seen`.
+    stability_by: Vec<Vec<Option<Means>>>,
+    growth_seen: f64,
+    /// The same for the rotor at rest in its centre, support bearings with clearance out of action.
+    centre_stability: Vec<Vec<Standing>>,
+    centre_growth: Vec<Vec<f64>>,
     diverged_at: Vec<Vec<Option<f64>>>,
     #[serde(flatten)]
     units: UnitsDocument,
@@ -86,8 +101,8 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
     let points = study::force::sweep(rotor, &machine.settings.feedback, &speeds, &deadbands, &stop, &report)?;
 
     let mut table = Table::new(units.pick(
-        &["speed", "deadband", "max force", "motion"],
-        &["speed (rpm)", "deadband (m)", "max force (N)", "motion"],
+        &["speed", "deadband", "max force", "motion", "stability", "centre"],
+        &["speed (rpm)", "deadband (m)", "max force (N)", "motion", "stability", "centre"],
     ));
     for (i, speed) in speeds.iter().enumerate() {
         for (deadband, points) in deadbands.iter().zip(&points) {
@@ -99,24 +114,63 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
             };
             let force = steady_force(&points[i])
                 .map_or_else(|| Cell::from(&""), |u| units.force(u, machine.bearing_mass()).into());
-            table.row([units.speed(*speed).into(), units.length(*deadband).into(), force, Cell::from(&word)]);
+            let judged = points[i].stability.map_or("", |judged| judged.standing.word());
+            let words = [word, judged, points[i].centre.standing.word()];
+            let numbers = [units.speed(*speed).into(), units.length(*deadband).into(), force];
+            table.row(numbers.into_iter().chain(words.iter().map(Cell::from)));
         }
     }
-    let each = |of: &dyn Fn(&Point) -> Option<f64>| {
-        points.iter().map(|row| row.iter().map(of).collect()).collect::<Vec<Vec<_>>>()
-    };
+    let footer = footer(points.iter().flatten(), rotor.masses().iter().all(|m| m.unbalance == 0.0));
     let document = Document {
         rotor: rotor.name(),
         speeds: &speeds,
         deadbands: &deadbands,
-        max_force: each(&steady_force),
-        settled: points.iter().map(|row| row.iter().map(|p| p.settled).collect()).collect(),
-        diverged_at: each(&|point| point.diverged_at),
+        max_force: of(&points, steady_force),
+        settled: of(&points, |p| p.settled),
+        stable: of(&points, |p| p.stability.and_then(|judged| judged.standing.is_stable())),
+        stability: of(&points, |p| p.stability.map(|judged| judged.standing)),
+        growth: of(&points, |p| p.stability.map(|judged| judged.growth)),
+        stability_by: of(&points, |p| p.stability.map(|judged| judged.by)),
+        growth_seen: disturbance::slowest_seen(),
+        centre_stability: of(&points, |p| p.centre.standing),
+        centre_growth: of(&points, |p| p.centre.growth),
+        diverged_at: of(&points, |point| point.diverged_at),
         units: units.document(),
     };
     let dimensionless = units.pick(", in w0^2 e_t; deadbands in e_t", "");
     let heading = format!("{}: largest steady control force from rest{dimensionless}", rotor.name());
-    args.format.print(&document, &heading, &table, "")
+    args.format.print(&document, &heading, &table, &footer)
+}
+
+/// One value a point, `[deadband][speed]`.
+fn of<T>(points: &[Vec<Point>], value: impl Fn(&Point) -> T) -> Vec<Vec<T>> {
+    points.iter().map(|row| row.iter().map(&value).collect()).collect()
+}
+
+/// What the words of the table do not say.
+fn footer<'a>(points: impl Iterator<Item = &'a Point> + Clone, balanced: bool) -> String {
+    let judged = points.filter_map(|p| p.stability);
+    let total = judged.clone().count();
+    let mut lines = Vec::new();
+    if balanced {
+        lines.push("nothing drives this rotor: every unbalance is zero".to_owned());
+    }
+    let unstable = |j: &Judgement| j.standing == Standing::Unstable;
+    if let Some(fastest) = judged.clone().filter(unstable).map(|j| j.growth).max_by(f64::total_cmp) {
+        lines.push(format!(
+            "{} of {total} steady values belong to motion that is NOT stable: disturbances that neither start nor unbalance \
+             excite grow, as fast as exp({} tau)",
+            judged.clone().filter(unstable).count(),
+            rounded(fastest)
+        ));
+    }
+    if judged.clone().any(|j| j.by == Means::Simulation) {
+        lines.push(format!(
+            "stability of a motion that beats is by simulation: growth slower than exp({} tau) is not seen",
+            rounded(disturbance::slowest_seen())
+        ));
+    }
+    lines.join("\n")
 }
 
 fn steady_force(point: &Point) -> Option<f64> {

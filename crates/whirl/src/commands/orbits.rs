@@ -1,6 +1,6 @@
 //! What `whirl response` and `whirl cycles` share: sweeps over speed for exact circular orbits, and their tables.
 
-use rotor::circular::{Circular, Orbit};
+use rotor::circular::{Circular, Orbit, Standing};
 use serde::Serialize;
 
 use crate::catalog::Machine;
@@ -43,16 +43,54 @@ impl SweepArgs {
 #[derive(Debug, Serialize)]
 pub(super) struct PointDocument<Branch> {
     speed: f64,
+    /// Whether it is proven, but for rounding, that there are no other branches.
+    complete: bool,
     branches: Vec<Branch>,
 }
 
 /// All orbits, speed by speed.
 pub(super) fn points<'a, Branch: From<&'a Orbit>>(found: &'a Circular) -> Vec<PointDocument<Branch>> {
-    let point = |(&speed, orbits): (&f64, &'a Vec<Orbit>)| PointDocument {
+    let point = |((&speed, &complete), orbits): ((&f64, &bool), &'a Vec<Orbit>)| PointDocument {
         speed,
+        complete,
         branches: orbits.iter().map(Into::into).collect(),
     };
-    found.speeds.iter().zip(&found.orbits).map(point).collect()
+    found.speeds.iter().zip(&found.complete).zip(&found.orbits).map(point).collect()
+}
+
+/// How far the list of branches is proven complete.
+#[derive(Debug, Serialize)]
+pub(super) struct CompletenessDocument {
+    /// How many support bearings have stiffness and clearance.
+    clearances: usize,
+    /// Branches that press on at most this many of them at a time are all found, but for rounding.
+    enumerated: usize,
+    /// At how many of the speeds nothing can be missing.
+    complete: usize,
+    /// Where the others come from: `none` are needed, or a `search`, which is no proof.
+    others: &'static str,
+}
+
+/// What is proven of `found`, where branches on at most `enumerated` bearings at a time are all found; and a line that says so.
+pub(super) fn completeness(machine: &Machine, found: &Circular, enumerated: usize) -> (CompletenessDocument, String) {
+    let bearings = machine.rotor.masses().iter().zip(&machine.settings.deadband);
+    let clearances = bearings.filter(|(mass, g)| mass.bearing_stiffness > 0.0 && **g > 0.0).count();
+    let (complete, total) = (found.complete.iter().filter(|all| **all).count(), found.complete.len());
+    let words = if complete == total {
+        "proven complete: no other circular orbit at these speeds, but for rounding".to_owned()
+    } else {
+        let bearings = if enumerated == 1 { "one bearing".to_owned() } else { format!("{enumerated} bearings") };
+        let proven = match complete {
+            0 => "NOT proven complete".to_owned(),
+            _ => format!("proven complete at {complete} of {total} speeds only"),
+        };
+        format!(
+            "{proven}: all orbits that press on at most {bearings} of the {clearances} with clearance at a time are listed; of \
+             those on more, what a search found (homotopy, many starts, continuation), and others may exist"
+        )
+    };
+    let others = if complete == total { "none" } else { "search" };
+    (CompletenessDocument { clearances, enumerated, complete, others }, words)
 }
 
 /// Masses in contact, counted from 1.
@@ -89,9 +127,13 @@ pub(super) fn speeds_text(speeds: &[f64], units: Units) -> String {
     units.pick(format!("R = {shown}"), format!("{shown} rpm"))
 }
 
-/// `stable` or `unstable`.
+/// `stable`, `marginal` or `unstable`.
 pub(super) fn stability(orbit: &Orbit) -> &'static str {
-    if orbit.is_stable() { "stable" } else { "unstable" }
+    match orbit.standing() {
+        Standing::Stable => "stable",
+        Standing::Marginal => "marginal",
+        Standing::Unstable => "unstable",
+    }
 }
 
 /// Numbers for people, separated by commas.

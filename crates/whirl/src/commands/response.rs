@@ -1,10 +1,11 @@
-//! `whirl response`: the exact synchronous response under unbalance, every branch over speed.
+//! `whirl response`: the exact synchronous response under unbalance, branch by branch over speed.
 
-use rotor::circular::{self, Circular, Curve, End, Orbit};
+use rotor::circular::{self, Circular, Curve, ENUMERATED_FORCED, End, Orbit};
 use serde::Serialize;
 
 use super::orbits::{
-    PointDocument, SweepArgs, contact, deadband_text, heading, headings, points, radii, speeds_text, stability,
+    CompletenessDocument, PointDocument, SweepArgs, completeness, contact, deadband_text, heading, headings, points,
+    radii, speeds_text, stability,
 };
 use crate::catalog::Machine;
 use crate::failure::Failure;
@@ -29,6 +30,7 @@ pub(crate) struct ResponseArgs {
 struct Document<'a> {
     rotor: &'a str,
     deadband: &'a [f64],
+    completeness: CompletenessDocument,
     points: Vec<PointDocument<BranchDocument>>,
     /// Where a branch turns back: the jumps of a run-up and a coast-down.
     folds: Vec<FoldDocument>,
@@ -112,24 +114,24 @@ pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
             table.row(head.into_iter().chain(radii(orbit, units)).chain(tail));
         }
     }
-    let document = document(&machine, &found);
+    let (completeness, proven) = completeness(&machine, &found, ENUMERATED_FORCED);
+    let document = document(&machine, &found, completeness);
     let dimensionless = units.pick("; radii in e_t, force in w0^2 e_t", "");
     let heading = format!("{}: exact synchronous response, {}{dimensionless}", rotor.name(), deadband_text(&machine));
-    let footer = match document.folds.len() {
-        0 => String::new(),
-        _ => {
-            let speeds: Vec<f64> = document.folds.iter().map(|f| f.speed).collect();
-            format!("branches turn back at {}", speeds_text(&speeds, units))
-        }
-    };
-    args.format.print(&document, &heading, &table, &footer)
+    let mut footer = vec![proven];
+    if !document.folds.is_empty() {
+        let speeds: Vec<f64> = document.folds.iter().map(|f| f.speed).collect();
+        footer.push(format!("branches turn back at {}", speeds_text(&speeds, units)));
+    }
+    args.format.print(&document, &heading, &table, &footer.join("\n"))
 }
 
-fn document<'a>(machine: &'a Machine, found: &Circular) -> Document<'a> {
+fn document<'a>(machine: &'a Machine, found: &Circular, completeness: CompletenessDocument) -> Document<'a> {
     let folds = found.curves.iter().flat_map(|curve| curve.folds.iter().map(|&i| &curve.orbits[i]));
     Document {
         rotor: machine.rotor.name(),
         deadband: &machine.settings.deadband,
+        completeness,
         points: points(found),
         folds: folds.map(|orbit| FoldDocument { speed: orbit.speed, radius: orbit.radii() }).collect(),
         curves: found.curves.iter().map(Into::into).collect(),

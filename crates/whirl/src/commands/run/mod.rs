@@ -91,7 +91,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(writer) = writer {
         writer.finish()?;
     }
-    print::print(args.format, &machine, &plan, outcome, seconds, spectrum)
+    print::print(args.format, &machine, outcome, seconds, spectrum)
 }
 
 /// What to simulate, checked.
@@ -140,6 +140,7 @@ impl From<RunError> for Failure {
         match error {
             RunError::Interrupted => Self::Interrupted,
             RunError::TooLong(_) => Self::Usage(error.to_string()),
+            RunError::Poles(error) => error.into(),
             RunError::Observer(error) => Self::Work(format!("cannot write the trajectory: {error}")),
         }
     }

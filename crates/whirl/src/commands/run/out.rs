@@ -41,7 +41,7 @@ impl Out {
             tape::available()?;
             place::check(path)?;
             let impulses = plan.impulses.iter().map(|i| (i.at, i.mass, i.change)).collect();
-            let tape = OfflineTape::create(path, rotor, settings, plan.dtau, every, impulses)?;
+            let tape = OfflineTape::create(path, rotor, settings, plan.longest_step(), every, impulses)?;
             return Ok(Self::Tape(Box::new(Recorder(tape))));
         }
         let form = Form::of(path).map_err(|error| match error {

@@ -1,7 +1,9 @@
 //! What `whirl run` prints.
 
+use rotor::circular::Standing;
 use serde::Serialize;
-use study::run::{Outcome, Plan, Settled};
+use study::disturbance::{self, Judgement, Means};
+use study::run::{Outcome, Settled};
 use study::spectrum::{Peak, Spectrum};
 
 use crate::catalog::Machine;
@@ -15,7 +17,9 @@ struct Document<'a> {
     rotor: &'a str,
     speed: f64,
     deadband: &'a [f64],
+    /// The longest step taken, and the shortest if they are not all even: impulses part them.
     dtau: f64,
+    shortest_dtau: f64,
     steps: u64,
     seconds: f64,
     diverged: bool,
@@ -23,6 +27,19 @@ struct Document<'a> {
     /// How the motion came to rest; `given` where the command line said from when.
     settled: Settled,
     settled_at: Option<f64>,
+    /// Whether a small disturbance of the motion at the end dies away; `null` on the margin, and where no motion is steady, see
+    /// `stability`.
+    stable: Option<bool>,
+    /// `stable`, `marginal` or `unstable`; `null` where no motion is steady: it diverged, or has not settled.
+    stability: Option<Standing>,
+    /// How fast the fastest disturbance grows, per unit of tau.
+    growth: Option<f64>,
+    /// By `eigenvalues` on a circular orbit and at rest, by `simulation` on any other: that sees growth above `growth_seen`.
+    stability_by: Option<Means>,
+    growth_seen: f64,
+    /// The same for the rotor at rest in its centre, support bearings with clearance out of action.
+    centre_stability: Standing,
+    centre_growth: f64,
     maxima_from: f64,
     max_force: f64,
     max_force_component: f64,
@@ -69,7 +86,6 @@ struct PsdDocument {
 pub(super) fn print(
     format: Format,
     machine: &Machine,
-    plan: &Plan,
     outcome: Outcome,
     seconds: f64,
     spectrum: Option<(usize, Spectrum, Vec<Peak>)>,
@@ -90,7 +106,7 @@ pub(super) fn print(
         rotor.name(),
         units.speed_text(settings.speed),
         outcome.steps,
-        rounded(plan.dtau),
+        steps(outcome.step),
         units.time_text(last.tau),
         units.pick("; lengths in e_t, times in tau = w0 t, forces in w0^2 e_t", "; steps in tau = w0 t")
     );
@@ -110,6 +126,7 @@ pub(super) fn print(
             Settled::No => ", NOT settled",
         }
     )];
+    footer.push(stability(&outcome));
     footer.extend(outcome.diverged_at.map(|at| format!("DIVERGED at {}", units.time_text(at))));
     if let Some((mass, _, peaks)) = &spectrum {
         let columns = units.pick("order, frequency, radius", "order, frequency in Hz, radius in m");
@@ -123,13 +140,21 @@ pub(super) fn print(
         rotor: rotor.name(),
         speed: settings.speed,
         deadband: &settings.deadband,
-        dtau: plan.dtau,
+        dtau: outcome.step.0,
+        shortest_dtau: outcome.step.1,
         steps: outcome.steps,
         seconds,
         diverged: outcome.diverged_at.is_some(),
         diverged_at: outcome.diverged_at,
         settled: outcome.settled,
         settled_at: matches!(outcome.settled, Settled::Steady | Settled::Beating).then_some(outcome.maxima_from),
+        stable: outcome.stability.and_then(|judged| judged.standing.is_stable()),
+        stability: outcome.stability.map(|judged| judged.standing),
+        growth: outcome.stability.map(|judged| judged.growth),
+        stability_by: outcome.stability.map(|judged| judged.by),
+        growth_seen: disturbance::slowest_seen(),
+        centre_stability: outcome.centre.standing,
+        centre_growth: outcome.centre.growth,
         maxima_from: outcome.maxima_from,
         max_force: outcome.max_force,
         max_force_component: outcome.max_force_component,
@@ -156,4 +181,25 @@ pub(super) fn print(
         units: units.document(),
     };
     format.print(&document, &heading, &table, &footer.join("\n"))
+}
+
+/// The steps of a run: even between impulses, so there may be several sizes.
+fn steps((longest, shortest): (f64, f64)) -> String {
+    let even = longest - shortest <= 1e-9 * longest;
+    if even { rounded(longest) } else { format!("{} to {}", rounded(shortest), rounded(longest)) }
+}
+
+/// Whether the motion found would stay, and the centre.
+fn stability(outcome: &Outcome) -> String {
+    let grows = |j: Judgement| format!("{} (disturbances go as exp({} tau))", j.standing.word(), rounded(j.growth));
+    let centre = format!("the rotor at rest in its centre: {}", grows(outcome.centre));
+    match outcome.stability {
+        Some(judged @ Judgement { by: Means::Eigenvalues, .. }) => format!("this motion: {}; {centre}", grows(judged)),
+        Some(judged @ Judgement { by: Means::Simulation, .. }) => format!(
+            "this motion: {}, by simulation, which sees growth above {}; {centre}",
+            grows(judged),
+            rounded(disturbance::slowest_seen())
+        ),
+        None => format!("no steady motion whose stability could be told; {centre}"),
+    }
 }

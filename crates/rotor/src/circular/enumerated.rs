@@ -1,0 +1,126 @@
+//! Every orbit that presses on few bearings, as roots of polynomials: none can be missed but for rounding.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::whirl_equation::Equation;
+use crate::{C64, PoleError, eigenvalues};
+
+/// How far from the unit circle a computed root may be and still stand for a direction: double roots are known to the
+/// square root of rounding. Newton's method tells those that are none.
+const OFF_CIRCLE: f64 = 1e-3;
+/// How far from the imaginary axis a computed zero may be, relative to its size.
+const OFF_AXIS: f64 = 1e-3;
+
+/// The direction `u = e_l` of the second of two masses in contact, for every synchronous orbit:
+///
+/// ```text
+/// Im conj(z) (a_k + h_kk z + h_kl u) = 0,  Im conj(u) (a_l + h_lk z + h_ll u) = 0,   |z| = |u| = 1
+/// ```
+///
+/// Each is a quadratic in `z` with coefficients in `u`; their resultant is a polynomial of degree six. `None` if it
+/// vanishes: the directions are not isolated.
+pub(super) fn directions(a: [C64; 2], h: [[C64; 2]; 2]) -> Option<Vec<C64>> {
+    let j2 = |x: f64| C64::new(0.0, 2.0 * x);
+    let [[h_kk, h_kl], [h_lk, h_ll]] = h;
+    // In ascending powers of u; the coefficients of z^2, z and 1.
+    let first = [vec![-h_kl.conj(), -a[0].conj()], vec![C64::ZERO, j2(h_kk.im)], vec![C64::ZERO, a[0], h_kl]];
+    let second = [vec![h_lk], vec![a[1], j2(h_ll.im), -a[1].conj()], vec![C64::ZERO, C64::ZERO, -h_lk.conj()]];
+    let cross = |i: usize, k: usize| minus(&times(&second[i], &first[k]), &times(&first[i], &second[k]));
+    let outer = cross(0, 2);
+    let resultant = minus(&times(&outer, &outer), &times(&cross(0, 1), &cross(1, 2)));
+    roots(&resultant).map(|all| {
+        all.into_iter().filter(|u| (u.norm() - 1.0).abs() < OFF_CIRCLE).map(|u| u / C64::from(u.norm())).collect()
+    })
+}
+
+fn times(a: &[C64], b: &[C64]) -> Vec<C64> {
+    let mut product = vec![C64::ZERO; a.len() + b.len() - 1];
+    for (i, x) in a.iter().enumerate() {
+        for (k, y) in b.iter().enumerate() {
+            product[i + k] += x * y;
+        }
+    }
+    product
+}
+
+fn minus(a: &[C64], b: &[C64]) -> Vec<C64> {
+    let at = |v: &[C64], i: usize| v.get(i).copied().unwrap_or(C64::ZERO);
+    (0..a.len().max(b.len())).map(|i| at(a, i) - at(b, i)).collect()
+}
+
+/// Roots of a polynomial in ascending powers but for those at zero and infinity, as eigenvalues of its companion matrix.
+fn roots(polynomial: &[C64]) -> Option<Vec<C64>> {
+    let largest = polynomial.iter().map(|c| c.norm()).fold(0.0, f64::max);
+    let counts = |c: &C64| c.norm() > 1e-14 * largest;
+    let (low, high) = (polynomial.iter().position(counts)?, polynomial.iter().rposition(counts)?);
+    let degree = high - low;
+    let mut companion = DMatrix::<C64>::zeros(degree, degree);
+    for i in 0..degree {
+        if i > 0 {
+            companion[(i, i - 1)] = C64::ONE;
+        }
+        companion[(i, degree - 1)] = -polynomial[low + i] / polynomial[high];
+    }
+    if degree == 0 { Some(Vec::new()) } else { eigenvalues(companion).ok() }
+}
+
+/// Frequencies of every cycle that presses on bearing `k` alone, among others: the zeros of `Im h_kk(w)` as those of the
+/// linear system `h(s) - conj(h(-conj(s)))`, eigenvalues of a pencil.
+///
+/// # Errors
+/// Eigenvalues that do not converge.
+pub(super) fn frequencies(equation: &Equation, k: usize) -> Result<Vec<f64>, PoleError> {
+    let a = equation.state_matrix(|i| if i == k { 1.0 } else { 0.0 });
+    let size = a.nrows();
+    let n = size / 2;
+    let all = 2 * size + 1;
+    let mut pencil = DMatrix::<C64>::zeros(all, all);
+    pencil.view_mut((0, 0), (size, size)).copy_from(&a);
+    pencil.view_mut((size, size), (size, size)).copy_from(&-a.conjugate());
+    for half in [0, size] {
+        pencil[(half + n + k, all - 1)] = C64::ONE;
+        pencil[(all - 1, half + k)] = C64::ONE;
+    }
+    // Off the axis, where no zero sought can be.
+    let shift = 1.0 + 0.1 * a.norm();
+    for i in 0..2 * size {
+        pencil[(i, i)] -= shift;
+    }
+    let mut finite = DMatrix::<C64>::identity(all, all);
+    finite[(all - 1, all - 1)] = C64::ZERO;
+    let Some(inverse) = pencil.lu().solve(&finite) else { return Ok(Vec::new()) };
+    let zeros = eigenvalues(inverse)?.into_iter().filter(|z| z.norm() > 1e-9).map(|z| z.inv() + shift);
+    Ok(zeros.filter(|s| s.re.abs() < OFF_AXIS * (1.0 + s.norm())).map(|s| s.im).collect())
+}
+
+/// Whether there is exactly one synchronous orbit, whatever it presses on: the bearings, each a projection and so no
+/// steeper than `b_k`, make the equation a contraction in a weighted norm.
+///
+/// With `b s(|c|) c = b/2 (c + D(c))`, `D` a reflection that lengthens nothing, the orbit is a fixed point of
+/// `c = (Z + B/2)^-1 (f - B/2 D(c))`.
+pub(super) fn is_unique(equation: &Equation, speed: f64, gapped: &[usize]) -> bool {
+    let m = gapped.len();
+    let lu = equation.stiffened(speed, |_| 0.5).lu();
+    let mut gain = DMatrix::<C64>::zeros(m, m);
+    for (column, &k) in gapped.iter().enumerate() {
+        let mut unit = DVector::zeros(equation.forcing().len());
+        unit[k] = C64::from(0.5 * equation.bearing_stiffness(k));
+        let Some(c) = lu.solve(&unit) else { return false };
+        for (row, &i) in gapped.iter().enumerate() {
+            gain[(row, column)] = c[i];
+        }
+    }
+    // Weights from the positive eigenvectors of the moduli: a good guess; any weights prove.
+    let moduli = gain.map(|x| x.norm());
+    let (mut right, mut left) = (DVector::from_element(m, 1.0), DVector::from_element(m, 1.0));
+    for _ in 0..30 {
+        right = &moduli * &right + &right * 1e-6;
+        left = moduli.tr_mul(&left) + &left * 1e-6;
+        right.unscale_mut(right.max().max(f64::MIN_POSITIVE));
+        left.unscale_mut(left.max().max(f64::MIN_POSITIVE));
+    }
+    let weight = |k: usize| (left[k] / right[k]).sqrt();
+    let weighted = DMatrix::from_fn(m, m, |i, k| gain[(i, k)] * (weight(i) / weight(k)));
+    let squares = weighted.adjoint() * &weighted;
+    eigenvalues(squares).is_ok_and(|all| all.iter().all(|s| s.norm() < 1.0 - 1e-9))
+}

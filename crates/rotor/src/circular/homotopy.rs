@@ -1,0 +1,146 @@
+//! Orbits at one speed by homotopy from the free and from the tight rotor, where the bearings are linear.
+//!
+//! * Response: the unbalance is scaled from so little that no clearance is used up (the free rotor) to so much that the
+//!   clearances no longer matter (the tight one). There the orbit is unique, so the way from one to the other passes the
+//!   true unbalance an odd number of times, and every passage is an orbit.
+//! * Cycles: whirl may grow or decay at a rate of its own, whatever its size. Such *nonlinear modes* begin as the modes of
+//!   the free rotor, where whirl of growing size first touches a bearing, and end as those of the tight one; where the rate
+//!   passes zero is a cycle.
+//!
+//! What hangs on neither end (an island) is not found this way.
+
+use nalgebra::DVector;
+
+use super::newton::Closing;
+use super::tracer::{Node, Tracer};
+use super::whirl_equation::{Along, Contact, Equation, Problem};
+use crate::{C64, PoleError, eigenvalues};
+
+/// An orbit this many clearances wide is one of the tight rotor.
+const TIGHT: f64 = 300.0;
+/// The longest way to there, as a logarithm of the unbalance.
+const LONGEST_WAY: f64 = 14.0;
+
+/// Where an orbit is, as unknowns of the problem over speed, and its set in contact.
+type Found = Vec<(DVector<f64>, Contact)>;
+
+/// Synchronous orbits on the way from the free rotor to the tight one.
+pub(super) fn by_load(problem: &Problem<'_>, speed: f64) -> Found {
+    let equation = problem.at(speed);
+    let way = problem.along(Along::Load { speed });
+    let linear = |factor: f64| equation.stiffened(speed, |_| factor).lu().solve(equation.forcing());
+    let relative = |c: &DVector<C64>| -> Vec<f64> {
+        problem.contacts(problem.gapped).map(|k| c[k].norm() / problem.clearance(k)).collect()
+    };
+    let (Some(free), Some(tight)) = (linear(0.0), linear(1.0)) else { return Vec::new() };
+    let widest = relative(&free).into_iter().fold(0.0, f64::max);
+    let ratios = relative(&tight);
+    let most = ratios.iter().copied().fold(0.0, f64::max);
+    // A mass at a node never leaves its clearance.
+    let least = ratios.into_iter().filter(|r| *r > 1e-6 * most).fold(f64::INFINITY, f64::min);
+    if !(widest.is_finite() && widest > 0.0 && least.is_finite() && most > 0.0) {
+        return Vec::new();
+    }
+    let from = (0.5 / widest).ln().min(-1.0);
+    let to = (TIGHT / least).ln().clamp(1.0, LONGEST_WAY);
+    let tracer = Tracer::new(&way, (from - 0.1, to));
+    let start = |c: DVector<C64>, contact, at: f64| {
+        let x = way.pack((c * C64::from(at.exp())).as_slice(), speed, at);
+        way.solve(x, contact, Closing::Speed(at)).map(|x| Node { x, contact, fold: false })
+    };
+    let mut found = Vec::new();
+    for (start, sign) in [(start(free, 0, from), 1.0), (start(tight, problem.gapped, to), -1.0)] {
+        let Some(start) = start else { continue };
+        let (nodes, _) = tracer.follow(&start, sign);
+        found.extend(passages(problem, &way, &nodes, speed));
+        // One way is the other, unless it was lost.
+        let reached = nodes
+            .last()
+            .is_some_and(|node| (node.x[node.x.len() - 1] - start.x[start.x.len() - 1]).abs() > 0.99 * (to - from));
+        if reached {
+            break;
+        }
+    }
+    found
+}
+
+/// Cycles on the nonlinear modes that begin at the free rotor and that end at the tight one.
+///
+/// # Errors
+/// Eigenvalues that do not converge.
+pub(super) fn by_growth(problem: &Problem<'_>, speed: f64) -> Result<Found, PoleError> {
+    let equation = problem.at(speed);
+    let way = problem.along(Along::Growth { speed });
+    let ends = [eigenvalues(equation.state_matrix(|_| 0.0))?, eigenvalues(equation.state_matrix(|_| 1.0))?];
+    let reach = ends.iter().flatten().map(|p| p.re.abs()).fold(0.0, f64::max);
+    let tracer = Tracer::new(&way, (-3.0 * reach - 1.0, 3.0 * reach + 1.0));
+    let [free, tight] = &ends;
+    let mut found = Vec::new();
+    let mut reached: Vec<C64> = Vec::new();
+    for &pole in free {
+        let Some(shape) = shape(&equation, pole, 0.0) else { continue };
+        let touching = problem
+            .contacts(problem.gapped)
+            .map(|k| (problem.clearance(k) / shape[k].norm(), k))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let Some((size, first)) = touching.filter(|(size, _)| *size < 1e9) else { continue };
+        let x = way.pack((shape * C64::from(size)).as_slice(), pole.im, pole.re);
+        let start = Node { x, contact: 1 << first, fold: false };
+        for sign in [1.0, -1.0] {
+            let (nodes, _) = tracer.follow(&start, sign);
+            found.extend(passages(problem, &way, &nodes, speed));
+            if let Some(node) = nodes.last() {
+                let (_, frequency, growth) = way.unpack(&node.x);
+                reached.push(C64::new(growth, frequency));
+            }
+        }
+    }
+    for &pole in tight {
+        if reached.iter().any(|end| (end - pole).norm() < 1e-2 * (0.1 + pole.norm())) {
+            continue;
+        }
+        let Some(shape) = shape(&equation, pole, 1.0) else { continue };
+        let widest = shape.iter().map(|c| c.norm()).fold(0.0, f64::max);
+        let sizes = problem.contacts(problem.gapped).map(|k| (problem.clearance(k) / shape[k].norm(), k));
+        let sizes: Vec<_> = sizes.filter(|(_, k)| shape[*k].norm() > 1e-6 * widest).collect();
+        let size = TIGHT * sizes.iter().map(|s| s.0).fold(0.0, f64::max);
+        let contact = sizes.iter().fold(0, |set: Contact, (_, k)| set | 1 << k);
+        if contact == 0 || !size.is_finite() {
+            continue;
+        }
+        let x = way.pack((shape * C64::from(size)).as_slice(), pole.im, pole.re);
+        // The size is held: the part of the amplitudes along themselves.
+        let mut row = x.clone();
+        row.rows_mut(2 * problem.masses, 2).fill(0.0);
+        row.unscale_mut(row.norm_squared().max(f64::MIN_POSITIVE));
+        let Some(x) = way.solve(x.clone(), contact, Closing::Plane { at: &x, row: &row }) else { continue };
+        let start = Node { x, contact, fold: false };
+        for sign in [1.0, -1.0] {
+            found.extend(passages(problem, &way, &tracer.follow(&start, sign).0, speed));
+        }
+    }
+    Ok(found)
+}
+
+/// The shape of a mode of the rotor whose bearings with clearance have `factor` of their stiffness.
+fn shape(equation: &Equation, pole: C64, factor: f64) -> Option<DVector<C64>> {
+    // Inverse iteration on the quadratic form, a little off the pole.
+    let growing = equation.growing(pole.re + 1e-9 * (1.0 + pole.norm()));
+    let lu = growing.stiffened(pole.im, |_| factor).lu();
+    let uneven = DVector::from_fn(growing.forcing().len(), |k, _| C64::cis(k as f64 * 1.618_033_988_75));
+    let once = lu.solve(&uneven)?;
+    let twice = lu.solve(&(&once / C64::from(once.norm())))?;
+    let size = twice.norm();
+    (size.is_finite() && size > 0.0).then(|| twice / C64::from(size))
+}
+
+/// Orbits of the true rotor on a way: where its last unknown passes zero.
+fn passages(problem: &Problem<'_>, way: &Problem<'_>, nodes: &[Node], speed: f64) -> Found {
+    let passed = nodes.windows(2).filter_map(|pair| way.between(&pair[0], &pair[1], 0.0).map(|x| (x, pair[1].contact)));
+    passed
+        .map(|(x, contact)| {
+            let (c, frequency, _) = way.unpack(&x);
+            (problem.pack(c.as_slice(), frequency, speed), contact)
+        })
+        .collect()
+}

@@ -1,0 +1,125 @@
+//! Whether a motion that a run has found would stay. The run itself cannot tell: what neither its start nor the
+//! unbalance excites stays away, stable or not.
+//!
+//! On a circular orbit, and at rest, the eigenvalues of the linearised motion tell. Where several frequencies beat, a twin
+//! is disturbed in every mass, by a part of `1e-7`, and drawn back to that distance again and again: how the distance grows
+//! is how the disturbance does.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use rotor::circular::{self, Standing};
+use rotor::{C64, ClosedLoop, PoleError, Stepper};
+
+/// How small a disturbance is, as a part of the motion.
+const PART: f64 = 1e-7;
+/// For how long a disturbance may sort itself out before its growth counts, and for how long it counts, in `tau`.
+const WARM_UP: f64 = 300.0;
+const WATCHED: f64 = 600.0;
+/// A disturbance that beats along with the motion comes and goes by less than this factor.
+const COMES_AND_GOES: f64 = 20.0;
+
+/// What becomes of small disturbances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Judgement {
+    /// In a word.
+    pub standing: Standing,
+    /// How fast the fastest grows: its size goes as `exp(growth tau)`.
+    pub growth: f64,
+    /// How this was found.
+    pub by: Means,
+}
+
+/// How stability was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Means {
+    /// From the eigenvalues of the linearised motion: exact.
+    Eigenvalues,
+    /// By watching a disturbance: one that grows by less than [`slowest_seen`] is not seen.
+    Simulation,
+}
+
+/// The slowest growth that [`Means::Simulation`] tells from none, per unit of `tau`.
+#[must_use]
+pub fn slowest_seen() -> f64 {
+    COMES_AND_GOES.ln() / WATCHED
+}
+
+impl From<circular::Orbit> for Judgement {
+    fn from(orbit: circular::Orbit) -> Self {
+        Self { standing: orbit.standing(), growth: orbit.growth, by: Means::Eigenvalues }
+    }
+}
+
+/// The rotor at rest in its centre, bearings with clearance out of action.
+///
+/// # Errors
+/// Eigenvalues that do not converge.
+pub(crate) fn of_centre(closed_loop: &ClosedLoop) -> Result<Judgement, PoleError> {
+    Ok(circular::centre(closed_loop)?.into())
+}
+
+/// The circular orbit that the rotor is on, if it is on one.
+///
+/// # Errors
+/// Eigenvalues that do not converge.
+pub(crate) fn of_orbit(closed_loop: &ClosedLoop, rotor: &dyn Stepper) -> Result<Option<Judgement>, PoleError> {
+    let motion = rotor.motion();
+    let orbit = circular::orbit_of(closed_loop, motion.angle, motion.displacement, motion.velocity)?;
+    Ok(orbit.map(Into::into))
+}
+
+/// A motion that has settled and is not circular, going on in steps of `dtau`; `None` if `stop` is raised meanwhile.
+pub(crate) fn of_beat(rotor: &mut dyn Stepper, dtau: f64, stop: &AtomicBool) -> Option<Judgement> {
+    let mut twin = rotor.twin();
+    let size = |rotor: &dyn Stepper| {
+        let motion = rotor.motion();
+        motion.displacement.iter().chain(motion.velocity).map(|x| x.norm_sqr()).sum::<f64>().sqrt()
+    };
+    let distance = PART * size(rotor);
+    let masses = rotor.motion().displacement.len();
+    // Uneven in every mass and direction: no mode is left out by symmetry.
+    let uneven = |i: usize| C64::cis(1.0 + 1.618_033_988_75 * i as f64) * (1.0 + 0.3 * (i as f64).sin());
+    let norm = (0..2 * masses).map(|i| uneven(i).norm_sqr()).sum::<f64>().sqrt();
+    let apart: Vec<C64> = (0..2 * masses).map(|i| uneven(i) * (distance / norm)).collect();
+    place_apart(rotor, twin.as_mut(), &apart);
+
+    let stretch = (1.0 / dtau).ceil();
+    let (mut grown, mut from) = (0.0, None);
+    let mut elapsed = 0.0;
+    while elapsed < WARM_UP + WATCHED {
+        if stop.load(Ordering::Relaxed) {
+            return None;
+        }
+        (0..stretch as u64).for_each(|_| {
+            rotor.step(dtau);
+            twin.step(dtau);
+        });
+        elapsed += stretch * dtau;
+        let (here, there) = (rotor.motion(), twin.motion());
+        let pairs = here.displacement.iter().chain(here.velocity).zip(there.displacement.iter().chain(there.velocity));
+        let mut apart: Vec<C64> = pairs.map(|(a, b)| b - a).collect();
+        let now = apart.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt();
+        if !(now.is_finite() && now > 0.0) {
+            break;
+        }
+        grown += (now / distance).ln();
+        apart.iter_mut().for_each(|x| *x *= distance / now);
+        place_apart(rotor, twin.as_mut(), &apart);
+        if elapsed >= WARM_UP && from.is_none() {
+            from = Some((elapsed, grown));
+        }
+    }
+    let (began, before) = from.unwrap_or((0.0, 0.0));
+    let growth = (grown - before) / (elapsed - began).max(1.0);
+    let standing = if grown - before > COMES_AND_GOES.ln() { Standing::Unstable } else { Standing::Stable };
+    Some(Judgement { standing, growth, by: Means::Simulation })
+}
+
+/// Puts `twin` where `rotor` is, but for `apart` in every displacement and then every velocity.
+fn place_apart(rotor: &dyn Stepper, twin: &mut dyn Stepper, apart: &[C64]) {
+    let motion = rotor.motion();
+    let (p, v) = apart.split_at(motion.displacement.len());
+    let sum = |a: &[C64], b: &[C64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<C64>>();
+    twin.place(&sum(motion.displacement, p), &sum(motion.velocity, v));
+}
