@@ -126,7 +126,7 @@ fn tables_of_an_si_rotor_name_their_units() {
         ("trace", with(&["--campbell"]), "line,speed (rpm),mode,frequency (Hz),damping,whirl"),
         ("thresholds", vec!["--over", "0..14000"], "speed (rpm),frequency (Hz),whirl ratio,whirl,becomes"),
         ("modes", vec!["--speed", "600"], "mode,mass,t (s),y,z"),
-        ("force", with(&[]), "speed (rpm),deadband (m),max force (N),motion"),
+        ("force", with(&[]), "speed (rpm),deadband (m),max force (N),motion,stability,centre"),
         ("response", with(&[]), "speed (rpm),branch,r1 (m),r2 (m),r3 (m),force (N),stability"),
         ("cycles", with(&[]), "speed (rpm),branch,frequency (Hz),r1 (m),r2 (m),r3 (m),stability"),
         (
