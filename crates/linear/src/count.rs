@@ -20,8 +20,8 @@ use crate::{C64, DelayError};
 
 /// What the bound on a step is kept below; 1 would do.
 const SAFE: f64 = 0.95;
-/// Steps that a count may take: about a second's worth.
-const MOST_STEPS: usize = 200_000;
+/// Steps that a count may take: well below a second's worth.
+const MOST_STEPS: usize = 60_000;
 /// A root nearer the line than this, relative to the size of the system or to `1 / T`, is on it.
 const ON: f64 = 1e-8;
 
