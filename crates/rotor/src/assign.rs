@@ -41,6 +41,9 @@ impl Assignment {
     }
 }
 
+/// A pole is missed that comes out further from where it is wanted than this share of the largest one wanted.
+const MISSED: f64 = 1e-4;
+
 /// Why poles cannot be assigned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssignError {
@@ -78,6 +81,17 @@ pub enum AssignError {
         /// Its shape, mass by mass, to three decimals.
         shape: String,
     },
+    /// The gains found do not place the poles: rounding decides where such a loop has them.
+    #[error(
+        "the poles cannot be placed: with the gains found, {:.6} {:+.6} j comes out off by {off:.1e}; ask for poles nearer \
+         to those without control, or for a bearing at another mass", wanted.re, wanted.im
+    )]
+    Missed {
+        /// The pole that is missed by most.
+        wanted: C64,
+        /// By how much.
+        off: f64,
+    },
     /// The poles cannot be computed.
     #[error(transparent)]
     Poles(#[from] PoleError),
@@ -86,11 +100,13 @@ pub enum AssignError {
 /// Gains that give `rotor` the poles `wanted` at `speed`, through a control bearing at mass `bearing` (counted from 0)
 /// with displacement and velocity of every mass measured.
 ///
-/// The answer carries the poles it really achieves: with many masses and far-off poles the gains grow and the poles
-/// become sensitive, as they would on the machine.
+/// The answer carries the poles it really achieves, computed anew from its gains: with many masses and far-off poles the
+/// gains grow and the poles become sensitive, as they would on the machine. What is not within a ten-thousandth of the
+/// largest pole of where it is wanted is refused.
 ///
 /// # Errors
-/// A wrong number of poles, one that is not finite, no such mass, or a mode that the bearing does not move.
+/// A wrong number of poles, one that is not finite, no such mass, a mode that the bearing does not move, or poles that
+/// are missed.
 pub fn assign_poles(rotor: &Rotor, speed: f64, bearing: usize, wanted: &[C64]) -> Result<Assignment, AssignError> {
     let n = rotor.len();
     if bearing >= n {
@@ -120,10 +136,18 @@ pub fn assign_poles(rotor: &Rotor, speed: f64, bearing: usize, wanted: &[C64]) -
         }
         (row, achieved) = (better, now);
     }
-    Ok(Assignment {
-        feedback: full_state(bearing, n, row.as_slice()),
-        poles: wanted.iter().copied().zip(achieved).collect(),
-    })
+    let feedback = full_state(bearing, n, row.as_slice());
+    // Of the very gains that are handed out, closed the way every other command closes them.
+    let closed = ClosedLoop::new(rotor, &feedback, speed, &[]).state_matrix();
+    let achieved = nearest(eigenvalues(closed)?, wanted);
+    let size = wanted.iter().map(|s| s.norm()).fold(0.0, f64::max);
+    let off = |(wanted, achieved): (&C64, &C64)| ((wanted - achieved).norm(), *wanted);
+    let (off, worst) =
+        wanted.iter().zip(&achieved).map(off).fold((0.0, C64::ZERO), |a, b| if b.0 > a.0 { b } else { a });
+    if achieved.len() != wanted.len() || off.is_nan() || off > MISSED * size {
+        return Err(AssignError::Missed { wanted: worst, off });
+    }
+    Ok(Assignment { feedback, poles: wanted.iter().copied().zip(achieved).collect() })
 }
 
 fn not_controllable(mode: &Influence, bearing: usize) -> AssignError {
@@ -209,7 +233,11 @@ fn swap(t: &mut DMatrix<C64>, u: &mut DMatrix<C64>, input: &mut DVector<C64>, k:
 
 /// The eigenvalues of `A - b f`, each beside the wanted one it is nearest to: the closest pair first.
 fn matched(a: &DMatrix<C64>, b: &DVector<C64>, f: &RowDVector<C64>, wanted: &[C64]) -> Result<Vec<C64>, PoleError> {
-    let poles = eigenvalues(a - b * f)?;
+    Ok(nearest(eigenvalues(a - b * f)?, wanted))
+}
+
+/// These poles, each beside the wanted one it is nearest to: the closest pair first.
+fn nearest(poles: Vec<C64>, wanted: &[C64]) -> Vec<C64> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(wanted.len() * poles.len());
     for (i, s) in wanted.iter().enumerate() {
         pairs.extend(poles.iter().enumerate().map(|(j, pole)| ((s - pole).norm(), i, j)));
@@ -222,7 +250,7 @@ fn matched(a: &DMatrix<C64>, b: &DVector<C64>, f: &RowDVector<C64>, wanted: &[C6
             (achieved[i], taken[j]) = (Some(poles[j]), true);
         }
     }
-    Ok(achieved.into_iter().flatten().collect())
+    achieved.into_iter().flatten().collect()
 }
 
 fn distance(wanted: &[C64], achieved: &[C64]) -> f64 {

@@ -13,6 +13,12 @@ use crate::C64;
 /// Bound on the QR sweeps for one eigenvalue. Two to three are usual; LAPACK gives up after 30 as well.
 const SWEEPS_PER_EIGENVALUE: usize = 30;
 
+/// Rows and columns smaller than this are not balanced.
+const LEAST: f64 = 1e-120;
+
+/// Sweeps for one eigenvalue after which rounding of the whole matrix is good enough.
+const PATIENCE: usize = 15;
+
 /// Why there are no eigenvalues.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PoleError {
@@ -124,7 +130,8 @@ fn balance(rows: &mut [C64], size: usize) {
                 in_column += size_of(rows[k * size + i]);
                 in_row += size_of(rows[i * size + k]);
             }
-            if in_column == 0.0 || in_row == 0.0 {
+            // A triangle has no balanced form: what is this small is left alone, before its squares are nothing.
+            if in_column < LEAST || in_row < LEAST {
                 continue;
             }
             let ratio: f64 = in_row / in_column;
@@ -206,6 +213,7 @@ fn reduce(rows: &mut [C64], size: usize) {
 fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), PoleError> {
     let mut end = size;
     let mut sweeps = 0;
+    let mut largest = 0.0;
     while end > 0 {
         let last = end - 1;
         // The active block begins below the lowest subdiagonal entry that is negligible beside its neighbours.
@@ -213,6 +221,9 @@ fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), Pole
         while begin > 0 {
             let below = size_of(rows[begin * size + begin - 1]);
             let beside = size_of(rows[begin * size + begin]) + size_of(rows[(begin - 1) * size + begin - 1]);
+            // Neighbours may be nothing but rounding themselves, as with several poles at the origin: where sweeps do not help,
+            // what is negligible beside the whole matrix is.
+            let beside = if sweeps > PATIENCE { beside.max(largest) } else { beside };
             if below <= f64::EPSILON * beside || below < f64::MIN_POSITIVE {
                 break;
             }
@@ -232,6 +243,9 @@ fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), Pole
                 return Err(PoleError::NoConvergence);
             }
             sweeps += 1;
+            if sweeps == PATIENCE {
+                largest = rows.iter().map(|z| size_of(*z)).fold(0.0, f64::max);
+            }
             // Now and then a shift out of step with the rest, for the rare matrix on which Wilkinson's goes in circles.
             let shift = if sweeps % 10 == 0 {
                 rows[last * size + last] + 0.75 * size_of(rows[last * size + last - 1])

@@ -69,6 +69,12 @@ impl Piece {
     }
 }
 
+/// Last places of the fastest rate that the mean of modes which are one may be off.
+const MEAN: f64 = 16.0;
+
+/// Half the width of the difference that gives the derivative of such a mean, in speeds.
+const TWIN_STEP: f64 = 1e-4;
+
 /// All eigenpairs at one speed, with the derivatives of the poles over speed. Entry `k` of each belongs to mode `k`.
 #[derive(Clone, Debug)]
 pub(crate) struct Node {
@@ -76,8 +82,12 @@ pub(crate) struct Node {
     pub(crate) poles: Vec<C64>,
     /// `d lambda / dR = y A1 x / (y x)`.
     pub(crate) rates: Vec<C64>,
-    /// How far rounding may move each pole: the size of `A` in last places, times the pole's condition.
+    /// How far rounding may move each pole: see the module `marginal`.
     pub(crate) noise: Vec<f64>,
+    /// How far it may move each derivative.
+    rate_noise: Vec<f64>,
+    /// One mode of those that rounding alone tells from this one, the same for all of them: itself, where it stands alone.
+    group: Vec<usize>,
     /// Right eigenvectors `x`, one after the other.
     right: Vec<C64>,
     /// Left eigenvectors as rows `y`, scaled so that `y x = 1`.
@@ -94,11 +104,13 @@ impl Node {
         let quadratic = piece.at(speed);
         let (n, size) = (quadratic.masses(), 2 * quadratic.masses());
         let poles = quadratic.poles()?;
-        let last_place = quadratic.norm() * f64::EPSILON;
+        let rounding = quadratic.rounding();
         let mut made = Self {
             speed,
             rates: vec![C64::ZERO; size],
             noise: vec![0.0; size],
+            rate_noise: vec![0.0; size],
+            group: (0..size).collect(),
             right: vec![C64::ZERO; size * size],
             left: vec![C64::ZERO; size * size],
             poles,
@@ -119,30 +131,103 @@ impl Node {
             let lengths = length(left) * length(right);
             let scale = if product.norm() > f64::EPSILON * lengths { product.inv() } else { C64::ONE };
             left.iter_mut().for_each(|y| *y *= scale);
-            made.noise[k] = 16.0 * last_place * lengths * scale.norm();
+            made.noise[k] = Quadratic::reach(rounding, product.norm());
         }
-        made.rate(piece);
+        made.unite(rounding);
+        made.rate(piece)?;
         Ok(made)
     }
 
-    /// The derivatives of the poles as `piece` has them.
-    fn rate(&mut self, piece: &Piece) {
+    /// Gives modes that rounding alone tells apart one pole, their mean: it moves smoothly, and rounding moves it no more
+    /// than a pole that stands alone, even where the modes have but one shape and each of them is off by the root of that.
+    /// Then what is rounding of the parts of a pole is set to zero.
+    fn unite(&mut self, rounding: f64) {
         let size = self.len();
+        let mut group: Vec<usize> = (0..size).collect();
+        for i in 0..size {
+            for k in 0..i {
+                if self.coincide(i, k) && group[i] != group[k] {
+                    let (from, to) = (group[i], group[k]);
+                    group.iter_mut().filter(|g| **g == from).for_each(|g| *g = to);
+                }
+            }
+        }
+        for first in 0..size {
+            let members: Vec<usize> = (0..size).filter(|&k| group[k] == first).collect();
+            if members.len() > 1 {
+                let mean = members.iter().map(|&k| self.poles[k]).sum::<C64>() / members.len() as f64;
+                for &k in &members {
+                    // In the units of a pole: `rounding` is in those of a stiffness.
+                    (self.poles[k], self.noise[k]) = (mean, MEAN * rounding.sqrt() * f64::EPSILON.sqrt());
+                }
+            }
+        }
+        for (pole, noise) in self.poles.iter_mut().zip(&self.noise) {
+            for part in [&mut pole.re, &mut pole.im] {
+                if part.abs() <= *noise {
+                    *part = 0.0;
+                }
+            }
+        }
+        self.group = group;
+    }
+
+    /// The derivatives of the poles as `piece` has them.
+    fn rate(&mut self, piece: &Piece) -> Result<(), PoleError> {
+        let size = self.len();
+        if piece.slope.rounding() == 0.0 {
+            self.rates.fill(C64::ZERO);
+            self.rate_noise.fill(0.0);
+            return Ok(());
+        }
         for (k, rate) in self.rates.iter_mut().enumerate() {
             let (left, right) = (&self.left[k * size + size / 2..(k + 1) * size], &self.right[k * size..]);
             *rate = piece.slope.form(left, &right[..size / 2], self.poles[k]);
+            self.rate_noise[k] = self.noise[k] * (1.0 + rate.norm());
         }
+        self.rate_of_twins(piece)
+    }
+
+    /// The derivative of the mean of modes that are one: their vectors do not tell it, so it is a central difference.
+    fn rate_of_twins(&mut self, piece: &Piece) -> Result<(), PoleError> {
+        let size = self.len();
+        let mut sides: Option<[Vec<C64>; 2]> = None;
+        for first in 0..size {
+            let members: Vec<usize> = (0..size).filter(|&k| self.group[k] == first).collect();
+            if members.len() < 2 {
+                continue;
+            }
+            let step = TWIN_STEP * (1.0 + self.speed.abs());
+            if sides.is_none() {
+                sides = Some([piece.at(self.speed - step).poles()?, piece.at(self.speed + step).poles()?]);
+            }
+            let mean = self.poles[first];
+            let [below, above] = sides.as_mut().map_or([C64::ZERO; 2], |sides| {
+                sides.each_mut().map(|poles| {
+                    poles.sort_by(|a, b| (a - mean).norm_sqr().total_cmp(&(b - mean).norm_sqr()));
+                    poles[..members.len()].iter().sum::<C64>() / members.len() as f64
+                })
+            });
+            let rate = (above - below) / (2.0 * step);
+            for &k in &members {
+                (self.rates[k], self.rate_noise[k]) = (rate, TWIN_STEP * TWIN_STEP * (1.0 + rate.norm()));
+            }
+        }
+        Ok(())
     }
 
     /// The same node as the start of `piece`: across a bend in a gain table the poles go on but their derivatives jump.
-    pub(crate) fn entering(mut self, piece: &Piece) -> Self {
-        self.rate(piece);
-        self
+    ///
+    /// # Errors
+    /// An eigenvalue iteration that does not converge.
+    pub(crate) fn entering(mut self, piece: &Piece) -> Result<Self, PoleError> {
+        self.rate(piece)?;
+        Ok(self)
     }
 
     /// How far rounding may move the derivative of mode `k`.
     pub(crate) fn rate_noise(&self, k: usize) -> f64 {
-        self.noise[k] * (1.0 + self.rates[k].norm())
+        self.rate_noise[k]
     }
 
     /// Whether rounding is all that may tell modes `i` and `k` apart.
@@ -158,6 +243,8 @@ impl Node {
     /// Mode `k` of the result is mode `order[k]` of this one.
     pub(crate) fn reordered(self, order: &[usize]) -> Self {
         let size = self.len();
+        let mut place = vec![0; size];
+        order.iter().enumerate().for_each(|(now, &was)| place[was] = now);
         let rows =
             |all: &[C64]| order.iter().flat_map(|&k| all[k * size..(k + 1) * size].iter().copied()).collect::<Vec<_>>();
         Self {
@@ -165,6 +252,8 @@ impl Node {
             poles: order.iter().map(|&k| self.poles[k]).collect(),
             rates: order.iter().map(|&k| self.rates[k]).collect(),
             noise: order.iter().map(|&k| self.noise[k]).collect(),
+            rate_noise: order.iter().map(|&k| self.rate_noise[k]).collect(),
+            group: order.iter().map(|&k| place[self.group[k]]).collect(),
             right: rows(&self.right),
             left: rows(&self.left),
         }

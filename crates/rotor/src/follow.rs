@@ -98,7 +98,9 @@ pub(crate) fn pair(start: &Node, end: &Node) -> (Vec<usize>, bool) {
     }
     if sure {
         sure = (0..size).all(|i| start.likeness(i, end, order[i]) > 0.5);
-        return (order, sure);
+        if sure {
+            return (order, true);
+        }
     }
     let order = best_first(start, end);
     let sure = (0..size).all(|i| {
@@ -108,7 +110,10 @@ pub(crate) fn pair(start: &Node, end: &Node) -> (Vec<usize>, bool) {
         let rival = (0..size).find(|&j| off(j) + end.noise[j] + end.noise[own] < off(own));
         // Modes that are one at both ends, by symmetry, are as good as each other.
         let twins = (0..size).filter(|&k| start.coincide(i, k) && end.coincide(own, order[k]));
-        rival.is_none() && twins.map(|k| start.likeness(i, end, order[k])).sum::<f64>() > 0.5
+        // Their vectors tell nothing if they have but one: then prediction alone decides.
+        let mut twins = twins.peekable();
+        let alone = twins.next().is_some() && twins.peek().is_none();
+        rival.is_none() && (!alone || start.likeness(i, end, own) > 0.5)
     });
     (order, sure)
 }

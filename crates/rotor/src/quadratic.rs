@@ -131,12 +131,6 @@ impl Quadratic {
         (0..n).map(|i| row[i] * line(i)).sum()
     }
 
-    /// The Frobenius norm of `A`.
-    pub(crate) fn norm(&self) -> f64 {
-        let squares: f64 = self.stiffness.iter().chain(&self.damping).map(C64::norm_sqr).sum();
-        (squares + self.masses as f64).sqrt()
-    }
-
     /// `row D`, into `out`.
     pub fn row_times_damping(&self, row: &[C64], out: &mut [C64]) {
         out.fill(C64::ZERO);

@@ -51,7 +51,11 @@ impl std::fmt::Display for Stability {
 
 /// Every change of stability over `from..=to`, rising in speed; two modes that cross at one speed are two thresholds.
 ///
-/// A mode that touches the threshold without crossing it, or stays on it at every speed, has none.
+/// A threshold is a speed at which the real part of a mode leaves zero, as speed rises, for a side other than the one that
+/// it came from. A mode that has rested on zero (within rounding, see [`crate::Standing`]) over a range of speeds came from
+/// neither, so that the end of such a range is a threshold whichever way the mode goes; so is rest, `R = 0`, for a mode
+/// that is on zero there and leaves it. A mode that touches zero, comes to it and stays, or is on it at every speed, has no
+/// threshold there. The range asked for has no say in this; both its ends belong to it.
 ///
 /// # Errors
 /// Speeds that are not finite or do not rise, an eigenvalue iteration that does not converge, or modes that cannot be told
@@ -60,10 +64,11 @@ pub fn thresholds(rotor: &Rotor, feedback: &Feedback, from: f64, to: f64) -> Res
     if !(from.is_finite() && to.is_finite() && from < to) {
         return Err(TraceError::Speeds);
     }
+    let beyond = |from, to| pieces(rotor, feedback, from, to).pop();
     let pieces = pieces(rotor, feedback, from, to);
     let cuts: Vec<f64> =
         if rotor.len() <= CERTIFIED { pieces.iter().flat_map(between_crossings).collect() } else { vec![] };
-    let mut found: Vec<Threshold> = crossings(&pieces, &cuts, Quantity::Growth)?
+    let mut found: Vec<Threshold> = crossings(&pieces, &cuts, &beyond, Quantity::Growth)?
         .into_iter()
         .map(|c| Threshold {
             speed: c.speed,

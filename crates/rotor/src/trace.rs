@@ -69,7 +69,7 @@ pub fn trace(rotor: &Rotor, feedback: &Feedback, speeds: &[f64]) -> Result<Trace
     record(&at);
     let mut next = 1;
     for piece in &pieces {
-        at = at.entering(piece);
+        at = at.entering(piece)?;
         let walk = Walk { piece, budget: &budget };
         while let Some(&speed) = speeds.get(next).filter(|speed| **speed <= piece.to) {
             at = walk.to(&at, speed, &|_, _| true, &mut |_, _| ())?;
@@ -113,14 +113,21 @@ pub fn critical_speeds(
     if !(from.is_finite() && to.is_finite() && from < to) {
         return Err(TraceError::Speeds);
     }
+    let beyond = |from, to| pieces(rotor, feedback, from, to).pop();
     let pieces = pieces(rotor, feedback, from, to);
     let mut found = Vec::new();
     for &order in orders {
         let mut on_line = Vec::new();
         // The forward half of the diagram, and the backward half mirrored.
         for sense in [1.0, -1.0] {
-            on_line.extend(crossings(&pieces, &[], Quantity::Order { slope: sense * order })?.into_iter().map(|c| {
-                CriticalSpeed { branch: c.branch, order, speed: c.speed, pole: c.pole, whirl: whirl_of(c.pole) }
+            let crossings = crossings(&pieces, &[], &beyond, Quantity::Order { slope: sense * order })?;
+            // What does not whirl meets a line at rest only, where nothing is synchronous.
+            on_line.extend(crossings.into_iter().filter(|c| c.pole.im.abs() > c.noise).map(|c| CriticalSpeed {
+                branch: c.branch,
+                order,
+                speed: c.speed,
+                pole: c.pole,
+                whirl: whirl_of(c.pole),
             }));
         }
         on_line.sort_by(|a, b| a.speed.total_cmp(&b.speed));

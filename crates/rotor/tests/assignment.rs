@@ -125,3 +125,13 @@ fn what_does_not_fit_is_named() {
     assert_eq!(told(0, &[pole, C64::new(f64::NAN, 0.0)]), "pole 2 is not finite");
     assert!(cancelling(&builtin::rotor("three-mass").expect("built in"), 0.0).is_none());
 }
+
+#[test]
+fn poles_that_are_missed_are_refused_in_words() {
+    let light = Mass { mass: 1e-5, damping: 0.2, bearing_stiffness: 0.5, ..Mass::default() };
+    let rotor = Rotor::new("light", vec![light; 3], vec![0.5; 2]).expect("valid");
+    let wanted: Vec<C64> = (0..6).map(|k| C64::new(-0.5, f64::from(k) - 2.5)).collect();
+    let error = assign_poles(&rotor, 1.0, 0, &wanted).expect_err("rounding decides where such a loop has its poles");
+    assert!(matches!(error, AssignError::Missed { off, .. } if off > 0.1), "{error}");
+    assert!(error.to_string().contains("cannot be placed"), "{error}");
+}

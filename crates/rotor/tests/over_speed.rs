@@ -205,3 +205,81 @@ fn a_backward_or_infinite_range_is_refused() {
     assert_eq!(trace(&rotor, &off, &[]), Err(rotor::TraceError::Speeds));
     assert_eq!(trace(&rotor, &off, &[1.0]).expect("one speed is a trace").branches.len(), 2);
 }
+
+fn mass(damping: f64, cross_damping: f64, bearing_stiffness: f64) -> Mass {
+    Mass { mass: 0.5, damping, cross_damping, bearing_stiffness, ..Mass::default() }
+}
+
+/// The second mass drives the first and not the other way round: double poles with one shape, and a table that moves none.
+/// NumPy's eigenvalues on a grid of 1e-6 change sign at 2.071224 to 2.071225, both.
+#[test]
+fn val_coincident_poles_cross_together_whatever_the_gain_tables() {
+    let rotor = Rotor::new("two", vec![mass(0.33, 0.035, 0.5); 2], vec![0.0]).expect("valid");
+    let mut signal = Signal::at_mass(1, 2, [0.0; 4]);
+    *signal.gain_mut(GainKind::Cc) = Gain::Table(vec![(1.6, 0.1), (3.6, 0.2)]);
+    let feedback = Feedback::new(0, vec![signal]);
+    // One mass alone: R = 2 (zeta_q + sqrt(zeta_q^2 + k / m)).
+    let exact = 2.0 * (0.035 + (0.035_f64.powi(2) + 1.0).sqrt());
+    let found = thresholds(&rotor, &feedback, 0.0, 8.0).expect("followed");
+    assert!(matches!(found[..], [a, b] if (a.speed - exact).abs() < 1e-9 && a.speed == b.speed), "{found:?}");
+}
+
+#[test]
+fn permanently_double_poles_are_two_branches_on_top_of_each_other() {
+    let critical = Mass { mass: 1.0, damping: 1.0, bearing_stiffness: 1.0, ..Mass::default() };
+    let rotor = Rotor::new("critical", vec![critical], vec![]).expect("valid");
+    let held = rotor::cancelling(&rotor, 0.0).expect("one mass");
+    let free = Rotor::new("free", vec![mass(0.0, 0.0, 0.0); 2], vec![0.5]).expect("valid");
+    let off = builtin::feedback(&free, "off").expect("fits any");
+    for (rotor, feedback, twin) in [(&rotor, &held, -1.0), (&free, &off, 0.0)] {
+        let trace = trace(rotor, feedback, &even(101)).expect("followed");
+        let twins = trace.branches.iter().filter(|b| b.poles.iter().all(|p| (p - twin).norm() < 1e-12)).count();
+        assert_eq!(twins, 2, "{trace:?}");
+        assert_eq!(thresholds(rotor, feedback, 0.0, 6.0), Ok(vec![]));
+        for c in critical_speeds(rotor, feedback, 0.0, 6.0, &[0.5, 1.0]).expect("followed") {
+            assert!(c.speed > 0.1 && c.pole.im.abs() > 0.1, "what does not whirl has no critical speed: {c:?}");
+        }
+    }
+}
+
+/// Gains that hold a mode on zero from 1 to 2: the end of that is a threshold, its beginning none.
+#[test]
+fn a_mode_that_rests_on_zero_is_listed_where_it_leaves_for_any_range() {
+    let plain = Mass { mass: 1.0, bearing_stiffness: 1.0, ..Mass::default() };
+    let rotor = Rotor::new("one", vec![plain], vec![]).expect("valid");
+    for (before, after, becomes) in [
+        (0.1, -0.1, Stability::Unstable),
+        (0.1, 0.1, Stability::Stable),
+        (-0.1, -0.1, Stability::Unstable),
+        (-0.1, 0.1, Stability::Stable),
+    ] {
+        let mut signal = Signal::at_mass(0, 1, [0.0; 4]);
+        *signal.gain_mut(GainKind::Cd) = Gain::Table(vec![(0.5, before), (1.0, 0.0), (2.0, 0.0), (3.0, after)]);
+        let feedback = Feedback::new(0, vec![signal]);
+        for (from, to) in [(0.0, 4.0), (0.7, 2.0), (1.0, 2.0), (1.5, 2.5), (2.0, 2.1), (1.999, 4.0)] {
+            let found = thresholds(&rotor, &feedback, from, to).expect("followed");
+            assert!(
+                found.len() == 2 && found.iter().all(|t| t.speed == 2.0 && t.becomes == becomes),
+                "{from}..{to}: {found:?}"
+            );
+        }
+        for (from, to) in [(0.0, 1.0), (0.0, 1.5), (1.0, 1.9), (1.2, 1.8), (2.001, 3.0)] {
+            assert_eq!(thresholds(&rotor, &feedback, from, to), Ok(vec![]), "{from}..{to}");
+        }
+    }
+}
+
+/// Free in space with seals: on zero at rest, and driven from the first turn on.
+#[test]
+fn a_mode_that_leaves_zero_at_rest_has_its_threshold_there() {
+    let rotor = Rotor::new("free", vec![mass(0.1, 0.0, 0.0); 2], vec![0.5]).expect("valid");
+    let off = builtin::feedback(&rotor, "off").expect("fits any");
+    for from in [0.0, -1.0] {
+        let found = thresholds(&rotor, &off, from, 6.0).expect("followed");
+        assert!(found.len() == 2 && found[0].speed == 0.0 && found[0].frequency == 0.0, "{found:?}");
+        assert!((found[1].speed - 8.0_f64.sqrt()).abs() < 1e-9, "{found:?}");
+        let critical = critical_speeds(&rotor, &off, from, 6.0, &[0.5, 1.0]).expect("followed");
+        assert!(critical.iter().all(|c| c.speed.abs() > 0.1), "{critical:?}");
+    }
+    assert_eq!(thresholds(&rotor, &off, 0.1, 1.0), Ok(vec![]));
+}

@@ -1,4 +1,5 @@
-//! `whirl thresholds`: every speed at which a mode gains or loses stability.
+//! `whirl thresholds`: every speed at which a mode gains or loses stability. What counts as one is said at
+//! [`rotor::thresholds`].
 
 use rotor::{Stability, Whirl};
 use serde::Serialize;
@@ -54,9 +55,10 @@ pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
         &["speed (rpm)", "frequency (Hz)", "whirl ratio", "whirl", "becomes"],
     ));
     for t in &found {
-        let ratio = t.frequency / t.speed;
-        let numbers = [units.speed(t.speed), units.frequency(t.frequency), ratio].map(Cell::from);
-        table.row(numbers.into_iter().chain([Cell::from(&t.whirl), Cell::from(&t.becomes)]));
+        // At rest there is no spin to compare with.
+        let ratio = if t.speed == 0.0 { Cell::from(&"none") } else { (t.frequency / t.speed).into() };
+        let numbers = [units.speed(t.speed), units.frequency(t.frequency)].map(Cell::from);
+        table.row(numbers.into_iter().chain([ratio, Cell::from(&t.whirl), Cell::from(&t.becomes)]));
     }
     let document = Document {
         rotor: rotor.name(),

@@ -172,7 +172,9 @@ impl From<AssignError> for Failure {
             AssignError::Bearing { .. } | AssignError::Count { .. } | AssignError::NotFinite(_) => {
                 Self::Usage(error.to_string())
             }
-            AssignError::NotControllable { .. } | AssignError::Poles(_) => Self::Work(error.to_string()),
+            AssignError::NotControllable { .. } | AssignError::Missed { .. } | AssignError::Poles(_) => {
+                Self::Work(error.to_string())
+            }
         }
     }
 }
