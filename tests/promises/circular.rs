@@ -53,6 +53,18 @@ fn cycles_list_frequency_radius_and_stability_and_the_thresholds_they_end_at() {
 }
 
 #[test]
+fn what_is_proven_complete_is_said_and_what_is_not() {
+    let two = run(&["response", "--over", "0.1..1.5", "--points", "15", "--deadband", "1", "--json"]).json();
+    assert_eq!(two["completeness"]["complete"], 15);
+    assert!(two["points"].as_array().unwrap().iter().all(|p| p["complete"] == true), "{two}");
+    let cycles = ["cycles", "--over", "1..5", "--points", "5", "--deadband", "1"];
+    let found = run(&[&cycles[..], &["--json"]].concat()).json();
+    let told = &found["completeness"];
+    assert_eq!((&told["clearances"], &told["enumerated"], &told["others"]), (&2.into(), &1.into(), &"search".into()));
+    assert!(run(&cycles).stdout.contains("NOT proven complete: all orbits that press on at most one bearing of the 2"));
+}
+
+#[test]
 fn bad_input_exits_2() {
     for arguments in [
         &["response", "--over", "3..1"][..],

@@ -8,7 +8,6 @@ mod files;
 mod linear;
 mod live;
 mod manners;
-mod many;
 mod papers;
 mod picture;
 mod poles;

@@ -50,6 +50,34 @@ fn settles_by_itself_and_says_from_when() {
 }
 
 #[test]
+fn a_short_run_tells_the_step_that_it_makes() {
+    let short = ["run", "jeffcott", "--speed", "1", "--duration", "0.001"];
+    assert_eq!(run(&[&short[..], &["--json"]].concat()).json()["dtau"], 0.001);
+    assert!(run(&short).stdout.contains("1 steps of 0.00100000 to"), "{:?}", run(&short));
+}
+
+#[test]
+fn steady_values_say_whether_the_motion_would_stay() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("centre.toml");
+    std::fs::write(&file, "bearing = 2\n\n[[signal]]\nmass = 2\nkd = 1.0\ncd = 2.0\n").unwrap();
+    let file = file.to_str().unwrap();
+    let machine = ["three-mass", "--feedback", file];
+    let found = run(&[&["run"], &machine[..], &["--speed", "4.3", "--duration", "5000", "--json"]].concat()).json();
+    assert_eq!((found["settled"].as_str(), found["stability"].as_str()), (Some("steady"), Some("unstable")));
+    assert_eq!((&found["stable"], &found["centre_stability"]), (&false.into(), &"unstable".into()));
+    assert!((found["growth"].as_f64().unwrap() - 0.0122).abs() < 1e-4, "{found}");
+    let options = ["--over", "4..4.3", "--points", "2"];
+    let swept = run(&[&["force"], &machine[..], &options, &["--json"]].concat()).json();
+    assert_eq!(swept["stability"], serde_json::json!([["stable", "unstable"]]), "{swept}");
+    let table = run(&[&["force"], &machine[..], &options].concat()).stdout;
+    assert!(
+        table.contains("steady  UNSTABLE") && table.contains("1 of 2 steady values belong to motion that is NOT"),
+        "{table}"
+    );
+}
+
+#[test]
 fn a_diverging_run_says_when_and_keeps_what_it_has() {
     let document = run(&[
         "run",

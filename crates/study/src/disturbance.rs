@@ -7,8 +7,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rotor::circular::{self, Standing};
-use rotor::{C64, ClosedLoop, PoleError, Stepper};
+use rotor::{C64, ClosedLoop, PoleError, Standing, Stepper, circular};
 
 /// How small a disturbance is, as a part of the motion.
 const PART: f64 = 1e-7;
@@ -27,6 +26,18 @@ pub struct Judgement {
     pub growth: f64,
     /// How this was found.
     pub by: Means,
+}
+
+impl Judgement {
+    /// In a word that stands out where it must.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self.standing {
+            Standing::Stable => "stable",
+            Standing::Marginal => "marginal",
+            Standing::Unstable => "UNSTABLE",
+        }
+    }
 }
 
 /// How stability was found.

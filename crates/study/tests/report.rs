@@ -98,8 +98,12 @@ fn val_printed_numbers_are_met_but_for_those_that_are_known_not_to_be() {
             "poles with them, at lower speeds",
             "the gains of R = 7.2, held constant",
             "gains that depend on speed, against constant ones",
+            "reach of the control, % of the first threshold",
+            "steady forces of Fig. 4.16: would the motion stay",
             "peak of the force for g = 0",
             "peak of the force for g = 1",
+            "force for g = 10, against g = 0 and g = 1",
+            "force for g = 0 and 1, against Fig. 3.7",
             "amplitudes at R = 6, g = 1",
             "amplitudes at R = 6, g = 10"
         ]

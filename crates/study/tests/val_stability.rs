@@ -2,8 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rotor::circular::Standing;
-use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, builtin, poles};
+use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, Standing, builtin, poles};
 use study::disturbance::Means;
 use study::force::{LONGEST, Point, steady, until_settled};
 use study::run::{Impulse, Plan, Settle, Settled, run};

@@ -37,7 +37,7 @@ mod whirl_equation;
 use crate::{Feedback, PoleError, Rotor};
 
 pub use continuation::Curve;
-pub use orbit::{Orbit, Standing};
+pub use orbit::Orbit;
 pub use steady::{centre, orbit_of};
 pub use tracer::End;
 

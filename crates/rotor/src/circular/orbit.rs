@@ -1,6 +1,6 @@
 //! One circular orbit, as it is given to the caller.
 
-use crate::C64;
+use crate::{C64, Standing};
 
 /// An exact circular solution `p_k = c_k exp(j w tau)` at one spin speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -20,40 +20,6 @@ pub struct Orbit {
     pub growth: f64,
     /// A `growth` of at most this size is rounding.
     pub noise: f64,
-}
-
-/// What becomes of small disturbances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Standing {
-    /// Every one dies away.
-    Stable,
-    /// One neither grows nor dies, as far as rounding lets that be told.
-    Marginal,
-    /// One grows.
-    Unstable,
-}
-
-impl Standing {
-    /// Whether it is stable; `None` on the margin.
-    #[must_use]
-    pub fn is_stable(self) -> Option<bool> {
-        match self {
-            Self::Stable => Some(true),
-            Self::Marginal => None,
-            Self::Unstable => Some(false),
-        }
-    }
-
-    /// `stable`, `marginal` or `UNSTABLE`.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Stable => "stable",
-            Self::Marginal => "marginal",
-            Self::Unstable => "UNSTABLE",
-        }
-    }
 }
 
 impl Orbit {

@@ -14,8 +14,8 @@ const GAINS: &str = "Qualitative: the report's gains and weights are lost with i
 const SECTION: &str = "Qualitative: which parts the report enlarged is lost with its pictures, so the sections are ours, \
     as are the gains (see Fig. 4.12).";
 
-const FORCE: &str = "Qualitative, and not in all of it. The force grows with speed (from R = 3) and with clearance, and the \
-    widest takes about ten times as much, as the report says. With our gains g = 0 peaks just above R = 1, not just below, \
+const FORCE: &str = "Qualitative, and not in all of it. The force is larger at R = 6 than at R = 3 and grows with clearance there; at R \
+    = 6 the widest takes fourteen times as much as none, as the report says, but six times as much as g = 1. With our gains g = 0 peaks just above R = 1, not just below, \
     and again near R = 2.3; and g = 1 has a self-excited whirl below R = 2 that is much larger than that peak, which the \
     report does not mention. Force in units of m_1 ω₀² e_t: times Rm_1 = 0.25 in K_t e_t; the report does not say which it \
     took.";
@@ -66,14 +66,14 @@ pub(super) const FIGURES: [Entry; 19] = [
         number: "4.12",
         title: "Three masses, constant gains: poles, 0 ≤ R ≤ 8",
         caption: "The composite gains held at one value over all speeds. Every mode is damped until about R = 7.1, \
-            where the forward modes reach the threshold almost together.",
+            where two forward modes cross, at 7.07 and 7.09; the third follows at 7.66.",
         agreement: GAINS,
         make: controlled,
     },
     Entry {
         number: "4.13",
         title: "Three masses, constant gains: section A, the bounce mode",
-        caption: "The slow forward branch creeps towards the axis and crosses it just above R = 7.1; at rest its \
+        caption: "The slow forward branch creeps towards the axis and crosses it at R = 7.09; at rest its \
             backward twin (mirrored, dotted) has hardly any damping to spare.",
         agreement: SECTION,
         make: |e, title| section(e, title, [-0.55, 0.08], [0.5, 1.02], &[0.0, 2.0, 4.0, 6.0, 8.0]),
@@ -98,7 +98,8 @@ pub(super) const FIGURES: [Entry; 19] = [
         number: "4.16",
         title: "Three masses, constant gains: largest steady force over speed",
         caption: "What the bearing must deliver in the steady state or the limit cycle reached from rest, for three \
-            clearances at both ends; decades, because the widest clearance takes ten times as much.",
+            clearances at both ends; decades, because the widest clearance takes so much more. Points that had not settled by τ = \
+            2000 are left out.",
         agreement: FORCE,
         make: forces,
     },
@@ -120,14 +121,14 @@ pub(super) const FIGURES: [Entry; 19] = [
     Entry {
         number: "4.19",
         title: "Three masses, constant gains: mass 3, R = 2, g = 1",
-        caption: "The free end mass: the same synchronous circle, several times wider than at the controlled end.",
+        caption: "The free end mass: the same synchronous circle, nearly four times as wide as at the controlled end.",
         agreement: GAINS,
         make: |e, title| orbit(&e.slow, title, 2),
     },
     Entry {
         number: "4.20",
         title: "Three masses, constant gains: mass 1, R = 6, g = 1",
-        caption: "The controlled end at three times the uncontrolled threshold: a self-excited whirl far slower than \
+        caption: "The controlled end at more than three times the uncontrolled threshold: a self-excited whirl far slower than \
             the spin carries the unbalance's ripple.",
         agreement: GAINS,
         make: |e, title| orbit(&e.fast, title, 0),
@@ -157,7 +158,7 @@ pub(super) const FIGURES: [Entry; 19] = [
     Entry {
         number: "4.24",
         title: "Three masses, constant gains: mass 1, R = 6, g = 10",
-        caption: "A clearance ten times as wide, and a slow whirl ten times as wide: the orbit presses far beyond the \
+        caption: "A clearance ten times as wide, and a slow whirl nearly ten times as wide: the orbit presses far beyond the \
             clearance (dashed).",
         agreement: GAINS,
         make: |e, title| orbit(&e.loose, title, 0),

@@ -47,6 +47,17 @@ pub(super) fn claim(holds: bool, found: String) -> Ours {
     Ours::Claim { holds, found }
 }
 
+/// A number as shown: with as many decimals as an error of `off` leaves sure.
+pub(super) fn sure(value: f64, off: f64) -> String {
+    let decimals = (-(2.0 * off.max(1e-12)).log10()).floor().max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+/// What should be nothing but rounding, as shown: its digits would be another processor's others.
+pub(super) fn under(value: f64, bound: f64) -> String {
+    if value < bound { format!("less than {bound:e}") } else { format!("{value:.1e}") }
+}
+
 /// How a row agrees.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "snake_case")]
@@ -158,7 +169,7 @@ impl Comparison {
         }
     }
 
-    /// What we have, as shown: every digit shown is sure.
+    /// What we have, as shown.
     #[must_use]
     pub fn our_words(&self) -> String {
         match &self.ours {
@@ -213,6 +224,13 @@ impl super::Report {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn no_digit_is_shown_that_is_not_sure() {
+        assert_eq!(sure(12.0365, 0.012), "12.0");
+        assert_eq!(sure(5.225_896, 1e-6), "5.22590");
+        assert_eq!(sure(73.3, 0.073), "73");
+    }
 
     #[test]
     fn agreement_is_judged_by_the_digits_that_are_printed() {

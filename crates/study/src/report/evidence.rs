@@ -9,11 +9,12 @@ use rotor::{
     trace,
 };
 
-use super::motion::{Case, Record};
+use super::compare::sure;
+use super::motion::{Case, Record, off};
 use super::searched::{self, Searched};
 use super::{ReportError, Watch};
 use crate::force::{self, Point};
-use crate::run::Settle;
+use crate::run::{Settle, Settled};
 
 /// The clearances that the report compares.
 pub(super) const DEADBANDS: [f64; 3] = [0.0, 1.0, 10.0];
@@ -36,6 +37,19 @@ impl Forces {
         let near = |s: &f64| (s - speed).abs() < 1e-9;
         let found = self.speeds.iter().position(near).map(|i| self.by_deadband[deadband][i].max_force);
         found.unwrap_or(f64::NAN)
+    }
+
+    /// The same with the digits that are sure.
+    pub(super) fn shown(&self, deadband: usize, speed: f64) -> String {
+        let near = |s: &f64| (s - speed).abs() < 1e-9;
+        let point = self.speeds.iter().position(near).map(|i| &self.by_deadband[deadband][i]);
+        point.map_or_else(String::new, |p| sure(p.max_force, off(p.settled) * p.max_force))
+    }
+
+    /// The forces at one clearance, not a number where the motion has not settled.
+    pub(super) fn settled(&self, deadband: usize) -> impl Iterator<Item = f64> {
+        let points = self.by_deadband[deadband].iter();
+        points.map(|p| if p.diverged_at.is_none() && p.settled != Settled::No { p.max_force } else { f64::NAN })
     }
 }
 

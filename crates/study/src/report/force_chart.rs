@@ -7,14 +7,14 @@ use crate::plot::{Axis, Chart, Color, Look, Series};
 const LOOKS: [(Look, Color); 3] =
     [(Look::Solid, Color::BLUE), (Look::Dashed, Color::VERMILLION), (Look::Dotted, Color::GREEN)];
 
-/// The curves, one a clearance; decades where they are far apart.
+/// The curves, one a clearance, but for motion that has not settled; decades where they are far apart.
 pub(super) fn chart(forces: &Forces, title: &str, log: bool) -> Chart {
     let series: Vec<Series> = DEADBANDS
         .iter()
         .zip(LOOKS)
-        .zip(&forces.by_deadband)
-        .map(|((deadband, (look, color)), points)| {
-            let line = forces.speeds.iter().zip(points).map(|(speed, p)| (*speed, p.max_force));
+        .enumerate()
+        .map(|(i, (deadband, (look, color)))| {
+            let line = forces.speeds.iter().copied().zip(forces.settled(i)).filter(|(_, force)| force.is_finite());
             Series::new(&format!("g = {deadband}"), look, color, line.collect())
         })
         .collect();
@@ -40,9 +40,9 @@ pub(super) fn chart(forces: &Forces, title: &str, log: bool) -> Chart {
 pub(super) fn data(forces: &Forces) -> Data {
     let mut data = Data::new(&["speed"]);
     data.header.extend(DEADBANDS.iter().map(|g| format!("max_force_g{g}")));
+    let columns: Vec<Vec<f64>> = (0..DEADBANDS.len()).map(|g| forces.settled(g).collect()).collect();
     for (i, speed) in forces.speeds.iter().enumerate() {
-        let row = forces.by_deadband.iter().map(|points| points[i].max_force);
-        data.rows.push(std::iter::once(*speed).chain(row).collect());
+        data.rows.push(std::iter::once(*speed).chain(columns.iter().map(|column| column[i])).collect());
     }
     data
 }

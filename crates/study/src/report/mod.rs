@@ -9,6 +9,7 @@ mod chapter4;
 mod chapter4_tracked;
 mod compare;
 mod corrections;
+mod criteria;
 mod data;
 mod evidence;
 mod figure;

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use rotor::{C64, ClosedLoop, Feedback, Motion, Rotor};
 
 use super::ReportError;
-use crate::run::{self, Impulse, Observer, Outcome, Plan, Settle};
+use crate::run::{self, Impulse, Observer, Outcome, Plan, Settle, Settled};
 use crate::spectrum::{self, Collector, Peak, Spectrum};
 use crate::step_size::Fastest;
 
@@ -112,6 +112,16 @@ impl Case<'_> {
     }
 }
 
+/// How far off the maxima of a run may be, relatively: the integration is off by a few millionths; of what beats, two long
+/// stretches of time agree to a thousandth; of what has not settled nothing is sure.
+pub(super) fn off(settled: Settled) -> f64 {
+    match settled {
+        Settled::Steady | Settled::Given => 5e-6,
+        Settled::Beating => 1e-3,
+        Settled::No => 1.0,
+    }
+}
+
 impl Record {
     /// Samples from `from` to `to`, of one mass, counted from 0.
     pub(super) fn orbit(&self, mass: usize, from: f64, to: f64) -> Vec<(f64, f64)> {
@@ -119,9 +129,28 @@ impl Record {
         within.map(|s| (s.displacement[mass].re, s.displacement[mass].im)).collect()
     }
 
+    /// The largest radius of one mass among the samples from `from` to `to`.
+    pub(super) fn widest(&self, mass: usize, from: f64, to: f64) -> f64 {
+        self.orbit(mass, from, to).into_iter().map(|(y, z)| y.hypot(z)).fold(0.0, f64::max)
+    }
+
     /// When the last sample was.
     pub(super) fn end(&self) -> f64 {
         self.outcome.last.tau
+    }
+
+    /// Whether mass 1 whirls slower than the spin over what was kept last: by its mean angle a unit of time.
+    pub(super) fn is_subsynchronous(&self) -> bool {
+        let from = self.end() - 100.0;
+        let kept: Vec<&Sample> = self.samples.iter().filter(|s| s.tau >= from).collect();
+        let angle: f64 = kept.windows(2).map(|w| (w[1].displacement[0] * w[0].displacement[0].conj()).arg()).sum();
+        let time = kept.last().map_or(0.0, |last| last.tau - kept[0].tau);
+        time > 0.0 && (angle / time).abs() < 0.95 * self.speed
+    }
+
+    /// How far off its maxima and means may be, relative to the largest of them.
+    pub(super) fn off(&self) -> f64 {
+        off(self.outcome.settled)
     }
 
     /// The part of the power of mass 1 that lies at whirl frequencies between 5 and 95 % of the spin, forward.

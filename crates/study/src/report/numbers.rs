@@ -1,9 +1,10 @@
 //! Every number that the report prints as a result, and every statement about its plots that can be put to the test.
 
-use rotor::{C64, Rotor, Trace, Whirl};
+use rotor::{C64, Rotor, Standing, Trace, Whirl};
 
-use super::compare::{Comparison, Ours, Printed, claim, number};
-use super::evidence::Evidence;
+use super::compare::{Comparison, Ours, Printed, claim, number, under};
+use super::criteria::{NEARLY_LINEAR, NOT_DETECTABLE, SLIGHT};
+use super::evidence::{Evidence, Forces};
 use super::{ReportError, numbers4};
 
 /// All of them, in the report's order.
@@ -29,6 +30,21 @@ fn bend(speeds: &[f64], forces: &[f64]) -> f64 {
     speeds.iter().zip(forces).map(|(s, f)| (f - line(*s)).abs()).fold(0.0, f64::max) / high
 }
 
+/// Whether every motion behind a force curve is settled and would outlive a small disturbance.
+pub(super) fn stays(forces: &Forces) -> Ours {
+    let all = || forces.by_deadband.iter().flatten();
+    let count = |standing| all().filter(|p| p.stability.is_some_and(|j| j.standing == standing)).count();
+    let [stable, marginal, unstable] = [Standing::Stable, Standing::Marginal, Standing::Unstable].map(count);
+    let open = all().filter(|p| p.stability.is_none()).count();
+    claim(
+        stable == all().count(),
+        format!(
+            "of {} motions {stable} are stable, {marginal} marginal, {unstable} unstable; {open} had not settled",
+            all().count()
+        ),
+    )
+}
+
 fn poles_of(rotor: &Rotor, evidence: &Evidence, speed: f64) -> Result<(Vec<C64>, f64), ReportError> {
     let spectrum = Evidence::modes(rotor, &evidence.jeffcott_off, speed)?;
     let of = |whirl| spectrum.modes.iter().filter(move |m| m.whirl() == whirl).map(|m| m.pole);
@@ -44,7 +60,8 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
     let law = "below (3.44)";
     let wander = wander(&e.cancel_trace);
     let both = at_rest.iter().map(|p| rotor::damping_ratio(*p)).collect::<Vec<_>>();
-    let growing = e.unstable.outcome.max_displacement[0];
+    let at_end = e.unstable.outcome.last.displacement[0].norm();
+    let [before, last] = [(40.0, 50.0), (50.0, 60.0)].map(|(from, to)| e.unstable.widest(0, from, to));
 
     let by_clearance: Vec<Vec<f64>> =
         e.jeffcott_forces.by_deadband.iter().map(|row| row.iter().map(|p| p.max_force).collect()).collect();
@@ -82,7 +99,12 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
             "with deadband g = 1 at R = 2.3",
             "Fig. 3.5",
             Printed::Claim("unstable"),
-            claim(growing > 10.0, format!("from rest, radius {growing:.2} at τ = 60 and growing")),
+            claim(
+                last > 1.1 * before,
+                format!(
+                    "from rest, radius {at_end:.2} at τ = 60; at most {last:.2} in the last ten τ, {before:.2} in the ten before"
+                ),
+            ),
             "",
         ),
         row("least damping at R = 0", "below (3.42)", Printed::Number("0.497"), number(damping, 6), ""),
@@ -123,7 +145,7 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
             "cancelling law: eigenvalues over 0 ≤ R ≤ 5",
             law,
             Printed::Claim("those of R = 0 at any speed"),
-            claim(wander < 1e-12, "they move by less than 1e-12".to_owned()),
+            claim(wander < 1e-12, format!("they move by {}", under(wander, 1e-12))),
             "",
         ),
         row(
@@ -131,7 +153,7 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
             "Fig. 3.7",
             Printed::Claim("nearly linear"),
             claim(
-                bends < 0.1,
+                bends < NEARLY_LINEAR,
                 format!("1 ≤ R ≤ 5: off a straight line by at most {:.1} % of the largest", 100.0 * bends),
             ),
             "",
@@ -141,7 +163,7 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
             "Fig. 3.7",
             Printed::Claim("variation slight, if not negligible"),
             claim(
-                (f0 / f10 - 1.0).abs() < 0.05,
+                (f0 / f10 - 1.0).abs() < SLIGHT,
                 format!("{f0:.6}, {f1:.6}, {f10:.6}: {:.1} % apart", 100.0 * (f0 / f10 - 1.0)),
             ),
             "Exact circular orbits.",
@@ -150,8 +172,15 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
             "the same by simulation",
             "Fig. 3.7",
             Printed::Claim("(our own check)"),
-            claim(apart < 1e-6, "simulated and exact forces within 1e-6".to_owned()),
+            claim(apart < 1e-6, format!("simulated and exact forces at R = 5 are apart by {}", under(apart, 1e-6))),
             "",
+        ),
+        row(
+            "steady forces of Fig. 3.7: would the motion stay",
+            "Fig. 3.7",
+            Printed::Claim("(our own check)"),
+            stays(&e.jeffcott_forces),
+            "Linear stability about every motion found: what starts from rest need not be stable.",
         ),
         row("largest force after an impulse, g = 0", "Fig. 3.8", Printed::Number("9.3777"), impulse(0), reconstruction),
         row("largest force after an impulse, g = 1", "Fig. 3.9", Printed::Number("9.7128"), impulse(1), reconstruction),
@@ -166,7 +195,7 @@ fn chapter3(e: &Evidence) -> Result<Vec<Comparison>, ReportError> {
             "spectrum after an impulse, g = 10",
             "Fig. 3.11",
             Printed::Claim("synchronous; subsynchronous not detectable"),
-            claim(below < 1e-6, "less than a millionth of the power is subsynchronous".to_owned()),
+            claim(below < NOT_DETECTABLE, format!("{} of the power is subsynchronous", under(below, NOT_DETECTABLE))),
             "Once the impulse is forgotten.",
         ),
     ])

@@ -16,7 +16,8 @@ pub(super) fn rows(e: &Evidence) -> Vec<Comparison> {
     // Several modes may be regained one after the other: the rotor is stable from the last of them on.
     let regained = edges(Stability::Stable).fold(0.0, f64::max);
     let lost = edges(Stability::Unstable).filter(|speed| *speed > regained).fold(f64::INFINITY, f64::min);
-    let held = format!("stable from R = {regained:.2} to {lost:.2}; unstable below");
+    let below = if regained > 0.0 { "; unstable below" } else { "" };
+    let held = format!("stable from R = {regained:.2} to {lost:.2}{below}");
     let place = |speeds: &[f64]| speeds.iter().position(|s| (s - BETWEEN).abs() < 1e-9).unwrap_or(0);
     let tracked = s.tracked.values[place(&s.tracked.speeds)];
     let constant = e.composite_trace.min_damping()[place(&e.composite_trace.speeds)];
@@ -26,7 +27,7 @@ pub(super) fn rows(e: &Evidence) -> Vec<Comparison> {
             "text before Fig. 4.7",
             Printed::Number("7.2"),
             number(s.reach_alone, 3),
-            "Where the best least damping at one speed falls to zero. Why the report's search ended earlier it \
+            "Where the best least damping found at one speed falls to zero. Why the report's search ended earlier it \
              does not say.",
         ),
         row(
@@ -36,7 +37,7 @@ pub(super) fn rows(e: &Evidence) -> Vec<Comparison> {
             claim(
                 steepest > 2.0,
                 format!(
-                    "smooth: no gain changes by more than {steepest:.2} per unit of R, at a cost in damping of at most {:.4}, \
+                    "no gain changes by more than {steepest:.2} per unit of R, at a cost in damping of at most {:.4}, \
                      {:.4} from R = 2 on",
                     s.given_up(0.0),
                     s.given_up(2.0)
@@ -56,7 +57,7 @@ pub(super) fn rows(e: &Evidence) -> Vec<Comparison> {
             "text before Fig. 4.16",
             Printed::Number("7.2"),
             number(s.reach_constant, 3),
-            "Where the best least damping over all speeds from 0 falls to zero. The built-in gains, which are the best over \
+            "Where the best least damping found over all speeds from 0 falls to zero. The built-in gains, which are the best over \
              0 ≤ R ≤ 7 and so have something to spare there, reach 7.07.",
         ),
         row(
@@ -64,7 +65,7 @@ pub(super) fn rows(e: &Evidence) -> Vec<Comparison> {
             "text before Fig. 4.12",
             Printed::Claim("stable over the same range"),
             claim(regained == 0.0, held),
-            "The best gains at 7.2 alone, which hold the rotor nowhere else. The report's must have been another local optimum.",
+            "The best gains found at 7.2 alone, which hold the rotor nowhere else. The report's must have been another local optimum.",
         ),
         row(
             "gains that depend on speed, against constant ones",

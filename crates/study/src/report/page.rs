@@ -6,7 +6,7 @@ use rotor::{FIELDS, builtin};
 
 use super::compare::{Comparison, Verdict};
 use super::corrections::CORRECTIONS;
-use super::{Figure, Report};
+use super::{Figure, Report, criteria};
 
 /// A part of the page.
 pub(super) enum Block<'a> {
@@ -27,11 +27,13 @@ pub(super) fn blocks(report: &Report) -> Vec<Block<'_>> {
         Block::Paragraph(
             "\"Eigenvalue Assignment Strategies in Rotor Systems\", final report of NASA grant NAG8034, computed anew with \
              Whirl: every number that it prints beside ours, and every figure that its gains allow. Lengths are in e_t, \
-             times in τ = ω₀t, speeds R = ω/ω₀, frequencies in radians per unit of τ, control forces |u| in ω₀² e_t. Every \
-             digit of ours that is shown is sure."
+             times in τ = ω₀t, speeds R = ω/ω₀, frequencies in radians per unit of τ, control forces |u| in ω₀² e_t. Of ours \
+             those digits are shown that are sure: rounding and steps are below them, and of motion that beats, what one long \
+             stretch of time and the next agree on. What a search for gains found is the best found, not proven best."
                 .into(),
         ),
         Block::Paragraph(summary(&report.comparisons)),
+        Block::Paragraph(criteria::words()),
     ];
     for (chapter, heading) in [(3, "Numbers of chapter III: one mass"), (4, "Numbers of chapter IV: three masses")] {
         blocks.push(Block::Heading(2, heading.into()));

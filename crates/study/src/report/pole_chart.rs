@@ -30,23 +30,29 @@ pub(super) fn chart(trace: &Trace, view: &View<'_>) -> Chart {
         first.name = "mirror images (real form)".into();
     }
     for branch in &trace.branches {
-        let backward = branch.poles[0].im < 0.0;
-        let (look, color) = if backward { (Look::Dashed, Color::VERMILLION) } else { (Look::Solid, Color::BLUE) };
-        let kind = usize::from(backward);
-        // What is out of the picture is not explained below it.
-        let seen = branch.poles.iter().any(|p| within(p.re, view.re) && within(p.im, view.im));
-        let name = if listed[kind] || !seen { "" } else { names[kind] };
-        listed[kind] |= seen;
-        let mut line = Series::new(name, look, color, branch.poles.iter().map(|p| point(*p)).collect());
-        line.arrows = between(trace, view.dots);
-        series.push(line);
-        let at = |speeds: &[f64]| -> Vec<(f64, (f64, f64))> {
-            let places = speeds.iter().filter_map(|s| Some((*s, nearest(trace, *s)?)));
-            places.map(|(s, i)| (s, point(branch.poles[i]))).collect()
-        };
-        series.push(Series::new("", Look::Dots, color, at(view.dots).into_iter().map(|(_, p)| p).collect()));
-        let side = if backward { Side::Below } else { Side::Above };
-        notes.extend(at(view.named).into_iter().map(|(s, at)| Note { at, text: format!("R = {s}"), side }));
+        for (from, to) in pieces(&branch.poles) {
+            // Both drawn pieces end where the sense of whirl changes.
+            let shown = &branch.poles[from..=to.min(branch.poles.len() - 1)];
+            let backward = branch.poles[from].im < 0.0;
+            let (look, color) = if backward { (Look::Dashed, Color::VERMILLION) } else { (Look::Solid, Color::BLUE) };
+            let kind = usize::from(backward);
+            // What is out of the picture is not explained below it.
+            let seen = shown.iter().any(|p| within(p.re, view.re) && within(p.im, view.im));
+            let name = if listed[kind] || !seen { "" } else { names[kind] };
+            listed[kind] |= seen;
+            let mut line = Series::new(name, look, color, shown.iter().map(|p| point(*p)).collect());
+            let arrows = between(trace, view.dots).into_iter().filter(|i| (from..to).contains(i));
+            line.arrows = arrows.map(|i| i - from).filter(|i| *i > 0).collect();
+            series.push(line);
+            let at = |speeds: &[f64]| -> Vec<(f64, (f64, f64))> {
+                let places = speeds.iter().filter_map(|s| Some((*s, nearest(trace, *s)?)));
+                let places = places.filter(|(_, i)| (from..to).contains(i));
+                places.map(|(s, i)| (s, point(branch.poles[i]))).collect()
+            };
+            series.push(Series::new("", Look::Dots, color, at(view.dots).into_iter().map(|(_, p)| p).collect()));
+            let side = if backward { Side::Below } else { Side::Above };
+            notes.extend(at(view.named).into_iter().map(|(s, at)| Note { at, text: format!("R = {s}"), side }));
+        }
     }
     let axis = vec![(0.0, view.im[0]), (0.0, view.im[1])];
     series.insert(0, Series::new("threshold of stability", Look::Solid, Color::BLACK, axis));
@@ -73,6 +79,14 @@ pub(super) fn data(trace: &Trace) -> Data {
     data
 }
 
+/// Stretches of one sense of whirl, each up to the index where the next begins.
+fn pieces(poles: &[C64]) -> Vec<(usize, usize)> {
+    let changes = (1..poles.len()).filter(|&i| (poles[i].im < 0.0) != (poles[i - 1].im < 0.0));
+    let ends: Vec<usize> = changes.chain([poles.len()]).collect();
+    let starts = std::iter::once(0).chain(ends.iter().copied());
+    starts.zip(ends.iter().copied()).filter(|(from, to)| from < to).collect()
+}
+
 fn within(value: f64, [from, to]: [f64; 2]) -> bool {
     (from..=to).contains(&value)
 }
@@ -90,4 +104,16 @@ fn nearest(trace: &Trace, speed: f64) -> Option<usize> {
 /// Places half way between two dots.
 fn between(trace: &Trace, dots: &[f64]) -> Vec<usize> {
     dots.windows(2).filter_map(|w| nearest(trace, 0.5 * (w[0] + w[1]))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_branch_that_becomes_forward_is_drawn_as_forward_from_there_on() {
+        let poles = [-0.2, -0.1, 0.1, 0.2, -0.1].map(|im| C64::new(0.0, im));
+        assert_eq!(pieces(&poles), [(0, 2), (2, 4), (4, 5)]);
+        assert_eq!(pieces(&poles[..2]), [(0, 2)]);
+    }
 }

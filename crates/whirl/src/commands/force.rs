@@ -3,7 +3,7 @@
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rotor::circular::Standing;
+use rotor::Standing;
 use serde::Serialize;
 use study::disturbance::{self, Judgement, Means};
 use study::force::{ForceError, Point};
@@ -114,8 +114,8 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
             };
             let force = steady_force(&points[i])
                 .map_or_else(|| Cell::from(&""), |u| units.force(u, machine.bearing_mass()).into());
-            let judged = points[i].stability.map_or("", |judged| judged.standing.word());
-            let words = [word, judged, points[i].centre.standing.word()];
+            let judged = points[i].stability.map_or("", |judged| judged.word());
+            let words = [word, judged, points[i].centre.word()];
             let numbers = [units.speed(*speed).into(), units.length(*deadband).into(), force];
             table.row(numbers.into_iter().chain(words.iter().map(Cell::from)));
         }

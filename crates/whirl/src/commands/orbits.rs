@@ -1,6 +1,6 @@
 //! What `whirl response` and `whirl cycles` share: sweeps over speed for exact circular orbits, and their tables.
 
-use rotor::circular::{Circular, Orbit, Standing};
+use rotor::circular::{Circular, Orbit};
 use serde::Serialize;
 
 use crate::catalog::Machine;
@@ -128,12 +128,8 @@ pub(super) fn speeds_text(speeds: &[f64], units: Units) -> String {
 }
 
 /// `stable`, `marginal` or `unstable`.
-pub(super) fn stability(orbit: &Orbit) -> &'static str {
-    match orbit.standing() {
-        Standing::Stable => "stable",
-        Standing::Marginal => "marginal",
-        Standing::Unstable => "unstable",
-    }
+pub(super) fn stability(orbit: &Orbit) -> String {
+    orbit.standing().to_string()
 }
 
 /// Numbers for people, separated by commas.

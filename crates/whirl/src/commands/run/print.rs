@@ -1,6 +1,6 @@
 //! What `whirl run` prints.
 
-use rotor::circular::Standing;
+use rotor::Standing;
 use serde::Serialize;
 use study::disturbance::{self, Judgement, Means};
 use study::run::{Outcome, Settled};
@@ -191,7 +191,7 @@ fn steps((longest, shortest): (f64, f64)) -> String {
 
 /// Whether the motion found would stay, and the centre.
 fn stability(outcome: &Outcome) -> String {
-    let grows = |j: Judgement| format!("{} (disturbances go as exp({} tau))", j.standing.word(), rounded(j.growth));
+    let grows = |j: Judgement| format!("{} (disturbances go as exp({} tau))", j.word(), rounded(j.growth));
     let centre = format!("the rotor at rest in its centre: {}", grows(outcome.centre));
     match outcome.stability {
         Some(judged @ Judgement { by: Means::Eigenvalues, .. }) => format!("this motion: {}; {centre}", grows(judged)),

@@ -1,7 +1,6 @@
 //! One answer: the gains, what they are worth, where that is, and how sure it is.
 
 use std::sync::atomic::AtomicBool;
-use std::time::Instant;
 
 use rotor::file::FeedbackDocument;
 use rotor::{GainKind, damping_ratio};
@@ -19,14 +18,8 @@ use crate::units::{Units, UnitsDocument};
 #[derive(Debug, Serialize)]
 pub(super) struct Document<'a> {
     rotor: &'a str,
-    /// Whether every mode decays at every condition that was asked for; `null` where one is marginal.
-    stable: Option<bool>,
-    /// Whether a pole is within rounding of the axis.
-    #[serde(skip_serializing_if = "std::ops::Not::not")]
-    marginal: bool,
-    /// With a delay there are infinitely many poles: all of those with a real part above this count, and were counted.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    count_right_of: Option<f64>,
+    /// Whether every mode decays at every condition that was asked for.
+    stable: bool,
     /// The smallest damping ratio over modes and conditions.
     min_damping: f64,
     /// The spin speed `R` where that is.
@@ -68,28 +61,25 @@ pub(super) struct Document<'a> {
 
 /// Searches, prints and writes.
 pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(), Failure> {
-    let (watch, begun) = (Watch::new(), Instant::now());
+    let watch = Watch::new();
     let options = |problem: &Problem| args.options(problem);
     let places =
         rank(&asked.question(), &asked.choices(), &options, &|progress| watch.say(progress), Stop::when(flag))?;
     watch.end();
     let best = &places[0];
     let problem = asked.problem(best.bearing, &best.sensors);
-    known(asked, &best.tuned)?;
-    let mut document = Document::of(args, asked, &problem, best, &places, Stop::when(flag))?;
-    // All of it: every place, and what was judged anew.
-    document.seconds = begun.elapsed().as_secs_f64();
+    let document = Document::of(args, asked, &problem, best, &places)?;
     let mut footer = summary(asked, &problem, &document).join("\n");
     if places.len() > 1 {
         footer += &ranking(&places);
     }
     if let Some(path) = &args.out
-        && (document.stable == Some(true) || args.write_unstable)
+        && (document.stable || args.write_unstable)
     {
         write_file(path, &best.tuned.feedback, &summary(asked, &problem, &document))?;
     }
     args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
-    verdict(asked, &best.tuned)
+    verdict(asked, &best.tuned, document.stable)
 }
 
 impl<'a> Document<'a> {
@@ -100,18 +90,15 @@ impl<'a> Document<'a> {
         problem: &Problem,
         best: &'a Place,
         places: &'a [Place],
-        stop: Stop,
     ) -> Result<Self, Failure> {
         let tuned = &best.tuned;
-        let (min_damping, worst_speed) = least_damping(args, problem, tuned, stop)?;
+        let (min_damping, worst_speed) = least_damping(args, problem, tuned)?;
         let options = args.options(problem);
         let near =
             tuned.values.iter().filter(|value| **value >= tuned.values[0] - 0.01 * tuned.values[0].abs()).count();
         Ok(Self {
             rotor: asked.rotor().name(),
-            stable: tuned.worst.stable(),
-            marginal: tuned.worst.marginal,
-            count_right_of: tuned.worst.count_right_of,
+            stable: tuned.worst.value > 0.0,
             min_damping,
             worst_speed,
             worst: condition(problem, &tuned.worst.point, Some((tuned.worst.pole, tuned.worst.value))),
@@ -121,7 +108,7 @@ impl<'a> Document<'a> {
             boxes: tuned.worst.boxes,
             feedback: FeedbackDocument(&tuned.feedback),
             method: options.method,
-            evaluations: places.iter().map(|place| place.tuned.evaluations).sum(),
+            evaluations: tuned.evaluations,
             seconds: tuned.elapsed.as_secs_f64(),
             starts: options.starts,
             seed: args.seed,
@@ -139,12 +126,12 @@ impl<'a> Document<'a> {
 }
 
 /// The smallest damping ratio and its speed: of the answer itself, or judged anew where something else was maximised.
-fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned, stop: Stop) -> Result<(f64, f64), Failure> {
+fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned) -> Result<(f64, f64), Failure> {
     if problem.measure == Measure::default() {
         return Ok((tuned.worst.value, tuned.worst.point[0]));
     }
     let plain = Problem { measure: Measure::default(), ..problem.clone() };
-    let judged = judge(&plain, &args.options(&plain), &tuned.gains, stop)?;
+    let judged = judge(&plain, &args.options(&plain), &tuned.gains, Stop::NEVER)?;
     Ok((judged.worst.value, judged.worst.point[0]))
 }
 
@@ -226,17 +213,6 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
             speed_text(units, Some(document.worst_speed))
         ));
     }
-    if document.marginal {
-        lines.push("a mode is marginal: within rounding of the axis, neither stable nor unstable".to_owned());
-    }
-    if let Some(line) = document.count_right_of {
-        let per = units.time(1.0);
-        lines.push(format!(
-            "with delay: every pole right of {} {} there is found and counted; what decays faster is no part of this",
-            rounded(line / per),
-            units.pick("per tau", "per s")
-        ));
-    }
     let mass = asked.rotor().masses()[problem.structure.bearing()].mass;
     lines.push(format!(
         "steady control force up to {} {} (linear rotor), at {}{}",
@@ -292,37 +268,19 @@ fn ranking(places: &[Place]) -> String {
     text
 }
 
-/// Where the poles cannot all be had there is no answer.
-pub(super) fn known(asked: &Asked, tuned: &Tuned) -> Result<(), Failure> {
-    if tuned.worst.is_known() {
+/// What the exit code says: gains that do not hold the rotor are no success, nor is half a search.
+pub(super) fn verdict(asked: &Asked, tuned: &Tuned, stable: bool) -> Result<(), Failure> {
+    if tuned.interrupted {
+        return Err(Failure::Interrupted);
+    }
+    if stable {
         return Ok(());
     }
-    if tuned.interrupted {
-        return Err(Failure::Interrupted);
-    }
-    Err(Failure::Work(format!(
-        "no answer: at {} the poles of the loop cannot all be found; with so long a delay there may be too many to count",
-        speed_text(asked.units(), tuned.worst.point.first().copied())
-    )))
-}
-
-/// What the exit code says: gains that do not hold the rotor are no success, nor is half a search.
-pub(super) fn verdict(asked: &Asked, tuned: &Tuned) -> Result<(), Failure> {
-    if tuned.interrupted {
-        return Err(Failure::Interrupted);
-    }
     let units = asked.units();
-    match tuned.worst.stable() {
-        Some(true) => Ok(()),
-        None => Err(Failure::Work(format!(
-            "the best gains found leave a marginal mode at {}: within rounding of the axis, neither stable nor unstable",
-            speed_text(units, Some(tuned.worst.point[0]))
-        ))),
-        Some(false) => Err(Failure::Work(format!(
-            "no gains were found that hold the rotor at {}: the best leave {} at {}",
-            if asked.family.speeds().0 == asked.family.speeds().1 { "that speed" } else { "every speed of the range" },
-            rounded(tuned.worst.value),
-            speed_text(units, Some(tuned.worst.point[0]))
-        ))),
-    }
+    Err(Failure::Work(format!(
+        "no gains were found that hold the rotor at {}: the best leave {} at {}",
+        if asked.family.speeds().0 == asked.family.speeds().1 { "that speed" } else { "every speed of the range" },
+        rounded(tuned.worst.value),
+        speed_text(units, Some(tuned.worst.point[0]))
+    )))
 }
