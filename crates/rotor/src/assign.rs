@@ -139,7 +139,7 @@ pub fn assign_poles(rotor: &Rotor, speed: f64, bearing: usize, wanted: &[C64]) -
     let feedback = full_state(bearing, n, row.as_slice());
     // Of the very gains that are handed out, closed the way every other command closes them.
     let closed = ClosedLoop::new(rotor, &feedback, speed, &[]).state_matrix();
-    let achieved = nearest(eigenvalues(closed)?, wanted);
+    let achieved = nearest(&eigenvalues(closed)?, wanted);
     let size = wanted.iter().map(|s| s.norm()).fold(0.0, f64::max);
     let off = |(wanted, achieved): (&C64, &C64)| ((wanted - achieved).norm(), *wanted);
     let (off, worst) =
@@ -233,11 +233,11 @@ fn swap(t: &mut DMatrix<C64>, u: &mut DMatrix<C64>, input: &mut DVector<C64>, k:
 
 /// The eigenvalues of `A - b f`, each beside the wanted one it is nearest to: the closest pair first.
 fn matched(a: &DMatrix<C64>, b: &DVector<C64>, f: &RowDVector<C64>, wanted: &[C64]) -> Result<Vec<C64>, PoleError> {
-    Ok(nearest(eigenvalues(a - b * f)?, wanted))
+    Ok(nearest(&eigenvalues(a - b * f)?, wanted))
 }
 
 /// These poles, each beside the wanted one it is nearest to: the closest pair first.
-fn nearest(poles: Vec<C64>, wanted: &[C64]) -> Vec<C64> {
+fn nearest(poles: &[C64], wanted: &[C64]) -> Vec<C64> {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(wanted.len() * poles.len());
     for (i, s) in wanted.iter().enumerate() {
         pairs.extend(poles.iter().enumerate().map(|(j, pole)| ((s - pole).norm(), i, j)));

@@ -178,7 +178,7 @@ pub(crate) fn crossings(
 
 /// A branch that is on zero at rest came from nowhere.
 fn start_from_rest(quantity: Quantity, at: &Node, memory: &mut [Memory]) {
-    for (k, was) in memory.iter_mut().enumerate().filter(|(k, _)| quantity.sign(at, *k) == 0.0) {
+    for (_, was) in memory.iter_mut().enumerate().filter(|(k, _)| quantity.sign(at, *k) == 0.0) {
         *was = Memory { sign: 0.0, node: at.clone(), zero: Some((f64::NEG_INFINITY, at.speed)) };
     }
 }
