@@ -785,7 +785,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__set)
-            opts="-h --bench --why --json --help"
+            opts="-h --bench --why --force --json --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -90,7 +90,7 @@ fn what_is_wrong_changes_nothing_and_says_why() {
     }
     let state = &lines(&root.run(&["tail", "--count", "1", "--json"]).stdout)[0];
     assert_eq!((&state["speed"], &state["revision"]), (&2.5.into(), &1.into()));
-    assert_eq!(root.run(&["set", "feedback=off", "deadband.1=0.5", "kc=-0.25"]).code, Some(0));
+    assert_eq!(root.run(&["set", "--force", "feedback=off", "deadband.1=0.5", "kc=-0.25"]).code, Some(0));
 }
 
 #[test]
@@ -121,8 +121,15 @@ fn a_stopped_simulation_is_listed_as_one_that_does_not_answer() {
     simulation.signal(Signal::STOP);
     let status = root.run(&["status", "--json"]).json();
     let bench = &status["benches"][0];
-    assert_eq!((&bench["name"], &bench["answers"], &bench["rate_hz"]), (&"s".into(), &false.into(), &Value::Null));
-    assert_eq!(bench["pid"], simulation.pid());
+    assert_eq!((&bench["name"], &bench["answers"]), (&"s".into(), &false.into()));
+    assert_eq!((&bench["why"], &bench["pid"]), (&"it is stopped, or overloaded".into(), &simulation.pid().into()));
+    // What is not known is `null`, whatever its kind: 0 steps, or a speed of 0, would be an answer.
+    for field in ["rotor", "speed", "rate_hz", "steps", "missed", "min_damping", "revision", "tripped", "run_id"] {
+        assert_eq!(bench[field], Value::Null, "{field} of {bench}");
+    }
+    assert_eq!(bench["lateness_us"], serde_json::json!({"p50": null, "p99": null, "max": null}));
+    let table = root.run(&["status"]).stdout;
+    assert!(table.contains("DOES NOT ANSWER: it is stopped, or overloaded") && !table.contains("NaN"), "{table}");
     let refused = root.run(&["set", "--bench", "s", "speed=1"]);
     assert_eq!(refused.code, Some(1));
     assert!(refused.stderr.contains("bench 's' did not answer"), "{}", refused.stderr);

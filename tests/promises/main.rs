@@ -8,6 +8,7 @@ mod files;
 mod linear;
 mod live;
 mod manners;
+mod many;
 mod papers;
 mod picture;
 mod poles;

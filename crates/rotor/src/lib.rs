@@ -14,6 +14,7 @@
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it. [`Standing`]: what they say.
+//! * [`StabilityLoss`]: what a change of settings would take from a stable rotor.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 //! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
@@ -37,6 +38,7 @@ mod quadratic;
 pub mod report_form;
 mod settings;
 mod si;
+mod stability_loss;
 mod stepper;
 mod thresholds;
 mod trace;
@@ -55,6 +57,7 @@ pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, 
 pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
+pub use stability_loss::StabilityLoss;
 pub use stepper::{Motion, Stepper, stepper};
 pub use thresholds::{Stability, Threshold, thresholds};
 pub use trace::{Branch, CriticalSpeed, Trace, critical_speeds, trace};

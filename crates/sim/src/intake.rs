@@ -30,6 +30,8 @@ pub(crate) struct Intake<'a> {
     log: Log,
     lateness: Lateness,
     period: Duration,
+    /// When the settings in force were taken.
+    applied: When,
     /// Something has changed that readers have not been told.
     news: bool,
 }
@@ -65,6 +67,7 @@ impl<'a> Intake<'a> {
             log: Log::default(),
             lateness: Lateness::new(period),
             period,
+            applied: When { step: 0, tau: 0.0 },
             news: true,
         }
     }
@@ -128,6 +131,10 @@ impl<'a> Intake<'a> {
             );
             return Answer { outdated: 1, ..Answer::refused(revision, &why) };
         }
+        if request.asks_for_settings() && request.settings.unpack() == self.settings {
+            // In force already: nothing happens, and nobody's undo is in the way of it.
+            return Answer::accepted(revision, self.applied.step, self.applied.tau);
+        }
         let carried = self.order(request).and_then(|(change, order)| {
             let behind = || String::from("the simulation is too far behind to take changes");
             Ok((change, self.carry_out(order).ok_or_else(behind)?))
@@ -148,6 +155,7 @@ impl<'a> Intake<'a> {
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
                 self.bulletin.applied_at_step = when.step;
+                self.applied = when;
                 self.bulletin.changed_by = request.who;
                 self.analyse();
                 Happening::Settings

@@ -10,7 +10,8 @@ use rotor::{C64, Settings, Spectrum, builtin};
 use sim::{Options, Summary};
 use wire::message::Flags;
 use wire::{
-    Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, Happening, Listener, Memory, State, WireError,
+    Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, Glance, Happening, Listener, Memory, State,
+    WireError,
 };
 
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -173,6 +174,23 @@ fn what_is_wrong_is_refused_whole() {
         refused(&Change::Settings { base_revision: 1, settings: short }, "2 deadbands for 3 masses");
         refused(&Change::Impulse { mass: 3, velocity: C64::new(1.0, 0.0) }, "no mass 4: there are 3");
         refused(&Change::Impulse { mass: 0, velocity: C64::new(f64::NAN, 0.0) }, "must be finite");
+    });
+}
+
+#[test]
+fn settings_that_are_in_force_already_make_no_new_revision() {
+    beside("composite", 1000.0, |bench, mut settings| {
+        let same = bench.ask(&Change::Settings { base_revision: 1, settings: settings.clone() });
+        assert_eq!((same.is_accepted(), same.revision, same.applied_at_step), (true, 1, 0));
+        settings.speed = 3.0;
+        let change = Change::Settings { base_revision: 1, settings: settings.clone() };
+        let (first, again) = (bench.ask(&change), bench.ask(&Change::Settings { base_revision: 2, settings }));
+        assert_eq!(again, first, "it is in force from the step that took it");
+        // What is told of both is the one change.
+        let told = bench.events(2);
+        assert_eq!((told[1].happening(), told[1].revision), (Some(Happening::Settings), 2));
+        // Somebody who has not seen it yet is told to look again, even if it is what he wants.
+        assert_eq!(bench.ask(&change).outdated, 1);
     });
 }
 

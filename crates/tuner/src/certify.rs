@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use rotor::{C64, MAX_MASSES, Quadratic};
 
 use crate::Problem;
-use crate::evaluate::worst_at;
+use crate::evaluate::{Worst, worst_at};
 use crate::stop::Stop;
 
 /// The worst over a family, bounded from both sides.
@@ -27,14 +27,39 @@ pub struct Certificate {
     pub pole: C64,
     /// No condition of the family is worse than `value` by more than this.
     pub tolerance: f64,
+    /// With a delay: every pole right of this was found there, and counted.
+    pub count_right_of: Option<f64>,
+    /// Whether a pole there is as near the axis as rounding: then nobody can say whether it decays.
+    pub marginal: bool,
     /// Whether that is proven over the whole family; otherwise it is the worst of all conditions looked at.
     pub proven: bool,
     /// How many boxes of conditions were looked at.
     pub boxes: u64,
 }
 
+impl Certificate {
+    /// Whether every mode decays at every condition, by more than rounding; `None` if a mode is marginal, neither one nor
+    /// the other.
+    #[must_use]
+    pub fn stable(&self) -> Option<bool> {
+        if self.value <= 0.0 && !self.marginal {
+            return Some(false);
+        }
+        (!self.marginal).then_some(self.value > 0.0)
+    }
+
+    /// Whether the poles could be had at every condition looked at; with a long delay there may be too many to count.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        self.value > f64::NEG_INFINITY
+    }
+}
+
 /// Boxes looked at before a proof is given up.
 pub(crate) const BUDGET: u64 = 400_000;
+
+/// A box of more coordinates than this has too many corners to prove anything by: what is told is the worst found.
+const MOST_AXES: usize = 12;
 
 #[derive(Clone, Debug)]
 struct Cell {
@@ -57,9 +82,18 @@ pub(crate) fn certify(
     budget: u64,
     stop: &Stop,
 ) -> Certificate {
-    let (value, pole) = worst_at(problem, gains, point);
-    let mut found = Certificate { point: point.to_vec(), value, pole, tolerance, proven: false, boxes: 0 };
-    if problem.family.has_delay() || !value.is_finite() {
+    let Worst { value, pole, right_of, marginal } = worst_at(problem, gains, point);
+    let mut found = Certificate {
+        point: point.to_vec(),
+        value,
+        pole,
+        tolerance,
+        count_right_of: right_of,
+        marginal,
+        proven: false,
+        boxes: 0,
+    };
+    if problem.family.has_delay() || !value.is_finite() || problem.family.varying().count() > MOST_AXES {
         return found;
     }
     let mut cells = start(problem);
@@ -71,11 +105,14 @@ pub(crate) fn certify(
         // Never so far that a rotor that holds could not be told from one that does not.
         let slack = if found.value > 0.0 { tolerance.min(0.5 * found.value) } else { tolerance };
         let Some(planes) = problem.measure.half_planes(found.value - slack) else { return found };
-        let seen: Vec<(Seen, f64, C64, Vec<f64>)> =
-            cells.par_iter().map(|cell| look(problem, gains, cell, &planes)).collect();
+        // A box has up to thousands of corners: the flag is looked at for every one of them.
+        let seen: Option<Vec<(Seen, f64, C64, Vec<f64>)>> =
+            cells.par_iter().map(|cell| look(problem, gains, cell, &planes, stop)).collect();
+        let Some(seen) = seen else { return found };
         cells.clear();
         for (seen, value, pole, middle) in seen {
             if value < found.value {
+                found.marginal = worst_at(problem, gains, &middle).marginal;
                 (found.value, found.pole, found.point) = (value, pole, middle);
             }
             if let Seen::Cut(a, b) = seen {
@@ -105,7 +142,17 @@ fn start(problem: &Problem) -> Vec<Cell> {
 }
 
 /// Looks at one box: what its middle is worth, and whether all of it lies within `planes`.
-fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) -> (Seen, f64, C64, Vec<f64>) {
+/// `None` once stopped.
+fn look(
+    problem: &Problem,
+    gains: &[f64],
+    cell: &Cell,
+    planes: &[(C64, f64)],
+    stop: &Stop,
+) -> Option<(Seen, f64, C64, Vec<f64>)> {
+    if stop.is_set() {
+        return None;
+    }
     let middle: Vec<f64> = cell.from.iter().zip(&cell.to).map(|(a, b)| 0.5 * (a + b)).collect();
     let closed = |point: &[f64]| {
         let mut closed = problem.family.open(point);
@@ -123,9 +170,9 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) ->
         Seen::Cut(low, high)
     };
     let centre = closed(&middle);
-    let Ok(poles) = centre.poles() else { return (cut(None), f64::NEG_INFINITY, C64::ZERO, middle) };
+    let Ok(poles) = centre.poles() else { return Some((cut(None), f64::NEG_INFINITY, C64::ZERO, middle)) };
     let (value, pole) = problem.measure.worst(&poles);
-    let Some(basis) = Basis::of(&centre, &poles) else { return (cut(None), value, pole, middle) };
+    let Some(basis) = Basis::of(&centre, &poles) else { return Some((cut(None), value, pole, middle)) };
     // Every corner; the first bit is the first axis that varies.
     let corner = |bits: usize| {
         let mut point = cell.from.clone();
@@ -136,17 +183,18 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)]) ->
         }
         basis.of_matrix(&closed(&point))
     };
-    let corners: Vec<Vec<C64>> = (0..1 << axes.len()).map(corner).collect();
+    let corners: Vec<Vec<C64>> =
+        (0..1 << axes.len()).map(|bits| (!stop.is_set()).then(|| corner(bits))).collect::<Option<_>>()?;
     let size = poles.len();
     let inside = corners.iter().all(|m| planes.iter().all(|plane| is_inside(m, size, *plane)));
     if inside {
-        return (Seen::Proven, value, pole, middle);
+        return Some((Seen::Proven, value, pole, middle));
     }
     // The axis along which the matrix changes most.
     let change =
         |bit: usize| -> f64 { corners[0].iter().zip(&corners[1 << bit]).map(|(a, b)| (a - b).norm_sqr()).sum() };
     let axis = (0..axes.len()).max_by(|&a, &b| change(a).total_cmp(&change(b))).map(|bit| axes[bit]);
-    (cut(axis), value, pole, middle)
+    Some((cut(axis), value, pole, middle))
 }
 
 /// The modes of a system as coordinates.

@@ -1,6 +1,7 @@
 //! Which conditions a search must look at: a coarse grid to start with, and then whichever turn out to be the worst.
 
 use crate::evaluate::{force_at, worst_at};
+use crate::stop::Stop;
 use crate::{Family, Problem};
 
 /// Points along each coordinate of a grid of about `total` points, more along the speed than along the others.
@@ -19,37 +20,56 @@ pub(crate) fn counts(family: &Family, total: usize) -> Vec<usize> {
 }
 
 /// Places where the worst mode is worst for `gains`, worst first, with what it is worth; at most `most`.
-pub(crate) fn worst_places(problem: &Problem, gains: &[f64], counts: &[usize], most: usize) -> Vec<(f64, Vec<f64>)> {
-    lowest_places(&problem.family, counts, most, &|point| worst_at(problem, gains, point).0)
+pub(crate) fn worst_places(
+    problem: &Problem,
+    gains: &[f64],
+    counts: &[usize],
+    most: usize,
+    stop: &Stop,
+) -> Vec<(f64, Vec<f64>)> {
+    lowest_places(&problem.family, counts, most, stop, &|point| worst_at(problem, gains, point).value)
 }
 
 /// Places where the steady control force is largest, largest first; at most `most`.
-pub(crate) fn hardest_places(problem: &Problem, gains: &[f64], counts: &[usize], most: usize) -> Vec<(f64, Vec<f64>)> {
-    let places = lowest_places(&problem.family, counts, most, &|point| -force_at(problem, gains, point));
+pub(crate) fn hardest_places(
+    problem: &Problem,
+    gains: &[f64],
+    counts: &[usize],
+    most: usize,
+    stop: &Stop,
+) -> Vec<(f64, Vec<f64>)> {
+    let places = lowest_places(&problem.family, counts, most, stop, &|point| -force_at(problem, gains, point));
     places.into_iter().map(|(value, point)| (-value, point)).collect()
 }
 
-/// Local minima of `value` on a grid with `counts`, refined, lowest first.
+/// Local minima of `value` on a grid with `counts`, refined, lowest first; where the grid is too large to walk, the lowest of
+/// a sample of its corners. Once stopped, those of the part that was looked at, which may be none.
 fn lowest_places(
     family: &Family,
     counts: &[usize],
     most: usize,
+    stop: &Stop,
     value: &dyn Fn(&[f64]) -> f64,
 ) -> Vec<(f64, Vec<f64>)> {
     let points = family.grid(counts);
-    let values: Vec<f64> = points.iter().map(|point| value(point)).collect();
+    // What was not looked at is no minimum.
+    let look = |point: &Vec<f64>| if stop.is_set() { f64::INFINITY } else { value(point) };
+    let values: Vec<f64> = points.iter().map(look).collect();
     let sides: Vec<usize> = (0..counts.len())
         .map(|axis| if family.ends(axis)[0] < family.ends(axis)[1] { counts[axis].max(2) } else { 1 })
         .collect();
     // The last coordinate runs fastest.
     let strides: Vec<usize> = (0..sides.len()).map(|axis| sides[axis + 1..].iter().product()).collect();
+    let whole = Family::is_grid(counts);
     let mut places: Vec<usize> = (0..points.len())
+        .filter(|&at| values[at] < f64::INFINITY)
         .filter(|&at| {
-            sides.iter().zip(&strides).all(|(&side, &stride)| {
-                let place = at / stride % side;
-                (place == 0 || values[at] <= values[at - stride])
-                    && (place + 1 == side || values[at] < values[at + stride])
-            })
+            !whole
+                || sides.iter().zip(&strides).all(|(&side, &stride)| {
+                    let place = at / stride % side;
+                    (place == 0 || values[at] <= values[at - stride])
+                        && (place + 1 == side || values[at] < values[at + stride])
+                })
         })
         .collect();
     places.sort_by(|&a, &b| values[a].total_cmp(&values[b]).then(a.cmp(&b)));
@@ -60,7 +80,7 @@ fn lowest_places(
         .map(|(axis, &side)| (family.ends(axis)[1] - family.ends(axis)[0]) / side.max(2).saturating_sub(1) as f64)
         .collect();
     let mut made: Vec<(f64, Vec<f64>)> =
-        places.into_iter().map(|at| refine(family, value, values[at], points[at].clone(), &steps)).collect();
+        places.into_iter().map(|at| refine(family, value, values[at], points[at].clone(), &steps, stop)).collect();
     made.sort_by(|a, b| a.0.total_cmp(&b.0));
     made
 }
@@ -72,12 +92,16 @@ fn refine(
     mut value: f64,
     mut point: Vec<f64>,
     steps: &[f64],
+    stop: &Stop,
 ) -> (f64, Vec<f64>) {
     let axes: Vec<usize> = family.varying().collect();
     let mut scale = 0.5;
     while scale > 1e-4 {
         let mut moved = false;
         for &axis in &axes {
+            if stop.is_set() {
+                return (value, point);
+            }
             let [from, to] = family.ends(axis);
             for step in [scale * steps[axis], -scale * steps[axis]] {
                 let old = point[axis];

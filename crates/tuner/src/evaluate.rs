@@ -1,10 +1,12 @@
 //! The worth of every mode at every condition for given gains, and its slope in each gain.
 
+use linear::DelaySystem;
 use rotor::{C64, ControlRow, MAX_MASSES, Quadratic};
 
 use crate::Problem;
-use crate::delay::Delayed;
+use crate::delay;
 use crate::force::Synchronous;
+use crate::stop::Stop;
 
 /// Price of a violated constraint, in worth per unit: above any multiplier that one has in practice.
 pub(crate) const EXCESS: f64 = 10.0;
@@ -34,11 +36,12 @@ impl Operating {
         Self { point: point.to_vec(), speed, delay, open, synchronous }
     }
 
-    /// The loop closed, with its poles; with a delay, what closes it depends on the pole.
-    fn close(&self, row: &ControlRow) -> Option<(Closed, Vec<C64>)> {
+    /// The loop closed, with its poles; with a delay those of [`delay::poles`], of which `near` may be near.
+    fn close(&self, row: &ControlRow, near: &[C64]) -> Option<(Closed, Vec<C64>)> {
         if self.delay > 0.0 {
-            let poles = Delayed { open: &self.open, row, delay: self.delay }.poles()?;
-            return Some((Closed::Late(Box::new(*row)), poles));
+            let system = delay::late(&self.open, row, self.delay).ok()?;
+            let found = delay::poles(&system, near).ok().filter(|found| !found.roots.is_empty())?;
+            return Some((Closed::Late(Box::new(system), found.right_of), found.roots));
         }
         let mut closed = self.open.clone();
         closed.control(row);
@@ -51,8 +54,8 @@ impl Operating {
 #[derive(Clone, Debug)]
 enum Closed {
     AtOnce(Quadratic),
-    /// With a delay: the control law.
-    Late(Box<ControlRow>),
+    /// With a delay, and the line right of which every pole was counted.
+    Late(Box<DelaySystem>, f64),
 }
 
 /// One mode at one condition.
@@ -75,11 +78,15 @@ pub(crate) struct Evaluator<'p> {
     pub(crate) readings: Vec<Reading>,
     /// One a condition; stale where it was not judged.
     closed: Vec<Option<Closed>>,
+    /// Likewise, the poles: near those of the next gains, which is where loops with delay are looked for first.
+    before: Vec<Vec<C64>>,
     /// How many eigenvalue problems were solved.
     pub(crate) evaluations: u64,
     sensitivities: Vec<C64>,
     /// Gains that these are to stay near, and the price of the square of the distance.
     pub(crate) tether: Option<(Vec<f64>, f64)>,
+    /// Once it is set nothing is judged any more: whatever climbs comes to its end at once.
+    stop: Stop<'p>,
 }
 
 impl<'p> Evaluator<'p> {
@@ -91,10 +98,17 @@ impl<'p> Evaluator<'p> {
             conditions,
             readings: Vec::new(),
             closed: Vec::new(),
+            before: Vec::new(),
             evaluations: 0,
             sensitivities: vec![C64::ZERO; problem.structure.variables()],
             tether: None,
+            stop: Stop::NEVER,
         }
+    }
+
+    /// The same until `stop` is set: then everything is worth `-inf`.
+    pub(crate) fn until(self, stop: Stop<'p>) -> Self {
+        Self { stop, ..self }
     }
 
     /// Takes a condition more.
@@ -124,17 +138,25 @@ impl<'p> Evaluator<'p> {
     }
 
     fn judge_at(&mut self, condition: usize, gains: &[f64]) -> f64 {
+        if self.stop.is_set() {
+            return f64::NEG_INFINITY;
+        }
         let operating = &self.conditions[condition];
         self.evaluations += 1;
         let row = self.problem.structure.row(gains, operating.speed);
-        let Some((closed, poles)) = operating.close(&row) else { return f64::NEG_INFINITY };
+        let near = self.before.get(condition).map_or(&[][..], |before| before);
+        let Some((closed, poles)) = operating.close(&row, near) else { return f64::NEG_INFINITY };
         let mut worst = f64::INFINITY;
-        for pole in poles {
+        for &pole in &poles {
             let value = self.problem.measure.of(pole);
             worst = worst.min(value);
             self.readings.push(Reading { condition, pole, value });
         }
         self.closed.resize(self.conditions.len(), None);
+        if operating.delay > 0.0 {
+            self.before.resize(self.conditions.len(), Vec::new());
+            self.before[condition] = poles;
+        }
         self.closed[condition] = Some(closed);
         worst
     }
@@ -151,33 +173,31 @@ impl<'p> Evaluator<'p> {
     pub(crate) fn pole_slope(&mut self, reading: Reading) -> &[C64] {
         let Reading { condition, pole, .. } = reading;
         let operating = &self.conditions[condition];
-        let n = operating.open.masses();
-        let (mut right, mut left, mut moved) =
-            ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]);
-        let seen;
-        let (closed, late) = match self.closed.get(condition) {
-            Some(Some(Closed::AtOnce(closed))) => (closed, None),
-            Some(Some(Closed::Late(row))) => {
-                let late = Delayed { open: &operating.open, row, delay: operating.delay };
-                seen = late.seen_at(pole);
-                (&seen, Some(late))
+        let (n, bearing) = (operating.open.masses(), self.problem.structure.bearing());
+        let mut right = [C64::ZERO; MAX_MASSES];
+        // What the pole moves by for a unit of force on the bearing's mass, in the scale of `right`.
+        let per_force = match self.closed.get(condition) {
+            Some(Some(Closed::Late(system, _))) => match system.sensitivity(pole) {
+                Some(at) => {
+                    right[..n].copy_from_slice(&at.right.as_slice()[..n]);
+                    // At a defective pole the slope is infinite: large and finite keeps a search going.
+                    let give = if at.give.norm() < 1e-12 { C64::from(1e-12) } else { at.give };
+                    -(-pole * operating.delay).exp() * at.left[n + bearing] / give
+                }
+                None => C64::ZERO,
+            },
+            other => {
+                let closed = if let Some(Some(Closed::AtOnce(closed))) = other { closed } else { &operating.open };
+                let (mut left, mut moved) = ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]);
+                closed.vectors(pole, &mut right[..n], &mut left[..n]);
+                closed.row_times_damping(&left[..n], &mut moved[..n]);
+                // q (2 lambda I - D) p: what the equation of motion gives way by as the pole moves.
+                let give: C64 = (0..n).map(|i| (left[i] * (pole * 2.0) - moved[i]) * right[i]).sum();
+                let floor = 1e-12 * pole.norm().max(1e-12);
+                -left[bearing] / if give.norm() < floor { C64::from(floor) } else { give }
             }
-            _ => (&operating.open, None),
         };
-        closed.vectors(pole, &mut right[..n], &mut left[..n]);
-        closed.row_times_damping(&left[..n], &mut moved[..n]);
-        // q (2 lambda I - D) p: what the equation of motion gives way by as the pole moves.
-        let mut stiffness: C64 = (0..n).map(|i| (left[i] * (pole * 2.0) - moved[i]) * right[i]).sum();
-        let mut acts = C64::ONE;
-        if let Some(late) = late {
-            stiffness += late.slope(pole, &left[..n], &right[..n]);
-            acts = (-pole * operating.delay).exp();
-        }
         self.problem.structure.sensitivities(operating.speed, &right[..n], pole, &mut self.sensitivities);
-        // At a defective pole the slope is infinite: large and finite keeps a search going.
-        let floor = 1e-12 * pole.norm().max(1e-12);
-        let stiffness = if stiffness.norm() < floor { C64::from(floor) } else { stiffness };
-        let per_force = -acts * left[self.problem.structure.bearing()] / stiffness;
         self.sensitivities.iter_mut().for_each(|s| *s *= per_force);
         &self.sensitivities
     }
@@ -245,8 +265,28 @@ pub(crate) fn force_at(problem: &Problem, gains: &[f64], point: &[f64]) -> f64 {
     synchronous.force(structure, &structure.row(gains, speed), &mut [])
 }
 
-/// The worth of the worst mode at one condition, and its pole; `-inf` if it cannot be had.
-pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> (f64, C64) {
+/// The worst mode at one condition.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Worst {
+    /// What it is worth; `-inf` if the poles cannot all be had.
+    pub(crate) value: f64,
+    /// Its pole.
+    pub(crate) pole: C64,
+    /// With a delay: every pole right of this was counted.
+    pub(crate) right_of: Option<f64>,
+    /// Whether any pole is as near the axis as rounding: whether it decays cannot be said.
+    pub(crate) marginal: bool,
+}
+
+/// How far rounding moves the poles of `open`, by its norm: a pole nearer the axis is on it, as far as anybody can tell.
+fn rounding(open: &Quadratic) -> f64 {
+    let squares: f64 = open.stiffness().iter().chain(open.damping()).map(C64::norm_sqr).sum();
+    let n = open.masses() as f64;
+    16.0 * n * f64::EPSILON * (squares + n).sqrt()
+}
+
+/// The worst mode at one condition.
+pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Worst {
     let operating = Operating {
         point: Vec::new(),
         speed: point[0],
@@ -254,9 +294,14 @@ pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> (f64,
         open: problem.family.open(point),
         synchronous: None,
     };
-    let closed = operating.close(&problem.structure.row(gains, point[0]));
-    let Some((_, poles)) = closed else { return (f64::NEG_INFINITY, C64::ZERO) };
-    problem.measure.worst(&poles)
+    let closed = operating.close(&problem.structure.row(gains, point[0]), &[]);
+    let Some((closed, poles)) = closed else {
+        return Worst { value: f64::NEG_INFINITY, pole: C64::ZERO, right_of: None, marginal: false };
+    };
+    let (value, pole) = problem.measure.worst(&poles);
+    let right_of = if let Closed::Late(_, line) = closed { Some(line) } else { None };
+    let near = rounding(&operating.open);
+    Worst { value, pole, right_of, marginal: poles.iter().any(|pole| pole.re.abs() <= near) }
 }
 
 #[cfg(test)]
@@ -354,7 +399,7 @@ mod tests {
         }
     }
 
-    /// A scalar loop with delay, `p'' = -p - c p'(tau - T)`: its roots solve `s^2 + 1 + c s exp(-s T) = 0`.
+    /// Every pole that is judged solves the equation with the delay in it.
     #[test]
     fn val_poles_with_delay_solve_the_transcendental_equation() {
         let problem = problem(0.2, false);
@@ -362,10 +407,14 @@ mod tests {
         let point = [5.0, 1.0, 1.0, 0.2];
         let operating = Operating::at(&problem, &point);
         let row = problem.structure.row(&gains, 5.0);
-        let (_, poles) = operating.close(&row).unwrap();
+        let (_, poles) = operating.close(&row, &[]).unwrap();
         assert!(poles.len() >= 6, "{poles:?}");
         for s in poles {
-            let seen = Delayed { open: &operating.open, row: &row, delay: 0.2 }.seen_at(s);
+            let late = (-s * 0.2).exp();
+            let mut row = row;
+            row.displacement.iter_mut().chain(&mut row.velocity).for_each(|gain| *gain *= late);
+            let mut seen = operating.open.clone();
+            seen.control(&row);
             // det(s^2 I - s D - K) by cofactors.
             let q = |i: usize, j: usize| {
                 let own = if i == j { s * s } else { C64::ZERO };

@@ -271,8 +271,23 @@ impl Family {
         delay.map_or(0.0, |(_, &at)| at)
     }
 
-    /// A grid of points, with `counts[i]` along coordinate `i`, both ends included; 1 where it does not vary.
+    /// Whether a grid of `counts` is walked whole: one that is larger than [`MOST_POINTS`] is not.
+    pub(crate) fn is_grid(counts: &[usize]) -> bool {
+        let points = counts.iter().try_fold(1_usize, |points, &count| points.checked_mul(count));
+        points.is_some_and(|points| points <= MOST_POINTS)
+    }
+
+    /// How many points [`Self::grid`] has.
+    pub(crate) fn points(counts: &[usize]) -> usize {
+        if Self::is_grid(counts) { counts.iter().product() } else { SAMPLE }
+    }
+
+    /// A grid of points, with `counts[i]` along coordinate `i`, both ends included; 1 where it does not vary. If that is
+    /// more than can be walked, a sample of its corners: the same every time, both that have everything at one end first.
     pub(crate) fn grid(&self, counts: &[usize]) -> Vec<Vec<f64>> {
+        if !Self::is_grid(counts) {
+            return self.corners();
+        }
         let mut points = vec![Vec::with_capacity(self.axes.len())];
         for (i, &count) in counts.iter().enumerate() {
             let [from, to] = self.ends(i);
@@ -282,4 +297,27 @@ impl Family {
         }
         points
     }
+
+    /// [`SAMPLE`] corners.
+    fn corners(&self) -> Vec<Vec<f64>> {
+        let mut random = fastrand::Rng::with_seed(1);
+        let corner = |k: usize| {
+            (0..self.axes.len())
+                .map(|axis| {
+                    let high = match k {
+                        0 => false,
+                        1 => true,
+                        _ => random.bool(),
+                    };
+                    self.ends(axis)[usize::from(high)]
+                })
+                .collect()
+        };
+        (0..SAMPLE).map(corner).collect()
+    }
 }
+
+/// A grid with more points than this is not walked: with 14 coordinates two points along each are too many.
+const MOST_POINTS: usize = 10_000;
+/// So many of its corners are looked at instead, and from the worst of them on by need.
+const SAMPLE: usize = 200;

@@ -9,10 +9,10 @@ use rotor::Feedback;
 
 use crate::certify::{self, Certificate, certify};
 use crate::conditions::{counts, hardest_places, worst_places};
-use crate::evaluate::{EXCESS, Evaluator, worst_at};
+use crate::evaluate::{EXCESS, Evaluator, force_at, worst_at};
 use crate::minimax::{Stationarity, polish, stationarity};
 use crate::stop::Stop;
-use crate::{Problem, ProblemError, powell, smooth};
+use crate::{Family, Problem, ProblemError, powell, smooth};
 
 /// How a climb goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -246,7 +246,7 @@ fn climb(problem: &Problem, options: &Options, start: usize, evaluations: &Atomi
     let mut gains = first_gains(problem, options, start);
     let family = &problem.family;
     let mut points = family.grid(&counts(family, COARSE));
-    let mut evaluator = Evaluator::new(problem, &points);
+    let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     match options.method {
         Method::Powell => powell::climb(&mut evaluator, &mut gains, stop),
         Method::Nonsmooth => {
@@ -286,8 +286,8 @@ pub(crate) fn exchange(
     let mut best = (f64::NEG_INFINITY, gains.clone());
     for round in 0..ROUNDS {
         let known = evaluator.merit(gains);
-        let places = worst_places(problem, gains, scan, 6);
-        evaluator.evaluations += scan.iter().product::<usize>() as u64;
+        let places = worst_places(problem, gains, scan, 6, stop);
+        evaluator.evaluations += scanned(scan, stop);
         let mut value = places.first().map_or(known, |(value, _)| value.min(known));
         let mut missed: Vec<Vec<f64>> = places
             .into_iter()
@@ -295,7 +295,7 @@ pub(crate) fn exchange(
             .map(|(_, point)| point)
             .collect();
         if let Some(limit) = problem.force_limit {
-            let hardest = hardest_places(problem, gains, scan, 3);
+            let hardest = hardest_places(problem, gains, scan, 3, stop);
             let largest = hardest.first().map_or(0.0, |(force, _)| force / limit);
             value -= EXCESS * (largest - 1.0 - 1e-6).max(0.0);
             let over = evaluator.largest_relative_force(gains).max(1.0) * limit * (1.0 + 1e-6);
@@ -317,6 +317,11 @@ pub(crate) fn exchange(
     best.0
 }
 
+/// How many points a scan has looked at.
+fn scanned(counts: &[usize], stop: &Stop) -> u64 {
+    if stop.is_set() { 0 } else { Family::points(counts) as u64 }
+}
+
 /// Bounds the worst, improving the gains wherever the proof shows a place that was missed if `improving`.
 fn prove(
     problem: &Problem,
@@ -327,7 +332,7 @@ fn prove(
     improving: bool,
 ) -> Tuned {
     let Climb { mut gains, mut points, .. } = best;
-    let mut evaluator = Evaluator::new(problem, &points);
+    let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     let family = &problem.family;
     let varies = family.varying().next().is_some();
     let finest = counts(family, FINEST);
@@ -336,13 +341,21 @@ fn prove(
     }
     let mut kept: Option<(Certificate, Vec<f64>)> = None;
     for _ in 0..4 {
-        let known = worst_places(problem, &gains, &finest, 3).into_iter().next();
-        evaluator.evaluations += finest.iter().product::<usize>() as u64;
+        let known = if stop.is_set() {
+            // No time for a scan: the worst of what the climb has looked at.
+            evaluator = Evaluator::new(problem, &points);
+            evaluator.judge(&gains);
+            let least = evaluator.readings.iter().min_by(|a, b| a.value.total_cmp(&b.value));
+            least.map(|reading| (reading.value, evaluator.conditions[reading.condition].point.clone()))
+        } else {
+            worst_places(problem, &gains, &finest, 3, stop).into_iter().next()
+        };
+        evaluator.evaluations += scanned(&finest, stop);
         let point = known.map_or_else(|| points[0].clone(), |(_, point)| point);
         let budget = if options.prove { certify::BUDGET } else { 0 };
         let found = certify(problem, &gains, &point, options.tolerance, budget, stop);
         evaluator.evaluations += found.boxes;
-        let before = worst_at(problem, &gains, &point).0;
+        let before = worst_at(problem, &gains, &point).value;
         let missed = found.value < before - options.tolerance;
         let place = found.point.clone();
         if kept.as_ref().is_none_or(|(kept, _)| found.value > kept.value) {
@@ -360,6 +373,7 @@ fn prove(
     for gain in gains.iter_mut().filter(|gain| (problem.bound - gain.abs()).abs() < 1e-10 * problem.bound) {
         *gain = problem.bound.copysign(*gain);
     }
+    evaluator = evaluator.until(Stop::NEVER);
     if varies {
         evaluator.push(&worst.point);
     }
@@ -373,8 +387,8 @@ fn prove(
         .map(|r| Active { point: evaluator.conditions[r.condition].point.clone(), pole: r.pole, value: r.value })
         .collect();
     active.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let hardest = hardest_places(problem, &gains, &finest, 1).into_iter().next();
-    let (force, force_at) = hardest.unwrap_or((f64::NAN, Vec::new()));
+    let hardest = hardest_places(problem, &gains, &finest, 1, stop).into_iter().next();
+    let (force, force_at) = hardest.unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
     evaluations.fetch_add(evaluator.evaluations, Ordering::Relaxed);
     Tuned {
         force,

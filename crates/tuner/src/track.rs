@@ -120,7 +120,7 @@ impl Station {
     fn settle(&mut self, tether: Option<(Vec<f64>, f64)>, stop: &Stop) {
         let family = &self.problem.family;
         let mut points = family.grid(&counts(family, COARSE));
-        let mut evaluator = Evaluator::new(&self.problem, &points);
+        let mut evaluator = Evaluator::new(&self.problem, &points).until(*stop);
         evaluator.tether = tether;
         improve(&mut evaluator, &mut self.gains, 0.1, stop);
         exchange(&mut evaluator, &mut points, &mut self.gains, &counts(family, FINE), Method::Nonsmooth, stop);

@@ -2,13 +2,16 @@
 
 use std::time::{Duration, Instant};
 
-use wire::{BenchName, Bulletin, Carrier, Listener, Root, SharedListener, SharedMemory, WireError};
+use wire::{BenchName, Bulletin, Carrier, Glance, Root, SharedMemory, WireError};
 
 use crate::failure::Failure;
 use crate::logging;
 
 /// How long a simulation that is just starting may take to make its bench.
 const STARTING: Duration = Duration::from_secs(1);
+
+/// How long a place among those who look or ask is waited for: they come and go.
+const ROOM: Duration = Duration::from_secs(5);
 
 /// How long a bench may take to say how it is: it does so ten times a second.
 const FIRST_WORD: Duration = Duration::from_secs(3);
@@ -50,20 +53,55 @@ pub(crate) fn dashboard_carrier() -> Result<SharedMemory, Failure> {
     Ok(SharedMemory::new(&root, "dash")?)
 }
 
-/// Attaches to a bench, which may have been started in the same breath: one that is not there is waited for a moment.
+/// Attaches to a bench for its telemetry. One that is not there is waited for a moment: it may have been started in the
+/// same breath.
 ///
 /// # Errors
 /// No such bench, another version, or no room.
-pub(crate) fn listen(carrier: &SharedMemory, bench: &BenchName) -> Result<SharedListener, WireError> {
+pub(crate) fn listen(
+    carrier: &SharedMemory,
+    bench: &BenchName,
+) -> Result<<SharedMemory as Carrier>::Listener, WireError> {
+    patiently(Duration::ZERO, || carrier.listen(bench))
+}
+
+/// Attaches to a bench to see how it stands, as [`listen`] does; for this there is always room in the end.
+///
+/// # Errors
+/// No such bench, or another version.
+pub(crate) fn glance(
+    carrier: &SharedMemory,
+    bench: &BenchName,
+) -> Result<<SharedMemory as Carrier>::Glance, WireError> {
+    patiently(ROOM, || carrier.glance(bench))
+}
+
+/// Attaches to a bench to ask it for something, as [`glance`] does.
+///
+/// # Errors
+/// No such bench, or another version.
+pub(crate) fn command(
+    carrier: &SharedMemory,
+    bench: &BenchName,
+) -> Result<<SharedMemory as Carrier>::Commander, WireError> {
+    patiently(ROOM, || carrier.command(bench))
+}
+
+/// Attaches with `attach`, again and again while the bench may be starting, and for `room` while it is full.
+fn patiently<T>(room: Duration, attach: impl Fn() -> Result<T, WireError>) -> Result<T, WireError> {
     let start = Instant::now();
     loop {
-        match carrier.listen(bench) {
+        let patience = match attach() {
             // While its services are being made they may also look as if somebody had died making them.
-            Err(WireError::NoBench(_) | WireError::LeftBehind { .. }) if start.elapsed() < STARTING => {
-                std::thread::sleep(Duration::from_millis(5));
-            }
-            listener => return listener,
+            Err(WireError::NoBench(_) | WireError::LeftBehind { .. }) => STARTING,
+            Err(WireError::Full { .. }) => room,
+            Ok(port) => return Ok(port),
+            Err(error) => return Err(error),
+        };
+        if start.elapsed() >= patience {
+            return attach();
         }
+        std::thread::sleep(Duration::from_millis(5));
     }
 }
 
@@ -71,7 +109,7 @@ pub(crate) fn listen(carrier: &SharedMemory, bench: &BenchName) -> Result<Shared
 ///
 /// # Errors
 /// The bench does not speak up.
-pub(crate) fn first_bulletin(listener: &mut SharedListener, bench: &BenchName) -> Result<Box<Bulletin>, Failure> {
+pub(crate) fn first_bulletin(listener: &mut impl Glance, bench: &BenchName) -> Result<Box<Bulletin>, Failure> {
     let start = Instant::now();
     loop {
         if let Some(bulletin) = listener.bulletin()? {

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use iceoryx2::node::NodeView;
+use iceoryx2::node::{DeadNodeView, NodeListFailure, NodeView};
 use iceoryx2::prelude::*;
+use rustix::process::{Pid, test_kill_process};
 
 use crate::iceoryx::Ipc;
 use crate::shared_memory::HOST_ROLE;
@@ -66,22 +67,58 @@ impl SharedMemory {
     }
 }
 
-/// Removes what dead processes left below the root of `carrier`, which must hold nothing open in this process. Live
-/// benches are not touched. Returns how many dead processes were cleared away.
+/// Who has nodes of iceoryx2 below one root.
+struct Nodes {
+    /// Whether any of them may live.
+    living: bool,
+    /// Those whose process has gone without closing them.
+    dead: Vec<DeadNodeView<Ipc>>,
+}
+
+/// Looks at all nodes.
+fn nodes(config: &Config) -> Result<Nodes, NodeListFailure> {
+    let mut found = Nodes { living: false, dead: Vec::new() };
+    Node::<Ipc>::list(config, |node| {
+        match node {
+            NodeState::Alive(_) | NodeState::Inaccessible(_) => found.living = true,
+            NodeState::Dead(view) => found.dead.push(view),
+            // One that cannot be made sense of is half made, or half gone: its maker may be at it.
+            NodeState::Undefined(id) => {
+                let maker = id.pid::<Ipc>().ok().and_then(|pid| Pid::from_raw(pid.value()));
+                found.living |= maker.is_none_or(|pid| test_kill_process(pid).is_ok());
+            }
+        }
+        CallbackProgression::Continue
+    })?;
+    Ok(found)
+}
+
+/// Whether nobody has a node there that lives, lease or no lease. If somebody has, clears away the dead ones.
+pub(crate) fn nobody_lives(config: &Config) -> bool {
+    // A list that cannot be read is no evidence of death.
+    let Ok(found) = nodes(config) else { return false };
+    if found.living {
+        for dead in found.dead {
+            if let Err(error) = dead.try_remove_stale_resources() {
+                tracing::debug!(?error, "a dead node could not be cleared away");
+            }
+        }
+    }
+    !found.living
+}
+
+/// Removes what dead processes left below the root of `carrier`, which must hold nothing open in this process. Nobody
+/// who lives loses anything. Returns how many dead processes were cleared away.
 ///
 /// # Errors
 /// The root cannot be used.
 pub fn clean(carrier: &SharedMemory) -> Result<usize, WireError> {
-    let mut dead = 0;
-    Node::<Ipc>::list(carrier.config(), |node| {
-        dead += usize::from(matches!(node, NodeState::Dead(_)));
-        CallbackProgression::Continue
-    })
-    .map_err(|error| WireError::Internal(format!("the processes cannot be listed ({error:?})")))?;
+    let found = nodes(carrier.config())
+        .map_err(|error| WireError::Internal(format!("the processes cannot be listed ({error:?})")))?;
     // With nobody else about, even what iceoryx2 cannot make sense of goes; else the dead only, one by one.
     if !carrier.root().sweep_if_alone() {
         let node = carrier.node("clean")?;
         let _ = node.blocking_cleanup_dead_nodes(Duration::from_secs(2));
     }
-    Ok(dead)
+    Ok(found.dead.len())
 }

@@ -28,12 +28,14 @@ pub enum WireError {
         detail: String,
     },
     /// The bench has as many readers or clients as it can take.
-    #[error("bench '{bench}' has no room for another {what}: close one, or see `whirl status`")]
+    #[error("bench '{bench}' is full: it has the {most} {what} that it can take; end one, `whirl status` lists them")]
     Full {
         /// The bench.
         bench: BenchName,
         /// What there is no room for.
         what: &'static str,
+        /// How many of them it can take.
+        most: usize,
     },
     /// A process died while it set up or used the bench.
     #[error("bench '{bench}' was left behind half-made ({detail}): run `whirl clean`")]

@@ -19,33 +19,39 @@ mod bench_name;
 mod census;
 mod error;
 mod event;
+mod faults;
 mod iceoryx;
 mod memory;
 pub mod message;
 mod moment;
+mod name_lock;
 mod ports;
 mod recorder;
 mod root;
 mod settings_message;
 mod shared_commands;
+mod shared_glance;
 mod shared_memory;
 mod shared_news;
+mod short_path;
 mod text;
 
 pub use bench_name::BenchName;
 pub use census::{BenchEntry, Party, clean};
 pub use error::WireError;
 pub use event::{EVENTS_KEPT, Event, Happening};
+pub use iceoryx::MAX_READERS;
 pub use memory::Memory;
 pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
 pub use moment::Moment;
 pub use ports::{
-    BulletinSender, Carrier, Change, Commander, EventSender, Host, HostState, Inbox, Listener, MAX_BURST,
+    BulletinSender, Carrier, Change, Commander, EventSender, Glance, Host, HostState, Inbox, Listener, MAX_BURST,
     RecorderSender, StateSender,
 };
 pub use recorder::{Keeping, RecorderState, RecorderStatus};
 pub use root::Root;
 pub use settings_message::{MAX_KNOTS, SettingsMessage};
+pub use shared_glance::SharedGlance;
 pub use shared_memory::{SharedListener, SharedMemory};
 pub use shared_news::SharedRecorder;
 pub use text::Text;

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use crate::message::Request;
 use crate::ports::check_burst;
 use crate::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, EVENTS_KEPT, Event, EventSender, Host, HostState,
-    Inbox, Listener, RecorderSender, RecorderStatus, State, StateSender, WireError,
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, EVENTS_KEPT, Event, EventSender, Glance, Host,
+    HostState, Inbox, Listener, MAX_READERS, RecorderSender, RecorderStatus, State, StateSender, WireError,
 };
 
 /// How many states a sleeping listener keeps: the oldest are dropped beyond that.
@@ -67,6 +67,7 @@ impl Memory {
 impl Carrier for Memory {
     type Host = MemoryHost;
     type Listener = MemoryListener;
+    type Glance = MemoryGlance;
     type Commander = MemoryCommander;
     type Recorder = MemoryRecorder;
 
@@ -87,15 +88,22 @@ impl Carrier for Memory {
     fn listen(&self, name: &BenchName) -> Result<MemoryListener, WireError> {
         let bench = self.existing(name)?;
         let mailbox = Arc::new(Mailbox::default());
-        lock(&bench.mailboxes).push(Arc::downgrade(&mailbox));
+        let mut mailboxes = lock(&bench.mailboxes);
+        mailboxes.retain(|mailbox| mailbox.strong_count() > 0);
+        if mailboxes.len() == MAX_READERS {
+            return Err(WireError::Full { bench: name.clone(), what: "readers", most: MAX_READERS });
+        }
+        mailboxes.push(Arc::downgrade(&mailbox));
+        drop(mailboxes);
         let mut log = lock(&bench.events);
         let events = Arc::new(EventBox::new(log.kept.clone()));
         log.mailboxes.push(Arc::downgrade(&events));
         drop(log);
-        // The last word of a recorder that has left before us is not told.
-        let recorded = lock(&bench.recorder).strong_count() > 0;
-        let heard = if recorded { 0 } else { lock(&bench.recorder_status).0 };
-        Ok(MemoryListener { bench, mailbox, seen: 0, events, heard, recorder: None })
+        Ok(MemoryListener { mailbox, events, glance: MemoryGlance::of(bench) })
+    }
+
+    fn glance(&self, name: &BenchName) -> Result<MemoryGlance, WireError> {
+        Ok(MemoryGlance::of(self.existing(name)?))
     }
 
     fn command(&self, name: &BenchName) -> Result<MemoryCommander, WireError> {
@@ -257,34 +265,29 @@ impl Inbox for MemoryInbox {
 
 /// See [`Memory`].
 #[derive(Debug)]
-pub struct MemoryListener {
+pub struct MemoryGlance {
     bench: Arc<Bench>,
-    mailbox: Arc<Mailbox>,
     seen: u64,
-    events: Arc<EventBox>,
     /// The number of the recorder's last status that we know, and that status.
     heard: u64,
     recorder: Option<Box<RecorderStatus>>,
 }
 
-impl Listener for MemoryListener {
-    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError> {
-        let arrived = std::mem::take(&mut *lock(&self.mailbox));
-        arrived.iter().for_each(visit);
-        Ok(arrived.len())
+impl MemoryGlance {
+    fn of(bench: Arc<Bench>) -> Self {
+        // The last word of a recorder that has left before us is not told.
+        let recorded = lock(&bench.recorder).strong_count() > 0;
+        let heard = if recorded { 0 } else { lock(&bench.recorder_status).0 };
+        Self { bench, seen: 0, heard, recorder: None }
     }
+}
 
+impl Glance for MemoryGlance {
     fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
         let last = lock(&self.bench.bulletin);
         let fresh = last.0 != self.seen && last.0 > 0;
         self.seen = last.0;
         Ok(fresh.then(|| last.1.clone()))
-    }
-
-    fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
-        let arrived = std::mem::take(&mut *lock(&self.events));
-        arrived.iter().for_each(|event| visit(event));
-        Ok(arrived.len())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
@@ -297,9 +300,41 @@ impl Listener for MemoryListener {
         let alive = lock(&self.bench.recorder).strong_count() > 0;
         Ok(self.recorder.as_ref().map(|status| Box::new(status.seen(alive))))
     }
+}
+
+/// See [`Memory`].
+#[derive(Debug)]
+pub struct MemoryListener {
+    mailbox: Arc<Mailbox>,
+    events: Arc<EventBox>,
+    glance: MemoryGlance,
+}
+
+impl Glance for MemoryListener {
+    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
+        self.glance.bulletin()
+    }
+
+    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
+        self.glance.recorder()
+    }
+}
+
+impl Listener for MemoryListener {
+    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError> {
+        let arrived = std::mem::take(&mut *lock(&self.mailbox));
+        arrived.iter().for_each(visit);
+        Ok(arrived.len())
+    }
+
+    fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
+        let arrived = std::mem::take(&mut *lock(&self.events));
+        arrived.iter().for_each(|event| visit(event));
+        Ok(arrived.len())
+    }
 
     fn host(&self) -> HostState {
-        if lock(&self.bench.host).strong_count() > 0 { HostState::Alive } else { HostState::Gone }
+        if lock(&self.glance.bench.host).strong_count() > 0 { HostState::Alive } else { HostState::Gone }
     }
 }
 

@@ -15,6 +15,8 @@ pub trait Carrier: Clone + Send + Sync + 'static {
     type Host: Host;
     /// A reader's side, for telemetry.
     type Listener: Listener;
+    /// The side of who only looks how things stand.
+    type Glance: Glance;
     /// A reader's side, for requests.
     type Commander: Commander;
     /// A recorder's side, for its status.
@@ -29,10 +31,16 @@ pub trait Carrier: Clone + Send + Sync + 'static {
     /// Attaches to `bench` for its telemetry.
     ///
     /// # Errors
-    /// No such bench, another version, or no room.
+    /// No such bench, another version, or no room: there are [`crate::MAX_READERS`] already.
     fn listen(&self, bench: &BenchName) -> Result<Self::Listener, WireError>;
 
-    /// Attaches to `bench` to ask it for changes.
+    /// Attaches to `bench` to see how it stands. There is room for this where there is none for another reader.
+    ///
+    /// # Errors
+    /// No such bench, another version, or no room: others look at this moment.
+    fn glance(&self, bench: &BenchName) -> Result<Self::Glance, WireError>;
+
+    /// Attaches to `bench` to ask it for changes. There is room for this where there is none for another reader.
     ///
     /// # Errors
     /// No such bench, another version, or no room.
@@ -160,26 +168,14 @@ pub enum HostState {
     Gone,
 }
 
-/// Receives telemetry. Stays usable when the simulation dies and hears the next one of the same name.
-pub trait Listener {
-    /// Visits every state that has arrived, oldest first, without copying. Returns how many there were.
-    ///
-    /// # Errors
-    /// The carrier fails.
-    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError>;
-
+/// Sees how a bench stands, and how its recorder does, without its motion. Stays usable when the simulation dies and
+/// hears the next one of the same name.
+pub trait Glance {
     /// The latest bulletin that has arrived since the last call.
     ///
     /// # Errors
     /// The carrier fails.
     fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError>;
-
-    /// Visits every event that has arrived, oldest first; the first call after attaching, or soon after it, has those
-    /// that happened before. Returns how many there were.
-    ///
-    /// # Errors
-    /// The carrier fails.
-    fn events(&mut self, visit: impl FnMut(&Event)) -> Result<usize, WireError>;
 
     /// The latest that has been heard of a recorder; `None` if nothing has. One that has gone without a word is
     /// [`crate::RecorderState::Died`]. Takes up to a millisecond: not for every turn of a loop.
@@ -187,6 +183,22 @@ pub trait Listener {
     /// # Errors
     /// The carrier fails.
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError>;
+}
+
+/// Receives telemetry: all that a [`Glance`] sees, and the motion and what happens.
+pub trait Listener: Glance {
+    /// Visits every state that has arrived, oldest first, without copying. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError>;
+
+    /// Visits every event that has arrived, oldest first; the first call after attaching, or soon after it, has those
+    /// that happened before. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn events(&mut self, visit: impl FnMut(&Event)) -> Result<usize, WireError>;
 
     /// Whether the simulation is there. Takes up to a millisecond: not for every turn of a loop.
     fn host(&self) -> HostState;

@@ -2,7 +2,7 @@
 //!
 //! iceoryx2 keeps service descriptions and node monitors in files under a root folder and its data in POSIX shared
 //! memory, which is one name space for the whole machine. A root of the user's own, not readable by others, and a
-//! prefix made from its path keep two users, or two tests, apart.
+//! prefix made from its path keep two users, or two tests, apart. Any path will do: see [`crate::short_path`].
 
 use std::fs;
 use std::os::fd::OwnedFd;
@@ -12,13 +12,11 @@ use std::sync::Arc;
 
 use rustix::fs::{FlockOperation, Mode, OFlags};
 
-use crate::WireError;
+use crate::short_path::ShortPath;
+use crate::{WireError, census, iceoryx};
 
 /// The folder in the root that iceoryx2 fills and we sweep.
 const OURS: &str = "iceoryx2";
-
-/// iceoryx2 0.10 panics on paths beyond 255 bytes and adds about 100 to the root.
-const LONGEST_ROOT: usize = 120;
 
 /// A root folder that is ours to use. Clones share one lease; the last one out sweeps up.
 #[derive(Clone, Debug)]
@@ -30,6 +28,8 @@ pub struct Root {
 #[derive(Debug)]
 struct Lease {
     path: PathBuf,
+    /// The root's name where iceoryx2 is concerned.
+    short: ShortPath,
     prefix: String,
     lock: OwnedFd,
 }
@@ -50,15 +50,12 @@ impl Root {
     /// The root at `path`, made if it is not there.
     ///
     /// # Errors
-    /// A path that is not absolute or too long, or a folder that cannot be made, is not ours, or is open to others.
+    /// A path that is not absolute, or a folder that cannot be made, is not ours, or is open to others.
     pub fn at(path: &Path) -> Result<Self, WireError> {
         let refuse = |problem: String| WireError::Root { path: path.to_owned(), problem };
         if !path.is_absolute() {
             return Err(refuse("expected an absolute path".into()));
         }
-        let Some(text) = path.to_str().filter(|text| text.len() <= LONGEST_ROOT) else {
-            return Err(refuse(format!("expected at most {LONGEST_ROOT} bytes of UTF-8")));
-        };
         fs::DirBuilder::new()
             .recursive(true)
             .mode(0o700)
@@ -80,9 +77,12 @@ impl Root {
         rustix::fs::flock(&lock, FlockOperation::LockShared)
             .map_err(|error| refuse(format!("cannot be locked: {error}")))?;
         // Two spellings of one folder must not become two name spaces.
-        let canonical = fs::canonicalize(path).unwrap_or_else(|_| PathBuf::from(text));
-        let prefix = format!("whirl_{:016x}_", fnv1a(canonical.as_os_str().as_encoded_bytes()));
-        Ok(Self { lease: Arc::new(Lease { path: canonical, prefix, lock }) })
+        let canonical = fs::canonicalize(path).map_err(|error| refuse(format!("cannot be followed: {error}")))?;
+        let hash = fnv1a(canonical.as_os_str().as_encoded_bytes());
+        // After the lock: the last one out removes a short name, and must have gone before it is made anew.
+        let short = ShortPath::of(&canonical, OURS, hash).map_err(|error| refuse(error.to_string()))?;
+        let prefix = format!("whirl_{hash:016x}_");
+        Ok(Self { lease: Arc::new(Lease { path: canonical, short, prefix, lock }) })
     }
 
     /// The folder.
@@ -91,9 +91,11 @@ impl Root {
         &self.lease.path
     }
 
-    /// The folder in it that is iceoryx2's.
-    pub(crate) fn iceoryx2(&self) -> PathBuf {
-        self.lease.path.join(OURS)
+    /// The folder in it that is iceoryx2's, by a name that iceoryx2 can use: what a reader without this crate gives it
+    /// as its root path.
+    #[must_use]
+    pub fn iceoryx2(&self) -> PathBuf {
+        self.lease.iceoryx2()
     }
 
     /// What the names of our shared memory begin with.
@@ -102,28 +104,40 @@ impl Root {
         &self.lease.prefix
     }
 
-    /// Whether no other process holds this root. If so, everything below it has been swept.
+    /// Whether no other process uses this root. If so, everything below it has been swept; if not, only what the dead
+    /// have left.
     pub(crate) fn sweep_if_alone(&self) -> bool {
-        self.lease.sweep_if_alone()
+        self.lease.sweep_if_alone(false)
     }
 }
 
 impl Lease {
-    /// Removes all that is left below the root, if no other process can be using it.
+    fn iceoryx2(&self) -> PathBuf {
+        self.short.path.join(OURS)
+    }
+
+    /// Removes all that is left below the root, if no other process can be using it, and what the dead have left
+    /// otherwise. Who is `leaving` needs the root's short name no more.
     ///
-    /// An exclusive lock proves that: every process that touches the root holds a shared one, and the kernel drops the
-    /// locks of the dead.
-    fn sweep_if_alone(&self) -> bool {
-        if rustix::fs::flock(&self.lock, FlockOperation::NonBlockingLockExclusive).is_err() {
-            // The attempt gave up our shared lock too: take it again.
-            let _ = rustix::fs::flock(&self.lock, FlockOperation::LockShared);
-            return false;
+    /// An exclusive lock tells the first for processes that have a lease: each holds a shared one, and the kernel drops
+    /// the locks of the dead. A reader that knows only iceoryx2 has none; but its node shows that it lives.
+    fn sweep_if_alone(&self, leaving: bool) -> bool {
+        let alone = rustix::fs::flock(&self.lock, FlockOperation::NonBlockingLockExclusive).is_ok();
+        // Listed before anybody is looked for: what comes after that is not ours to sweep.
+        let leftovers = if alone { self.leftovers() } else { Vec::new() };
+        let swept =
+            alone && iceoryx::config(&self.iceoryx2(), &self.prefix).is_ok_and(|config| census::nobody_lives(&config));
+        if swept {
+            for left in leftovers {
+                let _ = if left.is_dir() { fs::remove_dir_all(&left) } else { fs::remove_file(&left) };
+            }
+            if leaving {
+                self.short.remove();
+            }
         }
-        for left in self.leftovers() {
-            let _ = if left.is_dir() { fs::remove_dir_all(&left) } else { fs::remove_file(&left) };
-        }
+        // The attempt gave up our shared lock too, whether it succeeded or not.
         let _ = rustix::fs::flock(&self.lock, FlockOperation::LockShared);
-        true
+        swept
     }
 
     /// What iceoryx2 keeps for this root: its folders, and its shared memory on systems that show it as files.
@@ -140,7 +154,7 @@ impl Lease {
 
 impl Drop for Lease {
     fn drop(&mut self) {
-        self.sweep_if_alone();
+        self.sweep_if_alone(true);
     }
 }
 
@@ -160,7 +174,6 @@ mod tests {
         let told = |path: &Path| Root::at(path).unwrap_err().to_string();
         let dir = tempfile::tempdir().unwrap();
         assert!(told(Path::new("here")).contains("expected an absolute path"));
-        assert!(told(&dir.path().join("x".repeat(130))).contains("at most 120 bytes"));
         let file = dir.path().join("file");
         fs::write(&file, "").unwrap();
         assert!(told(&file.join("root")).contains("cannot be made"));

@@ -9,8 +9,9 @@ use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, request_response};
 
-use crate::iceoryx::{Ipc, MAX_READERS, full, internal, opened, service};
+use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, full, internal, opened, service};
 use crate::message::Request;
+use crate::name_lock::NameLock;
 use crate::{Answer, BenchName, Commander, Inbox, Root, WireError};
 
 /// The two services of a bench that carry requests.
@@ -23,38 +24,41 @@ pub(crate) struct CommandServices {
 impl CommandServices {
     /// Opens them, or makes them.
     pub(crate) fn open(node: &Node<Ipc>, bench: &BenchName) -> Result<Self, WireError> {
-        let commands = service(node, bench, "command")?
-            .request_response::<Request, Answer>()
-            .max_servers(1)
-            .max_clients(MAX_READERS)
-            .max_nodes(4 * MAX_READERS)
-            .max_active_requests_per_client(2)
-            .max_response_buffer_size(2)
-            // The request of a client that died waiting is worth nothing to anybody.
-            .enable_fire_and_forget_requests(false)
-            .open_or_create()
-            .map_err(|error| opened(bench, error))?;
-        let wake = service(node, bench, "wake")?
-            .event()
-            .max_listeners(1)
-            .max_notifiers(MAX_READERS)
-            .max_nodes(4 * MAX_READERS)
-            .open_or_create()
-            .map_err(|error| opened(bench, error))?;
+        let commands = opened(bench, || {
+            Ok(service(node, bench, "command")?
+                .request_response::<Request, Answer>()
+                .max_servers(1)
+                .max_clients(MAX_PARTIES)
+                .max_nodes(MAX_NODES)
+                .max_active_requests_per_client(2)
+                .max_response_buffer_size(2)
+                // The request of a client that died waiting is worth nothing to anybody.
+                .enable_fire_and_forget_requests(false)
+                .open_or_create())
+        })?;
+        let wake = opened(bench, || {
+            Ok(service(node, bench, "wake")?
+                .event()
+                .max_listeners(1)
+                .max_notifiers(MAX_PARTIES)
+                .max_nodes(MAX_NODES)
+                .open_or_create())
+        })?;
         Ok(Self { commands, wake })
     }
 
     /// The simulation's side.
-    pub(crate) fn inbox(&self) -> Result<SharedInbox, WireError> {
+    pub(crate) fn inbox(&self, name: NameLock) -> Result<SharedInbox, WireError> {
         let server = self.commands.server_builder().create().map_err(internal)?;
         let bell = self.wake.listener_builder().create().map_err(internal)?;
-        Ok(SharedInbox { server, bell })
+        Ok(SharedInbox { server, bell, _name: name })
     }
 
     /// The side of whoever asks.
     pub(crate) fn commander(&self, bench: &BenchName, root: &Root) -> Result<SharedCommander, WireError> {
-        let client = self.commands.client_builder().create().map_err(|error| full(bench, "client", error))?;
-        let bell = self.wake.notifier_builder().create().map_err(|error| full(bench, "client", error))?;
+        let what = "processes that ask for changes";
+        let client = self.commands.client_builder().create().map_err(|error| full(bench, what, MAX_PARTIES, &error))?;
+        let bell = self.wake.notifier_builder().create().map_err(|error| full(bench, what, MAX_PARTIES, &error))?;
         Ok(SharedCommander { client, bell, bench: bench.clone(), _root: root.clone() })
     }
 }
@@ -64,6 +68,7 @@ impl CommandServices {
 pub struct SharedInbox {
     server: Server<Ipc, Request, (), Answer, ()>,
     bell: Listener<Ipc>,
+    _name: NameLock,
 }
 
 impl Inbox for SharedInbox {

@@ -1,10 +1,11 @@
 //! The carrier between processes: iceoryx2 shared memory, zero-copy.
 //!
 //! Settings of the services that matter: safe overflow is on, so that no reader can slow the simulation down; there is
-//! one publisher, which makes the state service the lock on a bench's name; sizes do not depend on the bench, so that a
-//! new simulation finds the services of the old one, still held open by a reader, fit for use.
+//! one publisher of states, besides the lock on a bench's name; sizes do not depend on the bench, so that a new simulation
+//! finds the services of the old one, still held open by a reader, fit for use. There are more places for who looks or
+//! asks than for readers of the motion.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use iceoryx2::node::NodeView;
 use iceoryx2::port::publisher::Publisher;
@@ -12,19 +13,21 @@ use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe;
 
-use crate::iceoryx::{Ipc, MAX_READERS, full, internal, opened, service};
+use crate::iceoryx::{self, Ipc, MAX_NODES, MAX_READERS, full, internal, opened, port, service};
+use crate::name_lock::NameLock;
 use crate::ports::check_burst;
 use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
-use crate::shared_news::{self, EventService, RECORDER_ROLE, RecorderService, SharedEvents, SharedRecorder};
+use crate::shared_glance::{self, BulletinService, SharedGlance};
+use crate::shared_news::{self, EventService, RECORDER_ROLE, SharedEvents, SharedRecorder};
 use crate::{
-    BenchName, Bulletin, BulletinSender, Carrier, Event, Host, HostState, Listener, MAX_BURST, RecorderStatus, Root,
-    SCHEMA, State, StateSender, WireError,
+    BenchName, Bulletin, BulletinSender, Carrier, Event, Glance, Host, HostState, Listener, MAX_BURST, RecorderStatus,
+    Root, SCHEMA, State, StateSender, WireError,
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
 const BURSTS_BUFFERED: usize = 2048;
-/// Bulletins a reader may fall behind by.
-const BULLETINS_BUFFERED: usize = 32;
+/// How long it may take until what a killed simulation has left is cleared away.
+const CLEARED: Duration = Duration::from_secs(3);
 /// The node name of a simulation; readers are called by their role.
 pub(crate) const HOST_ROLE: &str = "sim";
 
@@ -42,13 +45,8 @@ impl SharedMemory {
     /// # Errors
     /// A root that iceoryx2 cannot use as a path.
     pub fn new(root: &Root, role: &str) -> Result<Self, WireError> {
-        let refuse = |problem: String| WireError::Root { path: root.path().to_owned(), problem };
-        let mut config = Config::default();
-        let path = iceoryx2::prelude::Path::new(root.iceoryx2().as_os_str().as_encoded_bytes())
-            .map_err(|error| refuse(format!("not a path that iceoryx2 can use ({error:?})")))?;
-        config.global.set_root_path(&path);
-        config.global.prefix = FileName::new(root.prefix().as_bytes())
-            .map_err(|error| refuse(format!("not a prefix that iceoryx2 can use ({error:?})")))?;
+        let config = iceoryx::config(&root.iceoryx2(), root.prefix())
+            .map_err(|problem| WireError::Root { path: root.path().to_owned(), problem })?;
         Ok(Self { config, role: role.to_owned(), root: root.clone() })
     }
 
@@ -76,10 +74,9 @@ impl SharedMemory {
 
     fn attach(&self, bench: &BenchName) -> Result<(Node<Ipc>, StateService), WireError> {
         let node = self.node(&self.role)?;
-        let states: StateService = service(&node, bench, "state")?
-            .publish_subscribe::<[State]>()
-            .open_with_attributes(&required_schema()?)
-            .map_err(|error| opened(bench, error))?;
+        let states: StateService = opened(bench, || {
+            Ok(service(&node, bench, "state")?.publish_subscribe::<[State]>().open_with_attributes(&required_schema()?))
+        })?;
         if host_of(&states) == HostState::Gone {
             return Err(WireError::NoBench(bench.clone()));
         }
@@ -88,17 +85,10 @@ impl SharedMemory {
 }
 
 type StateService = publish_subscribe::PortFactory<Ipc, [State], ()>;
-type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
-
-fn schema_attribute()
--> Result<(iceoryx2::service::attribute::AttributeKey, iceoryx2::service::attribute::AttributeValue), WireError> {
-    let key = "whirl.schema".try_into().map_err(internal)?;
-    let value = SCHEMA.to_string().as_str().try_into().map_err(internal)?;
-    Ok((key, value))
-}
 
 fn required_schema() -> Result<AttributeVerifier, WireError> {
-    let (key, value) = schema_attribute()?;
+    let key = "whirl.schema".try_into().map_err(internal)?;
+    let value = SCHEMA.to_string().as_str().try_into().map_err(internal)?;
     AttributeVerifier::new().require(&key, &value).map_err(internal)
 }
 
@@ -123,76 +113,56 @@ pub(crate) fn is_host(details: Option<&iceoryx2::node::NodeDetails>) -> bool {
 impl Carrier for SharedMemory {
     type Host = SharedHost;
     type Listener = SharedListener;
+    type Glance = SharedGlance;
     type Commander = SharedCommander;
     type Recorder = SharedRecorder;
 
     fn host(&self, bench: &BenchName) -> Result<SharedHost, WireError> {
+        // First of all: who does not get it has made nothing that could be in the way of who does.
+        let name = NameLock::take(&self.root, bench)?;
         // Creating a node also clears away what dead ones left.
         let node = self.node(HOST_ROLE)?;
-        let (key, value) = schema_attribute()?;
-        let define = || AttributeSpecifier::new().define(&key, &value).map_err(internal);
-        let states: StateService = {
-            let existing = service(&node, bench, "state")?
+        let states: StateService = opened(bench, || {
+            Ok(service(&node, bench, "state")?
                 .publish_subscribe::<[State]>()
-                .open_with_attributes(&required_schema()?);
-            match existing.map_err(|error| opened(bench, error)) {
-                Ok(service) => service,
-                Err(WireError::NoBench(_)) => service(&node, bench, "state")?
-                    .publish_subscribe::<[State]>()
-                    .enable_safe_overflow(true)
-                    .history_size(0)
-                    .subscriber_max_buffer_size(BURSTS_BUFFERED)
-                    .subscriber_max_borrowed_samples(2)
-                    .max_publishers(1)
-                    .max_subscribers(MAX_READERS)
-                    .max_nodes(4 * MAX_READERS)
-                    .create_with_attributes(&define()?)
-                    .map_err(|error| opened(bench, error))?,
-                Err(refusal) => return Err(refusal),
+                .enable_safe_overflow(true)
+                .history_size(0)
+                .subscriber_max_buffer_size(BURSTS_BUFFERED)
+                .subscriber_max_borrowed_samples(2)
+                .max_publishers(1)
+                .max_subscribers(MAX_READERS)
+                .max_nodes(MAX_NODES)
+                .open_or_create_with_attributes(&required_schema()?))
+        })?;
+        let start = Instant::now();
+        // The name is ours, so a publisher is what a killed simulation has left, which somebody else may be clearing away.
+        while states.dynamic_config().number_of_publishers() > 0 {
+            // Or else it is of a simulation that does not know the lock, such as one in another language.
+            if start.elapsed() > CLEARED {
+                return Err(WireError::Taken(bench.clone()));
             }
-        };
-        let _ = states.blocking_cleanup_dead_nodes(Duration::from_secs(1));
-        if states.dynamic_config().number_of_publishers() > 0 {
-            return Err(WireError::Taken(bench.clone()));
+            let _ = states.blocking_cleanup_dead_nodes(Duration::from_secs(1));
+            std::thread::sleep(Duration::from_millis(1));
         }
-        let bulletins = service(&node, bench, "bulletin")?
-            .publish_subscribe::<Bulletin>()
-            .enable_safe_overflow(true)
-            .history_size(1)
-            .subscriber_max_buffer_size(BULLETINS_BUFFERED)
-            .subscriber_max_borrowed_samples(2)
-            .max_publishers(1)
-            .max_subscribers(MAX_READERS)
-            .max_nodes(4 * MAX_READERS)
-            .open_or_create()
-            .map_err(|error| opened(bench, error))?;
+        let _ = states.blocking_cleanup_dead_nodes(Duration::from_secs(1));
+        let bulletins = shared_glance::bulletin_service(&node, bench)?;
         let events = shared_news::event_service(&node, bench)?;
         let commands = CommandServices::open(&node, bench)?;
-        Ok(SharedHost { states, bulletins, events, commands, bench: bench.clone(), _root: self.root.clone() })
+        Ok(SharedHost { states, bulletins, events, commands, bench: bench.clone(), name })
     }
 
     fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
         let (node, state_service) = self.attach(bench)?;
-        let bulletins: BulletinService = service(&node, bench, "bulletin")?
-            .publish_subscribe::<Bulletin>()
-            .open()
-            .map_err(|error| opened(bench, error))?;
-        let recorder_service = shared_news::recorder_service(&node, bench)?;
-        let refused = |error| full(bench, "reader", error);
+        let refused = |error| full(bench, "readers", MAX_READERS, &error);
         let states = state_service.subscriber_builder().create().map_err(refused)?;
-        let bulletins = bulletins.subscriber_builder().create().map_err(refused)?;
         let events = shared_news::event_service(&node, bench)?.subscriber_builder().create().map_err(refused)?;
-        let recorders = recorder_service.subscriber_builder().create().map_err(refused)?;
-        Ok(SharedListener {
-            states,
-            bulletins,
-            events,
-            recorders,
-            recorder: None,
-            state_service,
-            recorder_service,
-            _root: self.root.clone(),
-        })
+        let glance = SharedGlance::new(&node, bench, &self.root)?;
+        Ok(SharedListener { states, events, state_service, glance })
+    }
+
+    fn glance(&self, bench: &BenchName) -> Result<SharedGlance, WireError> {
+        let (node, _) = self.attach(bench)?;
+        SharedGlance::new(&node, bench, &self.root)
     }
 
     fn command(&self, bench: &BenchName) -> Result<SharedCommander, WireError> {
@@ -215,8 +185,8 @@ pub struct SharedHost {
     events: EventService,
     commands: CommandServices,
     bench: BenchName,
-    // Last, so that everything above is closed before the lease ends.
-    _root: Root,
+    // Last, so that everything above is closed before the name is given back.
+    name: NameLock,
 }
 
 impl Host for SharedHost {
@@ -227,27 +197,21 @@ impl Host for SharedHost {
 
     fn states(&self) -> Result<SharedStates, WireError> {
         let builder = self.states.publisher_builder().max_loaned_samples(1).initial_max_slice_len(MAX_BURST);
-        let publisher = builder.create().map_err(|error| {
-            if format!("{error:?}").contains("ExceedsMax") {
-                WireError::Taken(self.bench.clone())
-            } else {
-                internal(error)
-            }
-        })?;
-        Ok(SharedStates { publisher })
+        let taken = |error| port(&error, || WireError::Taken(self.bench.clone()));
+        Ok(SharedStates { publisher: builder.create().map_err(taken)?, _name: self.name.clone() })
     }
 
     fn bulletins(&self) -> Result<SharedBulletins, WireError> {
         let publisher = self.bulletins.publisher_builder().max_loaned_samples(1).create().map_err(internal)?;
-        Ok(SharedBulletins { publisher })
+        Ok(SharedBulletins { publisher, _name: self.name.clone() })
     }
 
     fn events(&self) -> Result<SharedEvents, WireError> {
-        SharedEvents::new(&self.events)
+        SharedEvents::new(&self.events, self.name.clone())
     }
 
     fn inbox(&self) -> Result<SharedInbox, WireError> {
-        self.commands.inbox()
+        self.commands.inbox(self.name.clone())
     }
 
     fn listeners(&self) -> usize {
@@ -259,6 +223,7 @@ impl Host for SharedHost {
 #[derive(Debug)]
 pub struct SharedStates {
     publisher: Publisher<Ipc, [State], ()>,
+    _name: NameLock,
 }
 
 impl StateSender for SharedStates {
@@ -275,6 +240,7 @@ impl StateSender for SharedStates {
 #[derive(Debug)]
 pub struct SharedBulletins {
     publisher: Publisher<Ipc, Bulletin, ()>,
+    _name: NameLock,
 }
 
 impl BulletinSender for SharedBulletins {
@@ -290,14 +256,20 @@ impl BulletinSender for SharedBulletins {
 #[derive(Debug)]
 pub struct SharedListener {
     states: Subscriber<Ipc, [State], ()>,
-    bulletins: Subscriber<Ipc, Bulletin, ()>,
     events: Subscriber<Ipc, Event, ()>,
-    recorders: Subscriber<Ipc, RecorderStatus, ()>,
-    /// The last that was heard of a recorder.
-    recorder: Option<Box<RecorderStatus>>,
     state_service: StateService,
-    recorder_service: RecorderService,
-    _root: Root,
+    // Last, because it has the lease.
+    glance: SharedGlance,
+}
+
+impl Glance for SharedListener {
+    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
+        self.glance.bulletin()
+    }
+
+    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
+        self.glance.recorder()
+    }
 }
 
 impl Listener for SharedListener {
@@ -310,14 +282,6 @@ impl Listener for SharedListener {
         Ok(count)
     }
 
-    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        let mut latest = None;
-        while let Some(sample) = self.bulletins.receive().map_err(internal)? {
-            latest = Some(sample);
-        }
-        Ok(latest.map(|sample| Box::new(*sample.payload())))
-    }
-
     fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
         let mut count = 0;
         while let Some(sample) = self.events.receive().map_err(internal)? {
@@ -325,15 +289,6 @@ impl Listener for SharedListener {
             count += 1;
         }
         Ok(count)
-    }
-
-    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
-        while let Some(sample) = self.recorders.receive().map_err(internal)? {
-            self.recorder = Some(Box::new(*sample.payload()));
-        }
-        let alive = self.recorder.as_ref().is_some_and(|last| last.is_recording())
-            && shared_news::has_recorder(&self.recorder_service);
-        Ok(self.recorder.as_ref().map(|last| Box::new(last.seen(alive))))
     }
 
     fn host(&self) -> HostState {

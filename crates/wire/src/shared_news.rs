@@ -8,7 +8,8 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe;
 
-use crate::iceoryx::{Ipc, MAX_READERS, internal, opened, service};
+use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, MAX_READERS, internal, opened, port, service};
+use crate::name_lock::NameLock;
 use crate::{BenchName, EVENTS_KEPT, Event, EventSender, RecorderSender, RecorderStatus, Root, WireError};
 
 /// The node name of a recorder's status: its process lives as long as the node does, and the kernel drops its locks.
@@ -21,32 +22,34 @@ pub(crate) type EventService = publish_subscribe::PortFactory<Ipc, Event, ()>;
 pub(crate) type RecorderService = publish_subscribe::PortFactory<Ipc, RecorderStatus, ()>;
 
 pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<EventService, WireError> {
-    service(node, bench, "event")?
-        .publish_subscribe::<Event>()
-        .enable_safe_overflow(true)
-        .history_size(EVENTS_KEPT)
-        .subscriber_max_buffer_size(EVENTS_KEPT)
-        .subscriber_max_borrowed_samples(2)
-        .max_publishers(1)
-        .max_subscribers(MAX_READERS)
-        .max_nodes(4 * MAX_READERS)
-        .open_or_create()
-        .map_err(|error| opened(bench, error))
+    opened(bench, || {
+        Ok(service(node, bench, "event")?
+            .publish_subscribe::<Event>()
+            .enable_safe_overflow(true)
+            .history_size(EVENTS_KEPT)
+            .subscriber_max_buffer_size(EVENTS_KEPT)
+            .subscriber_max_borrowed_samples(2)
+            .max_publishers(1)
+            .max_subscribers(MAX_READERS)
+            .max_nodes(MAX_NODES)
+            .open_or_create())
+    })
 }
 
 /// Made by whoever needs it first: readers wait for recorders, and recorders for readers.
 pub(crate) fn recorder_service(node: &Node<Ipc>, bench: &BenchName) -> Result<RecorderService, WireError> {
-    service(node, bench, "recorder")?
-        .publish_subscribe::<RecorderStatus>()
-        .enable_safe_overflow(true)
-        .history_size(1)
-        .subscriber_max_buffer_size(STATUSES_BUFFERED)
-        .subscriber_max_borrowed_samples(2)
-        .max_publishers(1)
-        .max_subscribers(MAX_READERS)
-        .max_nodes(4 * MAX_READERS)
-        .open_or_create()
-        .map_err(|error| opened(bench, error))
+    opened(bench, || {
+        Ok(service(node, bench, "recorder")?
+            .publish_subscribe::<RecorderStatus>()
+            .enable_safe_overflow(true)
+            .history_size(1)
+            .subscriber_max_buffer_size(STATUSES_BUFFERED)
+            .subscriber_max_borrowed_samples(2)
+            .max_publishers(1)
+            .max_subscribers(MAX_PARTIES)
+            .max_nodes(MAX_NODES)
+            .open_or_create())
+    })
 }
 
 /// Whether a recorder that lives has the service open.
@@ -67,12 +70,13 @@ pub(crate) fn has_recorder(service: &RecorderService) -> bool {
 #[derive(Debug)]
 pub struct SharedEvents {
     publisher: Publisher<Ipc, Event, ()>,
+    _name: NameLock,
 }
 
 impl SharedEvents {
-    pub(crate) fn new(service: &EventService) -> Result<Self, WireError> {
+    pub(crate) fn new(service: &EventService, name: NameLock) -> Result<Self, WireError> {
         let publisher = service.publisher_builder().max_loaned_samples(1).create().map_err(internal)?;
-        Ok(Self { publisher })
+        Ok(Self { publisher, _name: name })
     }
 }
 
@@ -104,13 +108,8 @@ impl SharedRecorder {
         let service = recorder_service(node, bench)?;
         // A recorder that was killed still holds its place until it is cleared away.
         let _ = service.blocking_cleanup_dead_nodes(Duration::from_secs(1));
-        let publisher = service.publisher_builder().max_loaned_samples(1).create().map_err(|error| {
-            if format!("{error:?}").contains("ExceedsMax") {
-                WireError::Recorded(bench.clone())
-            } else {
-                internal(error)
-            }
-        })?;
+        let publisher = service.publisher_builder().max_loaned_samples(1).create();
+        let publisher = publisher.map_err(|error| port(&error, || WireError::Recorded(bench.clone())))?;
         Ok(Self { publisher, _service: service, _root: root.clone() })
     }
 }

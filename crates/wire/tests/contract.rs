@@ -2,15 +2,17 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
 
+use std::path::Path;
+use std::sync::Barrier;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use rotor::{C64, Settings, builtin};
 use wire::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, EVENTS_KEPT, EventSender, Happening, Host,
-    HostState, Inbox, Keeping, Listener, MAX_BURST, RecorderSender, RecorderState, RecorderStatus, State, StateSender,
-    WireError,
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, EVENTS_KEPT, EventSender, Glance,
+    Happening, Host, HostState, Inbox, Keeping, Listener, MAX_BURST, MAX_READERS, RecorderSender, RecorderState,
+    RecorderStatus, State, StateSender, WireError,
 };
 
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -88,6 +90,59 @@ fn one_simulation_a_name(carrier: &impl Carrier) {
     drop(carrier.host(&bench("other")).unwrap());
     drop((states, first));
     carrier.host(&name).unwrap();
+}
+
+fn of_six_that_start_together_one_has_the_name_and_the_others_are_told_so(carrier: &impl Carrier) {
+    for round in 0..5 {
+        let name = bench(&format!("six-{round}"));
+        let (start, end) = (Barrier::new(6), Barrier::new(6));
+        let taken = WireError::Taken(name.clone());
+        let told = thread::scope(|scope| {
+            let ask = || {
+                start.wait();
+                let got = carrier.host(&name).and_then(|host| Ok((host.states()?, host.inbox()?, host)));
+                // Who has it keeps it until all have asked.
+                end.wait();
+                got.err()
+            };
+            let asked: Vec<_> = (0..6).map(|_| scope.spawn(ask)).collect();
+            asked.into_iter().map(|one| one.join().unwrap()).collect::<Vec<_>>()
+        });
+        let (had, refused): (Vec<_>, Vec<_>) = told.into_iter().partition(Option::is_none);
+        assert_eq!((had.len(), refused), (1, vec![Some(taken); 5]));
+    }
+}
+
+fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
+    let name = bench("full");
+    let host = carrier.host(&name).unwrap();
+    let (_states, mut bulletins) = (host.states().unwrap(), host.bulletins().unwrap());
+    let mut readers: Vec<_> = (0..MAX_READERS).map(|_| carrier.listen(&name).unwrap()).collect();
+    // Each of them a dashboard, which asks too.
+    let _asking: Vec<_> = readers.iter().map(|_| carrier.command(&name).unwrap()).collect();
+    let refused = carrier.listen(&name).err().unwrap();
+    assert_eq!(refused, WireError::Full { bench: name.clone(), what: "readers", most: MAX_READERS });
+    assert!(refused.to_string().starts_with("bench 'full' is full: it has the 16 readers that it can take"));
+    assert_eq!(host.listeners(), MAX_READERS);
+
+    let mut glance = carrier.glance(&name).unwrap();
+    bulletins.send(&Bulletin { revision: 7, ..Bulletin::default() }).unwrap();
+    assert_eq!(wait_for("a bulletin", || glance.bulletin().unwrap()).revision, 7);
+    assert_eq!(glance.recorder().unwrap(), None);
+    thread::scope(|scope| {
+        scope.spawn(|| {
+            let mut inbox = host.inbox().unwrap();
+            let start = Instant::now();
+            while inbox.serve(Duration::from_millis(20), |_| Answer::accepted(8, 9, 0.5)).unwrap() == 0 {
+                assert!(start.elapsed() < PATIENCE, "the request did not come");
+            }
+        });
+        let mut commander = carrier.command(&name).unwrap();
+        let answer = commander.ask(&Change::Restart.request("me", "").unwrap(), PATIENCE).unwrap();
+        assert_eq!(answer.revision, 8);
+    });
+    readers.pop();
+    carrier.listen(&name).unwrap();
 }
 
 fn every_state_in_order(carrier: &impl Carrier) {
@@ -368,6 +423,8 @@ macro_rules! on {
         contract! { $carrier: $make;
             nobody_home
             one_simulation_a_name
+            of_six_that_start_together_one_has_the_name_and_the_others_are_told_so
+            in_a_full_house_who_looks_or_asks_still_gets_in
             every_state_in_order
             states_that_are_sent_together_arrive_one_by_one
             a_sleeping_reader_loses_the_oldest_and_holds_nobody_up
@@ -444,6 +501,17 @@ fn a_killed_recorder_has_died_and_the_next_one_takes_its_place() {
     carrier.recorder(&name).unwrap();
 }
 
+/// iceoryx2 as a program in another language would set it up: it knows the folder and the prefix, and has no lease.
+fn foreign(root: &wire::Root) -> iceoryx2::config::Config {
+    use iceoryx2::prelude::*;
+
+    let mut config = Config::default();
+    let path = root.iceoryx2();
+    config.global.set_root_path(&iceoryx2::prelude::Path::new(path.as_os_str().as_encoded_bytes()).unwrap());
+    config.global.prefix = FileName::new(root.prefix().as_bytes()).unwrap();
+    config
+}
+
 /// A bench as another version of whirl would make it: the same services, another schema.
 #[test]
 fn a_bench_of_another_version_is_told_so_in_words() {
@@ -452,10 +520,7 @@ fn a_bench_of_another_version_is_told_so_in_words() {
     let dir = tempfile::tempdir().unwrap();
     let root = wire::Root::at(dir.path()).unwrap();
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
-    let mut config = Config::default();
-    let path = root.path().join("iceoryx2");
-    config.global.set_root_path(&iceoryx2::prelude::Path::new(path.as_os_str().as_encoded_bytes()).unwrap());
-    config.global.prefix = FileName::new(root.prefix().as_bytes()).unwrap();
+    let config = foreign(&root);
     let node = NodeBuilder::new().name(&"sim".try_into().unwrap()).config(&config).create::<ipc::Service>().unwrap();
     let _other = node
         .service_builder(&"whirl/other/state".try_into().unwrap())
@@ -505,4 +570,90 @@ fn benches_are_listed_with_who_is_attached() {
     assert_eq!(summary, [("a", true, vec!["sim"]), ("b", true, vec!["sim", "test"])]);
     assert!(benches[0].parties.iter().all(|party| party.pid == std::process::id()));
     drop(other);
+}
+
+/// The whole of a bench, used once under `root`.
+fn works_under(path: &Path) {
+    let root = wire::Root::at(path).unwrap_or_else(|error| panic!("{error}"));
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    let name = bench("here");
+    let host = carrier.host(&name).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let (mut states, _inbox) = (host.states().unwrap(), host.inbox().unwrap());
+    let mut listener = carrier.listen(&name).unwrap();
+    let _commander = carrier.command(&name).unwrap();
+    states.send(1, number(3)).unwrap();
+    assert_eq!(drained(&mut listener), [3]);
+    // Another process would come by the same name, whatever it calls the folder.
+    let again = wire::Root::at(&path.join(".")).unwrap();
+    let seen = wire::SharedMemory::new(&again, "other").unwrap().benches().unwrap();
+    assert_eq!(seen[0].name, name);
+}
+
+#[test]
+fn a_root_may_be_as_long_as_the_system_lets_it_be_and_have_any_characters() {
+    use std::os::unix::ffi::OsStrExt;
+
+    let dir = tempfile::tempdir().unwrap();
+    let mut links = Vec::new();
+    let mut try_at = |path: &Path| {
+        works_under(path);
+        // All that stays is the empty root: its own files have gone, and so has its short name.
+        let files: Vec<_> = std::fs::read_dir(path).unwrap().flatten().map(|e| e.file_name()).collect();
+        assert_eq!(files, ["lease"], "{}", path.display());
+        links.push(std::fs::canonicalize(path).unwrap());
+    };
+    // Around every limit that there is: sockets, the paths of iceoryx2, and far beyond.
+    let here = dir.path().as_os_str().len() + 1;
+    for length in (here + 1..=60).chain([80, 120, 160, 254, 256, 300]) {
+        let mut path = dir.path().join("x".repeat((length - here).min(100)));
+        while path.as_os_str().len() + 1 < length {
+            path.push("y".repeat((length - path.as_os_str().len() - 1).min(100)));
+        }
+        try_at(&path);
+    }
+    for name in ["m\u{fc}hle", "\u{65e5}\u{672c}", "two words", "what? *<|>\"'"] {
+        try_at(&dir.path().join(name));
+    }
+    try_at(&dir.path().join(std::ffi::OsStr::from_bytes(b"not \xff utf-8")));
+    let user = rustix::process::geteuid().as_raw();
+    for entry in std::fs::read_dir(format!("/tmp/whirl-{user}")).into_iter().flatten().flatten() {
+        let leads = std::fs::read_link(entry.path()).unwrap_or_default();
+        assert!(!links.contains(&leads), "{} was left", entry.path().display());
+    }
+    let beyond = dir.path().join("z".repeat(300));
+    let told = wire::Root::at(&beyond).unwrap_err().to_string();
+    assert!(told.contains("cannot be made: File name too long"), "{told}");
+}
+
+#[test]
+fn a_reader_that_holds_no_lease_keeps_its_services_when_the_last_of_ours_goes() {
+    use iceoryx2::prelude::*;
+
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let config = foreign(&root);
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    let name = bench("shared");
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    let node = NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap();
+    let service = node.service_builder(&"whirl/shared/state".try_into().unwrap());
+    let subscriber = service.publish_subscribe::<[State]>().open().unwrap().subscriber_builder().create().unwrap();
+    states.send(1, number(1)).unwrap();
+    drop((states, host, carrier, root));
+
+    let root = wire::Root::at(dir.path()).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    // Asked to clean up, we leave it alone too.
+    assert_eq!(wire::clean(&carrier).unwrap(), 0);
+    let host = carrier.host(&name).unwrap();
+    let mut states = host.states().unwrap();
+    assert_eq!(host.listeners(), 1);
+    states.send(1, number(2)).unwrap();
+    let heard: Vec<u64> = std::iter::from_fn(|| subscriber.receive().unwrap()).map(|s| s.payload()[0].seq).collect();
+    assert_eq!(heard, [1, 2], "it hears the next simulation of the name");
+    drop((states, host, carrier, subscriber, node));
+    drop(root);
+    let files: Vec<_> = std::fs::read_dir(dir.path()).unwrap().flatten().map(|e| e.file_name()).collect();
+    assert_eq!(files, ["lease"]);
 }

@@ -15,11 +15,10 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
-use rotor::{Rotor, Settings};
+use rotor::{Rotor, Settings, StabilityLoss};
 use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, WireError};
 
 use crate::units::Units;
-use crate::what_if::WhatIf;
 pub(crate) use edit::{Edit, carry_over};
 use ledger::Ledger;
 
@@ -242,10 +241,7 @@ impl<C: Carrier> Clerk<C> {
 
     /// The minimum damping after a change that makes a stable rotor unstable.
     fn would_be_unstable(&self, before: &Settings, after: &Settings) -> Option<f64> {
-        let rotor = self.rotor.as_ref()?;
-        let then = WhatIf::of(rotor, after.clone()).filter(WhatIf::is_unstable)?;
-        let is_stable = WhatIf::of(rotor, before.clone()).is_some_and(|now| !now.is_unstable());
-        is_stable.then_some(then.min_damping)
+        StabilityLoss::between(self.rotor.as_ref()?, before, after).map(|loss| loss.then)
     }
 
     /// Waits until every change that led to the newest settings has been told. Those that are not told in time are one.

@@ -10,7 +10,9 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use rotor::{C64, Key, Settings, Spectrum, builtin};
 use wire::message::{Analysis, Flags, Trip};
-use wire::{BenchName, Bulletin, Carrier, Change, Commander, Event, Happening, Listener, Memory, Moment, State};
+use wire::{
+    BenchName, Bulletin, Carrier, Change, Commander, Event, Glance, Happening, Listener, Memory, Moment, State,
+};
 
 use super::*;
 use crate::clerk::Edit;

@@ -3,7 +3,7 @@
 use std::time::Duration;
 
 use serde::Serialize;
-use wire::{Carrier, Change, Commander};
+use wire::{Change, Commander};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -44,8 +44,7 @@ pub(crate) fn run(args: &NoteArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
     let carrier = attach::carrier("note")?;
     // One that is just starting is waited for, as everywhere.
-    drop(attach::listen(&carrier, &bench)?);
-    let answer = carrier.command(&bench)?.ask(&request, PATIENCE)?;
+    let answer = attach::command(&carrier, &bench)?.ask(&request, PATIENCE)?;
     if !answer.is_accepted() {
         return Err(Failure::Work(format!("not noted: {}", answer.reason.as_str())));
     }

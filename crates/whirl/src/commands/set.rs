@@ -2,8 +2,9 @@
 
 use std::time::Duration;
 
+use rotor::StabilityLoss;
 use serde::Serialize;
-use wire::{Answer, Carrier, Change, Commander};
+use wire::{Change, Commander};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -27,6 +28,9 @@ pub(crate) struct SetArgs {
     /// Why, for the log of events: `whirl tail --events` shows it
     #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
     why: String,
+    /// Make the change even if a stable machine becomes unstable by it
+    #[arg(long)]
+    force: bool,
     /// Print one JSON document
     #[arg(long)]
     json: bool,
@@ -36,8 +40,47 @@ pub(crate) struct SetArgs {
 #[derive(Debug, Serialize)]
 #[serde(untagged)]
 enum Document {
-    Accepted { accepted: bool, revision: u64, applied_at_step: u64 },
-    Refused { accepted: bool, reason: String },
+    Accepted {
+        accepted: bool,
+        /// False: it was in force already, from that step on.
+        changed: bool,
+        revision: u64,
+        applied_at_step: u64,
+    },
+    Refused {
+        accepted: bool,
+        reason: String,
+        /// Refused because of them: the minimum damping now and then.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        min_damping: Option<Damping>,
+    },
+}
+
+#[derive(Debug, Serialize)]
+struct Damping {
+    now: f64,
+    then: f64,
+}
+
+/// A change that has been made, or was not needed.
+struct Done {
+    changed: bool,
+    revision: u64,
+    step: u64,
+}
+
+/// Why nothing was changed.
+enum NotDone {
+    /// It would make a stable machine unstable.
+    Unstable(StabilityLoss),
+    /// Anything else.
+    Failed(Failure),
+}
+
+impl<F: Into<Failure>> From<F> for NotDone {
+    fn from(failure: F) -> Self {
+        Self::Failed(failure.into())
+    }
 }
 
 /// Makes the change.
@@ -45,50 +88,62 @@ enum Document {
 /// # Errors
 /// A wrong key or value, no such bench, or a refusal.
 pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
-    match change(args) {
-        Ok(answer) => {
-            let Answer { revision, applied_at_step, .. } = answer;
+    let (reason, min_damping) = match change(args) {
+        Ok(Done { changed, revision, step }) => {
             if args.json {
-                return output::print_json(&Document::Accepted { accepted: true, revision, applied_at_step });
+                let document = Document::Accepted { accepted: true, changed, revision, applied_at_step: step };
+                return output::print_json(&document);
             }
-            output::print_text(&format!("revision {revision} from step {applied_at_step}\n"))
+            let already = if changed { "" } else { "nothing to change: " };
+            return output::print_text(&format!("{already}revision {revision} from step {step}\n"));
         }
         // What is wrong with a change is a refusal, whoever notices it: the bench, or we before asking it.
-        Err(Failure::Usage(reason) | Failure::Work(reason)) => {
-            if args.json {
-                output::print_json(&Document::Refused { accepted: false, reason: reason.clone() })?;
-            }
-            Err(Failure::Work(format!("not changed: {reason}")))
+        Err(NotDone::Failed(Failure::Usage(reason) | Failure::Work(reason))) => (reason, None),
+        Err(NotDone::Failed(failure)) => return Err(failure),
+        Err(NotDone::Unstable(loss)) => {
+            let damping = Damping { now: loss.now, then: loss.then };
+            (format!("{loss}; --force makes it all the same"), Some(damping))
         }
-        Err(failure) => Err(failure),
+    };
+    if args.json {
+        output::print_json(&Document::Refused { accepted: false, reason: reason.clone(), min_damping })?;
     }
+    Err(Failure::Work(format!("not changed: {reason}")))
 }
 
-fn change(args: &SetArgs) -> Result<Answer, Failure> {
+fn change(args: &SetArgs) -> Result<Done, NotDone> {
     let bench = args.bench.name()?;
     let carrier = attach::carrier("set")?;
-    let mut listener = attach::listen(&carrier, &bench)?;
-    let mut commander = carrier.command(&bench)?;
+    let mut glance = attach::glance(&carrier, &bench)?;
+    let mut commander = attach::command(&carrier, &bench)?;
     let who = format!("set:{}", std::process::id());
     let mut outdated = None;
     for _ in 0..TRIES {
-        let bulletin = attach::first_bulletin(&mut listener, &bench)?;
+        let bulletin = attach::first_bulletin(&mut glance, &bench)?;
         let rotor = bulletin.rotor().map_err(|error| Failure::Work(error.to_string()))?;
         let units = Units::with(bulletin.scales());
-        let mut settings = bulletin.settings.unpack();
+        let before = bulletin.settings.unpack();
+        let mut settings = before.clone();
         for assignment in &args.assignments {
             catalog::assign(&rotor, units, &mut settings, assignment)?;
         }
         settings.check(&rotor)?;
-        let request = Change::Settings { base_revision: bulletin.revision, settings }.request(&who, &args.why)?;
+        if !args.force
+            && let Some(loss) = StabilityLoss::between(&rotor, &before, &settings)
+        {
+            return Err(NotDone::Unstable(loss));
+        }
+        let base_revision = bulletin.revision;
+        let request = Change::Settings { base_revision, settings }.request(&who, &args.why)?;
         let answer = commander.ask(&request, PATIENCE)?;
         if answer.is_accepted() {
-            return Ok(answer);
+            let changed = answer.revision != base_revision;
+            return Ok(Done { changed, revision: answer.revision, step: answer.applied_at_step });
         }
         if answer.outdated == 0 {
-            return Err(Failure::Work(answer.reason.as_str().to_owned()));
+            return Err(Failure::Work(answer.reason.as_str().to_owned()).into());
         }
         outdated = Some(answer);
     }
-    Err(Failure::Work(outdated.map_or_else(String::new, |answer| answer.reason.as_str().to_owned())))
+    Err(Failure::Work(outdated.map_or_else(String::new, |answer| answer.reason.as_str().to_owned())).into())
 }

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use wire::{Bulletin, Carrier, Keeping, Listener, RecorderState, RecorderStatus, Root, SharedListener};
+use wire::{Bulletin, Glance, Keeping, MAX_READERS, RecorderState, RecorderStatus, Root, WireError};
 
 use crate::attach;
 use crate::failure::Failure;
@@ -28,32 +28,36 @@ struct Document {
     log: String,
 }
 
-/// One bench, as scripts read it. Of one that does not answer only the name and the processes are known: its numbers
-/// are `null` or 0.
+/// One bench, as scripts read it. Of one that does not answer only the name and the processes are known: the rest is
+/// `null`, and `why` says so.
 #[derive(Debug, Serialize)]
 struct Bench {
     name: String,
     answers: bool,
-    rotor: String,
-    speed: f64,
-    rate_hz: f64,
-    dtau: f64,
-    steps: u64,
-    late: u64,
-    missed: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    why: Option<String>,
+    rotor: Option<String>,
+    speed: Option<f64>,
+    rate_hz: Option<f64>,
+    dtau: Option<f64>,
+    steps: Option<u64>,
+    late: Option<u64>,
+    missed: Option<u64>,
     lateness_us: Lateness,
     step_cost_us: Cost,
     min_damping: Option<f64>,
-    revision: u64,
+    revision: Option<u64>,
     subscribers: u32,
+    /// There is no room for another reader.
+    full: bool,
     attached: Vec<Attached>,
     recording: Option<Recording>,
-    tripped: bool,
+    tripped: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     trip: Option<String>,
-    run_id: String,
+    run_id: Option<String>,
     pid: u32,
-    version: String,
+    version: Option<String>,
 }
 
 /// What its recorder tells.
@@ -115,15 +119,15 @@ impl Recording {
 
 #[derive(Debug, Serialize)]
 struct Lateness {
-    p50: f64,
-    p99: f64,
-    max: f64,
+    p50: Option<f64>,
+    p99: Option<f64>,
+    max: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
 struct Cost {
-    p50: f64,
-    p99: f64,
+    p50: Option<f64>,
+    p99: Option<f64>,
 }
 
 #[derive(Debug, Serialize)]
@@ -132,77 +136,97 @@ struct Attached {
     pid: u32,
 }
 
-impl Bench {
-    fn new(name: String, bulletin: &Bulletin, attached: Vec<Attached>, recording: Option<Recording>) -> Self {
-        let health = &bulletin.health;
-        Self {
-            name,
-            answers: true,
-            rotor: bulletin.rotor_name.as_str().to_owned(),
-            speed: bulletin.settings.speed,
-            rate_hz: bulletin.rate_hz,
-            dtau: bulletin.dtau,
-            steps: health.steps,
-            late: health.late,
-            missed: health.missed,
-            lateness_us: Lateness {
-                p50: health.lateness_p50_us,
-                p99: health.lateness_p99_us,
-                max: health.lateness_max_us,
-            },
-            step_cost_us: Cost { p50: health.cost_p50_us, p99: health.cost_p99_us },
-            min_damping: (bulletin.analysis.count > 0).then_some(bulletin.analysis.min_damping),
-            revision: bulletin.revision,
-            // Our own look at the bench is not one of its readers, nor is a client that sets something.
-            subscribers: attached.iter().filter(|party| !["sim", "set", "note"].contains(&party.role.as_str())).count()
-                as u32,
-            recording,
-            attached,
-            tripped: bulletin.trip.is_tripped(),
-            trip: bulletin.trip.is_tripped().then(|| bulletin.trip.to_string()),
-            run_id: format!("{:016x}", bulletin.run_id),
-            pid: bulletin.pid,
-            version: bulletin.version.as_str().to_owned(),
-        }
+impl Attached {
+    /// Whether it reads the motion, and is not the simulation or somebody who looks or asks, as we do.
+    fn is_reader(&self) -> bool {
+        !["sim", "set", "note", "status", "clean"].contains(&self.role.as_str())
     }
 }
 
 impl Bench {
-    /// A bench whose simulation lives but says nothing: it is stopped, or hopelessly behind.
-    fn silent(name: String, attached: Vec<Attached>, recording: Option<Recording>) -> Self {
-        let unknown = f64::NAN;
-        let mut bulletin = Bulletin { rate_hz: unknown, dtau: unknown, ..Bulletin::default() };
-        bulletin.settings.speed = unknown;
-        let health = &mut bulletin.health;
-        for number in [
-            &mut health.lateness_p50_us,
-            &mut health.lateness_p99_us,
-            &mut health.lateness_max_us,
-            &mut health.cost_p50_us,
-            &mut health.cost_p99_us,
-        ] {
-            *number = unknown;
+    /// A bench as its bulletin tells it; without one, as it is seen from outside, and why there is none.
+    fn new(
+        name: String,
+        told: Result<Box<Bulletin>, String>,
+        attached: Vec<Attached>,
+        recording: Option<Recording>,
+    ) -> Self {
+        let (bulletin, why) = match told {
+            Ok(bulletin) => (Some(bulletin), None),
+            Err(why) => (None, Some(why)),
+        };
+        let bulletin = bulletin.as_deref();
+        let health = bulletin.map(|bulletin| &bulletin.health);
+        let trip = bulletin.map(|bulletin| bulletin.trip);
+        let readers = attached.iter().filter(|party| party.is_reader()).count();
+        Self {
+            name,
+            answers: bulletin.is_some(),
+            why,
+            rotor: bulletin.map(|bulletin| bulletin.rotor_name.as_str().to_owned()),
+            speed: bulletin.map(|bulletin| bulletin.settings.speed),
+            rate_hz: bulletin.map(|bulletin| bulletin.rate_hz),
+            dtau: bulletin.map(|bulletin| bulletin.dtau),
+            steps: health.map(|health| health.steps),
+            late: health.map(|health| health.late),
+            missed: health.map(|health| health.missed),
+            lateness_us: Lateness {
+                p50: health.map(|health| health.lateness_p50_us),
+                p99: health.map(|health| health.lateness_p99_us),
+                max: health.map(|health| health.lateness_max_us),
+            },
+            step_cost_us: Cost {
+                p50: health.map(|health| health.cost_p50_us),
+                p99: health.map(|health| health.cost_p99_us),
+            },
+            min_damping: bulletin
+                .map(|bulletin| bulletin.analysis)
+                .filter(|analysis| analysis.count > 0)
+                .map(|analysis| analysis.min_damping),
+            revision: bulletin.map(|bulletin| bulletin.revision),
+            subscribers: readers as u32,
+            full: readers.max(health.map_or(0, |health| health.subscribers as usize)) >= MAX_READERS,
+            recording,
+            tripped: trip.map(|trip| trip.is_tripped()),
+            trip: trip.filter(|trip| trip.is_tripped()).map(|trip| trip.to_string()),
+            run_id: bulletin.map(|bulletin| format!("{:016x}", bulletin.run_id)),
+            // Of one that says nothing: iceoryx2 knows it.
+            pid: bulletin.map_or_else(
+                || attached.iter().find(|party| party.role == "sim").map_or(0, |party| party.pid),
+                |bulletin| bulletin.pid,
+            ),
+            version: bulletin.map(|bulletin| bulletin.version.as_str().to_owned()),
+            attached,
         }
-        bulletin.pid = attached.iter().find(|party| party.role == "sim").map_or(0, |party| party.pid);
-        Self { answers: false, ..Self::new(name, &bulletin, attached, recording) }
     }
 
     /// How it stands, for people.
     fn state(&self) -> String {
-        let state = match &self.trip {
-            _ if !self.answers => "DOES NOT ANSWER".into(),
-            Some(why) => format!("TRIPPED: {why}"),
-            None => "running".into(),
+        let mut state = match (&self.why, &self.trip) {
+            (Some(why), _) => format!("DOES NOT ANSWER: {why}"),
+            (None, Some(why)) => format!("TRIPPED: {why}"),
+            (None, None) => "running".into(),
         };
+        if self.full {
+            state += &format!("; full: no room for more than {MAX_READERS} readers");
+        }
         self.recording.as_ref().map_or(state.clone(), |recording| format!("{state}; {}", recording.state()))
     }
 }
 
+/// A cell of what is known; else a dash.
+fn known<T>(value: &Option<T>) -> Cell
+where
+    for<'a> Cell: From<&'a T>,
+{
+    value.as_ref().map_or_else(|| Cell::Text("-".to_owned()), Cell::from)
+}
+
 /// What the recorder says, if it says something in time: it does so at least once a second.
-fn first_word(listener: &mut SharedListener) -> Option<Recording> {
+fn first_word(glance: &mut impl Glance) -> Option<Recording> {
     let start = Instant::now();
     while start.elapsed() < RECORDER_PATIENCE {
-        match listener.recorder() {
+        match glance.recorder() {
             Ok(Some(status)) => return Some(Recording::from(&*status)),
             Ok(None) => std::thread::sleep(Duration::from_millis(5)),
             Err(_) => return None,
@@ -220,18 +244,24 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
     let log = logging::file(&Root::from_environment()?).display().to_string();
     let mut benches = Vec::new();
     for entry in carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running) {
-        // One that ends while we look is no longer running.
-        let Ok(mut listener) = carrier.listen(&entry.name) else { continue };
-        let bulletin = attach::first_bulletin(&mut listener, &entry.name);
+        // Even in a full house there is room to look.
+        let glance = attach::glance(&carrier, &entry.name);
+        if matches!(glance, Err(WireError::NoBench(_))) {
+            // One that ends while we look is no longer running.
+            continue;
+        }
         // A recorder's word may take a moment; where nobody records there is nothing to wait for.
         let recorded = entry.parties.iter().any(|party| party.role == "record");
-        let recording = if recorded { first_word(&mut listener) } else { None };
+        let (told, recording) = match glance {
+            Ok(mut glance) => {
+                let bulletin = attach::first_bulletin(&mut glance, &entry.name);
+                let told = bulletin.map_err(|_| "it is stopped, or overloaded".to_owned());
+                (told, if recorded { first_word(&mut glance) } else { None })
+            }
+            Err(error) => (Err(error.to_string()), None),
+        };
         let attached = entry.parties.into_iter().map(|party| Attached { role: party.role, pid: party.pid }).collect();
-        let name = entry.name.to_string();
-        benches.push(match bulletin {
-            Ok(bulletin) => Bench::new(name, &bulletin, attached, recording),
-            Err(_) => Bench::silent(name, attached, recording),
-        });
+        benches.push(Bench::new(entry.name.to_string(), told, attached, recording));
     }
     let mut table = Table::new(&[
         "bench",
@@ -252,15 +282,15 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
             bench.attached.iter().filter(|p| p.role != "sim").map(|p| format!("{}:{}", p.role, p.pid)).collect();
         table.row([
             Cell::from(&bench.name),
-            Cell::from(&bench.rotor),
-            Cell::from(&bench.speed),
-            Cell::from(&bench.rate_hz),
-            Cell::from(&bench.steps),
-            Cell::from(&bench.late),
-            Cell::from(&bench.missed),
-            Cell::from(bench.lateness_us.p50),
-            Cell::from(bench.lateness_us.p99),
-            Cell::from(bench.lateness_us.max),
+            known(&bench.rotor),
+            known(&bench.speed),
+            known(&bench.rate_hz),
+            known(&bench.steps),
+            known(&bench.late),
+            known(&bench.missed),
+            bench.lateness_us.p50.map_or_else(|| Cell::Text("-".to_owned()), Cell::from),
+            bench.lateness_us.p99.map_or_else(|| Cell::Text("-".to_owned()), Cell::from),
+            bench.lateness_us.max.map_or_else(|| Cell::Text("-".to_owned()), Cell::from),
             Cell::from(&readers.join(" ")),
             Cell::from(&bench.state()),
         ]);

@@ -13,6 +13,8 @@ use crate::units::Units;
 #[derive(Debug, Serialize)]
 struct Line<'a> {
     number: u64,
+    /// Events that came before this one, after the line before it, and did not reach us.
+    lost: u64,
     event: &'static str,
     seq: u64,
     tau: f64,
@@ -51,17 +53,16 @@ impl Teller {
     pub(super) fn line(&mut self, event: &Event, units: Units, json: bool) -> String {
         let settings = event.settings.unpack();
         let known = self.last.take().filter(|(run_id, ..)| *run_id == event.run_id);
-        if let Some((_, number, _)) = &known {
-            self.lost += event.number.saturating_sub(number + 1);
-        }
+        let lost = known.as_ref().map_or(0, |(_, number, _)| event.number.saturating_sub(number + 1));
+        self.lost += lost;
         let changed = known.map(|(.., before)| Difference::between(&before, &settings));
         let happening = event.happening();
         let line = if json {
-            let line = document(event, happening.as_ref(), changed.as_ref(), &settings);
+            let line = document(event, lost, happening.as_ref(), changed.as_ref(), &settings);
             // A line of plain numbers and words always serialises.
             serde_json::to_string(&line).unwrap_or_default()
         } else {
-            for_people(event, happening.as_ref(), changed.as_ref(), units)
+            super::gap(lost, "events") + &for_people(event, happening.as_ref(), changed.as_ref(), units)
         };
         self.last = Some((event.run_id, event.number, settings));
         line
@@ -101,6 +102,7 @@ fn for_people(event: &Event, happening: Option<&Happening>, changed: Option<&Dif
 
 fn document<'a>(
     event: &'a Event,
+    lost: u64,
     happening: Option<&Happening>,
     changed: Option<&Difference>,
     settings: &Settings,
@@ -109,6 +111,7 @@ fn document<'a>(
     let values = settings.keys().into_iter().map(|key| (key.to_string(), number(key)));
     Line {
         number: event.number,
+        lost,
         event: happening.map_or("unknown", Happening::name),
         seq: event.seq,
         tau: event.tau,

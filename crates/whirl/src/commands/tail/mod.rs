@@ -1,4 +1,6 @@
 //! `whirl tail`: prints live telemetry, one line a step; or what happens, one line an event.
+//!
+//! A reader that sleeps loses the oldest. What was lost is told where it is missing, and all of it again at the end.
 
 mod events;
 
@@ -43,6 +45,8 @@ pub(crate) struct TailArgs {
 #[derive(Debug, Serialize)]
 struct Line {
     seq: u64,
+    /// Steps that were sent before this one, after the line before it, and did not reach us.
+    lost: u64,
     tau: f64,
     speed: f64,
     masses: Vec<Place>,
@@ -66,11 +70,12 @@ struct Force {
     z: f64,
 }
 
-impl From<&State> for Line {
-    fn from(state: &State) -> Self {
+impl Line {
+    fn new(state: &State, lost: u64) -> Self {
         let [y, z] = state.force_delivered;
         Self {
             seq: state.seq,
+            lost,
             tau: state.tau,
             speed: state.speed,
             masses: state.points().iter().map(|p| Place { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
@@ -82,9 +87,15 @@ impl From<&State> for Line {
     }
 }
 
+/// What has been lost before a line, as a line of its own.
+pub(super) fn gap(lost: u64, what: &str) -> String {
+    if lost == 0 { String::new() } else { format!("  ... {lost} {what} lost: this was read too slowly ...\n") }
+}
+
 /// The same for people: step, time, where the masses are, control, and what is special.
-fn for_people(state: &State) -> String {
-    let mut line = format!("{:>9}  tau {:>10.3}", state.seq, state.tau);
+fn for_people(state: &State, lost: u64) -> String {
+    let mut line = gap(lost, "steps");
+    let _ = write!(line, "{:>9}  tau {:>10.3}", state.seq, state.tau);
     for (i, p) in state.points().iter().enumerate() {
         let _ = write!(line, "  {}: {:>10} {:>10}", i + 1, rounded(p.y), rounded(p.z));
     }
@@ -110,13 +121,17 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
         let units = Units::with(attach::first_bulletin(&mut listener, &bench)?.scales());
         Box::new(Happenings { teller: events::Teller::default(), units, json: args.json })
     } else {
-        Box::new(Steps { every: args.every, json: args.json, last: None, lost: 0 })
+        Box::new(Steps { every: args.every, json: args.json, last: None, untold: 0, lost: 0 })
     };
     let mut left = args.count.unwrap_or(u64::MAX);
     let mut lines = String::new();
     let mut heard = Instant::now();
     while left > 0 {
         if stop.load(Ordering::Relaxed) {
+            if let Some(lost) = printer.losses() {
+                // Whoever interrupts has no use for another exit code, but for the number.
+                let _ = writeln!(std::io::stderr(), "whirl: {lost}");
+            }
             return Err(Failure::Interrupted);
         }
         lines.clear();
@@ -134,7 +149,7 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
         }
         std::thread::sleep(Duration::from_millis(2));
     }
-    printer.losses().map_or(Ok(()), |lost| Err(Failure::Work(format!("{lost}: the output was read too slowly"))))
+    printer.losses().map_or(Ok(()), |lost| Err(Failure::Work(lost)))
 }
 
 /// What is printed of a bench.
@@ -149,6 +164,8 @@ struct Steps {
     every: u64,
     json: bool,
     last: Option<(u64, u64)>,
+    /// Lost since the last line.
+    untold: u64,
     lost: u64,
 }
 
@@ -158,16 +175,19 @@ impl Printer for Steps {
             if let Some((run_id, seq)) = self.last
                 && run_id == state.run_id
             {
-                self.lost += state.seq.saturating_sub(seq + 1);
+                let lost = state.seq.saturating_sub(seq + 1);
+                self.untold += lost;
+                self.lost += lost;
             }
             self.last = Some((state.run_id, state.seq));
             if *left > 0 && state.seq % self.every == 0 {
                 *left -= 1;
+                let untold = std::mem::take(&mut self.untold);
                 if self.json {
                     // A line of plain numbers and words always serialises.
-                    *lines += &serde_json::to_string(&Line::from(state)).unwrap_or_default();
+                    *lines += &serde_json::to_string(&Line::new(state, untold)).unwrap_or_default();
                 } else {
-                    *lines += &for_people(state);
+                    *lines += &for_people(state, untold);
                 }
                 lines.push('\n');
             }
@@ -176,7 +196,7 @@ impl Printer for Steps {
     }
 
     fn losses(&self) -> Option<String> {
-        (self.lost > 0).then(|| format!("{} steps were lost", self.lost))
+        (self.lost > 0).then(|| format!("{} steps were lost: the output was read too slowly", self.lost))
     }
 }
 
@@ -201,6 +221,7 @@ impl Printer for Happenings {
     }
 
     fn losses(&self) -> Option<String> {
-        (self.teller.lost > 0).then(|| format!("{} events were lost", self.teller.lost))
+        let lost = self.teller.lost;
+        (lost > 0).then(|| format!("{lost} events were lost: the output was read too slowly"))
     }
 }

@@ -1,6 +1,7 @@
 //! One answer: the gains, what they are worth, where that is, and how sure it is.
 
 use std::sync::atomic::AtomicBool;
+use std::time::Instant;
 
 use rotor::file::FeedbackDocument;
 use rotor::{GainKind, damping_ratio};
@@ -18,8 +19,14 @@ use crate::units::{Units, UnitsDocument};
 #[derive(Debug, Serialize)]
 pub(super) struct Document<'a> {
     rotor: &'a str,
-    /// Whether every mode decays at every condition that was asked for.
-    stable: bool,
+    /// Whether every mode decays at every condition that was asked for; `null` where one is marginal.
+    stable: Option<bool>,
+    /// Whether a pole is within rounding of the axis.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    marginal: bool,
+    /// With a delay there are infinitely many poles: all of those with a real part above this count, and were counted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count_right_of: Option<f64>,
     /// The smallest damping ratio over modes and conditions.
     min_damping: f64,
     /// The spin speed `R` where that is.
@@ -61,25 +68,28 @@ pub(super) struct Document<'a> {
 
 /// Searches, prints and writes.
 pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(), Failure> {
-    let watch = Watch::new();
+    let (watch, begun) = (Watch::new(), Instant::now());
     let options = |problem: &Problem| args.options(problem);
     let places =
         rank(&asked.question(), &asked.choices(), &options, &|progress| watch.say(progress), Stop::when(flag))?;
     watch.end();
     let best = &places[0];
     let problem = asked.problem(best.bearing, &best.sensors);
-    let document = Document::of(args, asked, &problem, best, &places)?;
+    known(asked, &best.tuned)?;
+    let mut document = Document::of(args, asked, &problem, best, &places, Stop::when(flag))?;
+    // All of it: every place, and what was judged anew.
+    document.seconds = begun.elapsed().as_secs_f64();
     let mut footer = summary(asked, &problem, &document).join("\n");
     if places.len() > 1 {
         footer += &ranking(&places);
     }
     if let Some(path) = &args.out
-        && (document.stable || args.write_unstable)
+        && (document.stable == Some(true) || args.write_unstable)
     {
         write_file(path, &best.tuned.feedback, &summary(asked, &problem, &document))?;
     }
     args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
-    verdict(asked, &best.tuned, document.stable)
+    verdict(asked, &best.tuned)
 }
 
 impl<'a> Document<'a> {
@@ -90,15 +100,18 @@ impl<'a> Document<'a> {
         problem: &Problem,
         best: &'a Place,
         places: &'a [Place],
+        stop: Stop,
     ) -> Result<Self, Failure> {
         let tuned = &best.tuned;
-        let (min_damping, worst_speed) = least_damping(args, problem, tuned)?;
+        let (min_damping, worst_speed) = least_damping(args, problem, tuned, stop)?;
         let options = args.options(problem);
         let near =
             tuned.values.iter().filter(|value| **value >= tuned.values[0] - 0.01 * tuned.values[0].abs()).count();
         Ok(Self {
             rotor: asked.rotor().name(),
-            stable: tuned.worst.value > 0.0,
+            stable: tuned.worst.stable(),
+            marginal: tuned.worst.marginal,
+            count_right_of: tuned.worst.count_right_of,
             min_damping,
             worst_speed,
             worst: condition(problem, &tuned.worst.point, Some((tuned.worst.pole, tuned.worst.value))),
@@ -108,7 +121,7 @@ impl<'a> Document<'a> {
             boxes: tuned.worst.boxes,
             feedback: FeedbackDocument(&tuned.feedback),
             method: options.method,
-            evaluations: tuned.evaluations,
+            evaluations: places.iter().map(|place| place.tuned.evaluations).sum(),
             seconds: tuned.elapsed.as_secs_f64(),
             starts: options.starts,
             seed: args.seed,
@@ -126,12 +139,12 @@ impl<'a> Document<'a> {
 }
 
 /// The smallest damping ratio and its speed: of the answer itself, or judged anew where something else was maximised.
-fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned) -> Result<(f64, f64), Failure> {
+fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned, stop: Stop) -> Result<(f64, f64), Failure> {
     if problem.measure == Measure::default() {
         return Ok((tuned.worst.value, tuned.worst.point[0]));
     }
     let plain = Problem { measure: Measure::default(), ..problem.clone() };
-    let judged = judge(&plain, &args.options(&plain), &tuned.gains, Stop::NEVER)?;
+    let judged = judge(&plain, &args.options(&plain), &tuned.gains, stop)?;
     Ok((judged.worst.value, judged.worst.point[0]))
 }
 
@@ -213,6 +226,17 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
             speed_text(units, Some(document.worst_speed))
         ));
     }
+    if document.marginal {
+        lines.push("a mode is marginal: within rounding of the axis, neither stable nor unstable".to_owned());
+    }
+    if let Some(line) = document.count_right_of {
+        let per = units.time(1.0);
+        lines.push(format!(
+            "with delay: every pole right of {} {} there is found and counted; what decays faster is no part of this",
+            rounded(line / per),
+            units.pick("per tau", "per s")
+        ));
+    }
     let mass = asked.rotor().masses()[problem.structure.bearing()].mass;
     lines.push(format!(
         "steady control force up to {} {} (linear rotor), at {}{}",
@@ -268,19 +292,37 @@ fn ranking(places: &[Place]) -> String {
     text
 }
 
-/// What the exit code says: gains that do not hold the rotor are no success, nor is half a search.
-pub(super) fn verdict(asked: &Asked, tuned: &Tuned, stable: bool) -> Result<(), Failure> {
+/// Where the poles cannot all be had there is no answer.
+pub(super) fn known(asked: &Asked, tuned: &Tuned) -> Result<(), Failure> {
+    if tuned.worst.is_known() {
+        return Ok(());
+    }
     if tuned.interrupted {
         return Err(Failure::Interrupted);
     }
-    if stable {
-        return Ok(());
+    Err(Failure::Work(format!(
+        "no answer: at {} the poles of the loop cannot all be found; with so long a delay there may be too many to count",
+        speed_text(asked.units(), tuned.worst.point.first().copied())
+    )))
+}
+
+/// What the exit code says: gains that do not hold the rotor are no success, nor is half a search.
+pub(super) fn verdict(asked: &Asked, tuned: &Tuned) -> Result<(), Failure> {
+    if tuned.interrupted {
+        return Err(Failure::Interrupted);
     }
     let units = asked.units();
-    Err(Failure::Work(format!(
-        "no gains were found that hold the rotor at {}: the best leave {} at {}",
-        if asked.family.speeds().0 == asked.family.speeds().1 { "that speed" } else { "every speed of the range" },
-        rounded(tuned.worst.value),
-        speed_text(units, Some(tuned.worst.point[0]))
-    )))
+    match tuned.worst.stable() {
+        Some(true) => Ok(()),
+        None => Err(Failure::Work(format!(
+            "the best gains found leave a marginal mode at {}: within rounding of the axis, neither stable nor unstable",
+            speed_text(units, Some(tuned.worst.point[0]))
+        ))),
+        Some(false) => Err(Failure::Work(format!(
+            "no gains were found that hold the rotor at {}: the best leave {} at {}",
+            if asked.family.speeds().0 == asked.family.speeds().1 { "that speed" } else { "every speed of the range" },
+            rounded(tuned.worst.value),
+            speed_text(units, Some(tuned.worst.point[0]))
+        ))),
+    }
 }

@@ -8,7 +8,7 @@ use serde::Serialize;
 use study::plot::{Axis, Chart, Color, Look, Series};
 use tuner::{Stop, Tracked, track};
 
-use super::answer::speed_text;
+use super::answer::{known, speed_text, verdict};
 use super::front::draw;
 use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
@@ -21,7 +21,10 @@ use crate::units::UnitsDocument;
 #[derive(Debug, Serialize)]
 struct Document<'a> {
     rotor: &'a str,
-    stable: bool,
+    /// `null` where a mode is marginal.
+    stable: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count_right_of: Option<f64>,
     /// Over the whole range, gains interpolated.
     min_damping: f64,
     worst_speed: f64,
@@ -52,7 +55,8 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let found = track(&problem, &speeds, args.stiffness, &args.options(&problem), &|p| watch.say(p), Stop::when(flag))?;
     watch.end();
     let (units, worst) = (asked.units(), &found.judged.worst);
-    let stable = worst.value > 0.0;
+    known(asked, &found.judged)?;
+    let stable = worst.stable();
     let names: Vec<String> = (0..found.judged.feedback.signals.len())
         .flat_map(|k| GainKind::ALL.map(|kind| format!("{}.{}", kind.name(), k + 1)))
         .collect();
@@ -73,7 +77,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         rounded(found.steepest())
     );
     if let Some(path) = &args.out
-        && (stable || args.write_unstable)
+        && (stable == Some(true) || args.write_unstable)
     {
         write_file(path, found.feedback(), std::slice::from_ref(&footer))?;
     }
@@ -83,6 +87,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let document = Document {
         rotor: asked.rotor().name(),
         stable,
+        count_right_of: worst.count_right_of,
         min_damping: worst.value,
         worst_speed: worst.point[0],
         proven: worst.proven,
@@ -98,7 +103,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     };
     let heading = format!("{}, {}: gains followed over speed", asked.rotor().name(), asked.range_text);
     args.format.print(&document, &heading, &table, &footer)?;
-    super::answer::verdict(asked, &found.judged, stable)
+    verdict(asked, &found.judged)
 }
 
 fn chart(asked: &Asked, found: &Tracked, names: &[String]) -> Chart {

@@ -22,6 +22,8 @@ struct Document<'a> {
     price: Price,
     /// Dearest first.
     points: Vec<PointDocument<'a>>,
+    /// Wall time, of all of it.
+    seconds: f64,
     seed: u64,
     interrupted: bool,
     #[serde(flatten)]
@@ -49,10 +51,11 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     };
     let problem = asked.problem(*bearing, sensors);
     let price: Price = args.pareto.map_or(Price::Force, Into::into);
-    let watch = Watch::new();
+    let (watch, begun) = (Watch::new(), std::time::Instant::now());
     let front =
         pareto(&problem, price, args.points as usize, &args.options(&problem), &|p| watch.say(p), Stop::when(flag))?;
     watch.end();
+    super::answer::known(asked, &front[0].tuned)?;
     let units = asked.units();
     let mass = asked.rotor().masses()[*bearing].mass;
     let mut table = Table::new(units.pick(
@@ -70,7 +73,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         );
         let mut file = None;
         if let Some(folder) = &args.out
-            && (tuned.worst.value > 0.0 || args.write_unstable)
+            && (tuned.worst.stable() == Some(true) || args.write_unstable)
         {
             std::fs::create_dir_all(folder)
                 .map_err(|error| Failure::Usage(format!("cannot make '{}': {error}", folder.display())))?;
@@ -101,8 +104,15 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         draw(path, &chart(asked, price, &front))?;
     }
     let interrupted = front.iter().any(|point| point.tuned.interrupted);
-    let document =
-        Document { rotor: asked.rotor().name(), price, points, seed: args.seed, interrupted, units: units.document() };
+    let document = Document {
+        rotor: asked.rotor().name(),
+        price,
+        points,
+        seconds: begun.elapsed().as_secs_f64(),
+        seed: args.seed,
+        interrupted,
+        units: units.document(),
+    };
     let word = if price == Price::Force { "control force" } else { "gain" };
     let heading = format!("{}, {}: min damping against {word}", asked.rotor().name(), asked.range_text);
     args.format.print(
@@ -115,7 +125,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if interrupted {
         return Err(Failure::Interrupted);
     }
-    super::answer::verdict(asked, best, best.worst.value > 0.0)
+    super::answer::verdict(asked, best)
 }
 
 fn chart(asked: &Asked, price: Price, front: &[Point]) -> Chart {

@@ -1,0 +1,32 @@
+//! Linear analysis of any loop with one pure delay: plain complex matrices in, proven roots out.
+//!
+//! A [`DelaySystem`] is `x' = A x + B C x(t - T)`. Its roots solve
+//!
+//! ```text
+//! det(s I - A - B C exp(-s T)) = 0
+//! ```
+//!
+//! and there are infinitely many, but only so many right of any vertical line. [`DelaySystem::roots_right_of`] finds those,
+//! all of them, or refuses:
+//!
+//! * what they are *near* comes from the eigenvalues of a matrix, the delay approximated ([`guess`]);
+//! * what they *are* comes from Newton's method on the equation itself ([`roots`]);
+//! * that there are *no more* is counted by the argument principle, with steps that cannot lose a turn ([`count`]).
+//!
+//! No part of it knows what the matrices describe. No files, no terminal, no threads.
+
+mod count;
+mod eigen;
+mod guess;
+mod margin;
+mod roots;
+mod sensitivity;
+mod system;
+
+pub use margin::DelayMargin;
+pub use roots::Roots;
+pub use sensitivity::Sensitivity;
+pub use system::{DelayError, DelaySystem};
+
+/// A complex number in double precision.
+pub type C64 = num_complex::Complex<f64>;
