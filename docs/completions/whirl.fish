@@ -57,7 +57,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l deadband -d 'Clearanc
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second' -r
-complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l history -d 'Megabytes that the steps kept for looking back may take' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
@@ -71,7 +71,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand sim" -l deadband -d 'Clearan
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
-complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l as-child -d 'Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when the parent dies'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -s h -l help -d 'Print help'

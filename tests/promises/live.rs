@@ -94,6 +94,38 @@ fn what_is_wrong_changes_nothing_and_says_why() {
 }
 
 #[test]
+fn what_is_too_fast_for_a_step_takes_substeps_that_are_told_or_is_refused_as_run_refuses_it() {
+    let root = Root::new();
+    let simulation = root.simulate(&["jeffcott", "--speed", "300"]);
+    let state = |root: &Root| lines(&root.run(&["tail", "--count", "1", "--json"]).stdout).remove(0);
+    let told = |root: &Root| root.run(&["status", "--json"]).json()["benches"][0]["substeps"].clone();
+    assert_eq!(told(&root), 17);
+    // Once transients have died it is on the exact orbit.
+    let settled = std::iter::repeat_with(|| state(&root)).find(|state| state["tau"].as_f64().unwrap() > 60.0).unwrap();
+    let number = |value: &Value| value.as_f64().unwrap();
+    let (mass, force) = (&settled["masses"][0], &settled["force"]);
+    let radius = number(&mass["y"]).hypot(number(&mass["z"]));
+    let force = number(&force["y"]).hypot(number(&force["z"]));
+    assert!((radius - 1.0007).abs() < 1e-4 && (force - 150.1).abs() < 0.05, "{radius} {force}");
+    let stiff = ["set", "kd=90000", "cd=20", "kc=0", "cc=0", "speed=2.5"];
+    let answer = root.run(&stiff);
+    assert!(answer.stdout.trim_end().ends_with(" substeps a step"), "{answer:?}");
+    let refused = root.run(&["set", "cd=1000000"]);
+    assert_eq!(refused.code, Some(1));
+    assert!(refused.stderr.contains("dtau = 0.01 is too long for the mode at"), "{}", refused.stderr);
+    let state = state(&root);
+    assert_eq!(state["revision"], 2);
+    assert!(!state["flags"].as_array().unwrap().contains(&"tripped".into()), "{state}");
+    assert_eq!(simulation.end().code, Some(0));
+    let refused = root.run(&["sim", "jeffcott", "--speed", "1000", "--dtau", "1", "--rate", "10000"]);
+    assert_eq!((refused.code, refused.stdout.as_str()), (Some(2), ""));
+    assert!(refused.stderr.contains("dtau = 1 is too long for the spin at R = 1000"), "{}", refused.stderr);
+    let refused = root.run(&["run", "jeffcott", "--speed", "300", "--duration", "10", "--dtau", "0.01"]);
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("dtau = 0.01 is too long for the spin at R = 300"), "{}", refused.stderr);
+}
+
+#[test]
 fn two_benches_run_side_by_side_and_a_taken_name_is_refused() {
     let root = Root::new();
     let first = root.simulate(&["three-mass", "--bench", "a", "--rate", "500"]);

@@ -306,7 +306,8 @@ impl<'a> App<'a> {
             Layer::Ask(_, settings, _) => (**settings).clone(),
             _ => return None,
         };
-        WhatIf::of(picture.rotor.as_ref()?, settings)
+        let (rotor, bulletin) = (picture.rotor.as_ref()?, picture.bulletin.as_ref()?);
+        Some(WhatIf::of(rotor, settings)?.on(rotor, bulletin.dtau, bulletin.rate_hz))
     }
 
     /// What became of an edit.

@@ -1,5 +1,6 @@
 //! What would be: the poles under settings that are not in force yet.
 
+use rotor::step::{self, StepError};
 use rotor::{C64, Rotor, Settings, damping_ratio, poles};
 
 /// Candidate settings and what follows from them.
@@ -11,6 +12,8 @@ pub(crate) struct WhatIf {
     pub(crate) poles: Vec<C64>,
     /// The smallest damping ratio.
     pub(crate) min_damping: f64,
+    /// Why the bench would not take them, as far as that is known.
+    pub(crate) refusal: Option<StepError>,
 }
 
 impl WhatIf {
@@ -19,7 +22,13 @@ impl WhatIf {
         settings.check(rotor).ok()?;
         let poles = poles(&settings.closed_loop(rotor)).ok()?;
         let min_damping = poles.first().map(|pole| damping_ratio(*pole))?;
-        Some(Self { settings, poles, min_damping })
+        Some(Self { settings, poles, min_damping, refusal: None })
+    }
+
+    /// The same on a bench that makes steps of `dtau`, so many a second.
+    pub(crate) fn on(mut self, rotor: &Rotor, dtau: f64, rate_hz: f64) -> Self {
+        self.refusal = step::substeps(&self.settings.closed_loop(rotor), dtau, rate_hz).err();
+        self
     }
 
     /// Whether the rotor would not be stable: a mode grows, or is marginal.
@@ -45,6 +54,11 @@ mod tests {
         assert!((same.min_damping - bulletin.analysis.min_damping).abs() < 1e-12 && !same.is_unstable());
         let off = Settings { feedback: settings.feedback.off(), ..settings.clone() };
         assert!(WhatIf::of(&rotor, off).unwrap().is_unstable());
+        assert_eq!(same.on(&rotor, 0.01, 1000.0).refusal, None);
+        let mut heavy = settings.clone();
+        heavy.assign("cd", "1e6").unwrap();
+        let heavy = WhatIf::of(&rotor, heavy).unwrap().on(&rotor, 0.01, 1000.0);
+        assert!(matches!(heavy.refusal, Some(StepError::TooLong(_))), "{heavy:?}");
         let foreign = Settings { deadband: vec![1.0], ..settings };
         assert_eq!(WhatIf::of(&rotor, foreign), None);
     }

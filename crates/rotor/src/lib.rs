@@ -13,7 +13,8 @@
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law, from crate `control`.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
-//! * [`Stepper`]: time integration with the deadband. [`Spectrum`]: poles without it. [`Standing`]: what they say.
+//! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
+//!   [`Standing`]: what they say.
 //! * [`StabilityLoss`]: what a change of settings would take from a stable rotor.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
@@ -39,6 +40,7 @@ pub mod report_form;
 mod settings;
 mod si;
 mod stability_loss;
+pub mod step;
 mod stepper;
 mod thresholds;
 mod trace;

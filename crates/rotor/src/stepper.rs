@@ -43,6 +43,11 @@ pub trait Stepper: Send {
     fn load(&mut self, closed_loop: &ClosedLoop);
     /// Advances by `dtau`.
     fn step(&mut self, dtau: f64);
+    /// Advances by `dtau` in `substeps` equal steps: with one of them, to the last bit what [`Stepper::step`] does.
+    fn advance(&mut self, dtau: f64, substeps: u32) {
+        let substep = dtau / f64::from(substeps.max(1));
+        (0..substeps.max(1)).for_each(|_| self.step(substep));
+    }
     /// Where it is.
     fn motion(&self) -> Motion<'_>;
     /// The control acceleration at the present state, in `w0^2 e_t`.

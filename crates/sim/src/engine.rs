@@ -16,8 +16,8 @@ const MAX_PENDING_CHANGES: usize = 4;
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "an order is boxed whole")]
 pub(crate) enum Order {
-    /// New settings: the equations of motion made from them, and the rest.
-    Settings { closed_loop: ClosedLoop, trip_limit: f64, revision: u64 },
+    /// New settings: the equations of motion made from them, the substeps that these need, and the rest.
+    Settings { closed_loop: ClosedLoop, substeps: u32, trip_limit: f64, revision: u64 },
     /// A change of velocity.
     Impulse { mass: usize, velocity: C64 },
     /// Back to rest; a trip is reset.
@@ -100,6 +100,8 @@ impl Exchange {
 pub(crate) struct Engine {
     stepper: Box<dyn Stepper>,
     dtau: f64,
+    /// Runge-Kutta steps that make one step.
+    substeps: u32,
     run_id: u64,
     /// The number of the next step.
     seq: u64,
@@ -114,10 +116,11 @@ pub(crate) struct Engine {
 }
 
 impl Engine {
-    pub(crate) fn new(rotor: &Rotor, settings: &Settings, dtau: f64, run_id: u64) -> Self {
+    pub(crate) fn new(rotor: &Rotor, settings: &Settings, dtau: f64, substeps: u32, run_id: u64) -> Self {
         Self {
             stepper: rotor::stepper(&settings.closed_loop(rotor)),
             dtau,
+            substeps,
             run_id,
             seq: 0,
             speed: settings.speed,
@@ -135,8 +138,9 @@ impl Engine {
         let mut any = false;
         while let Some(order) = exchange.orders.pop() {
             match &*order {
-                Order::Settings { closed_loop, trip_limit, revision } => {
+                Order::Settings { closed_loop, substeps, trip_limit, revision } => {
                     self.stepper.load(closed_loop);
+                    self.substeps = *substeps;
                     self.speed = closed_loop.speed();
                     self.trip_limit = *trip_limit;
                     self.revision = *revision;
@@ -163,7 +167,7 @@ impl Engine {
             return None;
         }
         let n = self.masses;
-        self.stepper.step(self.dtau);
+        self.stepper.advance(self.dtau, self.substeps);
         let motion = self.stepper.motion();
         let control = self.stepper.control();
         let radius = motion.largest_radius();
@@ -233,7 +237,7 @@ mod tests {
     fn engine(feedback: &str, speed: f64, dtau: f64) -> (Rotor, Settings, Engine) {
         let rotor = builtin::rotor("three-mass").unwrap();
         let settings = Settings::new(&rotor, speed, builtin::feedback(&rotor, feedback).unwrap());
-        let engine = Engine::new(&rotor, &settings, dtau, 7);
+        let engine = Engine::new(&rotor, &settings, dtau, 1, 7);
         (rotor, settings, engine)
     }
 
@@ -270,7 +274,7 @@ mod tests {
             settings.assign(key, "1e6").unwrap();
         }
         for trip_limit in [1e9, f64::INFINITY] {
-            let mut engine = Engine::new(&rotor, &settings, 1.0, 7);
+            let mut engine = Engine::new(&rotor, &settings, 1.0, 1, 7);
             engine.trip_limit = trip_limit;
             let mut causes = Vec::new();
             for _ in 0..2000 {
@@ -293,7 +297,8 @@ mod tests {
         });
         let mut faster = settings;
         faster.speed = 3.0;
-        let order = Order::Settings { closed_loop: faster.closed_loop(&rotor), trip_limit: 5.0, revision: 2 };
+        let closed_loop = faster.closed_loop(&rotor);
+        let order = Order::Settings { closed_loop, substeps: 1, trip_limit: 5.0, revision: 2 };
         exchange.orders.push(Box::new(order)).unwrap();
         exchange.orders.push(Box::new(Order::Impulse { mass: 1, velocity: C64::new(0.0, 2.0) })).unwrap();
         assert!(engine.take_orders(&exchange) && !engine.take_orders(&exchange));

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use rotor::{Rotor, Settings, Spectrum};
+use rotor::{Rotor, Settings, Spectrum, step};
 use wire::message::{Analysis, Health, Request, Trip};
 use wire::{
     Answer, Bulletin, BulletinSender, Change, EventSender, Happening, Host, Inbox, SettingsMessage, Text, WireError,
@@ -40,9 +40,9 @@ impl<'a> Intake<'a> {
     pub(crate) fn new(
         rotor: &'a Rotor,
         settings: Settings,
+        substeps: u32,
         options: &Options,
-        run_id: u64,
-        started_ns: u64,
+        (run_id, started_ns): (u64, u64),
         exchange: &'a Exchange,
     ) -> Self {
         let mut bulletin = Box::new(Bulletin {
@@ -52,6 +52,7 @@ impl<'a> Intake<'a> {
             version: Text::new(env!("CARGO_PKG_VERSION")),
             rate_hz: options.rate_hz,
             dtau: options.dtau,
+            substeps,
             revision: 1,
             changed_by: Text::new("start"),
             ..Bulletin::default()
@@ -131,18 +132,21 @@ impl<'a> Intake<'a> {
             );
             return Answer { outdated: 1, ..Answer::refused(revision, &why) };
         }
+        let before = self.bulletin.substeps;
         if request.asks_for_settings() && request.settings.unpack() == self.settings {
             // In force already: nothing happens, and nobody's undo is in the way of it.
-            return Answer::accepted(revision, self.applied.step, self.applied.tau);
+            let done = Answer::accepted(revision, self.applied.step, self.applied.tau);
+            return Answer { substeps: [before; 2], ..done };
         }
         let carried = self.order(request).and_then(|(change, order)| {
             let behind = || String::from("the simulation is too far behind to take changes");
-            Ok((change, self.carry_out(order).ok_or_else(behind)?))
+            let substeps = if let Order::Settings { substeps, .. } = &order { *substeps } else { before };
+            Ok((change, substeps, self.carry_out(order).ok_or_else(behind)?))
         });
-        let (change, when) = match carried {
+        let (change, substeps, when) = match carried {
             Ok(done) => done,
             Err(reason) => {
-                let answer = Answer::refused(revision, &reason);
+                let answer = Answer { substeps: [before; 2], ..Answer::refused(revision, &reason) };
                 let refused = Happening::Refused { asked: Change::kind_name(request.kind), reason };
                 self.log.note_request(&refused, When::now(self.exchange), &self.bulletin, request);
                 return answer;
@@ -152,6 +156,7 @@ impl<'a> Intake<'a> {
             Change::Settings { settings, .. } => {
                 // What has been unpacked from one message fits into another.
                 self.bulletin.settings = request.settings;
+                self.bulletin.substeps = substeps;
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
                 self.bulletin.applied_at_step = when.step;
@@ -169,7 +174,7 @@ impl<'a> Intake<'a> {
         };
         self.log.note_request(&happened, when, &self.bulletin, request);
         self.news = true;
-        Answer::accepted(self.bulletin.revision, when.step, when.tau)
+        Answer { substeps: [substeps, before], ..Answer::accepted(self.bulletin.revision, when.step, when.tau) }
     }
 
     /// Checks a request, and makes the order that carries it out; or says why not.
@@ -179,7 +184,14 @@ impl<'a> Intake<'a> {
             Change::Settings { settings, .. } => {
                 settings.check(self.rotor).map_err(|error| error.to_string())?;
                 let closed_loop = settings.closed_loop(self.rotor);
-                Order::Settings { closed_loop, trip_limit: settings.trip, revision: self.bulletin.revision + 1 }
+                let Bulletin { dtau, rate_hz, .. } = *self.bulletin;
+                let substeps = step::substeps(&closed_loop, dtau, rate_hz).map_err(|error| error.to_string())?;
+                Order::Settings {
+                    closed_loop,
+                    substeps,
+                    trip_limit: settings.trip,
+                    revision: self.bulletin.revision + 1,
+                }
             }
             Change::Impulse { mass, velocity } => {
                 let size = velocity.norm();

@@ -8,7 +8,12 @@
 //! Catch-up policy: deadlines are absolute. After a stall the steps that are due run at once, back to back, and count
 //! as late; a stall of more than [`pacer::CATCH_UP_LIMIT`] is not caught up: its deadlines are given up and counted as
 //! missed. Steps themselves are never skipped, so `tau` falls behind the wall clock by what was missed.
+//!
+//! A step that is published is made of as many Runge-Kutta steps as [`rotor::step`] asks for under the settings in force;
+//! settings for which there is no time to make so many are refused, as at the start.
 
+#[cfg(test)]
+mod accuracy;
 mod clock;
 mod engine;
 mod health;
@@ -35,7 +40,7 @@ pub struct Options {
     pub bench: BenchName,
     /// Steps a second, 1 to 100 000.
     pub rate_hz: f64,
-    /// Advance of `tau` per step, more than 0 and at most 1.
+    /// Advance of `tau` per published step, more than 0 and at most 1.
     pub dtau: f64,
 }
 
@@ -45,14 +50,19 @@ impl Options {
     /// The default step in `tau`.
     pub const DEFAULT_DTAU: f64 = 0.01;
 
-    fn check(&self) -> Result<(), SimError> {
+    /// Whether `rotor` can run like this under `settings`, and in how many substeps a step: see [`rotor::step`].
+    ///
+    /// # Errors
+    /// Options or settings out of range, or too fast a machine for the substeps that there is time for.
+    pub fn check(&self, rotor: &Rotor, settings: &Settings) -> Result<u32, SimError> {
         if !(1.0..=100_000.0).contains(&self.rate_hz) {
             return Err(SimError::Rate(self.rate_hz));
         }
         if !(self.dtau > 0.0 && self.dtau <= 1.0) {
             return Err(SimError::Step(self.dtau));
         }
-        Ok(())
+        settings.check(rotor)?;
+        Ok(rotor::step::substeps(&settings.closed_loop(rotor), self.dtau, self.rate_hz)?)
     }
 }
 
@@ -65,6 +75,9 @@ pub enum SimError {
     /// The step is out of range.
     #[error("dtau = {0}: expected more than 0 and at most 1")]
     Step(f64),
+    /// The step does not follow the machine, and no substeps that there is time for would.
+    #[error(transparent)]
+    TooLong(#[from] rotor::step::StepError),
     /// The settings do not fit the rotor.
     #[error(transparent)]
     Settings(#[from] rotor::SettingsError),
@@ -119,8 +132,7 @@ pub fn run<C: Carrier>(
     stop: &AtomicBool,
     ready: impl FnOnce(),
 ) -> Result<Summary, SimError> {
-    options.check()?;
-    settings.check(rotor)?;
+    let substeps = options.check(rotor, &settings)?;
     let host = carrier.host(&options.bench)?;
     let states = host.states()?;
     ready();
@@ -130,8 +142,8 @@ pub fn run<C: Carrier>(
     // Two processes started in the same nanosecond would still differ by their id.
     let run_id = started_ns.rotate_left(20) ^ u64::from(std::process::id());
     let exchange = Exchange::default();
-    let engine = Engine::new(rotor, &settings, options.dtau, run_id);
-    let intake = Intake::new(rotor, settings, options, run_id, started_ns, &exchange);
+    let engine = Engine::new(rotor, &settings, options.dtau, substeps, run_id);
+    let intake = Intake::new(rotor, settings, substeps, options, (run_id, started_ns), &exchange);
 
     std::thread::scope(|scope| {
         let clerk = std::thread::Builder::new().name("intake".into()).spawn_scoped(scope, || {

@@ -60,6 +60,7 @@ impl Log {
         event.wall_ns = crate::wall_ns();
         event.revision = bulletin.revision;
         event.settings = bulletin.settings;
+        event.substeps = bulletin.substeps;
         sign(&mut event);
         self.waiting.push(event);
     }

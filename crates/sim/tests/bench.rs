@@ -298,6 +298,33 @@ fn a_trip_is_told_with_its_cause_and_who_comes_late_hears_of_it() {
 }
 
 #[test]
+fn stiff_settings_are_stepped_finer_and_what_cannot_be_followed_is_refused_to_any_client() {
+    beside("composite", 1000.0, |bench, settings| {
+        let change = |revision, key: &str, value: &str| {
+            let mut settings = settings.clone();
+            settings.assign(key, value).unwrap();
+            Change::Settings { base_revision: revision, settings }
+        };
+        let answer = bench.ask(&change(1, "kd", "90000"));
+        assert!(answer.is_accepted() && answer.substeps[0] > 10 && answer.substeps[1] == 1, "{answer:?}");
+        let told = bench.wait("substeps", |b, _| (b.revision == 2).then_some(b.substeps));
+        assert_eq!(told, answer.substeps[0]);
+        let refused = bench.ask(&change(2, "cd", "1000000"));
+        assert!(!refused.is_accepted() && refused.outdated == 0);
+        let reason = refused.reason.as_str();
+        assert!(reason.contains("is too long for the mode at") && reason.ends_with("would do"), "{reason}");
+        let slower = bench.ask(&change(2, "kd", "-0.5"));
+        assert!(slower.is_accepted() && slower.substeps == [1, told], "{slower:?}");
+        // Whatever else happens meanwhile: stiff gains may trip the machine.
+        let substeps = |events: Vec<Event>| -> Vec<u32> {
+            events.iter().filter(|event| event.kind == 2).map(|event| event.substeps).collect()
+        };
+        let substeps = (3..).map(|count| substeps(bench.events(count))).find(|told| told.len() == 2).unwrap();
+        assert_eq!(substeps, [told, 1]);
+    });
+}
+
+#[test]
 fn wrong_options_and_taken_names_are_refused() {
     let rotor = builtin::rotor("jeffcott").unwrap();
     let settings = Settings::new(&rotor, 1.0, builtin::feedback(&rotor, "cancel").unwrap());

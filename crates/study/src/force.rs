@@ -3,11 +3,11 @@
 use std::sync::atomic::AtomicBool;
 
 use rayon::prelude::*;
+use rotor::step::Fastest;
 use rotor::{ClosedLoop, Feedback, PoleError, Rotor};
 
 use crate::disturbance::Judgement;
 use crate::run::{Outcome, Plan, RunError, Settle, Settled, run};
-use crate::step_size::Fastest;
 
 /// A point that has not settled by then, in `tau`, is given up and says so.
 pub const LONGEST: f64 = 2_000.0;

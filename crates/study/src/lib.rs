@@ -5,7 +5,6 @@
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
-//! * [`step_size`]: which fixed step a rotor needs.
 //! * [`report`]: every figure and every printed number of the NASA report again, with [`plot`] to draw them.
 //!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
@@ -18,6 +17,5 @@ pub mod report;
 pub mod run;
 mod settle;
 pub mod spectrum;
-pub mod step_size;
 pub mod table;
 pub mod trajectory;

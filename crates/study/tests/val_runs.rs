@@ -4,10 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
 use rotor::circular::synchronous;
+use rotor::step::Fastest;
 use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, builtin};
 use study::force::{steady, sweep};
 use study::run::{Impulse, Outcome, Plan, RunError, Settle, Settled, run};
-use study::step_size::{Fastest, StepError};
 
 fn machine(rotor: &str, feedback: &str) -> (Rotor, Feedback) {
     let rotor = builtin::rotor(rotor).expect("built in");
@@ -94,21 +94,6 @@ fn a_diverging_run_says_when_and_keeps_what_it_has() {
     let at = outcome.diverged_at.expect("unstable");
     assert!(at < 500.0 && outcome.last.tau == at && outcome.settled == Settled::No, "{outcome:?}");
     assert!(outcome.max_displacement.iter().all(|r| r.is_finite() && *r > 0.0));
-}
-
-#[test]
-fn a_step_too_large_names_the_mode_and_proposes_one_that_works() {
-    let (rotor, feedback) = machine("three-mass", "individual");
-    let fastest = Fastest::of(&ClosedLoop::new(&rotor, &feedback, 6.0, &[])).expect("poles");
-    fastest.check(fastest.default_step()).expect("the proposal itself");
-    assert!(matches!(fastest.check(5.0), Err(StepError::Unstable { .. })));
-    assert!(matches!(fastest.check(0.4), Err(StepError::Inaccurate { .. } | StepError::Spin { .. })));
-    for bad in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-        assert!(matches!(fastest.check(bad), Err(StepError::Value(_))), "{bad}");
-    }
-    let jeffcott = machine("jeffcott", "off");
-    let spin = Fastest::of(&ClosedLoop::new(&jeffcott.0, &jeffcott.1, 50.0, &[])).expect("poles");
-    assert!(matches!(spin.check(0.02), Err(StepError::Spin { .. } | StepError::Inaccurate { .. })));
 }
 
 #[test]

@@ -2,11 +2,11 @@
 
 use std::sync::atomic::AtomicBool;
 
+use rotor::step::Fastest;
 use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, Standing, builtin, poles};
 use study::disturbance::Means;
 use study::force::{LONGEST, Point, steady, until_settled};
 use study::run::{Impulse, Plan, Settle, Settled, run};
-use study::step_size::Fastest;
 
 /// Three masses with the control bearing and its sensor at the centre, which the pitch mode leaves at rest.
 fn centre_bearing(gains: [f64; 4]) -> (Rotor, Feedback) {

@@ -295,6 +295,7 @@ impl Recording {
         if let Some(revision) = self.settings_at(seq) {
             bulletin.settings = SettingsMessage::pack(&revision.settings).unwrap_or_default();
             bulletin.revision = revision.revision;
+            bulletin.substeps = revision.substeps;
             bulletin.applied_at_step = revision.from;
             bulletin.changed_by = Text::new(&revision.who);
             bulletin.analysis = analysis(revision);

@@ -66,6 +66,8 @@ pub struct Revision {
     pub why: String,
     /// The settings.
     pub settings: Settings,
+    /// Runge-Kutta steps that make one step under them, at least 1.
+    pub substeps: u32,
     /// Poles, least damped first; none if they did not converge.
     pub poles: Vec<C64>,
     /// The smallest damping ratio; 0 if there are no poles.

@@ -166,8 +166,9 @@ impl Head {
             return None;
         }
         let (who, why) = (event.who.as_str(), event.why.as_str());
-        let settings = event.settings.unpack();
-        Some(revision_of(bulletin.rotor().ok().as_ref(), event.revision, event.seq, who, why, settings))
+        let (settings, substeps) = (event.settings.unpack(), event.substeps);
+        let rotor = bulletin.rotor().ok();
+        Some(revision_of(rotor.as_ref(), event.revision, event.seq, (who, why), settings, substeps))
     }
 
     /// What came into force with an event, if anything did; it is in force from here on.
@@ -177,12 +178,14 @@ impl Head {
             return None;
         }
         bulletin.settings = event.settings;
+        bulletin.substeps = event.substeps;
         bulletin.revision = event.revision;
         bulletin.applied_at_step = event.seq;
         bulletin.changed_by = event.who;
         let (who, why) = (event.who.as_str(), event.why.as_str());
-        let settings = event.settings.unpack();
-        Some(revision_of(bulletin.rotor().ok().as_ref(), event.revision, event.seq, who, why, settings))
+        let (settings, substeps) = (event.settings.unpack(), event.substeps);
+        let rotor = bulletin.rotor().ok();
+        Some(revision_of(rotor.as_ref(), event.revision, event.seq, (who, why), settings, substeps))
     }
 
     /// The settings in force at the beginning.
@@ -190,7 +193,8 @@ impl Head {
     pub fn revision(&self) -> Revision {
         let bulletin = &self.bulletin;
         let (who, settings) = (bulletin.changed_by.as_str(), bulletin.settings.unpack());
-        revision_of(bulletin.rotor().ok().as_ref(), bulletin.revision, bulletin.applied_at_step, who, "", settings)
+        let (from, substeps) = (bulletin.applied_at_step, bulletin.substeps);
+        revision_of(bulletin.rotor().ok().as_ref(), bulletin.revision, from, (who, ""), settings, substeps)
     }
 }
 
@@ -199,14 +203,15 @@ pub(crate) fn revision_of(
     rotor: Option<&rotor::Rotor>,
     revision: u64,
     from: u64,
-    who: &str,
-    why: &str,
+    (who, why): (&str, &str),
     settings: rotor::Settings,
+    substeps: u32,
 ) -> Revision {
     // Computed here as the simulation does it: an event carries settings, and no poles.
     let checked = rotor.filter(|rotor| settings.check(rotor).is_ok());
     let spectrum = checked.and_then(|rotor| Spectrum::of(&settings.closed_loop(rotor)).ok());
     let min_damping = spectrum.as_ref().map_or(0.0, Spectrum::min_damping);
     let poles = spectrum.map(|s| s.modes.iter().map(|mode| mode.pole).collect()).unwrap_or_default();
-    Revision { from, revision, who: who.to_owned(), why: why.to_owned(), settings, poles, min_damping }
+    let (who, why, substeps) = (who.to_owned(), why.to_owned(), substeps.max(1));
+    Revision { from, revision, who, why, settings, substeps, poles, min_damping }
 }

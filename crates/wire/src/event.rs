@@ -36,6 +36,10 @@ pub struct Event {
     pub kind: u32,
     /// Impulse: the mass, counted from 0. Refused: the kind of the request (see [`crate::Request::kind`]).
     pub detail: u32,
+    /// Runge-Kutta steps that make one step under `settings`, as [`crate::Bulletin::substeps`].
+    pub substeps: u32,
+    /// Always 0.
+    pub reserved: u32,
     /// Impulse: change of velocity `[vy, vz]`.
     pub impulse: [f64; 2],
     /// Tripped: what tripped.

@@ -12,7 +12,7 @@ use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError, Scales};
 use crate::{SettingsMessage, Text};
 
 /// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// One step of the simulation. Every step is sent, one after the other in slices of those that fell due together.
 #[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
@@ -160,6 +160,10 @@ pub struct Bulletin {
     pub rate_hz: f64,
     /// Advance of `tau` per step.
     pub dtau: f64,
+    /// Runge-Kutta steps that make one step under the settings in force, at least 1: see [`rotor::step`].
+    pub substeps: u32,
+    /// Always 0.
+    pub reserved: u32,
     /// The settings in force.
     pub settings: SettingsMessage,
     /// Their revision: 1 at the start, up by 1 with each change.
@@ -369,6 +373,8 @@ pub struct Answer {
     pub accepted: u32,
     /// 1 if it was refused because the settings had changed meanwhile: look again and ask again.
     pub outdated: u32,
+    /// Runge-Kutta steps that make one step, as [`Bulletin::substeps`], now and before the request.
+    pub substeps: [u32; 2],
     /// The revision now in force.
     pub revision: u64,
     /// Accepted: the first step made with the change.

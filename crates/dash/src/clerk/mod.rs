@@ -288,7 +288,9 @@ impl<C: Carrier> Clerk<C> {
 /// Puts an answer in words.
 fn told(answer: &Answer, what: &str) -> String {
     if answer.is_accepted() {
-        format!("{what}, from step {}", answer.applied_at_step)
+        let [now, before] = answer.substeps;
+        let pace = if now == before { String::new() } else { format!(", {now} substeps a step") };
+        format!("{what}, from step {}{pace}", answer.applied_at_step)
     } else {
         format!("{what}: {}", answer.reason.as_str())
     }

@@ -89,7 +89,13 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
         let (color, word) = theme::verdict(candidate.min_damping);
         // A machine that runs on beside a recording is there already.
         let when = if view.replay.is_some() { "what if" } else { "then" };
-        (format!("{when} {:.4} {word}", candidate.min_damping), theme::loud(color))
+        match &candidate.refusal {
+            None => (format!("{when} {:.4} {word}", candidate.min_damping), theme::loud(color)),
+            Some(_) => (
+                format!("{when} {:.4}: REFUSED, too fast for the step", candidate.min_damping),
+                theme::loud(theme::BAD),
+            ),
+        }
     });
     if large {
         BigText::builder()

@@ -4,6 +4,8 @@
 //! ```text
 //!  RUNNING  default  three-mass  R 2.5  tau 412  1000/s  late 51/124 us  lost 0  age 3 ms
 //! ```
+//!
+//! A machine too fast for one Runge-Kutta step a step has `34 substeps` behind its rate.
 
 use alarms::{Alarms, Level};
 use ratatui::buffer::Buffer;
@@ -74,6 +76,9 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         };
         add(speed, plain);
         add(format!("{:.0}/s", picture.rate), plain);
+        if bulletin.substeps > 1 {
+            add(format!("{} substeps", bulletin.substeps), plain);
+        }
         let health = &bulletin.health;
         let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
         add(format!("late {p50:.0}/{p99:.0} us"), plain);

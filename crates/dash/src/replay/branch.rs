@@ -11,6 +11,7 @@
 use std::ops::Range;
 
 use rotor::Settings;
+use rotor::step::StepError;
 use wire::message::Trip;
 
 use super::machine::{Act, Machine, Root};
@@ -19,7 +20,7 @@ use crate::clerk::{self, Edit};
 use crate::units::Units;
 use crate::what_if::WhatIf;
 
-/// Steps that are made at once: a tenth of a second or so.
+/// Runge-Kutta steps that are made at once: a tenth of a second or so.
 const AT_ONCE: u64 = 200_000;
 /// Steps from one memory of how the machine was to the next.
 const STRIDE: u64 = 1 << 16;
@@ -53,11 +54,12 @@ impl Branch {
         Self { root, wish, done: Vec::new(), undone: Vec::new(), machine, rows, memories }
     }
 
-    /// The same wishes from another moment on.
-    pub(crate) fn moved_to(&self, root: Root) -> Self {
+    /// The same wishes from another moment on; or why the bench would not have taken them then.
+    pub(crate) fn moved_to(&self, root: Root) -> Result<Self, StepError> {
         let mut moved = Self::new(root);
         clerk::carry_over(&self.root.settings, &self.wish.settings, &mut moved.wish.settings);
-        moved
+        moved.root.substeps_from_here(&moved.wish.settings)?;
+        Ok(moved)
     }
 
     /// No more than where a machine is now.
@@ -121,6 +123,7 @@ impl Branch {
             }
         };
         wish.settings.check(&self.root.rotor).map_err(|error| error.to_string())?;
+        self.root.substeps_from_here(&wish.settings).map_err(|error| error.to_string())?;
         self.done.push(std::mem::replace(&mut self.wish, wish));
         self.undone.clear();
         Ok(words)
@@ -138,23 +141,30 @@ impl Branch {
     pub(crate) fn advance(&mut self, wanted: Range<u64>, acts: &[(u64, Act)]) {
         self.turn_to(&wanted);
         let mut recorded = acts.partition_point(|(at, _)| *at <= self.machine.seq);
-        for _ in 0..AT_ONCE {
+        let mut made = 0;
+        while made < AT_ONCE {
             let seq = self.machine.seq + 1;
             if seq >= wanted.end {
                 return;
             }
             while let Some((_, act)) = acts.get(recorded).filter(|(at, _)| *at == seq) {
+                recorded += 1;
                 let act = match act {
-                    Act::Settings(there) => Act::Settings(self.wish.carried_to(&self.root, there)),
+                    Act::Settings(there, substeps) => {
+                        let carried = self.wish.carried_to(&self.root, there);
+                        // What the bench would have refused is not done here either.
+                        let Ok(substeps) = self.root.substeps(&carried, (there, *substeps)) else { continue };
+                        Act::Settings(carried, substeps)
+                    }
                     other => other.clone(),
                 };
                 self.machine.act(&self.root, &act);
-                recorded += 1;
             }
             for (_, act) in self.wish.acts.iter().filter(|(at, _)| *at == seq) {
                 self.machine.act(&self.root, act);
             }
             self.machine.step(self.root.dtau);
+            made += u64::from(self.machine.substeps);
             self.rows.push(self.machine.row());
             let is_new = self.memories.last().is_none_or(|last| last.seq + STRIDE <= seq);
             if is_new && (seq - self.from()).is_multiple_of(STRIDE) {

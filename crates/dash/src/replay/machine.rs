@@ -1,5 +1,6 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
+use rotor::step::{self, StepError};
 use rotor::{C64, MAX_MASSES, Rotor, Settings, Stepper};
 use wire::State;
 use wire::message::Trip;
@@ -13,11 +14,11 @@ pub(super) enum Act {
     Impulse(usize, C64),
     /// Back to rest.
     Restart,
-    /// Other settings.
-    Settings(Settings),
+    /// Other settings, and the substeps that make a step under them.
+    Settings(Settings, u32),
 }
 
-/// The line of time that a run is on: where its clock was set last, and how many steps ago.
+/// The line of time that a run is on: where its clock was set last, and how many Runge-Kutta steps ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Line {
     pub(super) tau: f64,
@@ -30,16 +31,44 @@ pub(super) struct Line {
 pub(super) struct Root {
     pub(super) rotor: Rotor,
     pub(super) dtau: f64,
+    /// Steps a second; 0 if it was not paced.
+    pub(super) rate_hz: f64,
     /// The step it begins after.
     pub(super) state: State,
     /// The settings that this step was made with.
     pub(super) settings: Settings,
+    /// In how many substeps.
+    pub(super) substeps: u32,
     pub(super) line: Line,
+}
+
+impl Root {
+    /// The substeps of a step under `wanted`: as many as were made where `recorded` has just these settings, else as many as
+    /// the bench would make.
+    ///
+    /// # Errors
+    /// The bench would refuse these settings.
+    pub(super) fn substeps(&self, wanted: &Settings, recorded: (&Settings, u32)) -> Result<u32, StepError> {
+        if wanted == recorded.0 {
+            return Ok(recorded.1);
+        }
+        step::substeps(&wanted.closed_loop(&self.rotor), self.dtau, self.rate_hz)
+    }
+
+    /// The same for settings that are wished for from the beginning.
+    ///
+    /// # Errors
+    /// The bench would refuse these settings.
+    pub(super) fn substeps_from_here(&self, wanted: &Settings) -> Result<u32, StepError> {
+        self.substeps(wanted, (&self.settings, self.substeps))
+    }
 }
 
 /// The machine as it is after a step.
 pub(super) struct Machine {
     stepper: Box<dyn Stepper>,
+    /// Runge-Kutta steps that make one step.
+    pub(super) substeps: u32,
     /// The settings in force.
     pub(super) settings: Settings,
     /// What they mean: poles and damping.
@@ -53,15 +82,17 @@ pub(super) struct Machine {
 
 impl Clone for Machine {
     fn clone(&self) -> Self {
-        let Self { stepper, settings, judged, seq, trip, good } = self;
-        let (settings, judged) = (settings.clone(), judged.clone());
-        Self { stepper: stepper.twin(), settings, judged, seq: *seq, trip: *trip, good: *good }
+        let Self { stepper, substeps, settings, judged, seq, trip, good } = self;
+        let (substeps, settings, judged) = (*substeps, settings.clone(), judged.clone());
+        Self { stepper: stepper.twin(), substeps, settings, judged, seq: *seq, trip: *trip, good: *good }
     }
 }
 
 impl Machine {
-    /// The machine as it was at `root`, under other settings.
+    /// The machine as it was at `root`, under other settings, which the bench would take; it keeps its own else.
     pub(super) fn new(root: &Root, wanted: &Settings) -> Self {
+        let (wanted, substeps) =
+            root.substeps_from_here(wanted).map_or((&root.settings, root.substeps), |substeps| (wanted, substeps));
         let of = |settings: &Settings| settings.closed_loop(&root.rotor);
         let mut stepper = rotor::stepper(&of(&root.settings));
         let points = root.state.points();
@@ -70,11 +101,12 @@ impl Machine {
             points.iter().map(|point| C64::new(point.vy, point.vz)).collect(),
         ];
         stepper.place(&displacement, &velocity);
-        stepper.set_clock(root.line.tau, root.line.angle, root.line.steps, root.dtau);
+        stepper.set_clock(root.line.tau, root.line.angle, root.line.steps, root.dtau / f64::from(root.substeps));
         stepper.load(&of(wanted));
         let held = root.state.flags.has(wire::Flags::TRIPPED);
         let mut machine = Self {
             stepper,
+            substeps,
             settings: wanted.clone(),
             judged: WhatIf::of(&root.rotor, wanted.clone()),
             seq: root.state.seq,
@@ -94,7 +126,8 @@ impl Machine {
                 self.stepper.rest();
                 self.trip = None;
             }
-            Act::Settings(settings) => {
+            Act::Settings(settings, substeps) => {
+                self.substeps = *substeps;
                 self.stepper.load(&settings.closed_loop(&root.rotor));
                 self.judged = WhatIf::of(&root.rotor, settings.clone());
                 self.settings = settings.clone();
@@ -108,7 +141,7 @@ impl Machine {
         if self.trip.is_some() {
             return;
         }
-        self.stepper.step(dtau);
+        self.stepper.advance(dtau, self.substeps);
         let (motion, control) = (self.stepper.motion(), self.stepper.control());
         let (n, radius) = (motion.displacement.len(), motion.largest_radius());
         if motion.is_finite() && radius.is_finite() && control.re.is_finite() && control.im.is_finite() {

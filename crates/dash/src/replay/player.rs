@@ -372,7 +372,10 @@ impl Player {
             })
             .collect();
         let changes = self.past.changes();
-        acts.extend(changes.into_iter().map(|seq| (seq, Act::Settings(self.past.bulletin_at(seq).settings.unpack()))));
+        acts.extend(changes.into_iter().map(|seq| {
+            let there = self.past.bulletin_at(seq);
+            (seq, Act::Settings(there.settings.unpack(), there.substeps.max(1)))
+        }));
         // Stable: what came first within a step stays first.
         acts.sort_by_key(|(seq, _)| *seq);
         acts
@@ -390,9 +393,9 @@ impl Player {
                 return Err("nothing to undo: what happened cannot be changed, only run on from".into());
             }
             let root = self.root(here)?;
-            self.branch = Some(match self.branch.take() {
+            self.branch = Some(match &self.branch {
                 None => Branch::new(root),
-                Some(branch) => branch.moved_to(root),
+                Some(branch) => branch.moved_to(root).map_err(|error| error.to_string())?,
             });
         }
         let words = match &mut self.branch {
@@ -430,8 +433,9 @@ impl Player {
         let rotor = bulletin.rotor().map_err(|error| error.to_string())?;
         let settings = bulletin.settings.unpack();
         settings.check(&rotor).map_err(|error| error.to_string())?;
-        let line = self.line(&state, &settings)?;
-        Ok(Root { rotor, dtau: bulletin.dtau, state, settings, line })
+        let substeps = bulletin.substeps.max(1);
+        let line = self.line(&state, &settings, substeps)?;
+        Ok(Root { rotor, dtau: bulletin.dtau, rate_hz: bulletin.rate_hz, state, settings, substeps, line })
     }
 
     fn state(&mut self, seq: u64) -> Result<Option<State>, String> {
@@ -440,9 +444,9 @@ impl Player {
         Ok(found)
     }
 
-    /// The line of time that the run was on at `state`: since the last restart or change of speed, if that is on file. A
-    /// line that begins at the first step on file differs from the true one by rounding only.
-    fn line(&mut self, state: &State, settings: &Settings) -> Result<Line, String> {
+    /// The line of time that the run was on at `state`: since the last restart or change of speed or of substeps, if that is
+    /// on file. A line that begins at the first step on file differs from the true one by rounding only.
+    fn line(&mut self, state: &State, settings: &Settings, substeps: u32) -> Result<Line, String> {
         let restart = self
             .events
             .iter()
@@ -453,21 +457,22 @@ impl Player {
         let changes = self.past.changes();
         let faster = changes.into_iter().rev().take_while(|from| *from > rest).filter(|from| *from <= state.seq);
         let turned = faster.into_iter().find(|from| {
-            let before = self.past.bulletin_at(from - 1).settings.speed;
-            before != self.past.bulletin_at(*from).settings.speed
+            let [before, after] = [from - 1, *from].map(|seq| self.past.bulletin_at(seq));
+            before.settings.speed != after.settings.speed || before.substeps.max(1) != after.substeps.max(1)
         });
+        let made = |steps: u64| steps * u64::from(substeps);
         let line = match turned {
-            None => Some(Line { tau: 0.0, angle: 0.0, steps: state.seq + 1 - rest }),
+            None => Some(Line { tau: 0.0, angle: 0.0, steps: made(state.seq + 1 - rest) }),
             Some(from) => self.state(from - 1)?.map(|before| Line {
                 tau: before.tau,
                 angle: before.angle,
-                steps: state.seq + 1 - from,
+                steps: made(state.seq + 1 - from),
             }),
         };
         let here = Line { tau: state.tau, angle: state.angle, steps: 0 };
         let first = self.state(self.ends[0])?;
-        let begun = first.map(|first| Line { tau: first.tau, angle: first.angle, steps: state.seq - first.seq });
-        let dtau = self.past.bulletin_at(state.seq).dtau;
+        let begun = first.map(|first| Line { tau: first.tau, angle: first.angle, steps: made(state.seq - first.seq) });
+        let dtau = self.past.bulletin_at(state.seq).dtau / f64::from(substeps);
         // Whichever arrives at the time and the angle that were recorded.
         let arrives = |line: &Line| {
             let passed = line.steps as f64 * dtau;

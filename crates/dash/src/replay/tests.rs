@@ -63,6 +63,7 @@ impl Past for Session {
         let event = self.in_force(seq);
         let mut bulletin = self.bulletin.clone();
         bulletin.settings = event.settings;
+        bulletin.substeps = event.substeps;
         bulletin.revision = event.revision;
         let rotor = bulletin.rotor().unwrap();
         let spectrum = Spectrum::of(&event.settings.unpack().closed_loop(&rotor)).unwrap();
@@ -146,12 +147,12 @@ impl Drop for StopAtEnd<'_> {
 }
 
 /// A session of a real simulation: changed, struck, sped up, restarted, tripped, restarted again.
-fn simulated() -> Session {
+fn simulated(dtau: f64) -> Session {
     let rotor = builtin::rotor("three-mass").unwrap();
     let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
     settings.deadband.fill(1.0);
     let carrier = Memory::default();
-    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau: 0.01 };
+    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let begun = settings.clone();
@@ -217,14 +218,16 @@ fn simulated() -> Session {
     })
 }
 
-/// One for all tests, whole from the first step on: a machine that was too busy to hear every step tries again.
+/// One for all tests.
 pub(crate) fn session() -> Session {
     static SESSION: OnceLock<Session> = OnceLock::new();
-    let made = || {
-        let whole = |session: &Session| session.states[0].seq == 0 && session.missing().is_empty();
-        (0..20).map(|_| simulated()).find(whole).expect("a session without a gap")
-    };
-    SESSION.get_or_init(made).clone()
+    SESSION.get_or_init(|| whole(0.01)).clone()
+}
+
+/// Whole from the first step on: a machine that was too busy to hear every step tries again.
+fn whole(dtau: f64) -> Session {
+    let is_whole = |session: &Session| session.states[0].seq == 0 && session.missing().is_empty();
+    (0..20).map(|_| simulated(dtau)).find(is_whole).expect("a session without a gap")
 }
 
 /// A player with what it fills.
@@ -357,11 +360,33 @@ fn a_loop_is_not_left() {
 
 #[test]
 fn what_if_nothing_had_been_changed_is_what_happened_to_the_last_bit() {
-    let session = session();
+    repeats(&session());
+}
+
+#[test]
+fn what_if_is_exact_too_where_steps_were_made_of_substeps() {
+    let session = whole(0.2);
+    let made: Vec<u32> = session.events.iter().filter(|event| event.kind <= 2).map(|event| event.substeps).collect();
+    assert!(made.iter().all(|substeps| *substeps > 1) && made.iter().any(|n| *n != made[0]), "{made:?}");
+    repeats(&session);
+}
+
+#[test]
+fn what_if_refuses_what_the_bench_would() {
+    let mut stage = Stage::of(&session());
+    stage.go(300);
+    let refused = stage.edit(&Edit::Nudge(key("cd"), 999_000.0)).unwrap_err();
+    assert!(refused.contains("is too long for the mode at"), "{refused}");
+    stage.edit(&Edit::Nudge(key("kd"), 0.25)).unwrap();
+    let refused = stage.edit(&Edit::Nudge(key("cd"), 999_000.0)).unwrap_err();
+    assert!(refused.contains("at 2000 steps a second there is time for"), "{refused}");
+}
+
+fn repeats(session: &Session) {
     let last = session.states[session.states.len() - 1].seq;
     let tripped = session.states.iter().find(|state| state.flags.has(Flags::TRIPPED)).expect("a trip").seq;
     for from in [0, 1, 149, 150, 151, 200, 333, 480, 700, 703, 810, tripped - 1, tripped, tripped + 5, last - 100] {
-        let mut stage = Stage::of(&session);
+        let mut stage = Stage::of(session);
         stage.go(from);
         stage.edit(&Edit::Nudge(key("kd"), 0.25)).unwrap();
         stage.edit(&Edit::Undo).unwrap();

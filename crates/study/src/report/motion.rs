@@ -3,12 +3,12 @@
 use std::io;
 use std::sync::atomic::AtomicBool;
 
+use rotor::step::Fastest;
 use rotor::{C64, ClosedLoop, Feedback, Motion, Rotor};
 
 use super::ReportError;
 use crate::run::{self, Impulse, Observer, Outcome, Plan, Settle, Settled};
 use crate::spectrum::{self, Collector, Peak, Spectrum};
-use crate::step_size::Fastest;
 
 /// One simulation, as the report's figures show them.
 #[derive(Clone, Copy)]

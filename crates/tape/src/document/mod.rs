@@ -162,6 +162,10 @@ fn limits_of(document: BTreeMap<String, Option<[f64; 2]>>) -> Result<Limits, Bad
     Ok(limits)
 }
 
+fn one() -> u32 {
+    1
+}
+
 /// Settings, whole, and the poles under them.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct RevisionDocument {
@@ -173,6 +177,9 @@ pub(crate) struct RevisionDocument {
     speed: f64,
     trip: f64,
     deadband: Vec<f64>,
+    /// Runge-Kutta steps that make one step; before it was told it was one.
+    #[serde(default = "one")]
+    substeps: u32,
     /// The text of a feedback file.
     feedback: String,
     /// `[re, im]`, least damped first.
@@ -190,6 +197,7 @@ impl From<&Revision> for RevisionDocument {
             speed: r.settings.speed,
             trip: r.settings.trip,
             deadband: r.settings.deadband.clone(),
+            substeps: r.substeps,
             feedback: write_feedback(&r.settings.feedback),
             poles: r.poles.iter().map(|p| [p.re, p.im]).collect(),
             min_damping: r.min_damping,
@@ -205,6 +213,7 @@ impl RevisionDocument {
             revision: self.revision,
             who: self.who,
             why: self.why,
+            substeps: self.substeps.max(1),
             settings: Settings {
                 speed: self.speed,
                 deadband: self.deadband,
@@ -215,5 +224,22 @@ impl RevisionDocument {
             poles: self.poles.into_iter().map(|[re, im]| C64::new(re, im)).collect(),
             min_damping: self.min_damping,
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn settings_recorded_before_there_were_substeps_were_stepped_with_one() {
+        let rotor = rotor::builtin::rotor("jeffcott").unwrap();
+        let settings = Settings::new(&rotor, 300.0, rotor::builtin::feedback(&rotor, "cancel").unwrap());
+        let revision = crate::sink::revision_of(Some(&rotor), 1, 0, ("sim", ""), settings, 17);
+        let written = text(&RevisionDocument::from(&revision));
+        assert_eq!(parse::<RevisionDocument>(&written).unwrap().read().unwrap(), revision);
+        let earlier = written.replace("\"substeps\":17,", "");
+        assert_ne!(earlier, written);
+        assert_eq!(parse::<RevisionDocument>(&earlier).unwrap().read().unwrap().substeps, 1);
     }
 }

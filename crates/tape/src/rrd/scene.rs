@@ -159,7 +159,7 @@ fn points(poles: &[C64]) -> Points2D {
 
 /// The settings in force as a text for people: which gains, by whom, and how stable.
 pub(super) fn settings_text(revision: &Revision) -> TextDocument {
-    let Revision { from, revision, who, why, settings, min_damping, poles } = revision;
+    let Revision { from, revision, who, why, settings, substeps: _, min_damping, poles } = revision;
     let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
     let stability = match poles.first() {
         Some(pole) if pole.re == 0.0 => "**marginal**: damping is zero but for rounding".to_owned(),

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use rotor::StabilityLoss;
 use serde::Serialize;
-use wire::{Change, Commander};
+use wire::{Answer, Change, Commander};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -46,6 +46,8 @@ enum Document {
         changed: bool,
         revision: u64,
         applied_at_step: u64,
+        /// Runge-Kutta steps that make one step.
+        substeps: u32,
     },
     Refused {
         accepted: bool,
@@ -67,6 +69,8 @@ struct Done {
     changed: bool,
     revision: u64,
     step: u64,
+    /// Runge-Kutta steps that make one step, now and before.
+    substeps: [u32; 2],
 }
 
 /// Why nothing was changed.
@@ -89,13 +93,15 @@ impl<F: Into<Failure>> From<F> for NotDone {
 /// A wrong key or value, no such bench, or a refusal.
 pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
     let (reason, min_damping) = match change(args) {
-        Ok(Done { changed, revision, step }) => {
+        Ok(Done { changed, revision, step, substeps: [substeps, before] }) => {
             if args.json {
-                let document = Document::Accepted { accepted: true, changed, revision, applied_at_step: step };
+                let document =
+                    Document::Accepted { accepted: true, changed, revision, applied_at_step: step, substeps };
                 return output::print_json(&document);
             }
             let already = if changed { "" } else { "nothing to change: " };
-            return output::print_text(&format!("{already}revision {revision} from step {step}\n"));
+            let pace = if substeps == before { String::new() } else { format!(", {substeps} substeps a step") };
+            return output::print_text(&format!("{already}revision {revision} from step {step}{pace}\n"));
         }
         // What is wrong with a change is a refusal, whoever notices it: the bench, or we before asking it.
         Err(NotDone::Failed(Failure::Usage(reason) | Failure::Work(reason))) => (reason, None),
@@ -138,7 +144,8 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         let answer = commander.ask(&request, PATIENCE)?;
         if answer.is_accepted() {
             let changed = answer.revision != base_revision;
-            return Ok(Done { changed, revision: answer.revision, step: answer.applied_at_step });
+            let Answer { revision, applied_at_step: step, substeps, .. } = answer;
+            return Ok(Done { changed, revision, step, substeps });
         }
         if answer.outdated == 0 {
             return Err(Failure::Work(answer.reason.as_str().to_owned()).into());

@@ -29,7 +29,7 @@ pub(crate) struct LiveArgs {
     /// Steps a second
     #[arg(long, value_name = "HZ", default_value_t = Options::DEFAULT_RATE_HZ, allow_negative_numbers = true)]
     pub(crate) rate: f64,
-    /// Advance of tau = w0 t per step
+    /// Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4
     #[arg(long, value_name = "H", default_value_t = Options::DEFAULT_DTAU, allow_negative_numbers = true)]
     pub(crate) dtau: f64,
     /// Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]
@@ -88,9 +88,10 @@ impl From<sim::SimError> for Failure {
     fn from(error: sim::SimError) -> Self {
         match error {
             sim::SimError::Wire(error) => error.into(),
-            sim::SimError::Rate(_) | sim::SimError::Step(_) | sim::SimError::Settings(_) => {
-                Self::Usage(error.to_string())
-            }
+            sim::SimError::Rate(_)
+            | sim::SimError::Step(_)
+            | sim::SimError::TooLong(_)
+            | sim::SimError::Settings(_) => Self::Usage(error.to_string()),
         }
     }
 }

@@ -34,9 +34,10 @@ pub(crate) struct UpArgs {
 pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
     // What is wrong with the command line is said here, not by the child.
     let live = &args.live;
-    live.machine()?;
+    let ((rotor, settings), options) = (live.machine()?, live.options()?);
+    options.check(&rotor, &settings)?;
     let screen = args.screen.options()?;
-    let bench = live.options()?.bench;
+    let bench = options.bench;
     if args.record.is_some() {
         tape::available()?;
     }

@@ -7,9 +7,9 @@ mod typed;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use rotor::step::Fastest;
 use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
 use study::spectrum::{self, Collector, Peak, Spectrum};
-use study::step_size::Fastest;
 
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
