@@ -17,6 +17,14 @@ lint:
     cargo clippy --workspace --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
+# Files by the thousand that no reader may stumble over: SECONDS for each kind of file, from SEED on
+fuzz SECONDS="60" SEED="1000":
+    WHIRL_FUZZ_SECONDS={{SECONDS}} WHIRL_FUZZ_SEED={{SEED}} cargo test -p promises --test corpus
+
+# The end-to-end tests TIMES times, beside a busy loop for every processor (minutes each)
+shake TIMES="30" *ARGS:
+    tests/shake {{TIMES}} {{ARGS}}
+
 # What must hold before a change lands
 ci:
     .ci/run

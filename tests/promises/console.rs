@@ -47,10 +47,9 @@ fn start_nudge_switch_off_trip_restart_and_quit() {
 
     // Nudge a gain: the panel shows it, and the minimum damping becomes what `whirl poles` gives for these gains.
     let before = screen.wait("the log decrement", log_decrement);
-    screen.press("jjj");
-    screen.wait_words("▶ kd");
-    screen.press("L");
-    screen.wait_words("-0.4879");
+    screen.press_for("jjj", "▶ kd");
+    screen.press_for("L", "-0.4879");
+    screen.wait_words("rev 2");
     let state = root.run(&["tail", "--count", "1", "--json"]);
     assert!(state.stdout.contains("\"revision\":2"), "{}", state.stdout);
     let feedback = root.path().join("nudged.toml");
@@ -65,20 +64,16 @@ fn start_nudge_switch_off_trip_restart_and_quit() {
 
     // Control off: unstable at once, and in time the trip.
     assert_eq!(root.run(&["set", "trip=8"]).code, Some(0));
-    screen.press("0");
-    screen.wait_words("UNSTABLE with that: minimum damping -0.0306");
-    screen.press("y");
-    screen.wait_words("control off, from step");
+    screen.press_for("0", "UNSTABLE with that: minimum damping -0.0306");
+    screen.press_for("y", "control off, from step");
     screen.wait_words("TRIPPED");
     screen.wait_words("past the limit of 8 e_t");
     let (color, is_badge) = screen.color_of("TRIPPED").unwrap();
     assert_eq!((color, is_badge), (vt100::Color::Idx(1), true), "red, reversed");
 
     // Undo brings the gains back, R the rotor.
-    screen.press("u");
-    screen.wait_words("undone");
-    screen.press("R");
-    screen.wait_words("RUNNING");
+    screen.press_for("u", "undone");
+    screen.press_for("R", "RUNNING");
     assert!(!screen.text().contains("UNSTABLE"));
 
     screen.press("q");
@@ -110,25 +105,21 @@ fn help_pause_typing_undo_and_redo_work() {
     let root = Root::new();
     let mut screen = Screen::start(root.path(), &["up", "jeffcott", "--speed", "3"], (140, 45));
     screen.wait_words("jeffcott");
-    screen.press("?");
-    screen.wait_words("undo the last change, whoever made it");
-    screen.press("\x1b");
-    screen.wait("the help to close", |text| (!text.contains("undo the last change")).then_some(()));
-    screen.press("\r4.5\r");
-    screen.wait_words("speed = 4.5, from step");
+    screen.press_for("?", "undo the last change, whoever made it");
+    let closed = |text: &str| (!text.contains("undo the last change")).then_some(());
+    screen.press_until("\x1b", "the help to close", closed);
+    screen.press_for("\r4.5\r", "speed = 4.5, from step");
     screen.wait_words("R 4.5");
-    screen.press("u");
-    screen.wait_words("R 3 ");
-    screen.press("\x12");
-    screen.wait_words("R 4.5");
-    screen.press("\r99999\r");
-    screen.wait_words("expected a number from 0 to 1000");
-    screen.press("i");
-    screen.wait_words("impulse -2.5 on mass 1");
-    screen.press(" ");
-    screen.wait_words("PAUSED");
+    screen.press_for("u", "R 3 ");
+    screen.press_for("\x12", "R 4.5");
+    screen.press_for("\r99999\r", "expected a number from 0 to 1000");
+    screen.press_for("i", "impulse -2.5 on mass 1");
+    screen.press_for(" ", "PAUSED");
     let still = screen.wait("a force", |text| number_after(text, "│was "));
-    std::thread::sleep(Duration::from_millis(400));
+    // The clock of the top line tells that frames are drawn meanwhile.
+    let behind = |text: &str| number_after(text, "PAUSED   -");
+    let before = screen.wait("how far behind it stands", behind);
+    screen.wait("another frame", |text| behind(text).filter(|now| *now > before + 0.3));
     assert_eq!(number_after(&screen.text(), "│was "), Some(still));
     screen.press(" ");
     screen.wait("the motion to go on", |text| number_after(text, "│now ").filter(|now| *now != still));
@@ -155,8 +146,8 @@ fn a_dashboard_outlives_its_simulation_and_picks_up_the_next() {
     drop(simulation);
     screen.wait_words("SIMULATION GONE");
     assert!(screen.text().contains("orbits"), "the last picture stays");
-    screen.press("l");
-    screen.wait("a refusal", |text| (text.contains("no bench") || text.contains("did not answer")).then_some(()));
+    let refused = |text: &str| (text.contains("no bench") || text.contains("did not answer")).then_some(());
+    screen.press_until("l", "a refusal", refused);
     let next = root.simulate(&["jeffcott"]);
     screen.wait_words("jeffcott");
     screen.wait_words("RUNNING");
@@ -175,8 +166,7 @@ fn killing_the_simulation_of_up_is_said_at_once_and_r_brings_it_back() {
     kill_process(Pid::from_raw(pid as i32).unwrap(), Signal::KILL).unwrap();
     screen.wait_words("SIMULATION GONE");
     screen.wait_words("R starts it again");
-    screen.press("R");
-    screen.wait_words("RUNNING");
+    screen.press_for("R", "RUNNING");
     let second = simulation_of(&root);
     assert_ne!(second, pid);
     screen.press("q");

@@ -31,21 +31,22 @@ fn ctrl_z_gives_the_terminal_back_and_fg_returns() {
     screen.wait_words("RUNNING");
     let pid = simulation_of(&root);
     // While a command is being typed too.
-    for typed in ["", ":note a"] {
-        screen.press(typed);
-        screen.press("\x1a");
-        screen.wait("the shell", |text| text.to_lowercase().contains("stopped").then_some(()));
+    for (round, typed) in ["", ":note a"].into_iter().enumerate() {
+        if !typed.is_empty() {
+            screen.press_for(typed, typed);
+        }
+        // The word of the round before stands on the shell's screen still.
+        let stopped = |text: &str| (text.to_lowercase().matches("stopped").count() > round).then_some(());
+        screen.press_until("\x1a", "the shell", stopped);
         assert!(!screen.is_taken(), "the terminal is the shell's");
-        screen.press("echo back$((40 + 2))\r");
-        screen.wait_words("back42");
+        screen.press_for(&format!("echo back$((40 + {round}))\r"), &format!("back{}", 40 + round));
         assert!(is_alive(pid));
         // The simulation goes on meanwhile.
         let step = || root.run(&["tail", "--count", "1", "--json"]).stdout;
         assert_ne!(step(), step());
-        screen.press("fg\r");
+        screen.press_until_taken_again("fg\r");
         screen.wait_words("RUNNING");
         screen.wait_words("orbits");
-        assert!(screen.is_taken());
     }
     screen.press("\x03");
     leave(screen);
@@ -118,8 +119,7 @@ fn where_things_are_is_printed() {
     screen.wait_words("RUNNING");
     screen.wait("ASCII alone", |text| text.is_ascii().then_some(()));
     assert!(run(&["status"]).contains(&folder("dash.log")));
-    screen.press(":note remember\r");
-    screen.wait_words("noted, from step");
+    screen.press_for(":note remember\r", "noted, from step");
     screen.press("q");
     assert!(screen.ended().success());
     assert_eq!(std::fs::read_to_string(root.path().join("state/whirl/commands")).unwrap(), "note remember\n");
@@ -149,14 +149,11 @@ fn a_picture_is_kept_where_the_dashboard_was_started_and_replaces_nothing() {
     let mut screen = Screen::start_in(folder.path(), root.path(), &[], (110, 34));
     screen.wait_words("RUNNING");
     screen.wait_words("three-mass");
-    screen.press(":picture now.svg\r");
-    screen.wait_words("picture kept: ");
+    screen.press_for(":picture now.svg\r", "picture kept: ");
     let svg = std::fs::read_to_string(folder.path().join("now.svg")).unwrap();
     assert!(svg.contains("minimum damping") && svg.contains("three-mass"), "{svg}");
-    screen.press(":picture now.svg\r");
-    screen.wait_words("now.svg is there already: nothing is overwritten");
-    screen.press("P");
-    screen.wait_words(".svg and .txt");
+    screen.press_for(":picture now.svg\r", "now.svg is there already: nothing is overwritten");
+    screen.press_for("P", ".svg and .txt");
     let mut kinds: Vec<String> = std::fs::read_dir(folder.path())
         .unwrap()
         .map(|entry| entry.unwrap().path().extension().unwrap().to_string_lossy().into_owned())

@@ -169,9 +169,10 @@ mod with {
                 wait("a whole head", || Recording::open(&path).is_ok());
             }
             std::thread::sleep(Duration::from_micros(random % 900_000 / if kill % 5 == 0 { 1 } else { 10 }));
-            let newest = root.run(&["tail", "--count", "1", "--json"]);
+            let status = root.run(&["status", "--json"]).json();
             recorder.kill();
-            let newest: Value = serde_json::from_str(&newest.stdout).unwrap();
+            // What it has told to be written is on disk, whenever it is killed; it tells nothing of what is on its way.
+            let told = status["benches"][0]["recording"]["steps"].as_u64().unwrap_or(0);
             match Recording::open(&path) {
                 Ok(mut recording) => {
                     assert!(recording.notices().iter().any(|n| n.contains("killed")), "{:?}", recording.notices());
@@ -180,9 +181,7 @@ mod with {
                     let mut all = Vec::new();
                     recording.steps(0..u64::MAX, &mut all).unwrap();
                     assert_eq!(all.len() as u64, span.last.seq - span.first.seq + 1);
-                    // At 10 000 steps a second; what the machine's own delays add is not the recorder's.
-                    let behind = newest["seq"].as_u64().unwrap().saturating_sub(span.last.seq);
-                    assert!(behind < 10_000, "{behind} steps were not on disk");
+                    assert!(all.len() as u64 >= told, "{} of {told} steps are on disk", all.len());
                 }
                 // Killed before even the head was whole.
                 Err(error) => {
@@ -274,9 +273,7 @@ mod with {
         screen.wait_words("RUNNING");
         // A key that comes before the settings are known changes nothing.
         screen.wait_words("rev 1");
-        screen.press("l");
-        screen.wait_words("rev 2");
-        std::thread::sleep(Duration::from_millis(700));
+        screen.press_for("l", "rev 2");
         screen.press("q");
         screen.ended();
         let told = info(&path);

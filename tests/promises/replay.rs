@@ -13,8 +13,7 @@ fn a_build_without_recordings_says_so_to_the_player_and_to_the_key() {
     let root = Root::new();
     let mut screen = Screen::start(root.path(), &[], (160, 30));
     screen.wait_words("RUNNING");
-    screen.press("r");
-    screen.wait_words("cargo build --release --features rerun");
+    screen.press_for("r", "cargo build --release --features rerun");
     screen.press("q");
     assert!(screen.ended().success());
 }
@@ -76,10 +75,8 @@ mod with {
         // Play, faster, and pause.
         screen.press(" ");
         screen.wait("it moves on", |text| step(text).filter(|step| *step > first + 50));
-        screen.press(")");
-        screen.wait_words("1.5x");
-        screen.press(" ");
-        screen.wait_words("■");
+        screen.press_for(")", "1.5x");
+        screen.press_for(" ", "■");
         // To the end, a step back, to a time that is typed, to the impulse.
         screen.press("\x1b[F");
         let last = screen.wait("the end", |text| step(text).filter(|step| *step >= 19_998));
@@ -88,14 +85,12 @@ mod with {
         screen.press("g50\r");
         screen
             .wait("tau 50", |text| number_after(text.lines().next()?, "tau ").filter(|tau| (tau - 50.0).abs() < 0.02));
-        screen.press("n");
-        screen.wait_words("impulse on mass 1");
+        screen.press_for("n", "impulse on mass 1");
         screen.wait("tau 100", |text| {
             number_after(text.lines().next()?, "tau ").filter(|tau| (tau - 100.0).abs() < 0.03)
         });
         // What if there had been no control from here on?
-        screen.press("0");
-        screen.wait_words("WHAT IF from tau 100");
+        screen.press_for("0", "WHAT IF from tau 100");
         screen.press("]");
         screen.wait("it is unstable", |text| number_after(text, "min damping ").filter(|damping| *damping < 0.0));
         screen.press("\x1b");
@@ -110,8 +105,7 @@ mod with {
         let simulation = root.simulate(&["three-mass"]);
         let mut screen = Screen::start_in(root.path(), root.path(), &["dash"], (200, 40));
         screen.wait_words("RUNNING");
-        screen.press("r");
-        screen.wait_words("● REC 00:0");
+        screen.press_for("r", "● REC 0");
         let status = root.run(&["status", "--json"]).json();
         let path = status["benches"][0]["recording"]["path"].as_str().unwrap().to_owned();
         assert!(path.ends_with(".rrd") && path.contains("default-"), "{path}");
@@ -138,14 +132,12 @@ mod with {
         let config = root.path().join("config/whirl");
         std::fs::create_dir_all(&config).unwrap();
         std::fs::write(config.join("config.toml"), "[alarms]\norbit = [5, 3]\n").unwrap();
-        screen.press("r");
-        screen.wait_words("the recording failed");
+        screen.press_for("r", "the recording failed");
         screen.wait_words("config.toml:2:9");
         std::fs::remove_file(config.join("config.toml")).unwrap();
         // The folder has gone.
         std::fs::remove_dir(&folder).unwrap();
-        screen.press("r");
-        screen.wait_words("cannot be made: No such file or directory");
+        screen.press_for("r", "cannot be made: No such file or directory");
         screen.press("q");
         assert_eq!(screen.ended().exit_code(), 2, "a recording that was asked for has failed");
         assert_eq!(simulation.end().code, Some(0));

@@ -26,12 +26,9 @@ fn the_least_damped_mode_is_found_and_layouts_are_switched() {
     let poles = promises::run(&["poles", "--speed", "2.5", "--feedback", "composite", "--json"]).json();
     let least = poles["modes"][0]["re"].as_f64().unwrap();
     screen.wait_words(&format!("◆ {least:.4}"));
-    screen.press("3");
-    screen.wait_words("damping over speed");
-    screen.press(":lay\twhi\t\r");
-    screen.wait_words("spectrum");
-    screen.press(":layout nope\r");
-    screen.wait_words("no layout 'nope'");
+    screen.press_for("3", "damping over speed");
+    screen.press_for(":lay\twhi\t\r", "spectrum");
+    screen.press_for(":layout nope\r", "no layout 'nope'");
     quit(screen);
 }
 
@@ -39,25 +36,22 @@ fn the_least_damped_mode_is_found_and_layouts_are_switched() {
 fn two_gain_sets_are_compared_and_kept() {
     let root = Root::new();
     let mut screen = started(&root);
-    screen.press("B");
-    screen.wait_words("held");
-    screen.press("jjjL");
-    screen.wait_words("-0.4879");
-    screen.press("b");
+    screen.press_for("B", "held");
+    screen.press_for("jjjL", "-0.4879");
+    // What is held stands beside what is in force: the revision tells that the two have changed places.
+    screen.press_for("b", "rev 3");
     screen.wait_words("-0.5879");
-    screen.press("b");
+    screen.press_for("b", "rev 4");
     screen.wait_words("-0.4879");
-    screen.press("smine\r");
-    screen.wait_words("gains kept as 'mine'");
+    screen.press_for("smine\r", "gains kept as 'mine'");
     let kept = root.path().join("data/whirl/presets/mine.toml");
     let poles = promises::run(&["poles", "--speed", "2.5", "--feedback", kept.to_str().unwrap(), "--json"]).json();
     let status = root.run(&["status", "--json"]).json();
     assert_eq!(poles["min_damping"], status["benches"][0]["min_damping"]);
-    screen.press("b");
+    screen.press_for("b", "rev 5");
     screen.wait_words("-0.5879");
-    screen.press("o");
-    screen.wait_words("mine  min damping ");
-    screen.press("mine\r");
+    screen.press_for("o", "mine  min damping ");
+    screen.press_for("mine\r", "rev 6");
     screen.wait_words("-0.4879");
     quit(screen);
 }
@@ -74,28 +68,21 @@ fn dashboards_share_one_history_of_changes_and_ask_before_undo_does_harm() {
     assert_eq!(root.run(&["set", "speed=2.6"]).code, Some(0));
     assert_eq!(root.run(&["set", "deadband=0.5"]).code, Some(0));
     first.wait_words("R 2.6");
-    first.press("u");
-    first.wait_words("undone: deadband 0.5 -> 1, made by set:");
-    first.press("u");
-    first.wait_words("undone: speed 2.6 -> 2.5, made by set:");
+    first.press_for("u", "undone: deadband 0.5 -> 1, made by set:");
+    first.press_for("u", "undone: speed 2.6 -> 2.5, made by set:");
     // The other sees who did it, and can do it again.
     second.wait_words("R 2.5 ");
     second.wait_words(&format!("by dash:{}", first.pid()));
-    second.press("\x12");
-    second.wait_words("done again: speed 2.5 -> 2.6, made by set:");
+    second.press_for("\x12", "done again: speed 2.5 -> 2.6, made by set:");
     first.wait_words(&format!("by dash:{}", second.pid()));
     // From unstable settings back to good ones nobody asks; forward again somebody does.
-    first.press(":speed 9\r");
-    first.wait_words("UNSTABLE with that");
-    first.press("y");
-    first.wait_words("speed = 9, from step");
+    first.press_for(":speed 9\r", "UNSTABLE with that");
+    first.press_for("y", "speed = 9, from step");
     second.wait_words("R 9 ");
-    second.press("u");
-    second.wait_words("undone: speed 9 -> 2.6, made by dash:");
-    second.press("\x12");
-    second.wait_words("UNSTABLE with that");
-    second.press("n");
-    second.wait("the question to close", |text| (!text.contains("UNSTABLE with that")).then_some(()));
+    second.press_for("u", "undone: speed 9 -> 2.6, made by dash:");
+    second.press_for("\x12", "UNSTABLE with that");
+    let closed = |text: &str| (!text.contains("UNSTABLE with that")).then_some(());
+    second.press_until("n", "the question to close", closed);
     assert_eq!(root.run(&["status", "--json"]).json()["benches"][0]["speed"], 2.6);
     quit(first);
     quit(second);
@@ -107,40 +94,48 @@ fn largest_force(text: &str) -> Option<f64> {
     text.split("│max").nth(1)?.split_whitespace().next()?.parse().ok()
 }
 
+/// The time that the picture stands at, if it stands.
+fn tau(text: &str) -> Option<f64> {
+    let top = text.lines().next().filter(|top| top.contains("PAUSED"))?;
+    top.split("tau").nth(1)?.split_whitespace().next()?.parse().ok()
+}
+
 #[test]
-fn thirty_seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
+fn seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
     let root = Root::new();
     let mut screen = started(&root);
     // The force since the last change is told: a change begins it anew.
-    screen.press(":trip=900\r");
-    screen.wait_words("trip = 900, from step");
-    let begun = std::time::Instant::now();
-    let listens = root.whirl().args(["tail", "--count", "6000", "--json"]).stdout(std::process::Stdio::piped()).spawn();
-    screen.press("i");
-    screen.wait_words("impulse -2.5 on mass 1");
+    screen.press_for(":trip=900\r", "trip = 900, from step");
+    let listens = root.whirl().args(["tail", "--count", "5000", "--json"]).stdout(std::process::Stdio::piped()).spawn();
+    screen.press_for("i", "impulse -2.5 on mass 1");
     let heard = String::from_utf8(listens.unwrap().wait_with_output().unwrap().stdout).unwrap();
     let forces = heard.lines().map(|line| {
         let force = &serde_json::from_str::<serde_json::Value>(line).unwrap()["force"];
         force["y"].as_f64().unwrap().hypot(force["z"].as_f64().unwrap())
     });
     let peak = forces.fold(0.0, f64::max);
-    // Then the bearing works harder than it did.
-    for _ in 0..4 {
+    // Then the bearing works harder than it did: it is struck as often as that takes.
+    let harder = |text: &str| largest_force(text).filter(|now| *now > 1.05 * peak);
+    while harder(&screen.text()).is_none() {
         screen.press("i");
-        std::thread::sleep(std::time::Duration::from_millis(120));
+        let step = || root.run(&["tail", "--count", "1", "--json"]).stdout;
+        assert_ne!(step(), step(), "data go on");
     }
-    screen.wait("more force", |text| largest_force(text).filter(|now| *now > 1.05 * peak));
-    std::thread::sleep(std::time::Duration::from_secs(33).saturating_sub(begun.elapsed()));
-    screen.press("{{{");
-    screen.wait_words("PAUSED   -30.");
-    let then = screen.wait("the peak", |text| largest_force(text).filter(|then| (then - peak).abs() < 1e-3));
-    std::thread::sleep(std::time::Duration::from_millis(500));
-    assert_eq!(largest_force(&screen.text()), Some(then), "the picture stands");
-    screen.press("+");
-    screen.wait_words("2.00 s");
-    screen.press(" ");
-    screen.wait_words("RUNNING");
-    screen.wait("the newest", |text| largest_force(text).filter(|now| *now > 1.05 * peak));
+    // Back second by second, to where only the first stroke had been felt.
+    screen.press_until(" ", "the picture to stand", tau);
+    while harder(&screen.text()).is_some() {
+        let before = screen.wait("where it stands", tau);
+        screen.press_until("[", "a second earlier", |text| tau(text).filter(|now| now + 9.0 < before));
+    }
+    let then = largest_force(&screen.text()).unwrap();
+    assert!((then - peak).abs() < 1e-3, "{then}, not {peak}");
+    let (stands, step) =
+        (tau(&screen.text()), || root.run(&["tail", "--every", "100", "--count", "3", "--json"]).stdout);
+    assert_ne!(step(), step(), "data go on");
+    assert_eq!((largest_force(&screen.text()), tau(&screen.text())), (Some(then), stands), "the picture stands");
+    screen.press_for("+", "2.00 s");
+    screen.press_for(" ", "RUNNING");
+    screen.wait("the newest", harder);
     quit(screen);
 }
 
@@ -148,22 +143,17 @@ fn thirty_seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
 fn a_plot_is_chosen_its_scale_fixed_and_read_and_strips_show_what_was_asked_for() {
     let root = Root::new();
     let mut screen = started(&root);
-    screen.press(":scale orbits -7..7\r");
-    screen.wait_words("±7.0 e_t fixed");
-    screen.press("\t=");
-    screen.wait_words("┏ poles");
-    screen.press(".");
-    screen.wait_words("◈ ");
+    screen.press_for(":scale orbits -7..7\r", "±7.0 e_t fixed");
+    screen.press_for("\t=", "┏ poles");
+    screen.press_for(".", "◈ ");
     // Shift-tab as terminals send it.
-    screen.press("\x1b[Z");
-    screen.wait("another plot", |text| (!text.contains("┏ poles") && text.contains('┏')).then_some(()));
-    screen.press(":scale orbits auto\r");
-    screen.wait("a scale that follows", |text| (!text.contains("fixed")).then_some(()));
-    screen.press(":strips radius.2 damping\r");
-    screen.wait_words("│radius.2 ");
+    let another = |text: &str| (!text.contains("┏ poles") && text.contains('┏')).then_some(());
+    screen.press_until("\x1b[Z", "another plot", another);
+    let follows = |text: &str| (!text.contains("fixed")).then_some(());
+    screen.press_until(":scale orbits auto\r", "a scale that follows", follows);
+    screen.press_for(":strips radius.2 damping\r", "│radius.2 ");
     screen.wait_words("│damping ");
-    screen.press(":strips auto\r");
-    screen.wait_words("│u");
+    screen.press_for(":strips auto\r", "│u");
     quit(screen);
 }
 
@@ -171,17 +161,12 @@ fn a_plot_is_chosen_its_scale_fixed_and_read_and_strips_show_what_was_asked_for(
 fn the_alarm_that_fired_is_found_and_acknowledged() {
     let root = Root::new();
     let mut screen = started(&root);
-    screen.press(":trip=8\r");
-    screen.wait_words("trip = 8, from step");
-    screen.press("0");
-    screen.wait_words("UNSTABLE with that");
-    screen.press("y");
-    screen.wait_words("TRIPPED");
-    screen.press("2");
-    screen.wait_words("not acknowledged");
+    screen.press_for(":trip=8\r", "trip = 8, from step");
+    screen.press_for("0", "UNSTABLE with that");
+    screen.press_for("y", "TRIPPED");
+    screen.press_for("2", "not acknowledged");
     screen.wait("the alarm, at the top", |text| text.lines().next()?.contains("!! ALARM").then_some(()));
-    screen.press("a");
-    screen.wait("its acknowledgement", |text| {
+    screen.press_until("a", "its acknowledgement", |text| {
         (text.contains("alarm acknowledged") || text.contains("alarms acknowledged")).then_some(())
     });
     quit(screen);
@@ -195,8 +180,7 @@ fn keys_of_ones_own_are_bound_and_mistakes_refused_before_anything_starts() {
     std::fs::write(folder.join("config.toml"), "layout = \"operator\"\n[keys]\nx = \"layout whirl\"\n").unwrap();
     let mut screen = Screen::start(root.path(), &[], SIZE);
     screen.wait_words("force budget");
-    screen.press("x");
-    screen.wait_words("spectrum");
+    screen.press_for("x", "spectrum");
     quit(screen);
     std::fs::write(folder.join("config.toml"), "[keys]\nx = \"undo\"\nx = \"redo\"\n").unwrap();
     let mut screen = Screen::start(root.path(), &[], SIZE);
@@ -210,10 +194,10 @@ fn a_read_only_dashboard_changes_nothing_and_ctrl_z_does_no_harm() {
     let simulation = root.simulate(&["three-mass"]);
     let mut screen = Screen::start(root.path(), &["dash", "--read-only"], SIZE);
     screen.wait_words("RUNNING");
-    screen.press("l0uR");
-    screen.wait_words("read-only: this dashboard changes nothing");
-    // No shell waits here, so that the system lets it run on.
-    screen.press("\x1a");
+    screen.press_for("l0uR", "read-only: this dashboard changes nothing");
+    // No shell waits here, so that the system lets it run on. RUNNING stood there before: that it stands there is no answer,
+    // and until the terminal is raw again ctrl-c is a signal and no key.
+    screen.press_until_taken_again("\x1a");
     screen.wait_words("RUNNING");
     quit(screen);
     assert_eq!(root.run(&["status", "--json"]).json()["benches"][0]["revision"], 1);

@@ -26,6 +26,10 @@ pub struct Screen {
     closing: Arc<AtomicBool>,
     parser: Arc<Mutex<vt100::Parser>>,
     bells: Arc<AtomicUsize>,
+    /// Reads what the program writes, to the end.
+    reader: std::thread::JoinHandle<()>,
+    /// How often a program has taken the terminal for a screen of its own.
+    taken: Arc<AtomicUsize>,
 }
 
 impl Screen {
@@ -87,17 +91,28 @@ impl Screen {
         let rung = bells.clone();
         let closing = Arc::new(AtomicBool::new(false));
         let closes = closing.clone();
-        std::thread::spawn(move || {
+        let taken = Arc::new(AtomicUsize::new(0));
+        let takes = taken.clone();
+        let reader = std::thread::spawn(move || {
             let mut bytes = [0; 65_536];
             while let Ok(count @ 1..) = output.read(&mut bytes) {
                 rung.fetch_add(bytes[..count].iter().filter(|byte| **byte == 7).count(), Ordering::SeqCst);
-                written.lock().unwrap_or_else(PoisonError::into_inner).process(&bytes[..count]);
+                let mut parser = written.lock().unwrap_or_else(PoisonError::into_inner);
+                // What comes and goes within one read is counted too: the sequences that switch end in one of these letters.
+                for piece in bytes[..count].split_inclusive(|byte| matches!(byte, b'h' | b'l')) {
+                    let was_taken = parser.screen().alternate_screen();
+                    parser.process(piece);
+                    if !was_taken && parser.screen().alternate_screen() {
+                        takes.fetch_add(1, Ordering::SeqCst);
+                    }
+                }
+                drop(parser);
                 if closes.load(Ordering::SeqCst) {
                     return;
                 }
             }
         });
-        Self { child, terminal: Some((pair.master, keys)), closing, parser, bells }
+        Self { child, terminal: Some((pair.master, keys)), closing, parser, bells, taken, reader }
     }
 
     fn look<T>(&self, at: impl FnOnce(&vt100::Screen) -> T) -> T {
@@ -161,6 +176,39 @@ impl Screen {
     pub fn press(&mut self, keys: &str) {
         let (_, to) = self.terminal.as_mut().expect("the terminal is open");
         to.write_all(keys.as_bytes()).and_then(|()| to.flush()).expect("the terminal takes keys");
+    }
+
+    /// Types `keys` and waits for the `words` that they bring.
+    ///
+    /// # Panics
+    /// See [`Screen::press_until`].
+    pub fn press_for(&mut self, keys: &str, words: &str) {
+        self.press_until(keys, words, |text| text.contains(words).then_some(()));
+    }
+
+    /// Types `keys` and waits until the screen shows what `found` looks for: something new. What stood there before the
+    /// keys is no answer to them, and a test that takes it for one presses its next keys too early.
+    ///
+    /// # Panics
+    /// If it is there already, or does not come in time; the message shows the screen.
+    pub fn press_until<T>(&mut self, keys: &str, what: &str, mut found: impl FnMut(&str) -> Option<T>) -> T {
+        let before = self.text();
+        assert!(found(&before).is_none(), "{what} is there before {keys:?}: wait for what is new\n{before}");
+        self.press(keys);
+        self.wait(what, found)
+    }
+
+    /// Types `keys` that make the program give the terminal back, and waits until it, or another one, has taken it again:
+    /// it is raw by then.
+    ///
+    /// # Panics
+    /// If nobody does in time; the message shows the screen.
+    pub fn press_until_taken_again(&mut self, keys: &str) {
+        let before = self.taken.load(Ordering::SeqCst);
+        self.press(keys);
+        self.wait("the terminal to be taken again", |_| {
+            (self.taken.load(Ordering::SeqCst) > before && self.is_taken()).then_some(())
+        });
     }
 
     /// Gives the screen another size.
@@ -230,12 +278,20 @@ impl Screen {
         let start = Instant::now();
         loop {
             if let Some(status) = self.child.try_wait().expect("a child can be waited for") {
-                // What it wrote last may still be on its way to the parser.
-                std::thread::sleep(Duration::from_millis(100));
+                self.drained();
                 return status;
             }
             assert!(start.elapsed() < PATIENCE, "it does not end:\n{}", self.text());
             std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Waits for what the program wrote last to reach the parser: to the end of the output, which comes when nobody holds
+    /// the other side of the terminal any more.
+    fn drained(&self) {
+        let start = Instant::now();
+        while !self.reader.is_finished() && start.elapsed() < crate::FAREWELL {
+            std::thread::sleep(Duration::from_millis(2));
         }
     }
 }

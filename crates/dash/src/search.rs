@@ -28,18 +28,23 @@ impl Wish {
     /// What is wrong with it, for the message line.
     pub(crate) fn read(words: &str, present_speed: f64) -> Result<Self, String> {
         let mut wish = Self { from: present_speed, to: present_speed, robust: false };
+        let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
-            let number = |text: &str| text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-            if word == "robust" {
-                wish.robust = true;
-            } else if let Some((from, to)) = word.split_once("..")
-                && let (Some(from), Some(to)) = (number(from), number(to))
-                && from < to
-            {
-                (wish.from, wish.to) = (from, to);
-            } else {
-                return Err(format!("'{word}': expected a range of speeds such as 0..6, or robust"));
+            let is_range = match rotor::typed::range(word) {
+                _ if word == "robust" => {
+                    wish.robust = true;
+                    false
+                }
+                Ok([from, to]) if from >= 0.0 => {
+                    (wish.from, wish.to) = (from, to);
+                    true
+                }
+                _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, or robust")),
+            };
+            if read.contains(&is_range) {
+                return Err(format!("'{word}': expected one range of speeds, and robust once"));
             }
+            read.push(is_range);
         }
         Ok(wish)
     }

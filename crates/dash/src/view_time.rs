@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Seconds in view when nobody has said otherwise.
 const SPAN: f64 = 4.0;
 /// The shortest and the longest span, in seconds.
-const SPANS: [f64; 2] = [0.02, 3600.0];
+pub(crate) const SPANS: [f64; 2] = [0.02, 3600.0];
 /// Seconds a step where nothing is known: the default rate.
 const NOMINAL: f64 = 1e-3;
 

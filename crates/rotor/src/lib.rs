@@ -18,6 +18,7 @@
 //! * [`StabilityLoss`]: what a change of settings would take from a stable rotor.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
+//! * [`typed`]: ranges, `KEY=VALUE` and rows of settings as a person types them.
 //! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
 
 mod assign;
@@ -44,6 +45,7 @@ pub mod step;
 mod stepper;
 mod thresholds;
 mod trace;
+pub mod typed;
 
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
 pub use closed_loop::ClosedLoop;

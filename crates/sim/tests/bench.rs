@@ -14,7 +14,11 @@ use wire::{
     WireError,
 };
 
-const PATIENCE: Duration = Duration::from_secs(10);
+/// How long anything may take: far more than it does, because test machines are slow.
+const PATIENCE: Duration = Duration::from_secs(120);
+
+/// How many states wait for a reader that the machine does not let read: those of ten seconds at the highest rate.
+const ROOM: usize = 500_000;
 
 /// A running simulation of the three-mass rotor, and a reader of it.
 struct Bench {
@@ -74,7 +78,7 @@ impl Bench {
 fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) -> Summary {
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
-    let carrier = Memory::default();
+    let carrier = Memory::with_room(ROOM);
     let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01 };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
@@ -112,11 +116,9 @@ fn every_step_is_sent_once_and_in_order() {
             bench.wait("steps", |_, states| (states.len() >= 1000).then_some(()));
             for pair in bench.states.windows(2) {
                 assert_eq!(pair[1].run_id, pair[0].run_id);
-                // At the highest rate a slow reader may lose some: what it has is still in order.
-                let steps = pair[1].seq - pair[0].seq;
-                assert!(steps == 1 || rate_hz > 5000.0 && steps > 1, "{steps} at {rate_hz}");
+                assert_eq!(pair[1].seq, pair[0].seq + 1, "at {rate_hz}");
                 assert!(pair[1].wall_ns > pair[0].wall_ns);
-                assert!((pair[1].tau - pair[0].tau - 0.01 * steps as f64).abs() < 1e-6);
+                assert!((pair[1].tau - pair[0].tau - 0.01).abs() < 1e-6);
             }
         });
         assert!(summary.health.steps >= 1000);

@@ -1,22 +1,36 @@
 //! Durations and sizes as typed: `10min`, `30s`, `500MB`.
 
+/// Why a text is no duration, or no size.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub(crate) enum AmountError {
+    /// Not a positive number of a known unit.
+    #[error("'{0}': expected a duration such as 30s, 10min or 1h")]
+    Duration(String),
+    /// Not a positive number of a known unit.
+    #[error("'{0}': expected a size such as 500MB or 2GB")]
+    Size(String),
+    /// Less than a byte, or more than can be counted.
+    #[error("'{0}': expected a size from 1 B to 9e9 GB")]
+    OutOfRange(String),
+}
+
 /// Seconds of a duration as typed: a number and `ms`, `s`, `min` or `h`; without a unit, seconds.
 ///
 /// # Errors
 /// Not a positive number, or another unit.
-pub(crate) fn seconds(typed: &str) -> Result<f64, String> {
+pub(crate) fn seconds(typed: &str) -> Result<f64, AmountError> {
     amount(typed, &[("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0), ("", 1.0)])
-        .ok_or_else(|| format!("'{typed}': expected a duration such as 30s, 10min or 1h"))
+        .ok_or_else(|| AmountError::Duration(typed.to_owned()))
 }
 
 /// Bytes of a size as typed: a number and `B`, `kB`, `MB` or `GB`.
 ///
 /// # Errors
-/// Not a positive number, or another unit.
-pub(crate) fn bytes(typed: &str) -> Result<u64, String> {
-    amount(typed, &[("B", 1.0), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9)])
-        .map(|bytes| bytes as u64)
-        .ok_or_else(|| format!("'{typed}': expected a size such as 500MB or 2GB"))
+/// Not a positive number, another unit, or a size that no file has.
+pub(crate) fn bytes(typed: &str) -> Result<u64, AmountError> {
+    let bytes = amount(typed, &[("B", 1.0), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9)])
+        .ok_or_else(|| AmountError::Size(typed.to_owned()))?;
+    if (1.0..=9e18).contains(&bytes) { Ok(bytes as u64) } else { Err(AmountError::OutOfRange(typed.to_owned())) }
 }
 
 fn amount(typed: &str, units: &[(&str, f64)]) -> Option<f64> {
@@ -42,10 +56,18 @@ mod tests {
         assert_eq!(bytes("1e3kB"), Ok(1_000_000));
         assert_eq!(bytes("2gb"), Ok(2_000_000_000));
         for bad in ["", "min", "-3s", "0", "nan", "inf", "3 weeks", "1e999"] {
-            assert!(seconds(bad).unwrap_err().contains("expected a duration"), "{bad}");
+            assert!(seconds(bad).unwrap_err().to_string().contains("expected a duration"), "{bad}");
         }
-        for bad in ["5", "5s", "-1MB"] {
-            assert!(bytes(bad).unwrap_err().contains("expected a size"), "{bad}");
+        for bad in ["5", "5s", "-1MB", "0B"] {
+            assert!(bytes(bad).unwrap_err().to_string().contains("expected a size such as"), "{bad}");
         }
+    }
+
+    #[test]
+    fn sizes_out_of_range_are_refused_and_not_made_to_fit() {
+        for bad in ["0.5B", "0.0000001kB", "1e30GB"] {
+            assert_eq!(bytes(bad), Err(AmountError::OutOfRange(bad.into())));
+        }
+        assert_eq!((bytes("1B"), bytes("9e9GB")), (Ok(1), Ok(9_000_000_000_000_000_000)));
     }
 }

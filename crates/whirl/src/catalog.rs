@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use rotor::file::{self, Problems};
+use rotor::typed::{Assigned, PairError, Undone, pair};
 use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
 
 use crate::failure::Failure;
@@ -166,18 +167,19 @@ impl Machine {
         let machine = Self::open(args, Some(over.from), Default::Analysis)?;
         let [from, to] = [over.from, over.to].map(|end| machine.units().speed_from_typed(end));
         // Ends that differ in the last place may fall together.
-        if from < to { Ok((machine, Range { from, to })) } else { Err(Failure::Usage(RangeError.to_string())) }
+        if from < to { Ok((machine, Range { from, to })) } else { Err(Failure::Usage(RangeError::Form.to_string())) }
     }
 
-    /// Changes its settings by `KEY=VALUE` each.
+    /// Changes its settings for work offline by `KEY=VALUE` each. `said` are the options that have set something
+    /// already, each with its key: `--set` is there for what has no option.
     ///
     /// # Errors
-    /// As for [`assign`].
-    pub(crate) fn set(&mut self, assignments: &[String]) -> Result<(), Failure> {
-        let units = self.units();
-        for assignment in assignments {
-            assign(&self.rotor, units, &mut self.settings, assignment)?;
+    /// As for [`assign_all`]; an assignment that undoes an option; the trip limit, which nothing offline looks at.
+    pub(crate) fn set(&mut self, said: &[(&str, &str)], assignments: &[String]) -> Result<(), Failure> {
+        if let Some(trip) = assignments.iter().find(|typed| pair(typed).is_ok_and(|(key, _)| key == "trip")) {
+            return Err(Failure::Usage(format!("'{trip}' does nothing here: only a live bench trips")));
         }
+        assign_all(&self.rotor, self.units(), &mut self.settings, said, assignments)?;
         Ok(self.settings.check(&self.rotor)?)
     }
 
@@ -194,23 +196,68 @@ impl Machine {
     }
 }
 
-/// Applies one `KEY=VALUE` to `settings`; `feedback` takes a name or a file, every other key a number, which is in rpm
-/// or m where `units` are SI.
+/// Applies each `KEY=VALUE` to `settings`, in the order in which they stand. `said` are options that have set something
+/// before, each with its key.
+///
+/// # Errors
+/// As for [`assign`], or one that leaves nothing of another one, or of an option.
+pub(crate) fn assign_all(
+    rotor: &Rotor,
+    units: Units,
+    settings: &mut Settings,
+    said: &[(&str, &str)],
+    assignments: &[String],
+) -> Result<(), Failure> {
+    let mut assigned = Assigned::new(rotor.len());
+    let mut note = |key: &str, typed: &str| match key {
+        "feedback" => Ok(assigned.feedback(typed)?),
+        key => Ok::<_, Failure>(assigned.key(key.parse()?, typed)?),
+    };
+    for (option, key) in said {
+        note(key, option)?;
+    }
+    for typed in assignments {
+        let key = assign(rotor, units, settings, typed)?;
+        note(key, typed)?;
+    }
+    Ok(())
+}
+
+/// Applies one `KEY=VALUE` to `settings`, and returns the key; `feedback` takes a name or a file, every other key a
+/// number, which is in rpm or m where `units` are SI.
 ///
 /// # Errors
 /// No `=`, or whatever the key or the value has wrong.
-pub(crate) fn assign(rotor: &Rotor, units: Units, settings: &mut Settings, assignment: &str) -> Result<(), Failure> {
-    let Some((key, value)) = assignment.split_once('=') else {
-        return Err(Failure::Usage(format!("'{assignment}': expected KEY=VALUE, such as speed=3")));
-    };
+pub(crate) fn assign<'t>(
+    rotor: &Rotor,
+    units: Units,
+    settings: &mut Settings,
+    assignment: &'t str,
+) -> Result<&'t str, Failure> {
+    let (key, value) = pair(assignment)?;
     if key == "feedback" {
         settings.feedback = feedback(rotor, value)?;
-        return Ok(());
+        return Ok(key);
     }
     let parsed: Key = key.parse()?;
     let number =
-        value.trim().parse().map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
-    units.set(settings, parsed, number)
+        value.parse().map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
+    units.set(settings, parsed, number).map(|()| key)
+}
+
+impl From<PairError> for Failure {
+    fn from(error: PairError) -> Self {
+        match error {
+            PairError::Form(_) => Self::Usage(format!("{error}, such as speed=3")),
+            PairError::Twice { .. } => Self::Usage(error.to_string()),
+        }
+    }
+}
+
+impl From<Undone> for Failure {
+    fn from(error: Undone) -> Self {
+        Self::Usage(error.to_string())
+    }
 }
 
 #[cfg(test)]
@@ -231,7 +278,7 @@ mod tests {
     fn assignments_to_an_si_rotor_are_in_rpm_and_metres() {
         let (rotor, mut settings) = rig();
         let mut set = |assignment: &str| {
-            assign(&rotor, Units::of(&rotor), &mut settings, assignment).map_err(|error| error.to_string())
+            assign(&rotor, Units::of(&rotor), &mut settings, assignment).map(drop).map_err(|error| error.to_string())
         };
         set("speed=6000").expect("in range");
         set("deadband=50e-6").expect("in range");
@@ -247,6 +294,25 @@ mod tests {
         assert!((settings.deadband[0] - 2.5).abs() < 1e-12);
         assert!((settings.trip - 50.0).abs() < 1e-12);
         assert_eq!(settings.get("kd".parse().expect("a key")).expect("exists"), 0.5);
+    }
+
+    #[test]
+    fn what_is_set_twice_or_by_an_option_and_again_is_refused() {
+        let (rotor, settings) = rig();
+        let set = |said: &[(&str, &str)], typed: &[&str]| {
+            let typed: Vec<String> = typed.iter().map(|typed| (*typed).to_owned()).collect();
+            let told = assign_all(&rotor, Units::of(&rotor), &mut settings.clone(), said, &typed);
+            told.map_err(|error| error.to_string())
+        };
+        let undone = |first: &str, then: &str| {
+            Err(format!("'{first}' does nothing: '{then}' sets the same. Expected each once"))
+        };
+        assert_eq!(set(&[("--speed", "speed")], &["deadband=20e-6"]), Ok(()));
+        assert_eq!(set(&[], &["speed=1", "speed=2"]), undone("speed=1", "speed=2"));
+        assert_eq!(set(&[("--speed", "speed")], &["speed=2"]), undone("--speed", "speed=2"));
+        assert_eq!(set(&[("--deadband", "deadband")], &["deadband.1=0"]), undone("--deadband", "deadband.1=0"));
+        assert_eq!(set(&[("--feedback", "feedback")], &["feedback=off"]), undone("--feedback", "feedback=off"));
+        assert_eq!(set(&[], &["kd=1", "feedback=off"]), undone("kd=1", "feedback=off"));
     }
 
     #[test]

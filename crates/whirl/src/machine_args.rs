@@ -15,3 +15,15 @@ pub(crate) struct MachineArgs {
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
 }
+
+impl MachineArgs {
+    /// The options among these that were given and set something, each with its key, beside `others` of the command.
+    #[must_use]
+    pub(crate) fn said(&self, others: &[(&'static str, &'static str)]) -> Vec<(&'static str, &'static str)> {
+        let ours = [
+            self.feedback.as_ref().map(|_| ("--feedback", "feedback")),
+            self.deadband.map(|_| ("--deadband", "deadband")),
+        ];
+        ours.into_iter().flatten().chain(others.iter().copied()).collect()
+    }
+}

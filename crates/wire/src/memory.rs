@@ -12,13 +12,14 @@ use crate::{
     HostState, Inbox, Listener, MAX_READERS, RecorderSender, RecorderStatus, State, StateSender, WireError,
 };
 
-/// How many states a sleeping listener keeps: the oldest are dropped beyond that.
+/// How many states a sleeping listener keeps if nobody says more: the oldest are dropped beyond that.
 const STATES_KEPT: usize = 1024;
 
 /// Carries messages within this process. Clones share their benches.
 #[derive(Clone, Debug, Default)]
 pub struct Memory {
     benches: Arc<Mutex<HashMap<BenchName, Arc<Bench>>>>,
+    room: Option<usize>,
 }
 
 type Mailbox = Mutex<VecDeque<State>>;
@@ -28,6 +29,8 @@ type Envelope = (Box<Request>, mpsc::Sender<Answer>);
 /// What outlives a host, so that listeners hear the next one.
 #[derive(Debug, Default)]
 struct Bench {
+    /// How many states a sleeping listener keeps.
+    room: Option<usize>,
     host: Mutex<Weak<()>>,
     mailboxes: Mutex<Vec<Weak<Mailbox>>>,
     bulletin: Mutex<(u64, Box<Bulletin>)>,
@@ -58,6 +61,13 @@ fn lock<T: ?Sized>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Memory {
+    /// A carrier whose listeners keep so many states while they sleep: for tests that must hear every step, however
+    /// seldom the machine lets them listen.
+    #[must_use]
+    pub fn with_room(states: usize) -> Self {
+        Self { room: Some(states), ..Self::default() }
+    }
+
     fn existing(&self, name: &BenchName) -> Result<Arc<Bench>, WireError> {
         let found = lock(&self.benches).get(name).cloned();
         found.filter(|bench| lock(&bench.host).strong_count() > 0).ok_or_else(|| WireError::NoBench(name.clone()))
@@ -72,7 +82,10 @@ impl Carrier for Memory {
     type Recorder = MemoryRecorder;
 
     fn host(&self, name: &BenchName) -> Result<MemoryHost, WireError> {
-        let bench = lock(&self.benches).entry(name.clone()).or_default().clone();
+        let bench = lock(&self.benches)
+            .entry(name.clone())
+            .or_insert_with(|| Arc::new(Bench { room: self.room, ..Bench::default() }))
+            .clone();
         let mut holder = lock(&bench.host);
         if holder.strong_count() > 0 {
             return Err(WireError::Taken(name.clone()));
@@ -171,11 +184,12 @@ impl StateSender for MemoryStates {
         check_burst(count)?;
         let mut states = vec![State::default(); count];
         states.iter_mut().enumerate().for_each(|(place, state)| fill(place, state));
+        let room = self.bench.room.unwrap_or(STATES_KEPT);
         lock(&self.bench.mailboxes).retain(|mailbox| {
             let Some(mailbox) = mailbox.upgrade() else { return false };
             let mut mailbox = lock(&mailbox);
             mailbox.extend(&states);
-            let surplus = mailbox.len().saturating_sub(STATES_KEPT);
+            let surplus = mailbox.len().saturating_sub(room);
             mailbox.drain(..surplus);
             true
         });

@@ -2,7 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::time::Duration;
 
 use promises::{Root, Screen, run};
 use tape::Recording;
@@ -41,24 +40,36 @@ fn a_recording_is_split_rolled_or_waits_for_a_trip() {
     let ran = recorder.end();
     assert_eq!((ran.code, files("roll")), (Some(0), vec![rolling.clone()]), "{ran:?}");
     let told = info(&rolling);
-    let seconds = told["seconds"].as_f64().unwrap();
-    assert!(seconds > 1.5 && told["lost"] == 0, "{told}");
-    assert!(steps(&rolling).len() as f64 > 0.9 * seconds * 10_000.0);
+    assert_eq!(told["lost"], 0, "{told}");
+    // Steps, not seconds: a machine that is late makes fewer of them a second.
+    let kept = steps(&rolling);
+    let (first, last) = (*kept.keys().next().unwrap(), *kept.keys().next_back().unwrap());
+    assert_eq!(kept.len() as u64, last - first + 1, "a stretch without a hole");
+    assert!(first > 0 && kept.len() > 10_000, "the beginning has been let go: {first} to {last}");
 
     let before = root.path().join("trip.rrd");
     let recorder = Recorder::start(&root, &before, &["--pretrigger", "1s"]);
-    std::thread::sleep(Duration::from_millis(2500));
+    // Two and a half times as many steps as it holds.
+    let newest = || -> u64 {
+        let line = root.run(&["tail", "--count", "1", "--json"]).stdout;
+        serde_json::from_str::<serde_json::Value>(&line).unwrap()["seq"].as_u64().unwrap()
+    };
+    let begun = newest();
+    wait("more than it holds", || newest() > begun + 25_000);
     assert!(!before.exists(), "nothing is written before a trip");
     assert_eq!(root.run(&["set", "trip=0.001"]).code, Some(0));
     wait("the file", || before.exists());
-    std::thread::sleep(Duration::from_millis(2500));
+    let tripped = newest();
+    wait("some time after it", || newest() > tripped + 25_000);
     assert_eq!(recorder.end().code, Some(0));
     let recording = Recording::open(&before).unwrap();
     let trip = recording.events().iter().find(|e| e.happening.name() == "tripped").unwrap();
     let span = recording.span().unwrap();
-    let before_trip = (trip.at.seq - span.first.seq) as f64 / 10_000.0;
-    assert!((0.9..2.5).contains(&before_trip), "{before_trip} s before the trip");
-    assert!(span.last.seq > trip.at.seq + 5_000, "and some time after it");
+    // It holds a second of the clock: of a machine that is late, fewer steps.
+    let wall = |seq: u64| steps(&before)[&seq].wall_ns;
+    let before_trip = (wall(trip.at.seq) - wall(span.first.seq)) as f64 / 1e9;
+    assert!(before_trip > 0.9 && trip.at.seq > span.first.seq, "{before_trip} s before the trip");
+    assert!(span.last.seq > trip.at.seq, "and some time after it");
     assert_eq!(recording.settings_at(trip.at.seq).unwrap().settings.trip, 0.001);
     drop(simulation);
 }
@@ -85,7 +96,8 @@ fn a_split_recording_is_read_as_one_from_any_of_its_parts() {
     };
     let before = count() as u32;
     wait("another run", || part(before + 1).exists() || count() as u32 > before);
-    std::thread::sleep(Duration::from_millis(800));
+    let latest = || part(count() as u32);
+    wait("its head", || Recording::open(&latest()).is_ok_and(|recording| recording.span().is_some()));
     assert_eq!(recorder.end().code, Some(0));
     drop(simulation);
     let all = count() as u32;
@@ -152,7 +164,7 @@ fn a_rolling_recording_that_was_killed_is_found_by_its_name() {
     let path = root.path().join("r.rrd");
     let recorder = Recorder::start(&root, &path, &["--keep", "4s"]);
     wait("the fourth part", || root.path().join("r-4.rrd").exists());
-    std::thread::sleep(Duration::from_millis(700));
+    wait("its head", || Recording::open(&root.path().join("r-4.rrd")).is_ok());
     recorder.kill();
     assert!(!path.exists());
     let told = info(&path);

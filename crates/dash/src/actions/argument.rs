@@ -1,6 +1,7 @@
 //! What follows the name of an action, as it is typed.
 
-use rotor::Key;
+use rotor::typed::Assigned;
+use rotor::{Key, MAX_MASSES};
 
 use super::action::Action;
 use crate::axis::Scaling;
@@ -18,10 +19,28 @@ pub(super) fn whole(text: &str) -> Result<i64, String> {
     text.parse().map_err(|_| format!("'{text}': expected a whole number"))
 }
 
+/// A number by which something moves: 0 would do nothing.
+pub(super) fn moves<T: Default + PartialEq + std::fmt::Display>(by: T) -> Result<T, String> {
+    if by == T::default() { Err(format!("{by}: expected a number other than 0")) } else { Ok(by) }
+}
+
+/// So many times as much: once would change nothing.
+pub(super) fn times(times: f64) -> Result<f64, String> {
+    if times == 1.0 { Err("1: expected a number other than 1".into()) } else { positive(times) }
+}
+
+/// A number within limits, which is not made to fit.
+pub(super) fn within(number: f64, [low, high]: [f64; 2]) -> Result<f64, String> {
+    if (low..=high).contains(&number) {
+        Ok(number)
+    } else {
+        Err(format!("{number}: expected a number from {low} to {high}"))
+    }
+}
+
 /// `LOW..HIGH`.
-pub(super) fn range(text: &str) -> Option<[f64; 2]> {
-    let (low, high) = text.split_once("..")?;
-    Some([number(low).ok()?, number(high).ok()?])
+fn range(text: &str) -> Option<[f64; 2]> {
+    rotor::typed::range(text).ok()
 }
 
 /// `poles -1..0.1 0..3`, `0.5`, `orbits auto`.
@@ -29,15 +48,18 @@ pub(super) fn scale(text: &str) -> Result<Action, String> {
     let of = |word: &str| match (word, range(word)) {
         ("auto", _) => Some(Scaling::Auto),
         (_, Some(range)) => Some(Scaling::Fix(range)),
-        (word, None) => number(word).and_then(positive).ok().map(Scaling::Times),
+        (word, None) => number(word).and_then(times).ok().map(Scaling::Times),
     };
     let mut words = text.split_whitespace().peekable();
     let plot = words.next_if(|word| of(word).is_none()).map(str::to_owned);
     let scalings = words.map(|word| of(word).ok_or(word)).collect::<Result<Vec<_>, _>>();
     match scalings {
-        Err(found) => Err(format!("'{found}': expected auto, TIMES above 0 or LOW..HIGH")),
+        Err(found) => Err(format!("'{found}': expected auto, TIMES above 0 and other than 1, or LOW..HIGH")),
         Ok(scalings) if scalings.is_empty() => {
             Err(format!("{text}: expected auto, TIMES or LOW..HIGH").trim_start().into())
+        }
+        Ok(scalings) if scalings.len() > 2 => {
+            Err(format!("{text}: expected one scale, or two for a plot with two axes of values"))
         }
         Ok(scalings) => Ok(Action::Scale(plot, scalings)),
     }
@@ -47,12 +69,16 @@ pub(super) fn scale(text: &str) -> Result<Action, String> {
 pub(super) fn spectra(text: &str) -> Result<Action, String> {
     let (mut mass, mut along) = (None, None);
     for word in text.split_whitespace() {
-        match (word, range(word), word.parse::<usize>()) {
-            ("auto", ..) => (mass, along) = (Some(None), Some(Scaling::Auto)),
-            (_, Some(range), _) => along = Some(Scaling::Fix(range)),
-            (_, _, Ok(number @ 1..)) => mass = Some(Some(number - 1)),
+        let (its_mass, its_along) = match (word, range(word), word.parse::<usize>()) {
+            ("auto", ..) => (Some(None), Some(Scaling::Auto)),
+            (_, Some(range), _) => (None, Some(Scaling::Fix(range))),
+            (_, _, Ok(number @ 1..)) => (Some(Some(number - 1)), None),
             _ => return Err(format!("'{word}': expected a mass, LOW..HIGH or auto")),
+        };
+        if mass.is_some() && its_mass.is_some() || along.is_some() && its_along.is_some() {
+            return Err(format!("'{word}' sets again what stands before it: expected each once"));
         }
+        (mass, along) = (mass.or(its_mass), along.or(its_along));
     }
     Ok(Action::Spectra(mass, along))
 }
@@ -62,9 +88,12 @@ pub(super) fn assignments(text: &str) -> Result<Action, String> {
     let spaced = text.replace('=', " = ");
     let words: Vec<&str> = spaced.split_whitespace().filter(|word| *word != "=").collect();
     let mut set = Vec::new();
+    // How many masses there are is not known here: as many as there can be.
+    let mut assigned = Assigned::new(MAX_MASSES);
     for pair in words.chunks(2) {
         let key: Key = pair[0].parse().map_err(|error: rotor::SettingsError| error.to_string())?;
         let value = pair.get(1).ok_or_else(|| format!("{key}: expected {key}=VALUE"))?;
+        assigned.key(key, &pair.join("=")).map_err(|error| error.to_string())?;
         set.push((key, number(value).map_err(|error| format!("{key} = {error}"))?));
     }
     Ok(Action::Set(set))

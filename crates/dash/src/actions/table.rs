@@ -1,8 +1,9 @@
 //! The table itself.
 
 use super::action::{Action, Read};
-use super::argument::{assignments, number, positive, scale, spectra, whole};
+use super::argument::{assignments, moves, number, scale, spectra, times, whole, within};
 use crate::panels::series::Strip;
+use crate::view_time::SPANS;
 
 /// One action.
 pub(crate) struct Row {
@@ -68,7 +69,7 @@ pub(crate) const ACTIONS: &[Row] = &[
         argument: "ROWS",
         meaning: "select the setting so many rows further down",
         keys: &[keys(&[("up", "-1"), ("down", "1"), ("k", "-1"), ("j", "1")], "select a setting", Some("select"))],
-        make: |rows| whole(rows).map(|rows| Action::Select(rows as isize)),
+        make: |rows| whole(rows).and_then(moves).map(|rows| Action::Select(rows as isize)),
     },
     Row {
         name: "nudge",
@@ -83,7 +84,7 @@ pub(crate) const ACTIONS: &[Row] = &[
             keys(&[("shift-left", "-10"), ("shift-right", "10"), ("H", "-10"), ("L", "10")], "by ten steps", None),
             keys(&[("ctrl-left", "-0.1"), ("ctrl-right", "0.1")], "by a tenth of a step", None),
         ],
-        make: |steps| number(steps).map(Action::Nudge),
+        make: |steps| number(steps).and_then(moves).map(Action::Nudge),
     },
     Row {
         name: "type",
@@ -199,14 +200,14 @@ pub(crate) const ACTIONS: &[Row] = &[
             "look 1 s or 10 s back and forward; space returns to live",
             Some("time"),
         )],
-        make: |seconds| number(seconds).map(Action::Seek),
+        make: |seconds| number(seconds).and_then(moves).map(Action::Seek),
     },
     Row {
         name: "step",
         argument: "STEPS",
         meaning: "look so many steps further on; back if negative",
         keys: &[keys(&[("<", "-1"), (">", "1")], "look one step back and forward", None)],
-        make: |steps| whole(steps).map(Action::Step),
+        make: |steps| whole(steps).and_then(moves).map(Action::Step),
     },
     Row {
         name: "zoom",
@@ -217,9 +218,9 @@ pub(crate) const ACTIONS: &[Row] = &[
             "less time, more, as at the start; in some plots frequency or speed",
             None,
         )],
-        make: |times| match times {
+        make: |by| match by {
             "" => Ok(Action::ZoomReset),
-            times => number(times).and_then(positive).map(Action::Zoom),
+            by => number(by).and_then(times).map(Action::Zoom),
         },
     },
     Row {
@@ -227,7 +228,7 @@ pub(crate) const ACTIONS: &[Row] = &[
         argument: "SECONDS",
         meaning: "show so many seconds",
         keys: &[],
-        make: |seconds| number(seconds).and_then(positive).map(Action::Span),
+        make: |seconds| number(seconds).and_then(|seconds| within(seconds, SPANS)).map(Action::Span),
     },
     Row {
         name: "choose",
@@ -291,14 +292,14 @@ pub(crate) const ACTIONS: &[Row] = &[
         argument: "STEPS",
         meaning: "play a recording faster by so many steps, or slower",
         keys: &[keys(&[("(", "-1"), (")", "1")], "recording: slower, faster", None)],
-        make: |steps| whole(steps).map(|steps| Action::Pace(steps as isize)),
+        make: |steps| whole(steps).and_then(moves).map(|steps| Action::Pace(steps as isize)),
     },
     Row {
         name: "event",
         argument: "COUNT",
         meaning: "go so many events on in a recording, or back",
         keys: &[keys(&[("n", "1"), ("N", "-1")], "recording: to the next event, the one before", None)],
-        make: |count| whole(count).map(|count| Action::Event(count as isize)),
+        make: |count| whole(count).and_then(moves).map(|count| Action::Event(count as isize)),
     },
     Row {
         name: "go",
@@ -355,7 +356,7 @@ pub(crate) const ACTIONS: &[Row] = &[
         argument: "ROWS",
         meaning: "scroll the lists on the screen by so many rows",
         keys: &[keys(&[("pageup", "-5"), ("pagedown", "5")], "scroll the lists: events, alarms, modes, numbers", None)],
-        make: |rows| whole(rows).map(|rows| Action::Scroll(rows as isize)),
+        make: |rows| whole(rows).and_then(moves).map(|rows| Action::Scroll(rows as isize)),
     },
     Row {
         name: "filter",

@@ -58,6 +58,10 @@ impl App<'_> {
 
     /// Another scale of the values of a plot.
     pub(super) fn scale(&mut self, plot: Option<&str>, scalings: &[Scaling]) {
+        let is_strip = |name: &str| !KINDS.iter().any(|kind| kind.is_plot && kind.name == name);
+        if let (Some(name), true) = (plot.filter(|name| is_strip(name)), scalings.len() > 1) {
+            return self.tell(Message::Bad(format!("{name}: expected one scale, for its one axis of values")));
+        }
         let kind = match plot {
             None => self.chosen_or_told(),
             Some(name) => {
@@ -78,6 +82,10 @@ impl App<'_> {
         };
         let Some(kind) = kind else { return };
         let name = KINDS[kind].name;
+        // Of all plots that of the poles alone has two axes of values.
+        if scalings.len() > 1 && name != "poles" {
+            return self.tell(Message::Bad(format!("{name}: expected one scale, for its one axis of values")));
+        }
         // A strip of the same name shows the same quantity.
         if let Some(plot) = plot {
             let _ = self.panels.wish_any(&Wish::Strip(plot, scalings));

@@ -461,7 +461,10 @@ fn a_plot_is_chosen_and_its_scale_stands_still_until_it_is_let_go() {
     command(&mut app, "scale nothing 1..2");
     assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot or strip 'nothing'")));
     command(&mut app, "scale orbits 3..1");
-    assert_eq!(app.message.0, Message::Bad("orbits 3..1: expected LOW..HIGH, the low end first".into()));
+    assert_eq!(
+        app.message.0,
+        Message::Bad("scale '3..1': expected auto, TIMES above 0 and other than 1, or LOW..HIGH".into())
+    );
     // Around the screen and back.
     let mut seen = Vec::new();
     for _ in 0..6 {

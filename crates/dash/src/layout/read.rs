@@ -25,7 +25,7 @@ pub(super) fn read(name: &str, text: &str) -> Result<Layout, Problems> {
     }
     let mut reader = Reader { text, problems: Vec::new() };
     let mut layout = Layout { name: name.to_owned(), about: String::new(), screens: Vec::new() };
-    let mut last = 0;
+    let (mut last, mut places) = (0, Vec::new());
     for (key, value) in table.get_ref() {
         match (&**key.get_ref(), value.get_ref()) {
             ("about", DeValue::String(about)) => layout.about = about.to_string(),
@@ -33,7 +33,9 @@ pub(super) fn read(name: &str, text: &str) -> Result<Layout, Problems> {
             ("screen", DeValue::Array(screens)) => {
                 for screen in screens {
                     last = screen.span().start;
-                    layout.screens.extend(reader.screen(screen));
+                    let read = reader.screen(screen);
+                    places.extend(read.as_ref().map(|_| last));
+                    layout.screens.extend(read);
                 }
             }
             ("screen", _) => reader.problem(value.span().start, reader.written(value), "[[screen]], once a screen"),
@@ -41,7 +43,16 @@ pub(super) fn read(name: &str, text: &str) -> Result<Layout, Problems> {
         }
     }
     if reader.problems.is_empty() {
-        match layout.sizes().last() {
+        let sizes = layout.sizes();
+        for (at, (width, height)) in sizes.iter().enumerate() {
+            // The first screen that fits is shown.
+            if let Some(before) = sizes[..at].iter().position(|size| size.0 <= *width && size.1 <= *height) {
+                let found = format!("screen {} is never shown", at + 1);
+                let expected = format!("one for smaller terminals: screen {} fits wherever it does", before + 1);
+                reader.problem(places[at], found, expected);
+            }
+        }
+        match sizes.last() {
             None => reader.problem(0, "no screen", "[[screen]] with a picture"),
             Some(&(width, height)) if width > SMALLEST.0 || height > SMALLEST.1 => {
                 let found = format!("the last screen needs a terminal of {width} x {height}");
@@ -90,12 +101,16 @@ impl<'t> Reader<'t> {
                 other => self.problem(key.span().start, format!("'{other}'"), "picture, columns, rows or strips"),
             }
         }
+        let strips_at = table.get("strips").map_or(0, |value| value.span().start);
         let Some(picture) = picture else {
             self.problem(screen.span().start, "a screen without a picture", "picture = \"\"\" ... \"\"\"");
             return None;
         };
         let lines = self.lines(picture)?;
         let places = self.places(&lines)?;
+        if strips.is_some() && !places.iter().any(|place| KINDS[place.kind].name == "strips") {
+            self.problem(strips_at, "strips", "a screen with strips in its picture, or no word of what they show");
+        }
         let mut sized = |given: Option<(usize, Vec<Size>)>, count: usize, what: &str| match given {
             None => vec![Size::Share(1); count],
             Some((at, sizes)) => {
@@ -144,6 +159,7 @@ impl<'t> Reader<'t> {
         let mut strips = Vec::new();
         for (at, word) in words {
             match Strip::read(word) {
+                Ok(strip) if strips.contains(&strip) => self.problem(at, format!("'{word}' again"), "each strip once"),
                 Ok(strip) => strips.push(strip),
                 Err(why) => {
                     let (found, expected) = why.split_once(": expected ").unwrap_or((&*why, "a series"));

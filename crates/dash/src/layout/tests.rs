@@ -73,6 +73,15 @@ fn problems_name_line_and_column() {
             "[[screen]]\nstrips = 'y y.1+speed'\npicture = 'strips'",
             "2:13: 'y.1+speed': expected series of one unit, and speed has another",
         ),
+        ("[[screen]]\nstrips = 'y u y'\npicture = 'strips'", "2:15: 'y' again: expected each strip once"),
+        (
+            "[[screen]]\nstrips = 'y'\npicture = 'poles'",
+            "2:10: strips: expected a screen with strips in its picture, or no word of what they show",
+        ),
+        (
+            "[[screen]]\npicture = 'poles'\n[[screen]]\npicture = 'poles'",
+            "3:1: screen 2 is never shown: expected one for smaller terminals: screen 1 fits wherever it does",
+        ),
         ("[[screen]]\nstrips = 3\npicture = 'strips'", "2:10: '3': expected words in quotes"),
     ] {
         assert_eq!(wrong(text), problem, "{text}");

@@ -115,6 +115,9 @@ impl Strip {
     /// In words: the word that is wrong, and what was expected.
     pub(crate) fn read_all(words: &str) -> Result<Vec<Self>, String> {
         let strips: Vec<Self> = words.split_whitespace().map(Self::read).collect::<Result<_, _>>()?;
+        if let Some(again) = (1..strips.len()).find(|&i| strips[..i].contains(&strips[i])) {
+            return Err(format!("'{}' is given twice: expected each strip once", strips[again].name));
+        }
         if strips.is_empty() { Err(format!("'': expected series: {}", known())) } else { Ok(strips) }
     }
 
@@ -124,6 +127,9 @@ impl Strip {
     /// In words: what is wrong with it.
     pub(crate) fn read(word: &str) -> Result<Self, String> {
         let parts = word.split('+').map(part).collect::<Result<Vec<_>, _>>()?;
+        if (1..parts.len()).any(|i| parts[..i].contains(&parts[i])) {
+            return Err(format!("'{word}': expected each series once"));
+        }
         let quantity = NAMES[parts[0].0].quantity;
         match parts.iter().find(|(row, _)| NAMES[*row].quantity != quantity) {
             Some((row, _)) => {

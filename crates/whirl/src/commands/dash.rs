@@ -116,6 +116,12 @@ pub(crate) fn ended(how: dash::Ended) -> Result<(), Failure> {
 /// # Errors
 /// No such bench, or no terminal.
 pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
+    let is_text = |file: &PathBuf| file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("txt"));
+    if args.screen.theme.is_some() && args.picture.as_ref().is_some_and(is_text) {
+        return Err(Failure::Usage(
+            "--theme: a picture in plain text has no colours; one that ends in .svg has".into(),
+        ));
+    }
     let bench = args.bench.name()?;
     let options = args.screen.options()?;
     let carrier = attach::dashboard_carrier()?;

@@ -72,6 +72,9 @@ struct Document<'a> {
 /// # Errors
 /// A machine that cannot be made, or an interrupt.
 pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
+    if let Some(twice) = (1..args.deadband.len()).find(|&i| args.deadband[..i].contains(&args.deadband[i])) {
+        return Err(Failure::Usage(format!("deadband {} is given twice: expected each once", args.deadband[twice])));
+    }
     let mut opened = None;
     let mut deadbands = Vec::with_capacity(args.deadband.len());
     // Every speed and clearance is checked like a setting before anything starts.

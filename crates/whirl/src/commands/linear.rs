@@ -4,6 +4,8 @@ use rotor::{C64, Mode, Standing, Whirl};
 use serde::Serialize;
 
 use crate::failure::Failure;
+use crate::machine_args::MachineArgs;
+use crate::output;
 
 /// Why `stable` is `null`.
 const MARGINAL: &str = "the real part is zero but for rounding";
@@ -35,6 +37,15 @@ pub(super) fn word(standing: Standing) -> &'static str {
 
 /// Why `log_dec` is `null`.
 pub(super) const REAL_POLE: &str = "the pole is real: it does not whirl";
+
+/// Says that a clearance which was asked for plays no part: the linear rotor has none.
+pub(super) fn neglects(machine: &MachineArgs) {
+    if machine.deadband.is_some_and(|clearance| clearance != 0.0) {
+        output::warn(
+            "--deadband plays no part here: the linear rotor has none. `response`, `cycles` and `run` have it",
+        );
+    }
+}
 
 /// A complex number, as scripts read it.
 #[derive(Clone, Copy, Debug, Serialize)]

@@ -3,7 +3,7 @@
 use rotor::{C64, Mode, Spectrum};
 use serde::Serialize;
 
-use super::linear::{Part, PoleDocument};
+use super::linear::{self, Part, PoleDocument};
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -18,9 +18,9 @@ pub(crate) struct ModesArgs {
     /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
-    /// Points of an orbit, the last of which ends the whirl period
-    #[arg(long, value_name = "N", default_value_t = 65, value_parser = clap::value_parser!(u16).range(2..))]
-    points: u16,
+    /// Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
+    points: Option<u16>,
     #[command(flatten)]
     format: Format,
 }
@@ -56,6 +56,9 @@ struct OrbitPoint {
     z: f64,
 }
 
+/// The points of an orbit if nobody says how many.
+const POINTS: u16 = 65;
+
 /// The period of a mode's whirl.
 fn period(mode: &Mode) -> Option<f64> {
     Some(std::f64::consts::TAU / mode.frequency()).filter(|period| period.is_finite())
@@ -78,7 +81,12 @@ fn orbits(mode: &Mode, points: u16) -> Option<Vec<Vec<OrbitPoint>>> {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
+    if args.points.is_some() && !args.format.json && !args.format.csv {
+        return Err(Failure::Usage("--points: the orbits are in the output of --json and --csv alone".into()));
+    }
+    let points = args.points.unwrap_or(POINTS);
     let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    linear::neglects(&args.machine);
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
     let spectrum = Spectrum::of(&settings.closed_loop(rotor))?;
     let document = Document {
@@ -88,7 +96,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
             .modes
             .iter()
             .map(|mode| {
-                let orbits = orbits(mode, args.points);
+                let orbits = orbits(mode, points);
                 ModeDocument {
                     pole: mode.into(),
                     period: orbits.as_ref().and(period(mode)),
@@ -109,8 +117,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     );
     let footer =
         "orbit: p = shape exp(lambda tau); negative phase lags in the sense of the spin; points with --json or --csv";
-    let table =
-        if args.format.csv { orbit_table(&spectrum, args.points, units) } else { shape_table(&spectrum, units) };
+    let table = if args.format.csv { orbit_table(&spectrum, points, units) } else { shape_table(&spectrum, units) };
     args.format.print(&document, &heading, &table, footer)
 }
 

@@ -30,11 +30,9 @@ pub(super) struct SweepArgs {
 impl SweepArgs {
     /// The machine, and the speeds `R`, all of them in range.
     pub(super) fn prepare(&self, machine: &MachineArgs) -> Result<(Machine, Vec<f64>), Failure> {
-        if let Some(assignment) = self.set.iter().find(|assignment| assignment.starts_with("speed=")) {
-            return Err(Failure::Usage(format!("{assignment}: the speeds are those of --over")));
-        }
+        let said = machine.said(&[("--over", "speed")]);
         let (mut machine, over) = Machine::open_over(machine, self.over)?;
-        machine.set(&self.set)?;
+        machine.set(&said, &self.set)?;
         Ok((machine, over.points(self.points as usize)))
     }
 }

@@ -3,7 +3,7 @@
 use rotor::{Mode, Spectrum};
 use serde::Serialize;
 
-use super::linear::{Part, PoleDocument, StandingDocument, word};
+use super::linear::{self, Part, PoleDocument, StandingDocument, word};
 use crate::catalog;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -55,6 +55,7 @@ impl From<&Mode> for ModeDocument {
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let machine = catalog::Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
     let spectrum = Spectrum::of(&machine.settings.closed_loop(rotor))?;
 

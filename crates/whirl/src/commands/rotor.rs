@@ -204,6 +204,7 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
         }
         documents.push(document);
     }
+    let is_for_nothing = documents.iter().all(|document| document.kind == Some(Kind::Rotor));
     if args.json {
         #[derive(Serialize)]
         struct Document<'a> {
@@ -212,6 +213,9 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
         print_json(&Document { files: documents })?;
     } else {
         print_text(&fine)?;
+    }
+    if let (Some(rotor), true) = (&args.rotor, is_for_nothing) {
+        wrong.push(format!("--for {rotor}: there is no feedback among these files to hold against it"));
     }
     if wrong.is_empty() { Ok(()) } else { Err(Failure::Usage(wrong.join("\n"))) }
 }

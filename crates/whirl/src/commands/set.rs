@@ -130,9 +130,7 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         let units = Units::with(bulletin.scales());
         let before = bulletin.settings.unpack();
         let mut settings = before.clone();
-        for assignment in &args.assignments {
-            catalog::assign(&rotor, units, &mut settings, assignment)?;
-        }
+        catalog::assign_all(&rotor, units, &mut settings, &[], &args.assignments)?;
         settings.check(&rotor)?;
         if !args.force
             && let Some(loss) = StabilityLoss::between(&rotor, &before, &settings)

@@ -4,6 +4,7 @@
 use rotor::{Stability, Whirl};
 use serde::Serialize;
 
+use super::linear;
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -48,6 +49,7 @@ struct ThresholdDocument {
 pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
     interrupt::end_at_once()?;
     let (machine, over) = Machine::open_over(&args.machine, args.over)?;
+    linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
     let found = rotor::thresholds(rotor, &machine.settings.feedback, over.from, over.to)?;
     let mut table = Table::new(units.pick(

@@ -3,7 +3,7 @@
 use rotor::{CriticalSpeed, Mode, Trace, Whirl};
 use serde::Serialize;
 
-use super::linear::PoleDocument;
+use super::linear::{self, PoleDocument};
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::interrupt;
@@ -14,6 +14,9 @@ use crate::units::{Units, UnitsDocument};
 
 /// The most points that a trace can have: beyond it, the document no longer fits into 200 MB.
 const MOST_POINTS: u64 = 20_000;
+
+/// The points of a trace if nobody says how many.
+const POINTS: u64 = 101;
 
 /// Lines of the Campbell diagram, in multiples of the spin speed.
 const ORDERS: [f64; 2] = [0.5, 1.0];
@@ -26,9 +29,9 @@ pub(crate) struct TraceArgs {
     /// Spin speeds R, both ends included (SI rotors: in rpm)
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     over: Range,
-    /// How many speeds, evenly spaced
-    #[arg(long, value_name = "N", default_value_t = 101, value_parser = clap::value_parser!(u64).range(2..=MOST_POINTS))]
-    points: u64,
+    /// How many speeds, evenly spaced [default: 101]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_POINTS))]
+    points: Option<u64>,
     /// Print the Campbell diagram instead: frequencies, and critical speeds where a branch meets 0.5X or 1X
     #[arg(long)]
     campbell: bool,
@@ -76,10 +79,18 @@ struct Critical {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
+    if args.campbell && args.points.is_some() && !args.format.json {
+        return Err(Failure::Usage(
+            "--points does nothing to the Campbell diagram: its critical speeds are exact. Leave one of the two out"
+                .into(),
+        ));
+    }
     interrupt::end_at_once()?;
     let (machine, over) = Machine::open_over(&args.machine, args.over)?;
+    linear::neglects(&args.machine);
     let (rotor, feedback, units) = (&machine.rotor, &machine.settings.feedback, machine.units());
-    let points = usize::try_from(args.points).map_err(|_| Failure::Usage("too many points".into()))?;
+    let points =
+        usize::try_from(args.points.unwrap_or(POINTS)).map_err(|_| Failure::Usage("too many points".into()))?;
     let trace = rotor::trace(rotor, feedback, &over.points(points))?;
     let critical = rotor::critical_speeds(rotor, feedback, over.from, over.to, &ORDERS)?;
     let (table, what, footer) = if args.campbell {

@@ -31,16 +31,16 @@ pub(crate) struct AssignArgs {
     #[arg(long)]
     cancel: bool,
     /// Reference speed R0 of the cancelling law (SI rotors: in rpm)
-    #[arg(long, value_name = "R0", default_value_t = 0.0, allow_negative_numbers = true)]
+    #[arg(long, value_name = "R0", default_value_t = 0.0, allow_negative_numbers = true, requires = "cancel")]
     reference: f64,
     /// List how well a bearing or sensor at each mass reaches each mode
     #[arg(long, requires = "speed")]
     table: bool,
     /// Spin speed R = w / w0 (SI rotors: in rpm) at which the poles are assigned or the table is made
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, conflicts_with = "cancel")]
     speed: Option<f64>,
     /// The mass that carries the control bearing
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), conflicts_with_all = ["cancel", "table"])]
     bearing: u16,
     /// Write the feedback to a file instead
     #[arg(long, value_name = "FILE", conflicts_with = "table")]
@@ -54,6 +54,9 @@ pub(crate) struct AssignArgs {
 /// # Errors
 /// A machine that cannot be made, poles that do not fit it, or a mode that the bearing does not move.
 pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
+    if args.format.csv && !args.table {
+        return Err(Failure::Usage("--csv: feedback is no table. --table has one; --json has the feedback too".into()));
+    }
     let rotor = catalog::rotor(&args.rotor)?;
     if args.cancel {
         return cancel(args, &rotor);

@@ -62,11 +62,11 @@ pub(crate) struct RunArgs {
 /// A machine that cannot be made, a step that is too large, a file that cannot be written, an interrupt.
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
-    machine.set(&args.set)?;
+    machine.set(&args.machine.said(&[("--speed", "speed")]), &args.set)?;
     let plan = plan(args, &machine)?;
     let stop = interrupt::flag()?;
 
-    let last_impulse = plan.impulses.iter().map(|i| i.at).filter(|at| *at <= plan.duration).fold(0.0, f64::max);
+    let last_impulse = plan.impulses.iter().map(|i| i.at).fold(0.0, f64::max);
     let mut collector = args.psd.map(|MassArg(mass)| {
         // A fifth of a radian of the fastest turn between samples keeps what is worth seeing well below Nyquist.
         let fastest = Fastest::of(&plan.closed_loop).map_or(1.0, |f| f.frequency());
@@ -111,6 +111,18 @@ fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
         if mass > rotor.len() {
             return usage(format!("{what} at mass {mass}, but {} has masses 1 to {}", rotor.name(), rotor.len()));
         }
+    }
+    for impulse in &args.impulse {
+        // One at the very end would move nothing that is simulated.
+        if impulse.at >= args.duration {
+            return usage(format!(
+                "impulse at {}, but the run ends at {}: expected a time before its end",
+                impulse.at, args.duration
+            ));
+        }
+    }
+    if args.psd.is_some() && args.format.csv {
+        return usage("--psd has no place in the rows of --csv: --json has the spectrum whole".into());
     }
     let closed_loop = settings.closed_loop(rotor);
     let fastest = Fastest::of(&closed_loop)?;

@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use rotor::typed::pair;
 use rotor::{FIELDS, Rotor};
 use tuner::{Axis, Family, FamilyError, Measure, Problem, ProblemError, Quantity, Question, Schedule, choices};
 
@@ -133,13 +134,13 @@ impl FromStr for Varied {
 
     fn from_str(typed: &str) -> Result<Self, String> {
         let expected = || format!("'{typed}': expected KEY=A..B or KEY=P%, such as damping.1=0.2..0.3 or shaft.2=10%");
-        let (key, by) = typed.split_once('=').ok_or_else(expected)?;
+        let (key, by) = pair(typed).map_err(|_| expected())?;
         let percent = |by: &str| by.strip_suffix('%')?.trim().parse().ok().filter(|p: &f64| *p > 0.0 && *p < 100.0);
         let by = match by.parse() {
             Ok(range) => By::Range(range),
             Err(_) => By::Part(percent(by).ok_or_else(expected)? / 100.0),
         };
-        Ok(Self { key: key.trim().to_owned(), by })
+        Ok(Self { key: key.to_owned(), by })
     }
 }
 
@@ -257,6 +258,10 @@ impl Asked {
             if !(value.is_finite() && value > 0.0) {
                 return Err(Failure::Usage(format!("--{name} {value}: expected a finite number above 0")));
             }
+        }
+        if let Some(spread) = args.spread.filter(|spread| *spread > args.bound) {
+            let bound = args.bound;
+            return Err(Failure::Usage(format!("--spread {spread}: expected at most --bound, which is {bound}")));
         }
         let bearings = masses(&args.bearing, &rotor, "bearing")?;
         if bearings.iter().any(|chosen| chosen.len() != 1) {

@@ -1,0 +1,214 @@
+//! What a person types, read in one way by the command line and the dashboard: ranges `A..B`, `KEY=VALUE` each key once,
+//! and rows of settings none of which undoes another.
+//!
+//! What is typed and does nothing, or is typed twice, is an error here: it is a slip of the hand that a table of numbers
+//! would not show.
+
+use crate::{Key, Scope};
+
+/// Why a text is no range.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum RangeError {
+    /// Not two finite numbers with two dots between them, the lesser first.
+    #[error("expected A..B with finite numbers A < B, such as 0..6")]
+    Form,
+    /// More dots than two in a row: `0...3` is 0 to 3 for one reader, and 0 to 0.3 for another.
+    #[error("more than two dots in a row: expected A..B such as 0..3, or 0..0.3")]
+    Dots,
+}
+
+/// The ends of a range as typed, `A..B`: finite, the lesser first. Blanks around the numbers do no harm.
+///
+/// # Errors
+/// What is no range, or could be read as two.
+pub fn range(typed: &str) -> Result<[f64; 2], RangeError> {
+    if typed.contains("...") {
+        return Err(RangeError::Dots);
+    }
+    let (from, to) = typed.split_once("..").ok_or(RangeError::Form)?;
+    let end = |text: &str| text.trim().parse::<f64>().ok().filter(|end| end.is_finite()).ok_or(RangeError::Form);
+    let (from, to) = (end(from)?, end(to)?);
+    if from < to { Ok([from, to]) } else { Err(RangeError::Form) }
+}
+
+/// Why a text is no `KEY=VALUE`, or a row of them not what was meant.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PairError {
+    /// No `=`, or nothing before or behind it.
+    #[error("'{0}': expected KEY=VALUE")]
+    Form(String),
+    /// The same key again: one of the two values would be lost.
+    #[error("{key} is given twice: expected each key once")]
+    Twice {
+        /// The key.
+        key: String,
+    },
+}
+
+/// The key and the value of `KEY=VALUE`, without the blanks around them.
+///
+/// # Errors
+/// No `=`, or nothing on one side of it.
+pub fn pair(typed: &str) -> Result<(&str, &str), PairError> {
+    let parts = typed.split_once('=').map(|(key, value)| (key.trim(), value.trim()));
+    parts.filter(|(key, value)| !key.is_empty() && !value.is_empty()).ok_or_else(|| PairError::Form(typed.to_owned()))
+}
+
+/// The keys and values of a row of `KEY=VALUE`, no key of which comes twice.
+///
+/// # Errors
+/// As for [`pair`], or a key that is there already.
+pub fn pairs<'t>(row: impl IntoIterator<Item = &'t str>) -> Result<Vec<(&'t str, &'t str)>, PairError> {
+    let mut read: Vec<(&str, &str)> = Vec::new();
+    for typed in row {
+        let (key, value) = pair(typed)?;
+        if read.iter().any(|(before, _)| *before == key) {
+            return Err(PairError::Twice { key: key.to_owned() });
+        }
+        read.push((key, value));
+    }
+    Ok(read)
+}
+
+/// Something that was typed to set a value, which what was typed behind it sets again.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("'{first}' does nothing: '{then}' sets the same. Expected each once")]
+pub struct Undone {
+    /// What does nothing, as typed.
+    pub first: String,
+    /// What undoes it, as typed.
+    pub then: String,
+}
+
+/// What a row of assignments has set so far, to notice when a later one leaves nothing of an earlier one: `kd=1 kd.1=2`,
+/// `deadband.2=1 deadband=3`, `kd=1 feedback=off`. One that refines another is fine: `deadband=1 deadband.2=0.5`.
+#[derive(Clone, Debug)]
+pub struct Assigned {
+    masses: usize,
+    said: Vec<(String, Vec<Place>)>,
+}
+
+/// One value: the name of its setting, and the mass or signal.
+type Place = (&'static str, usize);
+
+/// The place of the control law as a whole.
+const LAW: Place = ("feedback", 0);
+
+impl Assigned {
+    /// Nothing yet, on a machine of so many masses.
+    #[must_use]
+    pub fn new(masses: usize) -> Self {
+        Self { masses, said: Vec::new() }
+    }
+
+    /// Notes that `typed` sets `key`.
+    ///
+    /// # Errors
+    /// Nothing is left of something before it.
+    pub fn key(&mut self, key: Key, typed: &str) -> Result<(), Undone> {
+        let name = key.parameter.name;
+        let places = match (key.parameter.scope, key.index) {
+            (Scope::Mass, None) => (0..self.masses).map(|mass| (name, mass)).collect(),
+            (_, index) => vec![(name, index.unwrap_or(0))],
+        };
+        let again = |place: &Place| places.contains(place);
+        self.note(typed, places.clone(), again)
+    }
+
+    /// Notes that `typed` sets the control law, with the gains of all its signals.
+    ///
+    /// # Errors
+    /// Nothing is left of something before it.
+    pub fn feedback(&mut self, typed: &str) -> Result<(), Undone> {
+        let is_gain = |name: &str| crate::PARAMETERS.iter().any(|p| p.name == name && p.scope == Scope::Signal);
+        self.note(typed, vec![LAW], |place| *place == LAW || is_gain(place.0))
+    }
+
+    fn note(&mut self, typed: &str, places: Vec<Place>, sets: impl Fn(&Place) -> bool) -> Result<(), Undone> {
+        for (first, left) in &mut self.said {
+            left.retain(|place| !sets(place));
+            if left.is_empty() {
+                return Err(Undone { first: first.clone(), then: typed.to_owned() });
+            }
+        }
+        self.said.push((typed.to_owned(), places));
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_read_as_typed() {
+        for (typed, ends) in [
+            ("0..6", [0.0, 6.0]),
+            ("-1.5..2e3", [-1.5, 2e3]),
+            (" .5 .. 1. ", [0.5, 1.0]),
+            ("0.. .5", [0.0, 0.5]),
+            ("1. ..2", [1.0, 2.0]),
+            ("+0..+3", [0.0, 3.0]),
+        ] {
+            assert_eq!(range(typed), Ok(ends), "{typed}");
+        }
+        for typed in
+            ["", "3", "..", "0..", "..6", "6..0", "2..2", "0..inf", "nan..1", "0..=6", "a..b", "0..1..2", "0-6", "0.3"]
+        {
+            assert_eq!(range(typed), Err(RangeError::Form), "{typed}");
+        }
+    }
+
+    #[test]
+    fn three_dots_are_not_read_as_one_of_the_two_things_they_could_mean() {
+        for typed in ["0...3", "0....3", "...", "1...", "...1", "0...5..7"] {
+            assert_eq!(range(typed), Err(RangeError::Dots), "{typed}");
+        }
+        assert_eq!(RangeError::Dots.to_string(), "more than two dots in a row: expected A..B such as 0..3, or 0..0.3");
+    }
+
+    #[test]
+    fn every_key_of_a_row_stands_once() {
+        assert_eq!(pairs(["mass=1", " vy = -2.5 "]), Ok(vec![("mass", "1"), ("vy", "-2.5")]));
+        assert_eq!(pairs(["vy=1", "vy=2"]), Err(PairError::Twice { key: "vy".into() }));
+        assert_eq!(pairs(["vy=1", "mass=1", " vy =1"]), Err(PairError::Twice { key: "vy".into() }));
+        for typed in ["vy", "", "=", "vy=", "=1"] {
+            assert_eq!(pairs([typed]), Err(PairError::Form(typed.into())), "{typed}");
+        }
+        assert_eq!(pair("path=a=b"), Ok(("path", "a=b")), "what is behind the first = belongs to the value");
+    }
+
+    /// What is said of a row of assignments to a machine of three masses.
+    fn row(typed: &[&str]) -> Result<(), Undone> {
+        let mut assigned = Assigned::new(3);
+        typed.iter().try_for_each(|typed| match pair(typed).unwrap() {
+            ("feedback", _) => assigned.feedback(typed),
+            (key, _) => assigned.key(key.parse().unwrap(), typed),
+        })
+    }
+
+    #[test]
+    fn an_assignment_that_leaves_nothing_of_an_earlier_one_is_noticed() {
+        for fine in [
+            &["speed=1", "kd=2", "kd.2=2"][..],
+            &["deadband=1", "deadband.2=0.5"],
+            &["deadband.1=1", "deadband.2=1"],
+            &["feedback=off", "kd=1", "cd.2=3"],
+            &["speed=1", "trip=9", "deadband=1", "deadband.1=1", "deadband.2=2"],
+        ] {
+            assert_eq!(row(fine), Ok(()), "{fine:?}");
+        }
+        for (undone, first, then) in [
+            (&["speed=1", "kd=1", "speed=2"][..], "speed=1", "speed=2"),
+            (&["speed=1", "speed=1"], "speed=1", "speed=1"),
+            (&["kd=1", "kd.1=2"], "kd=1", "kd.1=2"),
+            (&["kd.1=1", "kd=2"], "kd.1=1", "kd=2"),
+            (&["deadband.2=1", "deadband=3"], "deadband.2=1", "deadband=3"),
+            (&["deadband=1", "deadband.1=1", "deadband.2=1", "deadband.3=1"], "deadband=1", "deadband.3=1"),
+            (&["cc.2=1", "feedback=off"], "cc.2=1", "feedback=off"),
+            (&["feedback=a", "kd=1", "feedback=b"], "feedback=a", "feedback=b"),
+        ] {
+            assert_eq!(row(undone), Err(Undone { first: first.into(), then: then.into() }), "{undone:?}");
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Rotor and feedback files: what is accepted goes on through settings, poles, a short run and thresholds.
+
+use std::sync::atomic::AtomicBool;
+
+use proptest::prelude::*;
+use rotor::file::{Problems, read_feedback, read_rotor, write_feedback, write_rotor};
+use rotor::{Feedback, Rotor, Settings, Spectrum, builtin};
+use study::run::{Plan, Settle};
+
+use crate::{harness, made_up, mutation};
+
+/// Texts of each kind: some seconds of an unoptimised build.
+const CASES: u32 = 256;
+
+/// What every complaint has: a place in the file, what was found, and what was expected, fit for a terminal.
+pub(crate) fn complains(text: &str, problems: &Problems) {
+    assert!(!problems.list().is_empty());
+    for problem in problems.list() {
+        let lines = text.split('\n').count();
+        assert!((1..=lines).contains(&problem.line) && problem.column >= 1, "{problem:?} of {lines} lines");
+        assert!(!problem.expected.is_empty(), "{problem:?}");
+        assert!(!problem.to_string().chars().any(char::is_control), "{problem:?}");
+    }
+}
+
+/// All that is done with a machine, at some speeds.
+fn goes_through(rotor: &Rotor, feedback: &Feedback) {
+    for speed in [0.0, 2.5] {
+        let settings = Settings::new(rotor, speed, feedback.clone());
+        // A refusal in words is an answer; a schedule may leave the range of gains at some speed.
+        if settings.check(rotor).is_err() {
+            continue;
+        }
+        let closed_loop = settings.closed_loop(rotor);
+        // Eigenvalues that cannot be had are refused in words too.
+        if let Ok(spectrum) = Spectrum::of(&closed_loop) {
+            assert_eq!(spectrum.modes.len(), 2 * rotor.len());
+            for mode in &spectrum.modes {
+                assert!(mode.pole.re.is_finite() && mode.pole.im.is_finite(), "pole {:?}", mode.pole);
+                assert!((-1.0..=1.0).contains(&mode.damping()), "damping {}", mode.damping());
+                let is_whole = mode.shape.iter().all(|part| part.re.is_finite() && part.im.is_finite());
+                assert!(is_whole, "shape {:?} of {:?}", mode.shape, mode.pole);
+            }
+            assert!(!spectrum.min_damping().is_nan());
+        }
+        let plan = Plan {
+            closed_loop,
+            largest_clearance: settings.deadband.iter().copied().fold(0.0, f64::max),
+            impulses: Vec::new(),
+            dtau: 1e-3,
+            duration: 0.1,
+            settle: Settle::From(0.0),
+        };
+        let outcome = study::run::run(&plan, &mut [], &AtomicBool::new(false)).expect("a hundred steps");
+        let numbers = [outcome.maxima_from, outcome.max_force, outcome.max_force_component];
+        for number in numbers.iter().chain(&outcome.max_displacement).chain(&outcome.mean_radius) {
+            assert!(number.is_finite(), "{outcome:?}");
+        }
+        assert!(outcome.diverged_at.is_none_or(f64::is_finite));
+    }
+    if let Ok(found) = rotor::thresholds(rotor, feedback, 0.0, 3.0) {
+        for threshold in found {
+            assert!((0.0..=3.0).contains(&threshold.speed) && threshold.frequency.is_finite(), "{threshold:?}");
+        }
+    }
+}
+
+fn rotor_file(text: &str) {
+    match read_rotor(text, "made-up") {
+        Err(problems) => complains(text, &problems),
+        Ok(rotor) => {
+            let written = write_rotor(&rotor);
+            assert_eq!(read_rotor(&written, "made-up").as_ref(), Ok(&rotor), "it reads back as it was:\n{written}");
+            let off = builtin::feedback(&rotor, "off").expect("any rotor can be left alone");
+            goes_through(&rotor, &off);
+        }
+    }
+}
+
+fn feedback_file(text: &str) {
+    if let Err(problems) = read_feedback(text, None) {
+        complains(text, &problems);
+    }
+    let rotor = builtin::rotor("three-mass").unwrap();
+    match read_feedback(text, Some(rotor.len())) {
+        Err(problems) => complains(text, &problems),
+        Ok(feedback) => {
+            let written = write_feedback(&feedback);
+            assert_eq!(read_feedback(&written, Some(rotor.len())).as_ref(), Ok(&feedback), "it reads back:\n{written}");
+            goes_through(&rotor, &feedback);
+        }
+    }
+}
+
+#[test]
+fn no_rotor_file_is_stumbled_over() {
+    let rotors = builtin::ROTORS.iter().filter_map(|name| builtin::rotor(name));
+    let si = "units = \"si\"\nreference_length = 1e-5\n\
+              [[mass]]\nmass = 40\nbearing_stiffness = 3.6e6\ndamping = 200.0\nunbalance = 20e-6\ndeadband = 1e-5\n\
+              [[mass]]\nmass = 10\nseal_stiffness = 1e5\n[[shaft]]\nstiffness = 1e6\n";
+    let seeds = rotors.map(|rotor| write_rotor(&rotor)).chain([si.to_owned()]).collect();
+    harness::run("rotor", CASES, &mutation::mutated(seeds), rotor_file);
+}
+
+#[test]
+fn no_rotor_that_is_made_up_is_stumbled_over() {
+    harness::run("rotor made up", CASES, &made_up::rotor(), rotor_file);
+}
+
+#[test]
+fn no_feedback_file_is_stumbled_over() {
+    let rotor = builtin::rotor("three-mass").unwrap();
+    let built_in = builtin::feedback_names(&rotor).iter().filter_map(|name| builtin::feedback(&rotor, name));
+    let scheduled = "bearing = 1\n[[signal]]\nmass = 2\nkd = { at_zero = 0.0, slope = -0.5 }\n\
+                     cc = { speed = [0, 2, 7], value = [0.1, 0.3, 0.2] }\n[[signal]]\ndisplacement = [1, 0.5, 0]\n\
+                     velocity = [0, 1, 0]\ncd = -0.3\n";
+    let seeds = built_in.map(|feedback| write_feedback(&feedback)).chain([scheduled.to_owned()]).collect();
+    harness::run("feedback", CASES, &mutation::mutated(seeds), feedback_file);
+}
+
+#[test]
+fn no_feedback_that_is_made_up_is_stumbled_over() {
+    harness::run("feedback made up", CASES, &made_up::feedback(), feedback_file);
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever is typed for a range or a row of keys is read or refused, and a range that is read has two ends in order.
+    #[test]
+    fn nothing_that_is_typed_is_stumbled_over(typed in "[-0-9.e+ infa=,]{0,16}|\\PC{0,12}") {
+        if let Ok([from, to]) = rotor::typed::range(&typed) {
+            prop_assert!(from < to && from.is_finite() && to.is_finite());
+            prop_assert!(!typed.contains("..."));
+        }
+        if let Ok(pairs) = rotor::typed::pairs(typed.split(',')) {
+            prop_assert!((1..pairs.len()).all(|i| pairs[..i].iter().all(|(key, _)| *key != pairs[i].0)));
+        }
+    }
+}
