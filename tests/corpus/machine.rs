@@ -123,6 +123,25 @@ fn no_feedback_that_is_made_up_is_stumbled_over() {
     harness::run("feedback made up", CASES, &made_up::feedback(), feedback_file);
 }
 
+/// Files that fell: values that are finite and too far apart for poles or their shapes to be.
+#[test]
+fn files_that_fell_are_told_or_gone_through() {
+    let weights = |weight: &str| {
+        format!(
+            "bearing = 1\n[[signal]]\ndisplacement = [{weight}, 1.0, 0.0]\nvelocity = [1.0, 1.0, 0.0]\nkd = -0.5\nkc = 0.5\n"
+        )
+    };
+    for weight in ["1.7976931348623157e308", "1e232", "-1e7", "1e6"] {
+        feedback_file(&weights(weight));
+    }
+    let told = read_feedback(&weights("1e232"), Some(3)).unwrap_err().to_string();
+    assert!(told.starts_with("3:17: displacement weight 1e232: expected a weight from -1000000 to 1000000"), "{told}");
+    feedback_file("bearing = 1\n[[signal]]\nmass = 1\nkd = { at_zero = 1e300, slope = -1e300 }\n");
+    let masses = ["", "cross_damping = 1e186\n", "damping = 1e300\n", "bearing_stiffness = 1e-300\n"];
+    let masses: String = masses.iter().map(|line| format!("[[mass]]\nmass = 1.0\n{line}")).collect();
+    rotor_file(&(masses + &"[[shaft]]\nstiffness = 0.0\n".repeat(3)));
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 

@@ -17,5 +17,6 @@ mod replay;
 mod report;
 mod run;
 mod tune;
+mod typed;
 mod units;
 mod workbench;

@@ -33,6 +33,9 @@ pub enum PoleError {
     /// The iteration did not converge within its bound.
     #[error("the eigenvalues did not converge in {SWEEPS_PER_EIGENVALUE} sweeps each")]
     NoConvergence,
+    /// A pole or its shape left the range of numbers.
+    #[error("the poles are beyond the range of numbers: the values of this machine lie too far apart")]
+    OutOfRange,
 }
 
 /// Eigenvalues of a square complex matrix, in no particular order.
@@ -52,7 +55,7 @@ pub fn eigenvalues(matrix: DMatrix<C64>) -> Result<Vec<C64>, PoleError> {
     let mut values = vec![C64::ZERO; size];
     eigenvalues_in_place(&mut rows, &mut values).map_err(|error| match error {
         PoleError::NotFinite { row, column } => PoleError::NotFinite { row: column, column: row },
-        PoleError::NoConvergence => error,
+        PoleError::NoConvergence | PoleError::OutOfRange => error,
     })?;
     Ok(values)
 }

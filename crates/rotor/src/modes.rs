@@ -9,13 +9,16 @@ use crate::{C64, ClosedLoop, MAX_MASSES, PoleError};
 /// (see [`Standing`]). Half the cost of [`Spectrum::of`].
 ///
 /// # Errors
-/// Coefficients that are not finite, or an eigenvalue iteration that does not converge.
+/// Coefficients that are not finite or poles that are not, or an eigenvalue iteration that does not converge.
 pub fn poles(closed_loop: &ClosedLoop) -> Result<Vec<C64>, PoleError> {
     sorted(&Quadratic::of(closed_loop))
 }
 
 fn sorted(quadratic: &Quadratic) -> Result<Vec<C64>, PoleError> {
     let mut poles = quadratic.poles()?;
+    if !poles.iter().all(|pole| is_finite(*pole)) {
+        return Err(PoleError::OutOfRange);
+    }
     quadratic.settle(&mut poles);
     // Few enough for insertion, which computes each key once.
     let mut keys = [0.0; 2 * MAX_MASSES];
@@ -29,6 +32,10 @@ fn sorted(quadratic: &Quadratic) -> Result<Vec<C64>, PoleError> {
         (poles[at], keys[at]) = (pole, key);
     }
     Ok(poles)
+}
+
+fn is_finite(z: C64) -> bool {
+    z.re.is_finite() && z.im.is_finite()
 }
 
 /// Relative damping of a pole, `-Re / |lambda|` (3.42), (4.28): 1 is overdamped, 0 the threshold, negative unstable.
@@ -112,11 +119,13 @@ impl Spectrum {
     /// The modes of `closed_loop`, every support bearing at its full stiffness.
     ///
     /// # Errors
-    /// Coefficients that are not finite, or an eigenvalue iteration that does not converge.
+    /// Coefficients that are not finite or poles that are not, or an eigenvalue iteration that does not converge.
     pub fn of(closed_loop: &ClosedLoop) -> Result<Self, PoleError> {
         let quadratic = Quadratic::of(closed_loop);
-        let modes = sorted(&quadratic)?.into_iter().map(|pole| Mode { pole, shape: shape(&quadratic, pole) }).collect();
-        Ok(Self { modes })
+        let modes: Vec<Mode> =
+            sorted(&quadratic)?.into_iter().map(|pole| Mode { pole, shape: shape(&quadratic, pole) }).collect();
+        let is_whole = modes.iter().flat_map(|mode| &mode.shape).all(|part| is_finite(*part));
+        if is_whole { Ok(Self { modes }) } else { Err(PoleError::OutOfRange) }
     }
 
     /// The smallest relative damping of any mode: the rotor is stable where it is positive.

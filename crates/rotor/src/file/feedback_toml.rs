@@ -50,6 +50,9 @@ fn implied_masses(file: &Table<'_>) -> usize {
     listed.unwrap_or_else(|| named.max().unwrap_or(0)).clamp(1, MAX_MASSES)
 }
 
+/// The largest weight of a sensor, as large as the largest gain: beyond it sums leave the range of numbers.
+const MOST_WEIGHT: f64 = 1e6;
+
 fn signal(
     reader: &mut Reader<'_>,
     table: &Table<'_>,
@@ -61,6 +64,13 @@ fn signal(
     reader.only(table, &["mass", "displacement", "velocity", "kd", "cd", "kc", "cc"]);
     let mut weights = |key: &str| {
         let list = reader.numbers(table, key, "weights, one a mass")?;
+        for (weight, at) in &list {
+            // What is not finite has been told already.
+            if weight.is_finite() && weight.abs() > MOST_WEIGHT {
+                let expected = format!("a weight from -{MOST_WEIGHT} to {MOST_WEIGHT}");
+                reader.problem(at.clone(), format!("{key} weight {weight}"), expected);
+            }
+        }
         if let (Some(value), true) = (table.get(key), list.len() != masses)
             && value.get_ref().is_array()
         {
@@ -106,6 +116,12 @@ fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> Gain {
         let within = (key, value.span());
         let at_zero = reader.required(table, within.clone(), "at_zero", Range::Finite);
         let slope = reader.required(table, within, "slope", Range::Finite);
+        let (min, max) = limits(key);
+        for (part, number) in [("at_zero", at_zero), ("slope", slope)] {
+            if let (Some(value), true) = (table.get(part), number.is_finite() && !(min..=max).contains(&number)) {
+                reader.wrong(part, value, format!("a number from {min} to {max}"));
+            }
+        }
         return Gain::Linear { at_zero, slope };
     }
     if has("speed") && has("value") {
