@@ -73,7 +73,7 @@ fn an_option_that_another_one_makes_void_is_refused() {
         ("assign jeffcott --cancel --speed 1", "cannot be used with"),
         ("assign jeffcott --cancel --bearing 1", "cannot be used with"),
         ("assign --table --speed 1 --bearing 2", "cannot be used with"),
-        ("assign jeffcott --speed 1 --poles -1,0;-1,1 --reference 2", "required arguments were not provided"),
+        ("assign jeffcott --speed 1 --poles -1,0;-1,1 --reference 2", "--reference is the speed of the cancelling law"),
         ("tune --over 0..3 --spread 50", "--spread 50: expected at most --bound, which is 20"),
         ("dash --picture a.txt --theme full", "a picture in plain text has no colours"),
         ("tail --count 0", "0 is not in 1.."),

@@ -123,7 +123,7 @@ fn seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
     }
     // Back second by second, to where only the first stroke had been felt.
     screen.press_until(" ", "the picture to stand", tau);
-    while harder(&screen.text()).is_some() {
+    while largest_force(&screen.text()).unwrap() > peak + 1e-3 {
         let before = screen.wait("where it stands", tau);
         screen.press_until("[", "a second earlier", |text| tau(text).filter(|now| now + 9.0 < before));
     }

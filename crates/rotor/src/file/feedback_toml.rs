@@ -68,7 +68,7 @@ fn signal(
             // What is not finite has been told already.
             if weight.is_finite() && weight.abs() > MOST_WEIGHT {
                 let expected = format!("a weight from -{MOST_WEIGHT} to {MOST_WEIGHT}");
-                reader.problem(at.clone(), format!("{key} weight {weight}"), expected);
+                reader.problem(at.clone(), format!("{key} weight {weight:?}"), expected);
             }
         }
         if let (Some(value), true) = (table.get(key), list.len() != masses)

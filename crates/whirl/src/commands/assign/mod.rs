@@ -30,9 +30,9 @@ pub(crate) struct AssignArgs {
     /// The cancelling law kc = zeta (R0 - R), which holds the poles of R0 at every speed (one mass)
     #[arg(long)]
     cancel: bool,
-    /// Reference speed R0 of the cancelling law (SI rotors: in rpm)
-    #[arg(long, value_name = "R0", default_value_t = 0.0, allow_negative_numbers = true, requires = "cancel")]
-    reference: f64,
+    /// Reference speed R0 of the cancelling law (SI rotors: in rpm) [default: 0]
+    #[arg(long, value_name = "R0", allow_negative_numbers = true)]
+    reference: Option<f64>,
     /// List how well a bearing or sensor at each mass reaches each mode
     #[arg(long, requires = "speed")]
     table: bool,
@@ -56,6 +56,9 @@ pub(crate) struct AssignArgs {
 pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
     if args.format.csv && !args.table {
         return Err(Failure::Usage("--csv: feedback is no table. --table has one; --json has the feedback too".into()));
+    }
+    if args.reference.is_some() && !args.cancel {
+        return Err(Failure::Usage("--reference is the speed of the cancelling law: expected --cancel with it".into()));
     }
     let rotor = catalog::rotor(&args.rotor)?;
     if args.cancel {
@@ -87,11 +90,12 @@ pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
 }
 
 fn cancel(args: &AssignArgs, rotor: &Rotor) -> Result<(), Failure> {
-    if !args.reference.is_finite() {
-        return Err(Failure::Usage(format!("reference = {}: expected a finite number", args.reference)));
+    let typed = args.reference.unwrap_or(0.0);
+    if !typed.is_finite() {
+        return Err(Failure::Usage(format!("reference = {typed}: expected a finite number")));
     }
     let units = Units::of(rotor);
-    let reference = units.speed_from_typed(args.reference);
+    let reference = units.speed_from_typed(typed);
     let feedback = rotor::cancelling(rotor, reference).ok_or_else(|| {
         let (name, masses) = (rotor.name(), rotor.len());
         Failure::Usage(format!("the cancelling law is for one mass, and {name} has {masses}: use --poles"))
