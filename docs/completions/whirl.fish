@@ -157,7 +157,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand poles" -s h -l help -d 'Prin
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand trace" -l points -d 'How many speeds, evenly spaced' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l points -d 'How many speeds, evenly spaced [default: 101]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l campbell -d 'Print the Campbell diagram instead: frequencies, and critical speeds where a branch meets 0.5X or 1X'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l csv -d 'Print rows for a spreadsheet'
@@ -171,7 +171,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -s h -l help -d 
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points of an orbit, the last of which ends the whirl period' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -s h -l help -d 'Print help'
@@ -251,7 +251,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand report" -l json -d 'Print on
 complete -c whirl -n "__fish_whirl_using_subcommand report" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand report" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l poles -d 'Wanted poles, two for each mass, per unit of tau = w0 t for any rotor: "re,im;re,im;..."' -r
-complete -c whirl -n "__fish_whirl_using_subcommand assign" -l reference -d 'Reference speed R0 of the cancelling law (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l reference -d 'Reference speed R0 of the cancelling law (SI rotors: in rpm) [default: 0]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm) at which the poles are assigned or the table is made' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l bearing -d 'The mass that carries the control bearing' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l out -d 'Write the feedback to a file instead' -r -F

@@ -123,7 +123,7 @@ fn tables_of_an_si_rotor_name_their_units() {
     let with = |more: &[&'static str]| [&["--over", "300..600", "--points", "2"], more].concat();
     for (command, options, expected) in [
         ("trace", with(&[]), "speed (rpm),mode,re (1/s),im (rad/s),damping,log dec,frequency (Hz),whirl"),
-        ("trace", with(&["--campbell"]), "line,speed (rpm),mode,frequency (Hz),damping,whirl"),
+        ("trace", vec!["--over", "300..600", "--campbell"], "line,speed (rpm),mode,frequency (Hz),damping,whirl"),
         ("thresholds", vec!["--over", "0..14000"], "speed (rpm),frequency (Hz),whirl ratio,whirl,becomes"),
         ("modes", vec!["--speed", "600"], "mode,mass,t (s),y,z"),
         ("force", with(&[]), "speed (rpm),deadband (m),max force (N),motion,stability,centre"),
