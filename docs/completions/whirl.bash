@@ -249,7 +249,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__cycles)
-            opts="-h --feedback --deadband --over --points --set --json --csv --help"
+            opts="-h --feedback --deadband --set --over --points --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -263,15 +263,15 @@ _whirl() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --over)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
                 --points)
-                    COMPREPLY=($(compgen -f "${cur}"))
-                    return 0
-                    ;;
-                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -473,7 +473,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__modes)
-            opts="-h --feedback --deadband --speed --points --json --csv --help"
+            opts="-h --feedback --deadband --set --speed --points --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -484,6 +484,10 @@ _whirl() {
                     return 0
                     ;;
                 --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -521,7 +525,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__poles)
-            opts="-h --feedback --deadband --speed --json --csv --help"
+            opts="-h --feedback --deadband --set --speed --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -532,6 +536,10 @@ _whirl() {
                     return 0
                     ;;
                 --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -629,7 +637,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__response)
-            opts="-h --feedback --deadband --over --points --set --json --csv --help"
+            opts="-h --feedback --deadband --set --over --points --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -643,15 +651,15 @@ _whirl() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --over)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
                 --points)
-                    COMPREPLY=($(compgen -f "${cur}"))
-                    return 0
-                    ;;
-                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -807,7 +815,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__sim)
-            opts="-h --feedback --deadband --bench --speed --rate --dtau --trip --as-child --help"
+            opts="-h --feedback --deadband --set --bench --speed --rate --dtau --trip --as-child --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -818,6 +826,10 @@ _whirl() {
                     return 0
                     ;;
                 --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -889,7 +901,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__thresholds)
-            opts="-h --feedback --deadband --over --json --csv --help"
+            opts="-h --feedback --deadband --set --over --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -900,6 +912,10 @@ _whirl() {
                     return 0
                     ;;
                 --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -915,7 +931,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__trace)
-            opts="-h --feedback --deadband --over --points --campbell --json --csv --help"
+            opts="-h --feedback --deadband --set --over --points --campbell --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -926,6 +942,10 @@ _whirl() {
                     return 0
                     ;;
                 --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -1055,7 +1075,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__up)
-            opts="-h --feedback --deadband --bench --speed --rate --dtau --trip --history --layout --theme --ascii --read-only --record --help"
+            opts="-h --feedback --deadband --set --bench --speed --rate --dtau --trip --history --layout --theme --ascii --read-only --record --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1066,6 +1086,10 @@ _whirl() {
                     return 0
                     ;;
                 --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -54,6 +54,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedba
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "rotor" -d 'List the built-in rotors, show one as a file, or check files'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second' -r
@@ -68,6 +69,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l read-only -d 'Only lo
 complete -c whirl -n "__fish_whirl_using_subcommand up" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
@@ -150,12 +152,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand clean" -l json -d 'Print one
 complete -c whirl -n "__fish_whirl_using_subcommand clean" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l points -d 'How many speeds, evenly spaced [default: 101]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l campbell -d 'Print the Campbell diagram instead: frequencies, and critical speeds where a branch meets 0.5X or 1X'
@@ -164,12 +168,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand trace" -l csv -d 'Print rows
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l over -d 'Spin speeds R to search, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
@@ -177,7 +183,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand modes" -l csv -d 'Print rows
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as deadband.2=0.5 (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l duration -d 'How long, in tau = w0 t for any rotor' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l dtau -d 'Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]' -r
@@ -198,17 +204,17 @@ complete -c whirl -n "__fish_whirl_using_subcommand force" -l csv -d 'Print rows
 complete -c whirl -n "__fish_whirl_using_subcommand force" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l points -d 'How many speeds, evenly spaced' -r
-complete -c whirl -n "__fish_whirl_using_subcommand response" -l set -d 'Any other setting, such as deadband.2=0.5 (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand response" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l points -d 'How many speeds, evenly spaced' -r
-complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l set -d 'Any other setting, such as deadband.2=0.5 (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -s h -l help -d 'Print help'

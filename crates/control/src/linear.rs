@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::block::Sampled;
-use crate::{C64, Parts};
+use crate::{C64, Controller, Feedback, FeedbackError, Parts};
 
 /// The law of a loop: `z' = a z + b r` (or `z <- a z + b r` at every sample), `w = c z + d r`, with `r` the readings of
 /// displacement at every sensor and then those of velocity.
@@ -37,6 +37,15 @@ pub struct LinearLoop {
 }
 
 impl LinearLoop {
+    /// The loop of `feedback` on a plant of so many stations, at a spin speed.
+    ///
+    /// # Errors
+    /// Feedback that does not fit.
+    pub fn new(feedback: &Feedback, stations: usize, speed: f64) -> Result<Self, FeedbackError> {
+        feedback.check(stations)?;
+        Ok(Controller::with_room(feedback, stations, speed, 1, 0.0).linear(speed))
+    }
+
     pub(crate) fn of<'a>(
         parts: &Parts,
         sensors: &[usize],

@@ -60,7 +60,7 @@ mod tests {
     fn completion_offers_names_settings_and_what_commands_take() {
         let layouts = ["operator".to_owned(), "overview".to_owned()];
         let complete = |line: &str| completions(line, &layouts, &["good".to_owned()]);
-        assert_eq!(complete("se"), ["select ", "set ", "search ", "seek "]);
+        assert_eq!(complete("se"), ["select ", "set ", "search ", "seek ", "sensor_lag=", "seed="]);
         assert_eq!(complete("layout o"), ["layout operator", "layout overview"]);
         assert_eq!(complete("load "), ["load good"]);
         assert_eq!(complete("strips y.1 rad"), ["strips y.1 radius"]);

@@ -81,8 +81,13 @@ impl Units {
     pub(crate) fn setting(&self, key: Key) -> Unit {
         match (self.scales, key.parameter.unit) {
             (Some(_), "w0") => self.speed,
-            (Some(scales), "e_t") => Unit { factor: scales.metres(1.0), name: "m" },
-            (_, name) => Unit { factor: 1.0, name },
+            (Some(_), "w0^2 e_t") => self.force,
+            (Some(scales), "w0^3 e_t") => Unit { factor: self.force.factor * scales.w0, name: "N/s" },
+            (Some(scales), unit) => {
+                let (factor, name) = scales.setting(unit, 1.0);
+                Unit { factor, name }
+            }
+            (None, name) => Unit { factor: 1.0, name },
         }
     }
 

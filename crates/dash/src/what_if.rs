@@ -1,7 +1,7 @@
 //! What would be: the poles under settings that are not in force yet.
 
-use rotor::step::{self, StepError};
-use rotor::{C64, Rotor, Settings, damping_ratio, poles};
+use machine::{MachinePoles, Pace, Program, ProgramError};
+use rotor::{C64, Rotor, Settings};
 
 /// Candidate settings and what follows from them.
 #[derive(Clone, Debug, PartialEq)]
@@ -13,21 +13,22 @@ pub(crate) struct WhatIf {
     /// The smallest damping ratio.
     pub(crate) min_damping: f64,
     /// Why the bench would not take them, as far as that is known.
-    pub(crate) refusal: Option<StepError>,
+    pub(crate) refusal: Option<ProgramError>,
 }
 
 impl WhatIf {
     /// What `settings` would mean for `rotor`; nothing if they do not fit it, or have no poles that can be computed.
     pub(crate) fn of(rotor: &Rotor, settings: Settings) -> Option<Self> {
         settings.check(rotor).ok()?;
-        let poles = poles(&settings.closed_loop(rotor)).ok()?;
-        let min_damping = poles.first().map(|pole| damping_ratio(*pole))?;
+        let modes = MachinePoles::of(rotor, &settings).ok()?.modes;
+        let min_damping = modes.first()?.damping();
+        let poles = modes.iter().map(|mode| mode.pole).collect();
         Some(Self { settings, poles, min_damping, refusal: None })
     }
 
     /// The same on a bench that makes steps of `dtau`, so many a second.
     pub(crate) fn on(mut self, rotor: &Rotor, dtau: f64, rate_hz: f64) -> Self {
-        self.refusal = step::substeps(&self.settings.closed_loop(rotor), dtau, rate_hz).err();
+        self.refusal = Program::compile(rotor, &self.settings, self.settings.speed, Pace { dtau, rate_hz }).err();
         self
     }
 
@@ -40,6 +41,7 @@ impl WhatIf {
 #[cfg(test)]
 mod tests {
     use rotor::builtin;
+    use rotor::step::StepError;
 
     use super::*;
 
@@ -58,7 +60,7 @@ mod tests {
         let mut heavy = settings.clone();
         heavy.assign("cd", "1e6").unwrap();
         let heavy = WhatIf::of(&rotor, heavy).unwrap().on(&rotor, 0.01, 1000.0);
-        assert!(matches!(heavy.refusal, Some(StepError::TooLong(_))), "{heavy:?}");
+        assert!(matches!(heavy.refusal, Some(ProgramError::Step(StepError::TooLong(_)))), "{heavy:?}");
         let foreign = Settings { deadband: vec![1.0], ..settings };
         assert_eq!(WhatIf::of(&rotor, foreign), None);
     }

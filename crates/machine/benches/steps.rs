@@ -23,7 +23,7 @@ fn settings(change: impl Fn(&mut rotor::Feedback)) -> (rotor::Rotor, Settings) {
 
 fn machine(change: impl Fn(&mut rotor::Feedback)) -> Machine {
     let (rotor, settings) = settings(change);
-    Machine::new(Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped"))
+    Machine::new(Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped"))
 }
 
 fn thousand(bencher: Bencher, mut machine: Machine) {

@@ -6,9 +6,8 @@
 use std::sync::Arc;
 
 use control::{Controller, Output, Stage, Words};
-use rotor::{C64, Direction, OperatingPoint, Plant, Spin};
+use rotor::{C64, Direction, Plant, Spin};
 
-use crate::linear_form::LinearForm;
 use crate::motion::Motion;
 
 /// A plant in motion with the loop around it.
@@ -103,9 +102,13 @@ impl Integrator {
         stations.map(|s| s.row.read(self.displacement()).norm_sqr()).fold(0.0, f64::max).sqrt()
     }
 
+    /// Draws the noise of a step.
+    pub(crate) fn begin_step(&mut self) {
+        self.controller.begin_step();
+    }
+
     /// Advances from `from` to `to`, stopping wherever something jumps.
     pub(crate) fn advance(&mut self, from: f64, to: f64, motion: &mut Motion) {
-        self.controller.begin_step();
         let mut now = from;
         while now < to {
             motion.pass(now);
@@ -210,6 +213,15 @@ impl Integrator {
         self.controller.output()
     }
 
+    /// Begins the loop in the middle of a motion, whose output was `output`.
+    pub(crate) fn start(&mut self, output: Output, tau: f64, speed: f64) {
+        let n = self.order();
+        let Self { plant, controller, state, stage: spare, stations, .. } = self;
+        let looked = seen(plant, stations, state, tau, 0.0, speed);
+        controller.start(output, &looked, &mut spare[2 * n..]);
+        state[2 * n..].copy_from_slice(&spare[2 * n..]);
+    }
+
     /// Takes over the motion of another plant and loop at `tau`: what they hold goes on as far as it still means something.
     pub(crate) fn adopt(&mut self, other: &Self, tau: f64, speed: f64) {
         let n = self.order();
@@ -218,10 +230,6 @@ impl Integrator {
         let looked = seen(plant, stations, state, tau, 0.0, speed);
         controller.adopt(&other.controller, &other.state[2 * n..], &looked, &mut spare[2 * n..]);
         state[2 * n..].copy_from_slice(&spare[2 * n..]);
-    }
-
-    pub(crate) fn linear(&self, at: &OperatingPoint) -> LinearForm {
-        LinearForm::of(&self.plant, &self.column, &self.controller, at)
     }
 
     pub(crate) fn save(&self, words: &mut Words) {

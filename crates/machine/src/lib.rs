@@ -10,10 +10,16 @@ mod integrate;
 mod linear_form;
 mod machine;
 mod motion;
+mod over_speed;
+mod poles;
 mod program;
+mod stability_loss;
 
 pub use control::{Output, Words};
 pub use linear_form::{LinearForm, SampledStep};
-pub use machine::{Machine, Sample, Trip, TripCause};
+pub use machine::{Line, Machine, Sample, Trip, TripCause};
 pub use motion::{Leg, MAX_LEGS};
-pub use program::{Program, ProgramError};
+pub use over_speed::{BranchOverSpeed, thresholds, trace};
+pub use poles::{MachinePoles, PolesError, min_damping};
+pub use program::{Pace, Program, ProgramError, default_step, fastest};
+pub use stability_loss::StabilityLoss;

@@ -8,7 +8,7 @@
 //! `x` holds displacements, velocities, states of the sensors and of the actuator. The law is continuous, or acts at samples
 //! and holds. Noise, resolution and limits are left out, clearances count as the factors of the operating point.
 
-use control::{Controller, Law, LinearLoop};
+use control::{Feedback, FeedbackError, Law, LinearLoop};
 use nalgebra::DMatrix;
 use rotor::{C64, OperatingPoint, Plant};
 
@@ -41,12 +41,17 @@ pub struct SampledStep {
 }
 
 impl LinearForm {
-    /// Joins a plant and its loop; `column` is what the force does to the coordinates' accelerations.
-    #[must_use]
-    pub fn of(plant: &Plant, column: &rotor::Direction, controller: &Controller, at: &OperatingPoint) -> Self {
-        let [damping, stiffness] = plant.linear(at);
+    /// Joins a plant and the loop of its feedback.
+    ///
+    /// # Errors
+    /// Feedback that does not fit the plant.
+    pub fn of(plant: &Plant, feedback: &Feedback, at: &OperatingPoint) -> Result<Self, FeedbackError> {
+        let stations = plant.stations().len();
         let LinearLoop { sensors, sensor_lag, sample, law, delay, actuator: [fa, fb, fc, fd] } =
-            controller.linear(at.speed);
+            LinearLoop::new(feedback, stations, at.speed)?;
+        let bearing = FeedbackError::Bearing { found: feedback.bearing + 1, masses: stations };
+        let column = plant.column(feedback.bearing).ok_or(bearing)?;
+        let [damping, stiffness] = plant.linear(at);
         let (n, m) = (plant.order(), sensors.len());
         let lagging = if sensor_lag > 0.0 { 2 * m } else { 0 };
         let (first_sensor, first_actuator) = (2 * n, 2 * n + lagging);
@@ -77,7 +82,7 @@ impl LinearForm {
         let mut b = DMatrix::zeros(width, 1);
         b.view_mut((n, 0), (n, 1)).copy_from(&(&column * fd));
         b.view_mut((first_actuator, 0), (order, 1)).copy_from(&fb);
-        Self { coordinates: n, a, b, readings, law, delay, sample }
+        Ok(Self { coordinates: n, a, b, readings, law, delay, sample })
     }
 
     /// `A`, `B` and `C` of `x' = A x + B C x(t - delay)`, the states of a continuous law among `x`; `None` if it is sampled.

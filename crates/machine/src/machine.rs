@@ -30,6 +30,17 @@ pub struct Trip {
     pub limit: f64,
 }
 
+/// Where a clock was set last, and how many steps of integration ago.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Line {
+    /// Time then.
+    pub tau: f64,
+    /// Spin angle then, in radians.
+    pub angle: f64,
+    /// Steps since.
+    pub steps: u64,
+}
+
 /// Where a machine is. Borrowed from it.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'a> {
@@ -90,11 +101,8 @@ impl Machine {
     /// A machine at rest at `tau` = 0, spinning at the speed at which its program ends.
     #[must_use]
     pub fn new(program: Program) -> Self {
-        let speed = program.legs.iter().rev().find_map(|leg| match leg {
-            crate::Leg::To { speed, .. } => Some(*speed),
-            crate::Leg::Dwell { .. } => None,
-        });
-        Self::spinning(program, speed.unwrap_or(0.0)).settled()
+        let speed = program.speed();
+        Self::spinning(program, speed).settled()
     }
 
     /// A machine at rest at `tau` = 0, spinning at `speed`, that follows its program from there.
@@ -114,6 +122,45 @@ impl Machine {
         machine.motion.follow(0.0, &machine.program.legs);
         machine.choose_path();
         machine
+    }
+
+    /// A machine in the middle of a motion, spinning at `speed`: `line` says where its clock was set last and how many steps of integration ago,
+    /// and the rest is its sample now. A fused one goes on to the last bit. Of a loop with states of its own these are not known here:
+    /// it begins as if what is read now had been read for ever; [`Machine::restore`] knows them.
+    #[must_use]
+    pub fn resumed(
+        program: Program,
+        line: Line,
+        speed: f64,
+        [displacement, velocity]: [&[C64]; 2],
+        output: Output,
+    ) -> Self {
+        let mut machine = Self::spinning(program, speed);
+        let dtau = machine.program.inner_step();
+        machine.grid = Grid { from: line.tau, steps: line.steps, dtau };
+        machine.motion.settle(line.tau, line.angle, speed);
+        if speed != machine.program.speed() {
+            // On its way there: the line begins here.
+            let Self { motion, program, .. } = &mut machine;
+            motion.follow(line.tau, &program.legs);
+        }
+        machine.place(displacement, velocity);
+        machine.good[0].copy_from_slice(displacement);
+        machine.good[1].copy_from_slice(velocity);
+        machine.output = output;
+        match &mut machine.fused {
+            Some(fused) if machine.is_fused => fused.set_clock(line.tau, line.angle, line.steps, dtau),
+            _ => {
+                let tau = machine.grid.tau();
+                machine.program.integrator.start(output, tau, speed);
+            }
+        }
+        machine
+    }
+
+    /// Stops it as a trip did of which only that is known.
+    pub fn hold(&mut self) {
+        self.stop(TripCause::Orbit);
     }
 
     fn settled(mut self) -> Self {
@@ -165,6 +212,25 @@ impl Machine {
         }
     }
 
+    /// Where it is, as the integrator of the fused path tells it.
+    #[must_use]
+    pub fn motion(&self) -> rotor::Motion<'_> {
+        let Sample { tau, angle, displacement, velocity, .. } = self.sample();
+        rotor::Motion { tau, angle, displacement, velocity }
+    }
+
+    /// What the loop puts out.
+    #[must_use]
+    pub fn output(&self) -> Output {
+        self.output
+    }
+
+    /// Bit `i` is set while contact `i` is closed.
+    #[must_use]
+    pub fn contact(&self) -> u32 {
+        self.sample().contact
+    }
+
     /// What the sensors read last.
     #[must_use]
     pub fn readings(&self) -> &[C64] {
@@ -177,6 +243,45 @@ impl Machine {
             return None;
         }
         if self.is_fused { self.step_fused() } else { self.step_integrated() }
+    }
+
+    /// One step of `dtau`, without guard and trip: for runs that judge the motion themselves. No longer than the program's
+    /// own step, for which its loop has room.
+    pub fn step_by(&mut self, dtau: f64) {
+        if dtau != self.program.dtau {
+            self.program.dtau = dtau;
+            if self.is_fused {
+                // As the fused path does itself.
+                let (tau, angle) = (self.tau(), self.sample().angle);
+                let speed = self.motion.speed_at(tau);
+                self.grid = Grid { from: tau, steps: 0, dtau: self.program.inner_step() };
+                self.motion.settle(tau, angle, speed);
+            } else {
+                self.grid.rebase(self.program.inner_step());
+            }
+        }
+        match &mut self.fused {
+            Some(fused) if self.is_fused => {
+                for _ in 0..self.program.substeps {
+                    fused.step(self.grid.dtau);
+                }
+                self.grid.steps += u64::from(self.program.substeps);
+                let control = fused.control();
+                self.output = Output { commanded: control, delivered: control, saturated: false };
+            }
+            _ => {
+                self.integrate();
+                self.choose_path();
+            }
+        }
+    }
+
+    /// Puts every coordinate somewhere; time, angle and what the loop holds go on.
+    pub fn place(&mut self, displacement: &[C64], velocity: &[C64]) {
+        match &mut self.fused {
+            Some(fused) if self.is_fused => fused.place(displacement, velocity),
+            _ => self.program.integrator.place(displacement, velocity),
+        }
     }
 
     fn step_fused(&mut self) -> Option<Trip> {
@@ -201,17 +306,12 @@ impl Machine {
     }
 
     fn step_integrated(&mut self) -> Option<Trip> {
-        let Program { integrator, substeps, .. } = &mut *self.program;
-        for _ in 0..*substeps {
-            let from = self.grid.tau();
-            self.grid.steps += 1;
-            integrator.advance(from, self.grid.tau(), &mut self.motion);
-        }
+        self.integrate();
+        let integrator = &mut self.program.integrator;
         let radius = integrator.largest_radius();
         let ended = if integrator.is_finite() && radius.is_finite() {
             self.good[0].copy_from_slice(integrator.displacement());
             self.good[1].copy_from_slice(integrator.velocity());
-            self.output = integrator.output();
             self.judge(radius)
         } else {
             integrator.place(&self.good[0], &self.good[1]);
@@ -219,6 +319,21 @@ impl Machine {
         };
         self.choose_path();
         ended
+    }
+
+    /// The substeps of a step, plant and loop together.
+    fn integrate(&mut self) {
+        let Program { integrator, substeps, .. } = &mut *self.program;
+        integrator.begin_step();
+        for _ in 0..*substeps {
+            let from = self.grid.tau();
+            self.grid.steps += 1;
+            integrator.advance(from, self.grid.tau(), &mut self.motion);
+        }
+        // What is not finite is never told.
+        if integrator.output().delivered.is_finite() {
+            self.output = integrator.output();
+        }
     }
 
     fn judge(&mut self, radius: f64) -> Option<Trip> {

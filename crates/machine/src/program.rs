@@ -2,12 +2,14 @@
 
 use std::sync::Arc;
 
-use control::{Controller, LoopError};
-use rotor::{ClosedLoop, OperatingPoint, Plant, Rotor, Settings};
+use control::{Controller, Feedback, LoopError};
+use rotor::step::{Fastest, StepError};
+use rotor::{C64, ClosedLoop, OperatingPoint, Plant, PoleError, Rotor, Settings, eigenvalues};
 
 use crate::integrate::Integrator;
 use crate::linear_form::LinearForm;
 use crate::motion::Leg;
+use crate::poles::{Characteristic, PolesError};
 
 /// Why settings cannot be stepped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,9 +20,24 @@ pub enum ProgramError {
     /// The loop cannot work at this step.
     #[error(transparent)]
     Loop(#[from] LoopError),
-    /// There is no such control bearing.
-    #[error("no control bearing {0}")]
-    NoBearing(usize),
+    /// The step does not follow the machine, and no substeps that there is time for would.
+    #[error(transparent)]
+    Step(#[from] StepError),
+}
+
+impl From<PoleError> for ProgramError {
+    fn from(error: PoleError) -> Self {
+        Self::Step(error.into())
+    }
+}
+
+/// The pace at which a machine is to be stepped.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// The step that others see, in `tau`.
+    pub dtau: f64,
+    /// Steps a second; 0 where nothing is paced.
+    pub rate_hz: f64,
 }
 
 /// Settings, ready to be stepped.
@@ -29,6 +46,9 @@ pub struct Program {
     /// The fused path, where there is one: a chain under an ideal loop.
     pub(crate) fused: Option<ClosedLoop>,
     pub(crate) integrator: Integrator,
+    plant: Arc<Plant>,
+    feedback: Feedback,
+    clearances: Vec<f64>,
     /// Where the speed goes.
     pub(crate) legs: Vec<Leg>,
     /// The largest orbit before the machine trips, in `e_t`.
@@ -40,31 +60,44 @@ pub struct Program {
 }
 
 impl Program {
-    /// Settings of a chain, to be stepped in `substeps` parts of `dtau` each step.
+    /// Settings of a chain, to be stepped in as many parts as they need at all speeds from `from_speed` to theirs.
+    ///
+    /// # Errors
+    /// Settings that do not fit the rotor, a loop that cannot work at this step, or more parts than there is time for.
+    pub fn compile(rotor: &Rotor, settings: &Settings, from_speed: f64, pace: Pace) -> Result<Self, ProgramError> {
+        settings.check(rotor)?;
+        let passes_others = settings.ramp.is_finite() && from_speed != settings.speed;
+        let mut substeps = 1;
+        for speed in [Some(settings.speed), passes_others.then_some(from_speed)].into_iter().flatten() {
+            substeps = substeps.max(fastest(rotor, settings, speed)?.substeps(pace.dtau, pace.rate_hz)?);
+        }
+        Self::in_substeps(rotor, settings, pace.dtau, substeps)
+    }
+
+    /// The same in so many parts a step, whatever they need: as a recording was made.
     ///
     /// # Errors
     /// Settings that do not fit the rotor, or a loop that cannot work at this step.
-    pub fn new(rotor: &Rotor, settings: &Settings, dtau: f64, substeps: u32) -> Result<Self, ProgramError> {
+    pub fn in_substeps(rotor: &Rotor, settings: &Settings, dtau: f64, substeps: u32) -> Result<Self, ProgramError> {
         settings.check(rotor)?;
         let feedback = &settings.feedback;
         let plant = Arc::new(Plant::of(rotor));
-        let column = plant.column(feedback.bearing).ok_or(ProgramError::NoBearing(feedback.bearing + 1))?.clone();
+        let stations = plant.stations().len();
+        let bearing = control::FeedbackError::Bearing { found: feedback.bearing + 1, masses: stations };
+        let column = plant.column(feedback.bearing).ok_or(LoopError::Feedback(bearing))?.clone();
         let inner = dtau / f64::from(substeps);
-        let controller = Controller::new(feedback, plant.stations().len(), settings.speed, inner)?;
+        let controller = Controller::new(feedback, stations, settings.speed, inner)?;
         Ok(Self {
             fused: feedback.is_ideal().then(|| settings.closed_loop(rotor)),
-            integrator: Integrator::new(plant, column, settings.deadband.clone(), controller, inner),
+            integrator: Integrator::new(plant.clone(), column, settings.deadband.clone(), controller, inner),
+            plant,
+            feedback: feedback.clone(),
+            clearances: settings.deadband.clone(),
             legs: vec![Leg::To { speed: settings.speed, rate: settings.ramp }],
             trip_limit: settings.trip,
             substeps,
             dtau,
         })
-    }
-
-    /// The machine as matrices, at an operating point.
-    #[must_use]
-    pub fn linear(&self, at: &OperatingPoint) -> LinearForm {
-        self.integrator.linear(at)
     }
 
     /// The same with another program for its speed.
@@ -73,8 +106,103 @@ impl Program {
         Self { legs, ..self }
     }
 
+    /// How many steps of integration make a step.
+    #[must_use]
+    pub fn substeps(&self) -> u32 {
+        self.substeps
+    }
+
+    /// The equations of motion of the fused path; `None` where the loop is not ideal.
+    #[must_use]
+    pub fn closed_loop(&self) -> Option<&ClosedLoop> {
+        self.fused.as_ref()
+    }
+
+    /// The spin speed that it ends at.
+    #[must_use]
+    pub fn speed(&self) -> f64 {
+        let ends = self.legs.iter().rev().find_map(|leg| match leg {
+            Leg::To { speed, .. } => Some(*speed),
+            Leg::Dwell { .. } => None,
+        });
+        ends.unwrap_or(0.0)
+    }
+
+    /// How many coordinates the plant has.
+    #[must_use]
+    pub fn order(&self) -> usize {
+        self.plant.order()
+    }
+
+    /// The clearance of every contact, in `e_t`.
+    #[must_use]
+    pub fn clearances(&self) -> &[f64] {
+        &self.clearances
+    }
+
+    /// How fast the fastest small disturbance of the balanced machine at rest in its centre grows, contacts with a clearance
+    /// out of action, and what of that rounding may be: as `exp(growth tau)`.
+    ///
+    /// # Errors
+    /// Poles that cannot be had.
+    pub fn growth_at_centre(&self) -> Result<(f64, f64), PolesError> {
+        let factor = |clearance: &f64| if *clearance > 0.0 { 0.0 } else { 1.0 };
+        let contact_factors = self.clearances.iter().map(factor).collect();
+        let at = OperatingPoint { speed: self.speed(), contact_factors };
+        let characteristic = Characteristic::of(&LinearForm::of(&self.plant, &self.feedback, &at)?)?;
+        let growth = characteristic.roots()?.iter().map(|root| root.pole.re).fold(f64::NEG_INFINITY, f64::max);
+        // Where nothing is right of the line, the line is a bound.
+        Ok((growth.max(characteristic.right_of().unwrap_or(f64::NEG_INFINITY)), characteristic.rounding()))
+    }
+
     /// The step of integration.
     pub(crate) fn inner_step(&self) -> f64 {
         self.dtau / f64::from(self.substeps)
     }
+}
+
+/// The step of an offline run that nobody says otherwise of: accurate, and no longer than a sampling period.
+///
+/// # Errors
+/// Settings that do not fit the rotor, or eigenvalues that do not converge.
+pub fn default_step(rotor: &Rotor, settings: &Settings) -> Result<f64, ProgramError> {
+    let step = fastest(rotor, settings, settings.speed)?.default_step();
+    Ok(match settings.feedback.parts.sample {
+        0.0 => step,
+        sample => step.min(sample),
+    })
+}
+
+/// The fastest that is integrated under settings at a spin speed: the modes of the machine with every support bearing in and
+/// out of action, the control as immediate as it gets; and, where it comes late or in samples, without it too.
+///
+/// # Errors
+/// Settings that do not fit the rotor, or eigenvalues that do not converge.
+pub fn fastest(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Fastest, ProgramError> {
+    let feedback = &settings.feedback;
+    if feedback.is_ideal() {
+        let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
+        return Ok(Fastest::of(&closed_loop)?);
+    }
+    let plant = Plant::of(rotor);
+    let mut poles: Vec<C64> = Vec::new();
+    for factor in [1.0, 0.0] {
+        let at = OperatingPoint { speed, contact_factors: vec![factor; plant.contacts().len()] };
+        let form = LinearForm::of(&plant, feedback, &at).map_err(LoopError::from)?;
+        match form.continuous() {
+            Some([a, b, c]) => {
+                poles.extend(eigenvalues(&a + b * c)?);
+                if form.delay > 0.0 {
+                    poles.extend(eigenvalues(a)?);
+                }
+            }
+            None => {
+                poles.extend(eigenvalues(&form.a + &form.b * &form.law.d * &form.readings)?);
+                poles.extend(eigenvalues(form.a)?);
+            }
+        }
+    }
+    // A state of the loop costs about as much as half a mass, and what has no fused path about twice as much.
+    let states = poles.len() / 2;
+    Ok(Fastest::of_poles(states, speed, poles))
 }

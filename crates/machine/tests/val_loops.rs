@@ -1,8 +1,8 @@
 //! The machine in motion against its own matrices, the fused path, and exact poles: neither knows the other.
 
 use control::{Filter, Parts};
-use machine::{Leg, Machine, Program, Words};
-use rotor::{C64, Mass, OperatingPoint, Rotor, Settings, builtin, eigenvalues};
+use machine::{Leg, LinearForm, Machine, Program, Words};
+use rotor::{C64, Mass, OperatingPoint, Plant, Rotor, Settings, builtin, eigenvalues};
 
 /// The three-mass rotor without unbalance, so that nothing but a disturbance moves it.
 fn balanced() -> Rotor {
@@ -35,8 +35,9 @@ fn rightmost(poles: impl IntoIterator<Item = C64>) -> C64 {
 }
 
 /// The exact pole that lasts longest.
-fn exact(program: &Program, speed: f64) -> C64 {
-    let form = program.linear(&OperatingPoint::at(speed));
+fn exact(rotor: &Rotor, settings: &Settings) -> C64 {
+    let point = OperatingPoint::at(settings.speed);
+    let form = LinearForm::of(&Plant::of(rotor), &settings.feedback, &point).expect("fits");
     if let Some(step) = form.sampled() {
         return rightmost(eigenvalues(step.a).expect("converges").into_iter().map(|z| z.ln() / step.period));
     }
@@ -54,8 +55,8 @@ fn exact(program: &Program, speed: f64) -> C64 {
 fn compare(what: &str, change: impl Fn(&mut rotor::Feedback)) {
     let (rotor, speed, dtau) = (balanced(), 6.0, 0.01);
     let settings = settings(&rotor, speed, change);
-    let program = Program::new(&rotor, &settings, dtau, 1).expect("can be stepped");
-    let expected = exact(&program, speed);
+    let program = Program::in_substeps(&rotor, &settings, dtau, 1).expect("can be stepped");
+    let expected = exact(&rotor, &settings);
     let found = simulated(&mut Machine::new(program), dtau, 10, 1500.0);
     assert!((found - expected).norm() < 1e-4 * expected.norm(), "{what}: simulated {found:.8}, exact {expected:.8}");
 }
@@ -103,12 +104,12 @@ fn an_ideal_loop_at_a_steady_speed_is_the_fused_path_to_the_last_bit() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let mut settings = settings(&rotor, 6.0, |_| ());
     settings.deadband.fill(1.0);
-    let mut machine = Machine::new(Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped"));
+    let mut machine = Machine::new(Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped"));
     let mut stepper = rotor::stepper(&settings.closed_loop(&rotor));
     for k in 0..5000 {
         if k == 3000 {
             settings.speed = 2.0;
-            let mut program = Box::new(Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped"));
+            let mut program = Box::new(Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped"));
             machine.load(&mut program);
             stepper.load(&settings.closed_loop(&rotor));
         }
@@ -153,7 +154,7 @@ fn a_machine_that_is_restored_goes_on_to_the_last_bit() {
             let mut settings = settings(&rotor, 4.0, change);
             settings.deadband.fill(1.0);
             settings.ramp = ramp;
-            let program = || Program::new(&rotor, &settings, 0.01, 2).expect("can be stepped");
+            let program = || Program::in_substeps(&rotor, &settings, 0.01, 2).expect("can be stepped");
             let mut machine = Machine::spinning(program(), 2.0);
             (0..1500).for_each(|_| assert!(machine.step().is_none()));
             let mut words = Words::default();
@@ -184,13 +185,13 @@ fn val_a_slow_ramp_ends_in_the_steady_motion_and_takes_the_time_it_should() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let mut settings = settings(&rotor, 3.0, |_| ());
     let steady = |settings: &Settings| {
-        let mut machine = Machine::new(Program::new(&rotor, settings, 0.01, 1).expect("can be stepped"));
+        let mut machine = Machine::new(Program::in_substeps(&rotor, settings, 0.01, 1).expect("can be stepped"));
         (0..60_000).for_each(|_| assert!(machine.step().is_none()));
         machine.sample().displacement[0].norm()
     };
     let expected = steady(&settings);
     settings.ramp = 0.01;
-    let mut machine = Machine::spinning(Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped"), 1.0);
+    let mut machine = Machine::spinning(Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped"), 1.0);
     (0..10_000).for_each(|_| assert!(machine.step().is_none()));
     let half_way = machine.sample();
     assert!((half_way.speed - 2.0).abs() < 1e-12 && half_way.acceleration == 0.01);
@@ -208,7 +209,7 @@ fn a_force_is_kept_to_its_limit_and_its_rate() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let mut settings = settings(&rotor, 6.0, |f| (f.parts.limit, f.parts.slew) = (3.0, 5.0));
     settings.deadband.fill(1.0);
-    let mut machine = Machine::new(Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped"));
+    let mut machine = Machine::new(Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped"));
     let (mut before, mut saturated) = (C64::ZERO, 0);
     for _ in 0..3000 {
         if machine.step().is_some() {
@@ -229,7 +230,7 @@ fn legs_follow_each_other() {
     let feedback = builtin::feedback(&rotor, "cancel").expect("built in");
     let settings = Settings::new(&rotor, 0.0, feedback);
     let legs = vec![Leg::To { speed: 1.0, rate: 0.1 }, Leg::Dwell { duration: 5.0 }, Leg::To { speed: 0.0, rate: 0.5 }];
-    let program = Program::new(&rotor, &settings, 0.01, 1).expect("can be stepped").following(legs);
+    let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped").following(legs);
     let mut machine = Machine::spinning(program, 0.0);
     let mut at = |tau: f64| {
         while machine.tau() < tau - 1e-9 {

@@ -15,7 +15,6 @@
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
 //!   [`Standing`]: what they say.
-//! * [`StabilityLoss`]: what a change of settings would take from a stable rotor.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 //! * [`typed`]: ranges, `KEY=VALUE` and rows of settings as a person types them.
@@ -40,7 +39,6 @@ mod quadratic;
 pub mod report_form;
 mod settings;
 mod si;
-mod stability_loss;
 pub mod step;
 mod stepper;
 mod thresholds;
@@ -55,13 +53,12 @@ pub use eigen::{PoleError, eigenvalues};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
 pub use marginal::{Standing, standing};
-pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles};
+pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles, scale_to_largest};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};
 pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
-pub use stability_loss::StabilityLoss;
 pub use stepper::{Motion, Stepper, stepper};
 pub use thresholds::{Stability, Threshold, thresholds};
 pub use trace::{Branch, CriticalSpeed, Trace, critical_speeds, trace};

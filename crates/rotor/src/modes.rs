@@ -156,7 +156,7 @@ fn shape(quadratic: &Quadratic, pole: C64) -> Vec<C64> {
 }
 
 /// Divides by the component of largest modulus; of nearly equal ones, by the first.
-pub(crate) fn scale_to_largest(shape: &mut [C64]) {
+pub fn scale_to_largest(shape: &mut [C64]) {
     let (_, largest) = shape.iter().fold((0.0, C64::ZERO), |(size, largest), z| {
         let square = z.norm_sqr();
         if square > size * (1.0 + 1e-9) { (square, *z) } else { (size, largest) }

@@ -6,6 +6,8 @@
 use std::fmt;
 use std::str::FromStr;
 
+use control::{PARTS, Part};
+
 use crate::{ClosedLoop, Feedback, FeedbackError, Gain, GainKind, Rotor};
 
 /// What a parameter belongs to, and so what the index in `key.index` counts.
@@ -20,7 +22,7 @@ pub enum Scope {
 }
 
 /// One row of the table of settings.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Parameter {
     /// Its key, as typed.
     pub name: &'static str,
@@ -36,57 +38,168 @@ pub struct Parameter {
     pub step: f64,
     /// What it belongs to.
     pub scope: Scope,
-    what: What,
+    /// The value that means "not there", typed as `off`; it is allowed beside the range.
+    pub off: Option<f64>,
+    /// Which gain it is, if it is one: gains may be schedules.
+    pub gain: Option<GainKind>,
+    /// Reads it; the place is of a mass or signal that exists, and 0 for the whole machine.
+    get: fn(&Settings, usize) -> f64,
+    /// Writes it, likewise.
+    set: fn(&mut Settings, usize, f64),
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum What {
-    Speed,
-    Deadband,
-    Gain(GainKind),
-    Trip,
+impl PartialEq for Parameter {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
 }
 
-const fn gain(kind: GainKind, name: &'static str, meaning: &'static str) -> Parameter {
-    Parameter { name, meaning, unit: "", min: -1e6, max: 1e6, step: 0.01, scope: Scope::Signal, what: What::Gain(kind) }
+impl Parameter {
+    /// Whether a value is allowed.
+    #[must_use]
+    pub fn admits(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value) || self.off == Some(value)
+    }
+
+    /// A number as typed; `off` is one where that means something.
+    #[must_use]
+    pub fn parse(&self, typed: &str) -> Option<f64> {
+        match (typed.trim(), self.off) {
+            ("off", Some(off)) => Some(off),
+            (typed, _) => typed.parse().ok(),
+        }
+    }
+}
+
+const fn gain(
+    kind: GainKind,
+    name: &'static str,
+    meaning: &'static str,
+    get: fn(&Settings, usize) -> f64,
+    set: fn(&mut Settings, usize, f64),
+) -> Parameter {
+    Parameter {
+        name,
+        meaning,
+        unit: "",
+        min: -1e6,
+        max: 1e6,
+        step: 0.01,
+        scope: Scope::Signal,
+        off: None,
+        gain: Some(kind),
+        get,
+        set,
+    }
+}
+
+/// Rows for the four gains: a function of its own for each, because a row holds plain functions.
+macro_rules! gains {
+    ($($kind:ident $name:literal $meaning:literal)+) => {
+        [$(gain(
+            GainKind::$kind,
+            $name,
+            $meaning,
+            |settings, signal| settings.feedback.signals[signal].gain(GainKind::$kind).at(settings.speed),
+            |settings, signal, value| {
+                *settings.feedback.signals[signal].gain_mut(GainKind::$kind) = Gain::Constant(value);
+            },
+        )),+]
+    };
+}
+
+const GAINS: [Parameter; 4] = gains![
+    Kd "kd" "direct stiffness (report: g11)"
+    Cd "cd" "direct damping (report: g13 in chapter III, g12 in chapter IV)"
+    Kc "kc" "cross-coupled stiffness (report: g12 in chapter III, g13 in chapter IV)"
+    Cc "cc" "cross-coupled damping (report: g14)"
+];
+
+/// A row for a number of the loop.
+macro_rules! part {
+    ($at:literal) => {{
+        const PART: Part = PARTS[$at];
+        Parameter {
+            name: PART.name,
+            meaning: PART.meaning,
+            unit: PART.unit,
+            min: PART.min,
+            max: PART.max,
+            step: PART.step,
+            scope: Scope::Machine,
+            off: Some(PART.absent),
+            gain: None,
+            get: |settings, _| (PART.get)(&settings.feedback.parts),
+            set: |settings, _, value| (PART.set)(&mut settings.feedback.parts, value),
+        }
+    }};
+}
+
+const fn machine(
+    name: &'static str,
+    meaning: &'static str,
+    unit: &'static str,
+    [min, max, step]: [f64; 3],
+    get: fn(&Settings, usize) -> f64,
+    set: fn(&mut Settings, usize, f64),
+) -> Parameter {
+    Parameter { name, meaning, unit, min, max, step, scope: Scope::Machine, off: None, gain: None, get, set }
 }
 
 /// Every numeric setting, in the order in which panels show them.
-pub const PARAMETERS: [Parameter; 7] = [
+pub const PARAMETERS: [Parameter; 18] = [
+    machine(
+        "speed",
+        "spin speed R = w / w0; with a ramp, where it goes",
+        "w0",
+        [0.0, 1000.0, 0.05],
+        |settings, _| settings.speed,
+        |settings, _, value| settings.speed = value,
+    ),
     Parameter {
-        name: "speed",
-        meaning: "spin speed R = w / w0",
-        unit: "w0",
-        min: 0.0,
-        max: 1000.0,
-        step: 0.05,
-        scope: Scope::Machine,
-        what: What::Speed,
+        off: Some(f64::INFINITY),
+        ..machine(
+            "ramp",
+            "greatest rate of change of the speed; off: it jumps",
+            "w0^2",
+            [1e-9, 1e6, 0.01],
+            |settings, _| settings.ramp,
+            |settings, _, value| settings.ramp = value,
+        )
     },
     Parameter {
-        name: "deadband",
-        meaning: "radial clearance of the support bearings, g / e_t",
-        unit: "e_t",
-        min: 0.0,
-        max: 1e6,
-        step: 0.1,
         scope: Scope::Mass,
-        what: What::Deadband,
+        ..machine(
+            "deadband",
+            "radial clearance of the support bearings, g / e_t",
+            "e_t",
+            [0.0, 1e6, 0.1],
+            |settings, mass| settings.deadband[mass],
+            |settings, mass, value| settings.deadband[mass] = value,
+        )
     },
-    gain(GainKind::Kd, "kd", "direct stiffness (report: g11)"),
-    gain(GainKind::Cd, "cd", "direct damping (report: g13 in chapter III, g12 in chapter IV)"),
-    gain(GainKind::Kc, "kc", "cross-coupled stiffness (report: g12 in chapter III, g13 in chapter IV)"),
-    gain(GainKind::Cc, "cc", "cross-coupled damping (report: g14)"),
-    Parameter {
-        name: "trip",
-        meaning: "orbit radius at which the machine trips",
-        unit: "e_t",
-        min: 1e-3,
-        max: 1e9,
-        step: 10.0,
-        scope: Scope::Machine,
-        what: What::Trip,
-    },
+    GAINS[0],
+    GAINS[1],
+    GAINS[2],
+    GAINS[3],
+    machine(
+        "trip",
+        "orbit radius at which the machine trips",
+        "e_t",
+        [1e-3, 1e9, 10.0],
+        |settings, _| settings.trip,
+        |settings, _, value| settings.trip = value,
+    ),
+    part!(0),
+    part!(1),
+    part!(2),
+    part!(3),
+    part!(4),
+    part!(5),
+    part!(6),
+    part!(7),
+    part!(8),
+    part!(9),
 ];
 
 /// One settable value: a row of [`PARAMETERS`], and the mass or signal it is meant for.
@@ -145,15 +258,17 @@ pub enum SettingsError {
         of: &'static str,
     },
     /// The value is not a number.
-    #[error("{key} = '{found}': expected a number")]
+    #[error("{key} = '{found}': expected a number{}", or_off_words(*or_off))]
     NotANumber {
         /// The key.
         key: String,
         /// What was typed.
         found: String,
+        /// Whether it can be off.
+        or_off: bool,
     },
     /// The value is not finite, or outside its range.
-    #[error("{key} = {found}: expected a number from {min} to {max}")]
+    #[error("{key} = {found}: expected a number from {min} to {max}{}", or_off_words(*or_off))]
     OutOfRange {
         /// The key.
         key: String,
@@ -163,6 +278,8 @@ pub enum SettingsError {
         min: f64,
         /// The greatest allowed.
         max: f64,
+        /// Whether it can be off.
+        or_off: bool,
     },
     /// The number of clearances is not the number of masses.
     #[error("{found} deadbands for {masses} masses")]
@@ -175,6 +292,10 @@ pub enum SettingsError {
     /// The feedback does not fit the rotor.
     #[error(transparent)]
     Feedback(#[from] FeedbackError),
+}
+
+fn or_off_words(can_be_off: bool) -> &'static str {
+    if can_be_off { ", or off" } else { "" }
 }
 
 fn known_keys() -> String {
@@ -216,11 +337,8 @@ impl Settings {
         }
         self.feedback.check(rotor.len())?;
         for key in self.keys() {
-            let values: Vec<f64> = match key.parameter.what {
-                What::Gain(kind) => match self.signal(key)?.gain(kind) {
-                    Gain::Table(points) => points.iter().map(|&(_, value)| value).collect(),
-                    gain => vec![gain.at(self.speed)],
-                },
+            let values: Vec<f64> = match self.gain(key) {
+                Some(Gain::Table(points)) => points.iter().map(|&(_, value)| value).collect(),
                 _ => vec![self.get(key)?],
             };
             for value in values {
@@ -234,12 +352,15 @@ impl Settings {
     #[must_use]
     pub fn keys(&self) -> Vec<Key> {
         let mut keys = Vec::new();
-        let mut add = |scope: Scope, index| {
-            keys.extend(PARAMETERS.iter().filter(|p| p.scope == scope).map(|parameter| Key { parameter, index }));
+        let mut add = |scope: Scope, can_be_off: bool, index| {
+            let rows = PARAMETERS.iter().filter(|p| p.scope == scope && p.off.is_some() == can_be_off);
+            keys.extend(rows.map(|parameter| Key { parameter, index }));
         };
-        add(Scope::Machine, None);
-        (0..self.deadband.len()).for_each(|i| add(Scope::Mass, Some(i)));
-        (0..self.feedback.signals.len()).for_each(|i| add(Scope::Signal, Some(i)));
+        add(Scope::Machine, false, None);
+        (0..self.deadband.len()).for_each(|i| add(Scope::Mass, false, Some(i)));
+        (0..self.feedback.signals.len()).for_each(|i| add(Scope::Signal, false, Some(i)));
+        // What most machines do not have stands last.
+        add(Scope::Machine, true, None);
         keys
     }
 
@@ -248,15 +369,8 @@ impl Settings {
     /// # Errors
     /// A mass or signal that does not exist.
     pub fn get(&self, key: Key) -> Result<f64, SettingsError> {
-        match key.parameter.what {
-            What::Speed => Ok(self.speed),
-            What::Trip => Ok(self.trip),
-            What::Deadband => match key.index {
-                None => Ok(self.deadband.iter().copied().fold(0.0, f64::max)),
-                Some(i) => self.deadband.get(i).copied().ok_or_else(|| self.no_such(key)),
-            },
-            What::Gain(kind) => Ok(self.signal(key)?.gain(kind).at(self.speed)),
-        }
+        let Parameter { get, .. } = *key.parameter;
+        Ok(self.places(key)?.map(|place| get(self, place)).reduce(f64::max).unwrap_or_default())
     }
 
     /// Sets `key`: a scheduled gain becomes constant.
@@ -265,38 +379,30 @@ impl Settings {
     /// A value that is not finite or out of range, or a mass or signal that does not exist; nothing changes then.
     pub fn set(&mut self, key: Key, value: f64) -> Result<(), SettingsError> {
         in_range(key, value)?;
-        match key.parameter.what {
-            What::Speed => self.speed = value,
-            What::Trip => self.trip = value,
-            What::Deadband => match key.index {
-                None => self.deadband.fill(value),
-                Some(i) => {
-                    let refusal = self.no_such(key);
-                    *self.deadband.get_mut(i).ok_or(refusal)? = value;
-                }
-            },
-            What::Gain(kind) => *self.gain_mut(key, kind)? = Gain::Constant(value),
-        }
+        let Parameter { set, .. } = *key.parameter;
+        self.places(key)?.for_each(|place| set(self, place, value));
         Ok(())
     }
 
-    /// Raises `key` by `delta`, held within its range; a scheduled gain is raised at every speed.
+    /// Raises `key` by `delta`, held within its range; a scheduled gain is raised at every speed, and what is off stays off.
     ///
     /// # Errors
     /// A mass or signal that does not exist.
     pub fn nudge(&mut self, key: Key, delta: f64) -> Result<(), SettingsError> {
-        let Parameter { min, max, what, .. } = *key.parameter;
-        let raised = |value: f64| tidy(value + delta, delta).clamp(min, max);
-        match (what, key.index) {
-            (What::Deadband, None) => self.deadband.iter_mut().for_each(|g| *g = raised(*g)),
-            (What::Gain(kind), _) => {
-                let gain = self.gain_mut(key, kind)?;
-                *gain = match &*gain {
-                    Gain::Constant(value) => Gain::Constant(raised(*value)),
-                    schedule => schedule.shifted(delta),
-                };
+        let Parameter { min, max, off, gain, get, set, .. } = *key.parameter;
+        let raised = |value: f64| {
+            // From off the first step leads into the range; back below the range it is off again, where off is 0.
+            match off {
+                Some(off) if off.is_infinite() && value == off => value,
+                Some(0.0) if tidy(value + delta, delta) < min => 0.0,
+                _ => tidy(value + delta, delta).clamp(min, max),
             }
-            _ => self.set(key, raised(self.get(key)?))?,
+        };
+        for place in self.places(key)? {
+            match gain.map(|kind| self.feedback.signals[place].gain_mut(kind)) {
+                Some(gain) if !matches!(gain, Gain::Constant(_)) => *gain = gain.shifted(delta),
+                _ => set(self, place, raised(get(self, place))),
+            }
         }
         Ok(())
     }
@@ -307,10 +413,11 @@ impl Settings {
     /// An unknown key, a value that is not a number, or what [`Settings::set`] refuses; nothing changes then.
     pub fn assign(&mut self, key: &str, value: &str) -> Result<(), SettingsError> {
         let parsed: Key = key.parse()?;
-        let number = value
-            .trim()
-            .parse()
-            .map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
+        let number = parsed.parameter.parse(value).ok_or_else(|| SettingsError::NotANumber {
+            key: key.to_owned(),
+            found: value.to_owned(),
+            or_off: parsed.parameter.off.is_some(),
+        })?;
         self.set(parsed, number)
     }
 
@@ -323,20 +430,22 @@ impl Settings {
     /// The schedule behind a gain, if `key` is one.
     #[must_use]
     pub fn gain(&self, key: Key) -> Option<&Gain> {
-        match key.parameter.what {
-            What::Gain(kind) => self.signal(key).ok().map(|signal| signal.gain(kind)),
-            _ => None,
+        let signal = self.feedback.signals.get(key.index.unwrap_or(0))?;
+        key.parameter.gain.map(|kind| signal.gain(kind))
+    }
+
+    /// The masses or signals that a key means: all masses or the first signal, where it does not say.
+    fn places(&self, key: Key) -> Result<std::ops::Range<usize>, SettingsError> {
+        let (count, all) = match key.parameter.scope {
+            Scope::Machine => return Ok(0..1),
+            Scope::Mass => (self.deadband.len(), self.deadband.len()),
+            Scope::Signal => (self.feedback.signals.len(), 1),
+        };
+        match key.index {
+            None if count > 0 => Ok(0..all),
+            Some(place) if place < count => Ok(place..place + 1),
+            _ => Err(self.no_such(key)),
         }
-    }
-
-    fn signal(&self, key: Key) -> Result<&crate::Signal, SettingsError> {
-        self.feedback.signals.get(key.index.unwrap_or(0)).ok_or_else(|| self.no_such(key))
-    }
-
-    fn gain_mut(&mut self, key: Key, kind: GainKind) -> Result<&mut Gain, SettingsError> {
-        let refusal = self.no_such(key);
-        let signal = self.feedback.signals.get_mut(key.index.unwrap_or(0)).ok_or(refusal)?;
-        Ok(signal.gain_mut(kind))
     }
 
     fn no_such(&self, key: Key) -> SettingsError {
@@ -349,11 +458,11 @@ impl Settings {
 }
 
 fn in_range(key: Key, value: f64) -> Result<(), SettingsError> {
-    let Parameter { min, max, .. } = *key.parameter;
-    if (min..=max).contains(&value) {
+    let Parameter { min, max, off, .. } = *key.parameter;
+    if key.parameter.admits(value) {
         Ok(())
     } else {
-        Err(SettingsError::OutOfRange { key: key.to_string(), found: value, min, max })
+        Err(SettingsError::OutOfRange { key: key.to_string(), found: value, min, max, or_off: off.is_some() })
     }
 }
 
@@ -383,7 +492,7 @@ mod tests {
     fn every_key_reads_back_what_was_set() {
         let (rotor, mut settings) = three_mass();
         let keys = settings.keys();
-        assert_eq!(keys.len(), 2 + 3 + 4 * 2);
+        assert_eq!(keys.len(), 3 + 10 + 3 + 4 * 2);
         for (i, &key) in keys.iter().enumerate() {
             let value = 0.25 + i as f64;
             assert_eq!(key.to_string().parse::<Key>().expect("its own name"), key);
@@ -411,17 +520,17 @@ mod tests {
             (
                 "sped",
                 "1",
-                "no setting 'sped': there are speed, deadband, kd, cd, kc, cc, trip, feedback, with .N for mass or signal N",
+                "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass or signal N",
             ),
             (
                 "speed.1",
                 "1",
-                "no setting 'speed.1': there are speed, deadband, kd, cd, kc, cc, trip, feedback, with .N for mass or signal N",
+                "no setting 'speed.1': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass or signal N",
             ),
             (
                 "kd.0",
                 "1",
-                "no setting 'kd.0': there are speed, deadband, kd, cd, kc, cc, trip, feedback, with .N for mass or signal N",
+                "no setting 'kd.0': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass or signal N",
             ),
             ("kd.3", "1", "no kd.3: there are 2 signals"),
             ("deadband.4", "1", "no deadband.4: there are 3 masses"),
@@ -429,6 +538,10 @@ mod tests {
             ("speed", "-1", "speed = -1: expected a number from 0 to 1000"),
             ("kd", "nan", "kd = NaN: expected a number from -1000000 to 1000000"),
             ("trip", "inf", "trip = inf: expected a number from 0.001 to 1000000000"),
+            ("trip", "off", "trip = 'off': expected a number"),
+            ("delay", "-0.1", "delay = -0.1: expected a number from 0.000000001 to 1000000, or off"),
+            ("limit", "0", "limit = 0: expected a number from 0.000000001 to 1000000000000, or off"),
+            ("sample", "soon", "sample = 'soon': expected a number, or off"),
         ] {
             assert_eq!(settings.assign(key, value).expect_err(key).to_string(), why);
         }
@@ -461,6 +574,26 @@ mod tests {
         assert_eq!(settings.speed, 1.0);
         settings.nudge(speed, -7.0).expect("exists");
         assert_eq!(settings.speed, 0.0);
+    }
+
+    #[test]
+    fn what_is_off_can_be_turned_on_and_off_again() {
+        let (rotor, mut settings) = three_mass();
+        for (key, on) in [("delay", "0.02"), ("limit", "20"), ("ramp", "0.01"), ("sample", "0.05")] {
+            settings.assign(key, on).expect("on");
+            settings.check(&rotor).expect("allowed");
+            assert_eq!(
+                settings.get(key.parse().expect("a key")).expect("there is"),
+                on.parse::<f64>().expect("a number")
+            );
+            settings.assign(key, "off").expect("off");
+        }
+        assert!(settings.feedback.is_ideal() && settings.ramp.is_infinite());
+        let delay: Key = "delay".parse().expect("a key");
+        settings.nudge(delay, 0.01).expect("exists");
+        assert_eq!(settings.feedback.parts.delay, 0.01);
+        settings.nudge(delay, -0.01).expect("exists");
+        assert_eq!(settings.feedback.parts.delay, 0.0);
     }
 
     #[test]

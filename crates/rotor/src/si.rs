@@ -137,6 +137,21 @@ impl Scales {
         newtons / (mass_ratio * self.k_t * self.e_t)
     }
 
+    /// What one unit of a setting, as its row in [`crate::PARAMETERS`] has it, is in SI units, and their name; `mass_ratio` is
+    /// that of the mass that carries the control bearing. A unit that is none of the rotor's stays as it is.
+    #[must_use]
+    pub fn setting(&self, unit: &'static str, mass_ratio: f64) -> (f64, &'static str) {
+        match unit {
+            "w0" => (self.rpm(1.0), "rpm"),
+            "w0^2" => (self.rpm(1.0) * self.w0, "rpm/s"),
+            "e_t" => (self.e_t, "m"),
+            "tau" => (self.seconds(1.0), "s"),
+            "w0^2 e_t" => (self.newtons(1.0, mass_ratio), "N"),
+            "w0^3 e_t" => (self.newtons(1.0, mass_ratio) * self.w0, "N/s"),
+            unit => (1.0, unit),
+        }
+    }
+
     /// The scales of a set of physical parameters.
     fn of(masses: &[PhysicalMass], reference_length: Option<f64>) -> Result<Self, RotorError> {
         let positive = |what, found: f64, expected| match found.is_finite() && found > 0.0 {

@@ -84,17 +84,25 @@ impl Fastest {
     /// As for [`eigenvalues`].
     pub fn of(closed_loop: &ClosedLoop) -> Result<Self, PoleError> {
         let masses = closed_loop.masses();
-        let mut made = Self { masses, speed: closed_loop.speed(), turning: 0.0, mode: C64::ZERO, limit: FASTEST };
+        let mut poles = Vec::with_capacity(4 * masses);
         for factor in [1.0, 0.0] {
-            for pole in eigenvalues(closed_loop.state_matrix_with(&vec![factor; masses]))? {
-                made.turning = made.turning.max(pole.im.abs());
-                let limit = (-120.0 * TOLERANCE * pole.re / pole.norm()).max(0.0).powf(0.25).clamp(SLOWEST, FASTEST);
-                if pole.norm() * made.limit > made.mode.norm() * limit {
-                    (made.mode, made.limit) = (pole, limit);
-                }
+            poles.extend(eigenvalues(closed_loop.state_matrix_with(&vec![factor; masses]))?);
+        }
+        Ok(Self::of_poles(masses, closed_loop.speed(), poles))
+    }
+
+    /// Looks at poles of whatever is integrated, for a machine of so many states as `masses` have, spinning at `speed`.
+    #[must_use]
+    pub fn of_poles(masses: usize, speed: f64, poles: impl IntoIterator<Item = C64>) -> Self {
+        let mut made = Self { masses, speed, turning: 0.0, mode: C64::ZERO, limit: FASTEST };
+        for pole in poles {
+            made.turning = made.turning.max(pole.im.abs());
+            let limit = (-120.0 * TOLERANCE * pole.re / pole.norm()).max(0.0).powf(0.25).clamp(SLOWEST, FASTEST);
+            if pole.norm() * made.limit > made.mode.norm() * limit {
+                (made.mode, made.limit) = (pole, limit);
             }
         }
-        Ok(made)
+        made
     }
 
     /// The fastest rotation, in radians per unit of `tau`.

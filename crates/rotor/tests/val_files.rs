@@ -1,9 +1,12 @@
 //! Rotors and feedback as files: what is written reads back, SI agrees with the report, and no text makes a panic.
 
 use proptest::prelude::*;
-use rotor::file::{MAX_BYTES, kind_of, read_feedback, read_rotor, text, write_feedback, write_rotor};
+use rotor::file::{
+    MAX_BYTES, kind_of, read_feedback, read_feedback_for, read_rotor, text, write_feedback, write_rotor,
+};
 use rotor::{
-    C64, ClosedLoop, Feedback, Gain, GainKind, Mass, PhysicalMass, Rotor, Scales, Signal, Spectrum, builtin, stepper,
+    C64, ClosedLoop, Feedback, Filter, Gain, GainKind, Mass, Parts, PhysicalMass, Rotor, Scales, Signal, Spectrum,
+    builtin, stepper,
 };
 
 /// Table 4.2 as a machine of 40 kg with w0 = 300 rad/s and an unbalance of 20 um.
@@ -159,6 +162,41 @@ fn any_gain() -> impl Strategy<Value = Gain> {
     ]
 }
 
+fn any_filter() -> impl Strategy<Value = Filter> {
+    let positive = || 1e-6..1e6;
+    prop_oneof![
+        (positive(), 1usize..=8).prop_map(|(corner, order)| Filter::Lowpass { corner, order }),
+        (positive(), positive()).prop_map(|(zero, pole)| Filter::Lead { zero, pole }),
+        (positive(), positive()).prop_map(|(frequency, width)| Filter::Notch { frequency, width }),
+        positive().prop_map(|width| Filter::SynchronousNotch { width }),
+        positive().prop_map(|rate| Filter::Integrator { rate }),
+        positive().prop_map(|corner| Filter::Derivative { corner }),
+        prop::collection::vec(-9.0..9.0, 1..=9).prop_map(|mut numerator| {
+            let denominator = numerator.iter().map(|c| c + 10.0).collect();
+            numerator.rotate_left(1);
+            Filter::Transfer { numerator, denominator }
+        }),
+    ]
+}
+
+/// Any part there or not there.
+fn any_parts() -> impl Strategy<Value = Parts> {
+    let values = prop::collection::vec(prop::option::of(0.02..50.0), control::PARTS.len());
+    values.prop_map(|values| {
+        let mut parts = Parts::default();
+        for (part, value) in control::PARTS.iter().zip(values) {
+            if let Some(value) = value {
+                (part.set)(&mut parts, value);
+            }
+        }
+        // The damping is the lag's.
+        if parts.lag == 0.0 {
+            parts.lag_damping = 0.0;
+        }
+        parts
+    })
+}
+
 fn any_feedback() -> impl Strategy<Value = (usize, Feedback)> {
     (1usize..=16).prop_flat_map(|n| {
         let gains = || prop::array::uniform4(any_gain());
@@ -172,8 +210,11 @@ fn any_feedback() -> impl Strategy<Value = (usize, Feedback)> {
                 filters: vec![]
             }),
         ];
-        (Just(n), 0..n, prop::collection::vec(signal, 1..=4))
-            .prop_map(|(n, bearing, signals)| (n, Feedback::new(bearing, signals)))
+        let signal = (signal, prop::collection::vec(any_filter(), 0..3))
+            .prop_map(|(signal, filters)| Signal { filters, ..signal });
+        let signals = prop::collection::vec(signal, 1..=4);
+        (Just(n), 0..n, signals, prop::collection::vec(any_filter(), 0..2), any_parts())
+            .prop_map(|(n, bearing, signals, filters, parts)| (n, Feedback { bearing, signals, filters, parts }))
     })
 }
 
@@ -295,4 +336,64 @@ fn what_is_left_out_has_its_default() {
     let windows = "\u{feff}name = 'x'\r\nmass = [{ mass = 1_0.5, unbalance = -0x10 }]\r\n".replace("-0x10", "0x10");
     assert_eq!(read_rotor(&windows, "y").expect("valid").masses()[0].unbalance, 16.0);
     assert_eq!(read_rotor(&windows, "y").expect("valid").masses()[0].mass, 10.5);
+}
+
+#[test]
+fn what_is_wrong_with_a_loop_is_named_with_its_line() {
+    let told = |lines: &str| {
+        let text = format!("bearing = 1\n{lines}\n[[signal]]\nmass = 1\n");
+        read_feedback(&text, None).expect_err(lines).to_string()
+    };
+    for (lines, expected) in [
+        ("filter = [{ kind = \"lowpass\", corner = 0, order = 2 }]", "corner = 0"),
+        ("filter = [{ kind = \"lowpass\", corner = 1, order = 9 }]", "an order, 1 to 8"),
+        (
+            "filter = [{ kind = \"notsch\" }]",
+            "one of lowpass, lead, notch, synchronous-notch, integrator, derivative, transfer",
+        ),
+        ("filter = [{ corner = 1 }]", "a filter without kind"),
+        ("filter = [{ kind = \"notch\", frequency = 1, width = 1, depth = 3 }]", "unknown key 'depth'"),
+        (
+            "filter = [{ kind = \"transfer\", numerator = [1, 0], denominator = [1] }]",
+            "no more of them above than below",
+        ),
+        ("units = \"si\"", "needs a rotor in SI units"),
+    ] {
+        let found = told(lines);
+        assert!(found.contains(expected), "{lines}\n{found}");
+    }
+    for (key, value) in [
+        ("delay", "-0.1"),
+        ("delay", "inf"),
+        ("limit", "0"),
+        ("sample", "nan"),
+        ("slew", "0.0"),
+        ("lag_damping", "0.7"),
+    ] {
+        let text = format!("bearing = 1\n[[signal]]\nmass = 1\n[loop]\n{key} = {value}\n");
+        let found = read_feedback(&text, None).expect_err(key).to_string();
+        assert!(found.contains(&format!("{key} = {value}")) && found.contains('5'), "{found}");
+    }
+}
+
+/// The same loop written in seconds, newtons and hertz is the same loop.
+#[test]
+fn val_a_loop_in_si_units_is_the_dimensionless_one() {
+    let rotor = read_rotor(SI, "x").expect("valid");
+    let scales = *rotor.scales().expect("in SI units");
+    let text = "units = \"si\"\nbearing = 1\n[[signal]]\nmass = 1\n\
+                filter = [{ kind = \"lowpass\", corner = 100.0, order = 2 }, { kind = \"transfer\", numerator = [2.0, 3.0], denominator = [5.0, 7.0] }]\n\
+                [loop]\ndelay = 1e-4\nlimit = 20.0\nslew = 3000.0\nquantum = 1e-7\n";
+    let feedback = read_feedback_for(text, &rotor).expect("valid");
+    let (parts, mass) = (feedback.parts, rotor.masses()[0].mass);
+    let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+    close(parts.delay, 1e-4 * scales.w0);
+    close(scales.newtons(parts.limit, mass), 20.0);
+    close(scales.newtons(parts.slew, mass) * scales.w0, 3000.0);
+    close(parts.quantum, 1e-7 / scales.e_t);
+    // At 40 Hz both say what the formulas say.
+    let s = rotor::C64::new(0.0, std::f64::consts::TAU * 40.0);
+    let through = |k: usize| feedback.signals[0].filters[k].at(s / scales.w0, 0.0);
+    close(through(0).norm(), (1.0 + 0.4f64.powi(4)).powf(-0.5));
+    close(((s * 2.0 + 3.0) / (s * 5.0 + 7.0) / through(1)).norm(), 1.0);
 }

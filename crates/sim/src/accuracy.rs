@@ -20,8 +20,7 @@ fn options(dtau: f64) -> Options {
 
 /// The state after `tau`, from rest.
 fn shown(rotor: &Rotor, settings: &Settings, dtau: f64, tau: f64) -> State {
-    let substeps = options(dtau).check(rotor, settings).unwrap();
-    let mut engine = Engine::new(rotor, settings, dtau, substeps, 7);
+    let mut engine = Engine::new(options(dtau).check(rotor, settings).unwrap(), 7);
     for _ in 0..(tau / dtau).round() as u64 {
         assert_eq!(engine.step(), None);
     }

@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crossbeam::queue::ArrayQueue;
-use rotor::{C64, ClosedLoop, MAX_MASSES, Rotor, Settings, Stepper};
+use machine::{Machine, Program, TripCause};
+use rotor::C64;
 use wire::State;
 use wire::message::{Flags, Point, Trip};
 
@@ -14,10 +15,9 @@ const MAX_PENDING_CHANGES: usize = 4;
 
 /// What the intake tells the stepping thread to do before its next step. Boxed by the intake, and freed by it.
 #[derive(Debug)]
-#[expect(clippy::large_enum_variant, reason = "an order is boxed whole")]
 pub(crate) enum Order {
-    /// New settings: the equations of motion made from them, the substeps that these need, and the rest.
-    Settings { closed_loop: ClosedLoop, substeps: u32, trip_limit: f64, revision: u64 },
+    /// New settings, compiled; once carried out, the ones before are in their place.
+    Settings { program: Box<Program>, revision: u64 },
     /// A change of velocity.
     Impulse { mass: usize, velocity: C64 },
     /// Back to rest; a trip is reset.
@@ -96,60 +96,31 @@ impl Exchange {
     }
 }
 
-/// The rotor in motion, with the settings in force.
+/// The machine in motion, and what its states are told with.
 pub(crate) struct Engine {
-    stepper: Box<dyn Stepper>,
-    dtau: f64,
-    /// Runge-Kutta steps that make one step.
-    substeps: u32,
+    machine: Machine,
     run_id: u64,
     /// The number of the next step.
     seq: u64,
-    speed: f64,
-    trip_limit: f64,
     revision: u64,
-    tripped: bool,
-    /// The last state in which everything was finite: position and velocity.
-    good: ([C64; MAX_MASSES], [C64; MAX_MASSES]),
-    masses: usize,
-    control: C64,
 }
 
 impl Engine {
-    pub(crate) fn new(rotor: &Rotor, settings: &Settings, dtau: f64, substeps: u32, run_id: u64) -> Self {
-        Self {
-            stepper: rotor::stepper(&settings.closed_loop(rotor)),
-            dtau,
-            substeps,
-            run_id,
-            seq: 0,
-            speed: settings.speed,
-            trip_limit: settings.trip,
-            revision: 1,
-            tripped: false,
-            good: ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]),
-            masses: rotor.len(),
-            control: C64::ZERO,
-        }
+    pub(crate) fn new(program: Program, run_id: u64) -> Self {
+        Self { machine: Machine::new(program), run_id, seq: 0, revision: 1 }
     }
 
     /// Carries out what the intake has ordered. Returns whether there was anything.
     pub(crate) fn take_orders(&mut self, exchange: &Exchange) -> bool {
         let mut any = false;
-        while let Some(order) = exchange.orders.pop() {
-            match &*order {
-                Order::Settings { closed_loop, substeps, trip_limit, revision } => {
-                    self.stepper.load(closed_loop);
-                    self.substeps = *substeps;
-                    self.speed = closed_loop.speed();
-                    self.trip_limit = *trip_limit;
+        while let Some(mut order) = exchange.orders.pop() {
+            match &mut *order {
+                Order::Settings { program, revision } => {
+                    self.machine.load(program);
                     self.revision = *revision;
                 }
-                Order::Impulse { mass, velocity } => self.stepper.kick(*mass, *velocity),
-                Order::Restart => {
-                    self.stepper.rest();
-                    self.tripped = false;
-                }
+                Order::Impulse { mass, velocity } => self.machine.kick(*mass, *velocity),
+                Order::Restart => self.machine.restart(),
                 Order::Mark => {}
             }
             // There is room: the intake has no more orders under way than the queue holds.
@@ -160,68 +131,50 @@ impl Engine {
     }
 
     /// Makes one step, unless the machine has tripped. Returns the trip if this step caused one.
-    ///
-    /// A value that is not finite stops here: the rotor is put back where it last was finite, and held there.
     pub(crate) fn step(&mut self) -> Option<Trip> {
-        if self.tripped {
-            return None;
-        }
-        let n = self.masses;
-        self.stepper.advance(self.dtau, self.substeps);
-        let motion = self.stepper.motion();
-        let control = self.stepper.control();
-        let radius = motion.largest_radius();
-        if motion.is_finite() && radius.is_finite() && control.re.is_finite() && control.im.is_finite() {
-            self.good.0[..n].copy_from_slice(motion.displacement);
-            self.good.1[..n].copy_from_slice(motion.velocity);
-            self.control = control;
-            if radius <= self.trip_limit {
-                return None;
-            }
-            self.tripped = true;
-            Some(self.trip(1))
-        } else {
-            self.stepper.place(&self.good.0[..n], &self.good.1[..n]);
-            self.control = self.stepper.control();
-            self.tripped = true;
-            Some(self.trip(2))
-        }
+        self.machine.step().map(|trip| Trip {
+            cause: match trip.cause {
+                TripCause::Orbit => 1,
+                TripCause::NotFinite => 2,
+            },
+            mass: trip.station as u32 + 1,
+            step: self.seq,
+            radius: trip.radius,
+            limit: trip.limit,
+        })
     }
 
     /// Time of the rotor now.
     pub(crate) fn tau(&self) -> f64 {
-        self.stepper.motion().tau
-    }
-
-    fn trip(&self, cause: u32) -> Trip {
-        let furthest = (0..self.masses).max_by(|a, b| self.good.0[*a].norm().total_cmp(&self.good.0[*b].norm()));
-        let mass = furthest.unwrap_or(0);
-        Trip { cause, mass: mass as u32 + 1, step: self.seq, radius: self.good.0[mass].norm(), limit: self.trip_limit }
+        self.machine.tau()
     }
 
     /// Writes the present state into the sample that is about to be sent, and counts it.
     pub(crate) fn fill(&mut self, state: &mut State, due_ns: u64, is_late: bool) {
-        let motion = self.stepper.motion();
-        let force = [self.control.re, self.control.im];
-        let mut flags = Flags::contact(self.stepper.contact());
-        if self.tripped {
-            flags |= Flags::TRIPPED;
+        let sample = self.machine.sample();
+        let mut flags = Flags::contact(sample.contact);
+        for (flag, is_set) in [
+            (Flags::SATURATED, sample.output.saturated),
+            (Flags::TRIPPED, self.machine.trip().is_some()),
+            (Flags::LATE, is_late),
+        ] {
+            if is_set {
+                flags |= flag;
+            }
         }
-        if is_late {
-            flags |= Flags::LATE;
-        }
+        let parts = |z: C64| [z.re, z.im];
         state.run_id = self.run_id;
         state.seq = self.seq;
-        state.tau = motion.tau;
-        state.angle = motion.angle;
+        state.tau = sample.tau;
+        state.angle = sample.angle;
         state.wall_ns = due_ns;
-        state.speed = self.speed;
-        state.force_commanded = force;
-        state.force_delivered = force;
+        state.speed = sample.speed;
+        state.force_commanded = parts(sample.output.commanded);
+        state.force_delivered = parts(sample.output.delivered);
         state.revision = self.revision;
         state.flags = flags;
-        state.count = self.masses as u32;
-        for (place, (p, v)) in state.masses.iter_mut().zip(motion.displacement.iter().zip(motion.velocity)) {
+        state.count = sample.displacement.len() as u32;
+        for (place, (p, v)) in state.masses.iter_mut().zip(sample.displacement.iter().zip(sample.velocity)) {
             *place = Point { y: p.re, z: p.im, vy: v.re, vz: v.im };
         }
         self.seq += 1;
@@ -230,14 +183,18 @@ impl Engine {
 
 #[cfg(test)]
 mod tests {
-    use rotor::builtin;
+    use rotor::{Rotor, Settings, builtin};
 
     use super::*;
+
+    fn program(rotor: &Rotor, settings: &Settings, dtau: f64) -> Program {
+        Program::in_substeps(rotor, settings, dtau, 1).unwrap()
+    }
 
     fn engine(feedback: &str, speed: f64, dtau: f64) -> (Rotor, Settings, Engine) {
         let rotor = builtin::rotor("three-mass").unwrap();
         let settings = Settings::new(&rotor, speed, builtin::feedback(&rotor, feedback).unwrap());
-        let engine = Engine::new(&rotor, &settings, dtau, 1, 7);
+        let engine = Engine::new(program(&rotor, &settings, dtau), 7);
         (rotor, settings, engine)
     }
 
@@ -273,9 +230,12 @@ mod tests {
         for key in ["kd", "cd", "kc", "cc"] {
             settings.assign(key, "1e6").unwrap();
         }
-        for trip_limit in [1e9, f64::INFINITY] {
-            let mut engine = Engine::new(&rotor, &settings, 1.0, 1, 7);
-            engine.trip_limit = trip_limit;
+        for cause in [1, 2] {
+            // A kick beyond which the next step leaves the range of numbers at once.
+            let mut engine = Engine::new(program(&rotor, &settings, 1.0), 7);
+            if cause == 2 {
+                engine.machine.kick(0, C64::new(1e300, 0.0));
+            }
             let mut causes = Vec::new();
             for _ in 0..2000 {
                 causes.extend(engine.step().map(|trip| trip.cause));
@@ -283,7 +243,7 @@ mod tests {
                 let numbers = state.points().iter().flat_map(|p| [p.y, p.z, p.vy, p.vz]);
                 assert!(numbers.chain(state.force_commanded).chain([state.tau, state.angle]).all(f64::is_finite));
             }
-            assert_eq!(causes, [if trip_limit.is_finite() { 1 } else { 2 }]);
+            assert_eq!(causes, [cause]);
         }
     }
 
@@ -297,8 +257,7 @@ mod tests {
         });
         let mut faster = settings;
         faster.speed = 3.0;
-        let closed_loop = faster.closed_loop(&rotor);
-        let order = Order::Settings { closed_loop, substeps: 1, trip_limit: 5.0, revision: 2 };
+        let order = Order::Settings { program: Box::new(program(&rotor, &faster, 0.01)), revision: 2 };
         exchange.orders.push(Box::new(order)).unwrap();
         exchange.orders.push(Box::new(Order::Impulse { mass: 1, velocity: C64::new(0.0, 2.0) })).unwrap();
         assert!(engine.take_orders(&exchange) && !engine.take_orders(&exchange));

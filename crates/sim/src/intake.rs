@@ -3,7 +3,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use rotor::{Rotor, Settings, Spectrum, step};
+use machine::{MachinePoles, Pace, Program};
+use rotor::{Rotor, Settings};
 use wire::message::{Analysis, Health, Request, Trip};
 use wire::{
     Answer, Bulletin, BulletinSender, Change, EventSender, Happening, Host, Inbox, SettingsMessage, Text, WireError,
@@ -140,7 +141,7 @@ impl<'a> Intake<'a> {
         }
         let carried = self.order(request).and_then(|(change, order)| {
             let behind = || String::from("the simulation is too far behind to take changes");
-            let substeps = if let Order::Settings { substeps, .. } = &order { *substeps } else { before };
+            let substeps = if let Order::Settings { program, .. } = &order { program.substeps() } else { before };
             Ok((change, substeps, self.carry_out(order).ok_or_else(behind)?))
         });
         let (change, substeps, when) = match carried {
@@ -182,16 +183,11 @@ impl<'a> Intake<'a> {
         let change = Change::of(request).ok_or_else(|| format!("unknown request {}", request.kind))?;
         let order = match &change {
             Change::Settings { settings, .. } => {
-                settings.check(self.rotor).map_err(|error| error.to_string())?;
-                let closed_loop = settings.closed_loop(self.rotor);
                 let Bulletin { dtau, rate_hz, .. } = *self.bulletin;
-                let substeps = step::substeps(&closed_loop, dtau, rate_hz).map_err(|error| error.to_string())?;
-                Order::Settings {
-                    closed_loop,
-                    substeps,
-                    trip_limit: settings.trip,
-                    revision: self.bulletin.revision + 1,
-                }
+                // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
+                let program = Program::compile(self.rotor, settings, self.settings.speed, Pace { dtau, rate_hz });
+                let program = Box::new(program.map_err(|error| error.to_string())?);
+                Order::Settings { program, revision: self.bulletin.revision + 1 }
             }
             Change::Impulse { mass, velocity } => {
                 let size = velocity.norm();
@@ -261,9 +257,10 @@ impl<'a> Intake<'a> {
     /// Recomputes the poles for the settings in force.
     fn analyse(&mut self) {
         let mut analysis = Analysis { revision: self.bulletin.revision, ..Analysis::default() };
-        match Spectrum::of(&self.settings.closed_loop(self.rotor)) {
+        match MachinePoles::of(self.rotor, &self.settings).map(MachinePoles::spectrum) {
             Ok(spectrum) => {
-                analysis.count = spectrum.modes.len() as u32;
+                // Of a loop with many states, the least damped.
+                analysis.count = spectrum.modes.len().min(analysis.poles.len()) as u32;
                 analysis.min_damping = spectrum.min_damping();
                 for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
                     *place = [mode.pole.re, mode.pole.im];

@@ -25,6 +25,7 @@ use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
+use machine::{Pace, Program};
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
 use wire::{BenchName, Carrier, Host, MAX_BURST, StateSender, WireError};
@@ -50,19 +51,19 @@ impl Options {
     /// The default step in `tau`.
     pub const DEFAULT_DTAU: f64 = 0.01;
 
-    /// Whether `rotor` can run like this under `settings`, and in how many substeps a step: see [`rotor::step`].
+    /// What runs `rotor` like this under `settings`, with as many substeps a step as it takes: see [`rotor::step`].
     ///
     /// # Errors
     /// Options or settings out of range, or too fast a machine for the substeps that there is time for.
-    pub fn check(&self, rotor: &Rotor, settings: &Settings) -> Result<u32, SimError> {
+    pub fn check(&self, rotor: &Rotor, settings: &Settings) -> Result<Program, SimError> {
         if !(1.0..=100_000.0).contains(&self.rate_hz) {
             return Err(SimError::Rate(self.rate_hz));
         }
         if !(self.dtau > 0.0 && self.dtau <= 1.0) {
             return Err(SimError::Step(self.dtau));
         }
-        settings.check(rotor)?;
-        Ok(rotor::step::substeps(&settings.closed_loop(rotor), self.dtau, self.rate_hz)?)
+        let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
+        Ok(Program::compile(rotor, settings, settings.speed, pace)?)
     }
 }
 
@@ -75,12 +76,9 @@ pub enum SimError {
     /// The step is out of range.
     #[error("dtau = {0}: expected more than 0 and at most 1")]
     Step(f64),
-    /// The step does not follow the machine, and no substeps that there is time for would.
+    /// The settings do not fit the rotor, or cannot be stepped at this pace.
     #[error(transparent)]
-    TooLong(#[from] rotor::step::StepError),
-    /// The settings do not fit the rotor.
-    #[error(transparent)]
-    Settings(#[from] rotor::SettingsError),
+    Program(#[from] machine::ProgramError),
     /// The bench's name is taken, or its ports fail.
     #[error(transparent)]
     Wire(#[from] WireError),
@@ -132,7 +130,8 @@ pub fn run<C: Carrier>(
     stop: &AtomicBool,
     ready: impl FnOnce(),
 ) -> Result<Summary, SimError> {
-    let substeps = options.check(rotor, &settings)?;
+    let program = options.check(rotor, &settings)?;
+    let substeps = program.substeps();
     let host = carrier.host(&options.bench)?;
     let states = host.states()?;
     ready();
@@ -142,7 +141,7 @@ pub fn run<C: Carrier>(
     // Two processes started in the same nanosecond would still differ by their id.
     let run_id = started_ns.rotate_left(20) ^ u64::from(std::process::id());
     let exchange = Exchange::default();
-    let engine = Engine::new(rotor, &settings, options.dtau, substeps, run_id);
+    let engine = Engine::new(program, run_id);
     let intake = Intake::new(rotor, settings, substeps, options, (run_id, started_ns), &exchange);
 
     std::thread::scope(|scope| {

@@ -7,7 +7,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rotor::{C64, ClosedLoop, PoleError, Standing, Stepper, circular};
+use machine::{Machine, PolesError, Program};
+use rotor::{C64, Standing, circular};
 
 /// How small a disturbance is, as a part of the motion.
 const PART: f64 = 1e-7;
@@ -66,24 +67,35 @@ impl From<circular::Orbit> for Judgement {
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(crate) fn of_centre(closed_loop: &ClosedLoop) -> Result<Judgement, PoleError> {
-    Ok(circular::centre(closed_loop)?.into())
+pub(crate) fn of_centre(program: &Program) -> Result<Judgement, PolesError> {
+    if let Some(closed_loop) = program.closed_loop() {
+        return Ok(circular::centre(closed_loop)?.into());
+    }
+    let (growth, noise) = program.growth_at_centre()?;
+    let standing = match growth {
+        growth if growth > noise => Standing::Unstable,
+        growth if growth < -noise => Standing::Stable,
+        _ => Standing::Marginal,
+    };
+    Ok(Judgement { standing, growth, by: Means::Eigenvalues })
 }
 
-/// The circular orbit that the rotor is on, if it is on one.
+/// The circular orbit that the rotor is on, if it is on one. Under a loop with states of its own orbits are not known
+/// exactly: there a disturbance is watched, see [`of_beat`].
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(crate) fn of_orbit(closed_loop: &ClosedLoop, rotor: &dyn Stepper) -> Result<Option<Judgement>, PoleError> {
+pub(crate) fn of_orbit(program: &Program, rotor: &Machine) -> Result<Option<Judgement>, PolesError> {
+    let Some(closed_loop) = program.closed_loop() else { return Ok(None) };
     let motion = rotor.motion();
     let orbit = circular::orbit_of(closed_loop, motion.angle, motion.displacement, motion.velocity)?;
     Ok(orbit.map(Into::into))
 }
 
 /// A motion that has settled and is not circular, going on in steps of `dtau`; `None` if `stop` is raised meanwhile.
-pub(crate) fn of_beat(rotor: &mut dyn Stepper, dtau: f64, stop: &AtomicBool) -> Option<Judgement> {
-    let mut twin = rotor.twin();
-    let size = |rotor: &dyn Stepper| {
+pub(crate) fn of_beat(rotor: &mut Machine, dtau: f64, stop: &AtomicBool) -> Option<Judgement> {
+    let mut twin = rotor.clone();
+    let size = |rotor: &Machine| {
         let motion = rotor.motion();
         motion.displacement.iter().chain(motion.velocity).map(|x| x.norm_sqr()).sum::<f64>().sqrt()
     };
@@ -93,7 +105,7 @@ pub(crate) fn of_beat(rotor: &mut dyn Stepper, dtau: f64, stop: &AtomicBool) -> 
     let uneven = |i: usize| C64::cis(1.0 + 1.618_033_988_75 * i as f64) * (1.0 + 0.3 * (i as f64).sin());
     let norm = (0..2 * masses).map(|i| uneven(i).norm_sqr()).sum::<f64>().sqrt();
     let apart: Vec<C64> = (0..2 * masses).map(|i| uneven(i) * (distance / norm)).collect();
-    place_apart(rotor, twin.as_mut(), &apart);
+    place_apart(rotor, &mut twin, &apart);
 
     let stretch = (1.0 / dtau).ceil();
     let (mut grown, mut from) = (0.0, None);
@@ -103,8 +115,8 @@ pub(crate) fn of_beat(rotor: &mut dyn Stepper, dtau: f64, stop: &AtomicBool) -> 
             return None;
         }
         (0..stretch as u64).for_each(|_| {
-            rotor.step(dtau);
-            twin.step(dtau);
+            rotor.step_by(dtau);
+            twin.step_by(dtau);
         });
         elapsed += stretch * dtau;
         let (here, there) = (rotor.motion(), twin.motion());
@@ -116,7 +128,7 @@ pub(crate) fn of_beat(rotor: &mut dyn Stepper, dtau: f64, stop: &AtomicBool) -> 
         }
         grown += (now / distance).ln();
         apart.iter_mut().for_each(|x| *x *= distance / now);
-        place_apart(rotor, twin.as_mut(), &apart);
+        place_apart(rotor, &mut twin, &apart);
         if elapsed >= WARM_UP && from.is_none() {
             from = Some((elapsed, grown));
         }
@@ -128,7 +140,7 @@ pub(crate) fn of_beat(rotor: &mut dyn Stepper, dtau: f64, stop: &AtomicBool) -> 
 }
 
 /// Puts `twin` where `rotor` is, but for `apart` in every displacement and then every velocity.
-fn place_apart(rotor: &dyn Stepper, twin: &mut dyn Stepper, apart: &[C64]) {
+fn place_apart(rotor: &Machine, twin: &mut Machine, apart: &[C64]) {
     let motion = rotor.motion();
     let (p, v) = apart.split_at(motion.displacement.len());
     let sum = |a: &[C64], b: &[C64]| a.iter().zip(b).map(|(a, b)| a + b).collect::<Vec<C64>>();

@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
+use machine::ProgramError;
 use rayon::prelude::*;
-use rotor::step::Fastest;
-use rotor::{ClosedLoop, Feedback, PoleError, Rotor};
+use rotor::{Feedback, Rotor};
 
 use crate::disturbance::Judgement;
 use crate::run::{Outcome, Plan, RunError, Settle, Settled, run};
@@ -30,9 +30,9 @@ pub struct Point {
 /// Why there is no sweep.
 #[derive(Debug, thiserror::Error)]
 pub enum ForceError {
-    /// The modes that set the step could not be found.
+    /// The machine cannot be stepped, or the modes that set the step could not be found.
     #[error(transparent)]
-    Poles(#[from] PoleError),
+    Program(#[from] ProgramError),
     /// A run failed.
     #[error(transparent)]
     Run(#[from] RunError),
@@ -100,14 +100,7 @@ pub fn until_settled(
     longest: f64,
     stop: &AtomicBool,
 ) -> Result<Outcome, ForceError> {
-    let closed_loop = ClosedLoop::new(rotor, feedback, speed, &vec![deadband; rotor.len()]);
-    let plan = Plan {
-        dtau: Fastest::of(&closed_loop)?.default_step(),
-        closed_loop,
-        largest_clearance: deadband,
-        impulses: Vec::new(),
-        duration: longest,
-        settle: Settle::DetectAndStop,
-    };
+    let clearances = vec![deadband; rotor.len()];
+    let plan = Plan::steady(rotor, feedback, speed, &clearances, longest, Settle::DetectAndStop)?;
     Ok(run(&plan, &mut [], stop)?)
 }

@@ -2,7 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use rotor::{C64, ClosedLoop, Motion, PoleError, Stepper, stepper};
+use machine::{Machine, PolesError, Program, ProgramError, default_step};
+use rotor::{C64, Feedback, Motion, PoleError, Rotor, Settings};
 
 use crate::disturbance::{self, Judgement};
 use crate::peak::Peaks;
@@ -38,15 +39,13 @@ pub enum Settle {
 }
 
 /// What to simulate.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Plan {
-    /// The machine at its operating point.
-    pub closed_loop: ClosedLoop,
-    /// The clearances it has, in `e_t`: they set what counts as divergence.
-    pub largest_clearance: f64,
+    /// The machine and what it does, compiled for steps of `dtau`.
+    pub program: Program,
     /// Impulses, in any order; those after the end are never felt.
     pub impulses: Vec<Impulse>,
-    /// The longest step. Steps are even between impulses, so a little shorter where they would not fit.
+    /// The longest step, no longer than the program's. Steps are even between impulses, so a little shorter where they would not fit.
     pub dtau: f64,
     /// Length of the run in `tau`.
     pub duration: f64,
@@ -70,6 +69,8 @@ pub struct Final {
 pub struct Outcome {
     /// Steps taken.
     pub steps: u64,
+    /// At how many of them the actuator was at its limit of force or of rate.
+    pub saturated_steps: u64,
     /// When the orbit left all bounds; the run ends there.
     pub diverged_at: Option<f64>,
     /// The longest and the shortest of the steps taken: they are even between impulses. Zero without any.
@@ -118,6 +119,9 @@ pub enum RunError {
     /// The eigenvalues that tell stability could not be found.
     #[error(transparent)]
     Poles(#[from] PoleError),
+    /// The poles of a loop with states of its own could not be found.
+    #[error(transparent)]
+    LoopPoles(#[from] PolesError),
 }
 
 /// Simulates `plan` from rest, showing every sample to `observers`. `stop` is looked at now and then.
@@ -129,7 +133,7 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
     if steps.is_nan() || steps > MOST_STEPS {
         return Err(RunError::TooLong(steps));
     }
-    let mut rotor = stepper(&plan.closed_loop);
+    let mut rotor = Machine::new(plan.program.clone());
     let mut watch = Watch::new(plan);
     let mut impulses: Vec<Impulse> = plan.impulses.iter().copied().filter(|i| i.at <= plan.duration).collect();
     impulses.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -138,7 +142,7 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
     while let Some(impulse) = impulses.next_if(|i| i.at <= 0.0) {
         rotor.kick(impulse.mass, impulse.change);
     }
-    let mut going = watch.see(rotor.as_ref(), observers)?;
+    let mut going = watch.see(&rotor, observers)?;
     let mut now = 0.0;
     while going && now < plan.duration {
         let until = impulses.peek().map_or(plan.duration, |i| i.at);
@@ -149,9 +153,9 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
             if i % 4096 == 0 && stop.load(Ordering::Relaxed) {
                 return Err(RunError::Interrupted);
             }
-            rotor.step(dtau);
+            rotor.step_by(dtau);
             watch.steps += 1;
-            going = watch.see(rotor.as_ref(), observers)?;
+            going = watch.see(&rotor, observers)?;
             if !going {
                 break;
             }
@@ -164,15 +168,15 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
         }
         if kicked {
             watch.peaks.break_off();
-            going = watch.see(rotor.as_ref(), observers)?;
+            going = watch.see(&rotor, observers)?;
         }
     }
-    let centre = disturbance::of_centre(&plan.closed_loop)?;
-    let mut outcome = watch.outcome(rotor.as_ref(), centre);
+    let centre = disturbance::of_centre(&plan.program)?;
+    let mut outcome = watch.outcome(&rotor, centre);
     if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
-        outcome.stability = disturbance::of_orbit(&plan.closed_loop, rotor.as_ref())?;
+        outcome.stability = disturbance::of_orbit(&plan.program, &rotor)?;
         if outcome.stability.is_none() && matches!(outcome.settled, Settled::Steady | Settled::Beating) {
-            let judged = disturbance::of_beat(rotor.as_mut(), outcome.step.0, stop);
+            let judged = disturbance::of_beat(&mut rotor, outcome.step.0, stop);
             outcome.stability = Some(judged.ok_or(RunError::Interrupted)?);
         }
     }
@@ -180,6 +184,27 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
 }
 
 impl Plan {
+    /// `rotor` under `feedback` at a steady speed, with one clearance a mass (missing ones count as none), for `duration`
+    /// without impulses, in steps that are accurate.
+    ///
+    /// # Errors
+    /// Feedback that does not fit, or modes that cannot be found.
+    pub fn steady(
+        rotor: &Rotor,
+        feedback: &Feedback,
+        speed: f64,
+        clearances: &[f64],
+        duration: f64,
+        settle: Settle,
+    ) -> Result<Self, ProgramError> {
+        let mut settings = Settings::new(rotor, speed, feedback.clone());
+        let given = clearances.iter().copied().chain(std::iter::repeat(0.0));
+        settings.deadband.iter_mut().zip(given).for_each(|(place, clearance)| *place = clearance);
+        let dtau = default_step(rotor, &settings)?;
+        let program = Program::in_substeps(rotor, &settings, dtau, 1)?;
+        Ok(Self { program, impulses: Vec::new(), dtau, duration, settle })
+    }
+
     /// How many even steps of at most [`Plan::dtau`] make up a stretch of time, and how long each is.
     fn even_steps(&self, stretch: f64) -> (f64, f64) {
         let count = (stretch / self.dtau - 1e-9).ceil().max(1.0);
@@ -215,34 +240,38 @@ struct Watch {
     peaks: Peaks,
     detector: Detector,
     steps: u64,
+    saturated_steps: u64,
     step: (f64, f64),
     diverged_at: Option<f64>,
 }
 
 impl Watch {
     fn new(plan: &Plan) -> Self {
-        let masses = plan.closed_loop.masses();
-        let turn = std::f64::consts::TAU / plan.closed_loop.speed().abs();
+        let masses = plan.program.order();
+        let turn = std::f64::consts::TAU / plan.program.speed().abs();
         // Rest needs no turns; a crawling spin is cut off.
         let window = if turn.is_finite() { (turn * (8.0 / turn).ceil()).min(200.0) } else { 8.0 };
         Self {
             masses,
             settle: plan.settle,
             window: window.max(8.0),
-            limit_squared: (DIVERGED + 1e3 * plan.largest_clearance).powi(2),
+            limit_squared: (DIVERGED + 1e3 * plan.program.clearances().iter().copied().fold(0.0, f64::max)).powi(2),
             stretch: Stretch::new(0.0),
             peaks: Peaks::new(3 + masses),
             detector: Detector::new(masses),
             steps: 0,
+            saturated_steps: 0,
             step: (0.0, 0.0),
             diverged_at: None,
         }
     }
 
     /// Takes one sample; whether the run goes on.
-    fn see(&mut self, rotor: &dyn Stepper, observers: &mut [&mut dyn Observer]) -> std::io::Result<bool> {
+    fn see(&mut self, rotor: &Machine, observers: &mut [&mut dyn Observer]) -> std::io::Result<bool> {
         let motion = rotor.motion();
-        let u = rotor.control();
+        let output = rotor.output();
+        let u = output.delivered;
+        self.saturated_steps += u64::from(output.saturated);
         let mut samples = [0.0; 3 + rotor::MAX_MASSES];
         samples[..3].copy_from_slice(&[u.norm_sqr(), u.re * u.re, u.im * u.im]);
         let mut widest = 0.0_f64;
@@ -278,7 +307,7 @@ impl Watch {
         Ok(bounded)
     }
 
-    fn outcome(mut self, rotor: &dyn Stepper, centre: Judgement) -> Outcome {
+    fn outcome(mut self, rotor: &Machine, centre: Judgement) -> Outcome {
         let motion = rotor.motion();
         let (settled, kept) = match self.settle {
             Settle::From(from) => {
@@ -293,6 +322,7 @@ impl Watch {
         let settled = if self.diverged_at.is_some() && settled != Settled::Given { Settled::No } else { settled };
         Outcome {
             steps: self.steps,
+            saturated_steps: self.saturated_steps,
             step: self.step,
             diverged_at: self.diverged_at,
             settled,
@@ -300,7 +330,8 @@ impl Watch {
             centre,
             maxima_from: kept.from,
             max_force: kept.maxima[0].sqrt(),
-            max_force_component: kept.maxima[1].max(kept.maxima[2]).sqrt(),
+            // Each maximum is that of a curve through samples: where one bends sharply, a part must not pass the whole.
+            max_force_component: kept.maxima[1].max(kept.maxima[2]).min(kept.maxima[0]).sqrt(),
             max_displacement: kept.maxima[3..3 + self.masses].iter().map(|m| m.sqrt()).collect(),
             mean_radius: (0..self.masses).map(|k| kept.mean_radius(k)).collect(),
             last: Final {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rotor::{ClosedLoop, builtin};
+use rotor::builtin;
 use study::run::{Observer, Plan, RunError, Settle, run};
 use study::table::{Form, FormError};
 use study::trajectory::{Writer, columns};
@@ -10,14 +10,8 @@ use study::trajectory::{Writer, columns};
 fn plan() -> Plan {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let feedback = builtin::feedback(&rotor, "composite").expect("built in");
-    Plan {
-        closed_loop: ClosedLoop::new(&rotor, &feedback, 2.0, &[1.0; 3]),
-        largest_clearance: 1.0,
-        impulses: vec![],
-        dtau: 0.02,
-        duration: 10.0,
-        settle: Settle::From(0.0),
-    }
+    let steady = Plan::steady(&rotor, &feedback, 2.0, &[1.0; 3], 10.0, Settle::From(0.0)).expect("can be stepped");
+    Plan { dtau: 0.02, ..steady }
 }
 
 fn files_in(folder: &std::path::Path) -> usize {

@@ -4,8 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
 use rotor::circular::synchronous;
-use rotor::step::Fastest;
-use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, builtin};
+use rotor::{C64, Feedback, Mass, Rotor, Signal, builtin};
 use study::force::{steady, sweep};
 use study::run::{Impulse, Outcome, Plan, RunError, Settle, Settled, run};
 
@@ -15,9 +14,11 @@ fn machine(rotor: &str, feedback: &str) -> (Rotor, Feedback) {
     (rotor, feedback)
 }
 
-fn plan(closed_loop: ClosedLoop, duration: f64, settle: Settle) -> Plan {
-    let dtau = Fastest::of(&closed_loop).expect("poles").default_step();
-    Plan { closed_loop, largest_clearance: 10.0, impulses: vec![], dtau, duration, settle }
+/// A rotor under its feedback at a speed, with its clearances.
+type Case<'a> = (&'a Rotor, &'a Feedback, f64, &'a [f64]);
+
+fn plan((rotor, feedback, speed, clearances): Case<'_>, duration: f64, settle: Settle) -> Plan {
+    Plan::steady(rotor, feedback, speed, clearances, duration, settle).expect("can be stepped")
 }
 
 fn go(plan: &Plan) -> Outcome {
@@ -55,8 +56,8 @@ fn val_three_mass_settles_on_its_stable_circular_orbits() {
         assert_eq!(point.settled, Settled::Steady, "R = {speed}");
         // Near resonance the orbit answers to the step's 5e-8 a radian some fifty times over.
         assert!((point.max_force - orbit.force).abs() < 5e-6 * orbit.force, "{point:?} for {}", orbit.force);
-        let closed_loop = ClosedLoop::new(&rotor, &feedback, speed, &[deadband; 3]);
-        let fine = go(&Plan { dtau: 0.004, ..plan(closed_loop, 1200.0, Settle::DetectAndStop) });
+        let case = (&rotor, &feedback, speed, &[deadband; 3][..]);
+        let fine = go(&Plan { dtau: 0.004, ..plan(case, 1200.0, Settle::DetectAndStop) });
         assert!((fine.max_force - orbit.force).abs() < 1e-8 * orbit.force, "{fine:?} for {}", orbit.force);
         for (max, radius) in fine.max_displacement.iter().zip(orbit.radii()) {
             assert!((max - radius).abs() < 1e-8 * (1.0 + radius), "{max} for {radius} at R = {speed}");
@@ -68,7 +69,7 @@ fn val_three_mass_settles_on_its_stable_circular_orbits() {
 fn val_impulse_forces_reconstruct_the_reports() {
     let (rotor, feedback) = machine("jeffcott", "cancel");
     for (deadband, force) in [(0.0, 9.367), (1.0, 9.684), (10.0, 11.415)] {
-        let mut plan = plan(ClosedLoop::new(&rotor, &feedback, 5.0, &[deadband]), 40.0, Settle::From(0.0));
+        let mut plan = plan((&rotor, &feedback, 5.0, &[deadband]), 40.0, Settle::From(0.0));
         plan.impulses.push(Impulse { mass: 0, change: C64::new(-2.5, 0.0), at: 0.0 });
         let found = go(&plan).max_force_component;
         assert!((found - force).abs() < 6e-4, "{found} for {force}");
@@ -79,7 +80,7 @@ fn val_impulse_forces_reconstruct_the_reports() {
 fn val_a_limit_cycle_under_unbalance_beats_and_says_so() {
     // Exact cycle at 0.7863 rad per tau, 4.279 e_t wide, beside the unbalance: the two beat.
     let (rotor, feedback) = machine("three-mass", "composite");
-    let outcome = go(&plan(ClosedLoop::new(&rotor, &feedback, 6.0, &[1.0; 3]), 1500.0, Settle::DetectAndStop));
+    let outcome = go(&plan((&rotor, &feedback, 6.0, &[1.0; 3]), 1500.0, Settle::DetectAndStop));
     assert_eq!(outcome.settled, Settled::Beating, "{outcome:?}");
     let widest = outcome.max_displacement.iter().copied().fold(0.0, f64::max);
     assert!((3.0..8.0).contains(&widest), "{widest}");
@@ -88,7 +89,7 @@ fn val_a_limit_cycle_under_unbalance_beats_and_says_so() {
 #[test]
 fn a_diverging_run_says_when_and_keeps_what_it_has() {
     let (rotor, feedback) = machine("three-mass", "off");
-    let mut plan = plan(ClosedLoop::new(&rotor, &feedback, 2.5, &[0.0; 3]), 5000.0, Settle::Detect);
+    let mut plan = plan((&rotor, &feedback, 2.5, &[0.0; 3]), 5000.0, Settle::Detect);
     plan.impulses.push(Impulse { mass: 1, change: C64::new(1.0, 0.0), at: 0.0 });
     let outcome = go(&plan);
     let at = outcome.diverged_at.expect("unstable");
@@ -99,7 +100,7 @@ fn a_diverging_run_says_when_and_keeps_what_it_has() {
 #[test]
 fn a_run_stops_when_asked_and_refuses_to_take_for_ever() {
     let (rotor, feedback) = machine("jeffcott", "cancel");
-    let mut plan = plan(ClosedLoop::new(&rotor, &feedback, 1.0, &[]), 100.0, Settle::Detect);
+    let mut plan = plan((&rotor, &feedback, 1.0, &[]), 100.0, Settle::Detect);
     assert!(matches!(run(&plan, &mut [], &AtomicBool::new(true)), Err(RunError::Interrupted)));
     plan.duration = 1e300;
     assert!(matches!(run(&plan, &mut [], &AtomicBool::new(false)), Err(RunError::TooLong(_))));
@@ -129,7 +130,7 @@ proptest! {
     #[test]
     fn the_peak_of_an_impulse_scales_with_it((rotor, feedback) in balanced(), speed in 0.0..2.0, scale in 0.1..50.0, angle in 0.0..6.0) {
         let after = |size: f64| {
-            let mut plan = plan(ClosedLoop::new(&rotor, &feedback, speed, &[]), 30.0, Settle::From(0.0));
+            let mut plan = plan((&rotor, &feedback, speed, &[]), 30.0, Settle::From(0.0));
             plan.impulses.push(Impulse { mass: 0, change: C64::from_polar(size, angle), at: 3.0 });
             go(&plan)
         };
@@ -144,7 +145,7 @@ proptest! {
     #[test]
     fn turning_the_impulse_changes_no_radius((rotor, feedback) in balanced(), speed in 0.0..2.0, deadband in 0.0..2.0, turn in 0.0..6.3) {
         let after = |angle: f64| {
-            let mut plan = plan(ClosedLoop::new(&rotor, &feedback, speed, &[deadband; 4]), 30.0, Settle::From(0.0));
+            let mut plan = plan((&rotor, &feedback, speed, &[deadband; 4]), 30.0, Settle::From(0.0));
             plan.impulses.push(Impulse { mass: 0, change: C64::from_polar(2.0, angle), at: 0.0 });
             go(&plan)
         };

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal};
+use rotor::{C64, Feedback, Mass, Rotor, Signal};
 use study::run::{Impulse, Outcome, Plan, Settle, run};
 use study::spectrum::welch;
 
@@ -16,7 +16,7 @@ fn numbers(value: &serde_json::Value) -> Vec<f64> {
 }
 
 /// The rotor of the script: mass, zeta, zeta_q, Rb, Rs, Re.
-fn five(speed: f64) -> ClosedLoop {
+fn five(speed: f64, duration: f64, settle: Settle) -> Plan {
     let table = [
         [0.10, 0.30, 0.05, 0.3, 0.05, 0.3],
         [0.30, 0.10, 0.02, 0.0, 0.02, 0.1],
@@ -37,7 +37,8 @@ fn five(speed: f64) -> ClosedLoop {
     let signal = Signal::composite(&[0.2, 1.0, 0.3, 0.0, 0.1], [0.1, 0.3, -0.1, 0.05]);
     let feedback = Feedback::new(1, vec![signal]);
     feedback.check(5).expect("fits");
-    ClosedLoop::new(&rotor, &feedback, speed, &[0.05, 0.0, 0.10, 0.0, 0.15])
+    let clearances = [0.05, 0.0, 0.10, 0.0, 0.15];
+    Plan::steady(&rotor, &feedback, speed, &clearances, duration, settle).expect("can be stepped")
 }
 
 fn simulate(case: &serde_json::Value, duration: f64) -> Outcome {
@@ -48,13 +49,10 @@ fn simulate(case: &serde_json::Value, duration: f64) -> Outcome {
         at: 0.0,
     });
     let plan = Plan {
-        closed_loop: five(number(&case["speed"])),
-        largest_clearance: 0.15,
         impulses: impulses.collect(),
         // Small enough that the corners of the deadband, which a fixed step does not see, cost less than what is compared.
         dtau: 0.001,
-        duration,
-        settle: Settle::From(number(&case["settle"]).min(duration)),
+        ..five(number(&case["speed"]), duration, Settle::From(number(&case["settle"]).min(duration)))
     };
     run(&plan, &mut [], &AtomicBool::new(false)).expect("runs")
 }

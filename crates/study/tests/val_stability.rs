@@ -2,11 +2,21 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rotor::step::Fastest;
 use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, Standing, builtin, poles};
 use study::disturbance::Means;
 use study::force::{LONGEST, Point, steady, until_settled};
 use study::run::{Impulse, Plan, Settle, Settled, run};
+
+fn steady_plan(
+    rotor: &Rotor,
+    feedback: &Feedback,
+    speed: f64,
+    clearances: &[f64],
+    duration: f64,
+    settle: Settle,
+) -> Plan {
+    Plan::steady(rotor, feedback, speed, clearances, duration, settle).expect("can be stepped")
+}
 
 /// Three masses with the control bearing and its sensor at the centre, which the pitch mode leaves at rest.
 fn centre_bearing(gains: [f64; 4]) -> (Rotor, Feedback) {
@@ -88,14 +98,9 @@ fn a_beating_motion_that_a_hidden_mode_would_leave_is_called_unstable() {
     let judged = outcome.stability.expect("it has settled");
     assert_eq!((judged.standing, judged.by), (Standing::Unstable, Means::Simulation), "{judged:?}");
     // So it does, when something starts it.
-    let closed_loop = ClosedLoop::new(&rotor, &feedback, 4.4, &[1.0; 3]);
     let plan = Plan {
-        closed_loop,
-        largest_clearance: 1.0,
         impulses: vec![Impulse { mass: 0, change: C64::new(1e-6, 0.0), at: 0.0 }],
-        dtau: Fastest::of(&closed_loop).expect("poles").default_step(),
-        duration: 2000.0,
-        settle: Settle::Detect,
+        ..steady_plan(&rotor, &feedback, 4.4, &[1.0; 3], 2000.0, Settle::Detect)
     };
     let kicked = run(&plan, &mut [], &AtomicBool::new(false)).expect("simulated");
     assert!(
@@ -108,14 +113,10 @@ fn a_beating_motion_that_a_hidden_mode_would_leave_is_called_unstable() {
 fn a_limit_cycle_reached_by_a_blow_is_judged_about_itself_and_its_centre_beside_it() {
     let rotor = balanced(&builtin::rotor("jeffcott").expect("built in"));
     let off = builtin::feedback(&rotor, "off").expect("built in");
-    let closed_loop = ClosedLoop::new(&rotor, &off, 1.6, &[1.0]);
     let plan = Plan {
-        closed_loop,
-        largest_clearance: 1.0,
         impulses: vec![Impulse { mass: 0, change: C64::new(1.0, 0.0), at: 0.0 }],
         dtau: 0.02,
-        duration: 2000.0,
-        settle: Settle::From(1900.0),
+        ..steady_plan(&rotor, &off, 1.6, &[1.0], 2000.0, Settle::From(1900.0))
     };
     let outcome = run(&plan, &mut [], &AtomicBool::new(false)).expect("simulated");
     let judged = outcome.stability.expect("a limit cycle");
@@ -127,14 +128,7 @@ fn a_limit_cycle_reached_by_a_blow_is_judged_about_itself_and_its_centre_beside_
 fn the_step_told_is_the_step_taken() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let off = builtin::feedback(&rotor, "off").expect("built in");
-    let mut plan = Plan {
-        closed_loop: ClosedLoop::new(&rotor, &off, 1.0, &[]),
-        largest_clearance: 0.0,
-        impulses: Vec::new(),
-        dtau: 0.02,
-        duration: 0.001,
-        settle: Settle::From(0.0),
-    };
+    let mut plan = Plan { dtau: 0.02, ..steady_plan(&rotor, &off, 1.0, &[], 0.001, Settle::From(0.0)) };
     let step = |plan: &Plan| run(plan, &mut [], &AtomicBool::new(false)).expect("simulated").step;
     assert_eq!(step(&plan), (0.001, 0.001));
     assert_eq!(plan.longest_step(), 0.001);

@@ -108,7 +108,8 @@ pub(crate) fn rotor(typed: &str) -> Result<Rotor, Failure> {
 /// fit the rotor.
 pub(crate) fn feedback(rotor: &Rotor, typed: &str) -> Result<Feedback, Failure> {
     if is_file(typed) {
-        return Ok(feedback_of(typed, &text(typed)?, Some(rotor.len()))?);
+        let read = file::read_feedback_for(&text(typed)?, rotor);
+        return Ok(read.map_err(|problems| FileError::Wrong { file: typed.to_owned(), problems })?);
     }
     builtin::feedback(rotor, typed).ok_or_else(|| {
         let known = builtin::feedback_names(rotor).join(", ");
@@ -151,11 +152,31 @@ impl Machine {
         let units = Units::of(&rotor);
         for (key, typed) in [("speed", typed_speed), ("deadband", args.deadband)] {
             if let Some(typed) = typed {
-                units.set(&mut settings, key.parse()?, typed)?;
+                units.set(&rotor, &mut settings, key.parse()?, typed)?;
             }
         }
         settings.check(&rotor)?;
-        Ok(Self { rotor, settings })
+        let mut machine = Self { rotor, settings };
+        // A live bench has defaults of its own, which `--set` changes too.
+        if default == Default::Analysis {
+            let speed = if typed_speed.is_some() { &[("the option for speed", "speed")][..] } else { &[] };
+            machine.set(&args.said(speed), &args.set)?;
+        }
+        Ok(machine)
+    }
+
+    /// The same machine, if its loop is ideal: `what` knows no other.
+    ///
+    /// # Errors
+    /// A loop with sampling, delay, lags, limits, noise or filters.
+    pub(crate) fn ideal(self, what: &str) -> Result<Self, Failure> {
+        if self.settings.feedback.is_ideal() {
+            return Ok(self);
+        }
+        Err(Failure::Usage(format!(
+            "{what} knows only the ideal loop: this one has sampling, delay, lags, limits, noise or filters; take them out with \
+             --set KEY=off or other feedback. `poles`, `trace`, `thresholds`, `modes`, `run` and a live bench take them"
+        )))
     }
 
     /// The machine of a sweep over the speeds `over` as typed, all of which must be allowed, and that range of `R`.
@@ -240,9 +261,12 @@ pub(crate) fn assign<'t>(
         return Ok(key);
     }
     let parsed: Key = key.parse()?;
-    let number =
-        value.parse().map_err(|_| SettingsError::NotANumber { key: key.to_owned(), found: value.to_owned() })?;
-    units.set(settings, parsed, number).map(|()| key)
+    let number = parsed.parameter.parse(value).ok_or_else(|| SettingsError::NotANumber {
+        key: key.to_owned(),
+        found: value.to_owned(),
+        or_off: parsed.parameter.off.is_some(),
+    })?;
+    units.set(rotor, settings, parsed, number).map(|()| key)
 }
 
 impl From<PairError> for Failure {

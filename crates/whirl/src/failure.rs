@@ -63,6 +63,18 @@ impl From<rotor::SettingsError> for Failure {
     }
 }
 
+impl From<machine::ProgramError> for Failure {
+    fn from(error: machine::ProgramError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+impl From<machine::PolesError> for Failure {
+    fn from(error: machine::PolesError) -> Self {
+        Self::Work(error.to_string())
+    }
+}
+
 impl From<rotor::PoleError> for Failure {
     fn from(error: rotor::PoleError) -> Self {
         Self::Work(error.to_string())

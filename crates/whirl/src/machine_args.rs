@@ -14,6 +14,9 @@ pub(crate) struct MachineArgs {
     /// Clearance of every support bearing, in e_t (SI rotors: in m)
     #[arg(long, value_name = "G", allow_negative_numbers = true)]
     pub deadband: Option<f64>,
+    /// Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<String>,
 }
 
 impl MachineArgs {

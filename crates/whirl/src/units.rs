@@ -14,9 +14,6 @@ use crate::range::Range;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Units(Option<Scales>);
 
-/// One direction of a conversion.
-type Convert = fn(Units, f64) -> f64;
-
 /// What the JSON of an SI rotor says beside its dimensionless numbers; nothing for others. To be flattened.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub(crate) struct UnitsDocument {
@@ -43,12 +40,6 @@ impl Units {
     #[must_use]
     pub(crate) fn pick<T>(self, dimensionless: T, si: T) -> T {
         if self.0.is_some() { si } else { dimensionless }
-    }
-
-    /// The unit of spin speed.
-    #[must_use]
-    pub(crate) fn speed_unit(self) -> &'static str {
-        self.pick("w0", "rpm")
     }
 
     /// The unit of displacements, clearances and the trip limit.
@@ -151,13 +142,13 @@ impl Units {
         UnitsDocument { units: self.0.map(|_| "si"), scales: self.0 }
     }
 
-    /// A setting as shown, of the unit that its row in [`rotor::PARAMETERS`] has.
+    /// A setting as shown, of the unit that its row in [`rotor::PARAMETERS`] has; forces on a mass of ratio `Rm`.
     #[must_use]
-    pub(crate) fn value(self, unit: &str, value: f64) -> f64 {
+    pub(crate) fn value(self, unit: &'static str, mass_ratio: f64, value: f64) -> f64 {
         match unit {
             "w0" => self.speed(value),
             "e_t" => self.length(value),
-            _ => value,
+            unit => self.0.map_or(value, |scales| value * scales.setting(unit, mass_ratio).0),
         }
     }
 
@@ -175,16 +166,19 @@ impl Units {
     ///
     /// # Errors
     /// Out of range, told in the units it was typed in; or a mass or signal that does not exist.
-    pub(crate) fn set(self, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
-        let (inward, outward, unit): (Convert, Convert, _) = match key.parameter.unit {
-            "w0" => (Self::speed_from_typed, Self::speed, self.speed_unit()),
-            "e_t" => (Self::length_from_typed, Self::length, self.length_unit()),
-            _ => (|_, number| number, |_, number| number, ""),
+    pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
+        let mass = rotor.masses().get(settings.feedback.bearing).map_or(1.0, |m| m.mass);
+        let (factor, unit) = self.0.map_or((1.0, ""), |scales| scales.setting(key.parameter.unit, mass));
+        let value = match key.parameter.unit {
+            "w0" => self.speed_from_typed(typed),
+            "e_t" => self.length_from_typed(typed),
+            _ => typed / factor,
         };
-        settings.set(key, inward(self, typed)).map_err(|error| match error {
-            SettingsError::OutOfRange { key, min, max, .. } if self.0.is_some() && !unit.is_empty() => {
-                let [min, max] = [min, max].map(|end| rounded(outward(self, end)));
-                Failure::Usage(format!("{key} = {typed} {unit}: expected a number from {min} to {max} {unit}"))
+        settings.set(key, value).map_err(|error| match error {
+            SettingsError::OutOfRange { key, min, max, or_off, .. } if self.0.is_some() && !unit.is_empty() => {
+                let [min, max] = [min, max].map(|end| rounded(end * factor));
+                let or_off = if or_off { ", or off" } else { "" };
+                Failure::Usage(format!("{key} = {typed} {unit}: expected a number from {min} to {max} {unit}{or_off}"))
             }
             error => error.into(),
         })

@@ -20,6 +20,7 @@ mod census;
 mod error;
 mod event;
 mod faults;
+mod filter_message;
 mod iceoryx;
 mod memory;
 pub mod message;

@@ -1,9 +1,11 @@
 //! Settings as they travel: [`rotor::Settings`] with every list given a fixed place.
 
+use control::PARTS;
 use iceoryx2::prelude::ZeroCopySend;
-use rotor::{Feedback, Gain, GainKind, MAX_MASSES, Settings, Signal};
+use rotor::{Feedback, Filter, Gain, GainKind, MAX_MASSES, Parts, Settings, Signal};
 
 use crate::WireError;
+use crate::filter_message::{FilterMessage, MAX_FILTERS};
 
 /// Points of all tabulated gains together.
 pub const MAX_KNOTS: usize = 1024;
@@ -16,6 +18,10 @@ pub struct SettingsMessage {
     pub speed: f64,
     /// Orbit radius at which the machine trips, in `e_t`.
     pub trip: f64,
+    /// Greatest rate of change of the speed; infinite where it jumps.
+    pub ramp: f64,
+    /// The loop around the law, in the order of [`control::PARTS`].
+    pub parts: [f64; PARTS.len()],
     /// Clearance of each mass's support bearing, in `e_t`.
     pub deadband: [f64; MAX_MASSES],
     /// How many masses there are.
@@ -28,6 +34,8 @@ pub struct SettingsMessage {
     pub knots_used: u32,
     /// The signals.
     pub signal: [SignalMessage; MAX_MASSES],
+    /// What shapes signals and their sum, those of each in a row; the first without a kind ends them.
+    pub filters: [FilterMessage; MAX_FILTERS],
     /// The `[speed, value]` points of all tabulated gains, one table after the other.
     pub knots: [[f64; 2]; MAX_KNOTS],
 }
@@ -67,12 +75,15 @@ impl Default for SettingsMessage {
         Self {
             speed: 0.0,
             trip: 0.0,
+            ramp: 0.0,
+            parts: [0.0; PARTS.len()],
             deadband: [0.0; MAX_MASSES],
             masses: 0,
             bearing: 0,
             signals: 0,
             knots_used: 0,
             signal: [SignalMessage::default(); MAX_MASSES],
+            filters: [FilterMessage::default(); MAX_FILTERS],
             knots: [[0.0; 2]; MAX_KNOTS],
         }
     }
@@ -87,6 +98,8 @@ impl SettingsMessage {
         let mut packed = Self {
             speed: settings.speed,
             trip: settings.trip,
+            ramp: settings.ramp,
+            parts: PARTS.map(|part| (part.get)(&settings.feedback.parts)),
             masses: settings.deadband.len() as u32,
             bearing: settings.feedback.bearing as u32,
             signals: settings.feedback.signals.len() as u32,
@@ -96,6 +109,11 @@ impl SettingsMessage {
         if settings.feedback.signals.len() > MAX_MASSES {
             return Err(WireError::DoesNotFit(format!("{} signals, at most {MAX_MASSES} fit", packed.signals)));
         }
+        let filters = filters_of(&settings.feedback);
+        if filters.len() > MAX_FILTERS {
+            return Err(WireError::DoesNotFit(format!("{} filters, at most {MAX_FILTERS} fit", filters.len())));
+        }
+        packed.filters[..filters.len()].copy_from_slice(&filters);
         for (place, signal) in packed.signal.iter_mut().zip(&settings.feedback.signals) {
             copy(&mut place.displacement, &signal.displacement)?;
             copy(&mut place.velocity, &signal.velocity)?;
@@ -140,7 +158,7 @@ impl SettingsMessage {
                 Gain::Table(knots.iter().map(|[speed, value]| (*speed, *value)).collect())
             }
         };
-        let signals = self.signal[..(self.signals as usize).min(MAX_MASSES)]
+        let mut signals: Vec<Signal> = self.signal[..(self.signals as usize).min(MAX_MASSES)]
             .iter()
             .map(|signal| Signal {
                 displacement: signal.displacement[..masses].to_vec(),
@@ -149,14 +167,38 @@ impl SettingsMessage {
                 filters: vec![],
             })
             .collect();
+        let mut filters = Vec::new();
+        for message in &self.filters {
+            let Some(filter) = message.unpack() else { break };
+            match (message.signal as usize).checked_sub(1) {
+                None => filters.push(filter),
+                Some(signal) => {
+                    if let Some(signal) = signals.get_mut(signal) {
+                        signal.filters.push(filter);
+                    }
+                }
+            }
+        }
+        let mut parts = Parts::default();
+        PARTS.iter().zip(self.parts).for_each(|(part, value)| (part.set)(&mut parts, value));
         Settings {
             speed: self.speed,
             deadband: self.deadband[..masses].to_vec(),
             trip: self.trip,
-            ramp: f64::INFINITY,
-            feedback: Feedback::new(self.bearing as usize, signals),
+            ramp: self.ramp,
+            feedback: Feedback { bearing: self.bearing as usize, signals, filters, parts },
         }
     }
+}
+
+/// Those of the bearing, then those of every signal.
+fn filters_of(feedback: &Feedback) -> Vec<FilterMessage> {
+    let of = |filters: &[Filter], signal| -> Vec<FilterMessage> {
+        filters.iter().map(|filter| FilterMessage::pack(filter, signal)).collect()
+    };
+    let mut all = of(&feedback.filters, 0);
+    all.extend(feedback.signals.iter().enumerate().flat_map(|(i, signal)| of(&signal.filters, i + 1)));
+    all
 }
 
 fn copy(place: &mut [f64; MAX_MASSES], values: &[f64]) -> Result<(), WireError> {
@@ -182,6 +224,17 @@ mod tests {
                 settings.deadband[0] = 0.75;
                 settings.feedback.signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 3.0)]);
                 settings.feedback.signals[0].gains[3] = Gain::Table(vec![(1.0, -1.0)]);
+                settings.ramp = 0.25;
+                settings.feedback.parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..Parts::default() };
+                settings.feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+                settings.feedback.signals[0].filters = vec![
+                    Filter::Lowpass { corner: 8.0, order: 3 },
+                    Filter::Lead { zero: 1.0, pole: 2.0 },
+                    Filter::Notch { frequency: 3.0, width: 0.2 },
+                    Filter::Integrator { rate: 0.1 },
+                    Filter::Derivative { corner: 9.0 },
+                    Filter::Transfer { numerator: vec![1.0; 9], denominator: vec![2.0; 9] },
+                ];
                 assert_eq!(SettingsMessage::pack(&settings).unwrap().unpack(), settings);
             }
         }

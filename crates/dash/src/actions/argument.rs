@@ -94,7 +94,11 @@ pub(super) fn assignments(text: &str) -> Result<Action, String> {
         let key: Key = pair[0].parse().map_err(|error: rotor::SettingsError| error.to_string())?;
         let value = pair.get(1).ok_or_else(|| format!("{key}: expected {key}=VALUE"))?;
         assigned.key(key, &pair.join("=")).map_err(|error| error.to_string())?;
-        set.push((key, number(value).map_err(|error| format!("{key} = {error}"))?));
+        let number = match (*value, key.parameter.off) {
+            ("off", Some(off)) => Ok(off),
+            (value, _) => number(value),
+        };
+        set.push((key, number.map_err(|error| format!("{key} = {error}"))?));
     }
     Ok(Action::Set(set))
 }

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use rotor::{C64, ClosedLoop, Feedback, Rotor, Settings, damping_ratio};
+use rotor::{C64, Feedback, Rotor, Settings, damping_ratio};
 
 use crate::history::Era;
 
@@ -36,17 +36,37 @@ impl Question {
         Some(Self::at(era.rotor.clone()?, feedback.clone(), *speed))
     }
 
-    fn poles(&self, speed: f64) -> Option<Vec<C64>> {
-        rotor::poles(&ClosedLoop::new(&self.rotor, &self.feedback, speed, &[])).ok()
+    fn settings(&self) -> Settings {
+        Settings::new(&self.rotor, 0.0, self.feedback.clone())
     }
 
     fn min_damping(&self, speed: f64) -> f64 {
-        self.poles(speed).as_deref().map_or(f64::NAN, least)
+        machine::min_damping(&self.rotor, &self.settings(), speed).unwrap_or(f64::NAN)
     }
-}
 
-fn least(poles: &[C64]) -> f64 {
-    poles.iter().copied().map(damping_ratio).fold(f64::INFINITY, f64::min)
+    /// Poles as branches over speeds, and the smallest damping at each.
+    fn trace(&self, speeds: &[f64]) -> Option<(Vec<Vec<C64>>, Vec<f64>)> {
+        if self.feedback.is_ideal() {
+            let trace = rotor::trace(&self.rotor, &self.feedback, speeds).ok()?;
+            let min_damping = trace.min_damping();
+            return Some((trace.branches.into_iter().map(|b| b.poles).collect(), min_damping));
+        }
+        let branches = machine::trace(&self.rotor, &self.settings(), speeds).ok()?;
+        let damping =
+            |at: usize| branches.iter().filter_map(|b| b[at]).map(damping_ratio).fold(f64::INFINITY, f64::min);
+        let min_damping = (0..speeds.len()).map(damping).collect();
+        // A branch that a delay keeps out of sight at some speed is not drawn; its damping counts all the same.
+        Some((branches.into_iter().filter_map(|b| b.into_iter().collect()).collect(), min_damping))
+    }
+
+    fn thresholds(&self) -> Option<Vec<f64>> {
+        let found = if self.feedback.is_ideal() {
+            rotor::thresholds(&self.rotor, &self.feedback, 0.0, self.top).ok()?
+        } else {
+            machine::thresholds(&self.rotor, &self.settings(), 0.0, self.top).ok()?
+        };
+        Some(found.into_iter().map(|threshold| threshold.speed).collect())
+    }
 }
 
 /// Poles and damping over speed.
@@ -67,13 +87,9 @@ impl OverSpeed {
     /// Computes the answer: some milliseconds for three masses.
     pub(crate) fn of(question: &Question) -> Self {
         let speeds: Vec<f64> = (0..POINTS).map(|i| question.top * i as f64 / (POINTS - 1) as f64).collect();
-        let traced = rotor::trace(&question.rotor, &question.feedback, &speeds).ok();
-        let min_damping = match &traced {
-            Some(trace) => trace.min_damping(),
-            None => speeds.iter().map(|speed| question.min_damping(*speed)).collect(),
-        };
+        let each = || speeds.iter().map(|speed| question.min_damping(*speed)).collect();
+        let (branches, min_damping) = question.trace(&speeds).unwrap_or_else(|| (Vec::new(), each()));
         let stable = stable_ranges(question, &speeds, &min_damping);
-        let branches = traced.map_or_else(Vec::new, |trace| trace.branches.into_iter().map(|b| b.poles).collect());
         Self { question: question.clone(), speeds, branches, min_damping, stable }
     }
 
@@ -104,13 +120,9 @@ impl OverSpeed {
 
 /// The ranges between changes of stability in which the rotor is stable.
 fn stable_ranges(question: &Question, speeds: &[f64], min_damping: &[f64]) -> Vec<[f64; 2]> {
-    let Question { rotor, feedback, top } = question;
-    let mut edges = match rotor::thresholds(rotor, feedback, 0.0, *top) {
-        Ok(thresholds) => thresholds.into_iter().map(|threshold| threshold.speed).collect(),
-        Err(_) => sign_changes(question, speeds, min_damping),
-    };
+    let mut edges = question.thresholds().unwrap_or_else(|| sign_changes(question, speeds, min_damping));
     edges.insert(0, 0.0);
-    edges.push(*top);
+    edges.push(question.top);
     let mut ranges: Vec<[f64; 2]> = Vec::new();
     for pair in edges.windows(2).filter(|pair| pair[0] < pair[1]) {
         if question.min_damping(0.5 * (pair[0] + pair[1])) > 0.0 {
@@ -231,7 +243,8 @@ pub(crate) mod tests {
             if damping.abs() > 1e-9 {
                 prop_assert_eq!(over_speed.is_stable(speed), damping > 0.0, "{} at {}", damping, speed);
             }
-            let mut rest = question.poles(speed).unwrap();
+            let closed_loop = rotor::ClosedLoop::new(&question.rotor, &question.feedback, speed, &[]);
+            let mut rest = rotor::poles(&closed_loop).unwrap();
             for branch in &over_speed.branches {
                 let near = rest.iter().position(|pole| (pole - branch[at]).norm() < 1e-7);
                 prop_assert!(near.is_some(), "{} is no pole at {speed}", branch[at]);

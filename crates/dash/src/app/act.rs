@@ -27,9 +27,12 @@ impl App<'_> {
     pub(super) fn take_typed(&mut self) {
         let Some(Layer::Value(typed)) = self.layers.pop() else { return };
         let Some(key) = self.selected() else { return };
-        match typed.text().parse::<f64>() {
-            Ok(value) => self.send(Edit::Set(self.units().settings_of_typed(&[(key, value)]))),
-            Err(_) => self.tell(Message::Bad(format!("{key} = '{}': expected a number", typed.text()))),
+        match key.parameter.parse(typed.text()) {
+            Some(value) => self.send(Edit::Set(self.units().settings_of_typed(&[(key, value)]))),
+            None => {
+                let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
+                self.tell(Message::Bad(format!("{key} = '{}': expected a number{or_off}", typed.text())));
+            }
         }
     }
 

@@ -15,7 +15,8 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
-use rotor::{Rotor, Settings, StabilityLoss};
+use machine::StabilityLoss;
+use rotor::{Rotor, Settings};
 use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, WireError};
 
 use crate::units::Units;

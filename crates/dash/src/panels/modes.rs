@@ -10,11 +10,12 @@
 
 use std::sync::Arc;
 
+use machine::MachinePoles;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
-use rotor::{C64, Mode, Spectrum, Whirl};
+use rotor::{C64, Mode, Whirl};
 
 use super::list::{List, mark, passes, row_of, told};
 use super::panel::{Intent, Mouse, Panel};
@@ -92,9 +93,9 @@ impl Panel for Modes {
 
 /// The modes of some settings; only the poles that the simulation sent if their shapes cannot be had.
 fn modes(era: &Era) -> Vec<Mode> {
-    let shaped = era.rotor.as_ref().and_then(|rotor| Spectrum::of(&era.settings.closed_loop(rotor)).ok());
+    let shaped = era.rotor.as_ref().and_then(|rotor| MachinePoles::of(rotor, &era.settings).ok());
     let bare = || era.poles.iter().map(|pole| Mode { pole: *pole, shape: Vec::new() }).collect();
-    shaped.map_or_else(bare, |spectrum| spectrum.modes)
+    shaped.map_or_else(bare, |poles| poles.modes)
 }
 
 fn heading(units: &Units, area: Rect, buffer: &mut Buffer) {

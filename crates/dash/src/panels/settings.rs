@@ -127,7 +127,11 @@ fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cu
 /// A value as short as it can be told, with a word if it is a schedule.
 fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
     let unit = units.setting(key);
-    let value = settings.get(key).unwrap_or(f64::NAN) * unit.factor;
+    let value = settings.get(key).unwrap_or(f64::NAN);
+    if key.parameter.off == Some(value) && key.parameter.name != "seed" {
+        return "off".into();
+    }
+    let value = value * unit.factor;
     // Micrometres count where metres are shown.
     let digits = if unit.name == "m" { 1e9 } else { 1e6 };
     let rounded = (value * digits).round() / digits;

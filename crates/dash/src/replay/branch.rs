@@ -10,8 +10,8 @@
 
 use std::ops::Range;
 
+use machine::ProgramError;
 use rotor::Settings;
-use rotor::step::StepError;
 use wire::message::Trip;
 
 use super::machine::{Act, Machine, Root};
@@ -46,17 +46,20 @@ pub(crate) struct Branch {
 
 impl Branch {
     /// A machine that goes on from `root` as it was.
-    pub(crate) fn new(root: Root) -> Self {
+    ///
+    /// # Errors
+    /// Settings that this version cannot step.
+    pub(crate) fn new(root: Root) -> Result<Self, ProgramError> {
         let wish = Wish { settings: root.settings.clone(), acts: Vec::new() };
-        let machine = Machine::new(&root, &wish.settings);
+        let machine = Machine::new(&root, &wish.settings)?;
         let rows = Self::rows_from(&machine, &root);
         let memories = vec![machine.clone()];
-        Self { root, wish, done: Vec::new(), undone: Vec::new(), machine, rows, memories }
+        Ok(Self { root, wish, done: Vec::new(), undone: Vec::new(), machine, rows, memories })
     }
 
     /// The same wishes from another moment on; or why the bench would not have taken them then.
-    pub(crate) fn moved_to(&self, root: Root) -> Result<Self, StepError> {
-        let mut moved = Self::new(root);
+    pub(crate) fn moved_to(&self, root: Root) -> Result<Self, ProgramError> {
+        let mut moved = Self::new(root)?;
         clerk::carry_over(&self.root.settings, &self.wish.settings, &mut moved.wish.settings);
         moved.root.substeps_from_here(&moved.wish.settings)?;
         Ok(moved)
@@ -131,7 +134,10 @@ impl Branch {
 
     /// Begins all over again at the root: the wishes hold from the beginning.
     pub(crate) fn begin(&mut self) {
-        self.machine = Machine::new(&self.root, &self.wish.settings);
+        // Wishes were looked at when they were made.
+        if let Ok(machine) = Machine::new(&self.root, &self.wish.settings) {
+            self.machine = machine;
+        }
         self.rows = Self::rows_from(&self.machine, &self.root);
         self.memories = vec![self.machine.clone()];
     }
@@ -163,7 +169,7 @@ impl Branch {
             for (_, act) in self.wish.acts.iter().filter(|(at, _)| *at == seq) {
                 self.machine.act(&self.root, act);
             }
-            self.machine.step(self.root.dtau);
+            self.machine.step();
             made += u64::from(self.machine.substeps);
             self.rows.push(self.machine.row());
             let is_new = self.memories.last().is_none_or(|last| last.seq + STRIDE <= seq);

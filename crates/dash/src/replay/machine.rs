@@ -1,7 +1,7 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
-use rotor::step::{self, StepError};
-use rotor::{C64, MAX_MASSES, Rotor, Settings, Stepper};
+use machine::{Output, Pace, Program, ProgramError, TripCause};
+use rotor::{C64, Rotor, Settings};
 use wire::State;
 use wire::message::Trip;
 
@@ -18,13 +18,7 @@ pub(super) enum Act {
     Settings(Settings, u32),
 }
 
-/// The line of time that a run is on: where its clock was set last, and how many Runge-Kutta steps ago.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Line {
-    pub(super) tau: f64,
-    pub(super) angle: f64,
-    pub(super) steps: u64,
-}
+pub(super) use machine::Line;
 
 /// The moment from which a branch runs on.
 #[derive(Clone, Debug)]
@@ -48,25 +42,27 @@ impl Root {
     ///
     /// # Errors
     /// The bench would refuse these settings.
-    pub(super) fn substeps(&self, wanted: &Settings, recorded: (&Settings, u32)) -> Result<u32, StepError> {
+    pub(super) fn substeps(&self, wanted: &Settings, recorded: (&Settings, u32)) -> Result<u32, ProgramError> {
         if wanted == recorded.0 {
             return Ok(recorded.1);
         }
-        step::substeps(&wanted.closed_loop(&self.rotor), self.dtau, self.rate_hz)
+        let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
+        Ok(Program::compile(&self.rotor, wanted, wanted.speed, pace)?.substeps())
     }
 
     /// The same for settings that are wished for from the beginning.
     ///
     /// # Errors
     /// The bench would refuse these settings.
-    pub(super) fn substeps_from_here(&self, wanted: &Settings) -> Result<u32, StepError> {
+    pub(super) fn substeps_from_here(&self, wanted: &Settings) -> Result<u32, ProgramError> {
         self.substeps(wanted, (&self.settings, self.substeps))
     }
 }
 
 /// The machine as it is after a step.
+#[derive(Clone)]
 pub(super) struct Machine {
-    stepper: Box<dyn Stepper>,
+    machine: machine::Machine,
     /// Runge-Kutta steps that make one step.
     pub(super) substeps: u32,
     /// The settings in force.
@@ -76,59 +72,57 @@ pub(super) struct Machine {
     /// The number of the last step.
     pub(super) seq: u64,
     pub(super) trip: Option<Trip>,
-    /// The last state in which everything was finite: position and velocity.
-    good: ([C64; MAX_MASSES], [C64; MAX_MASSES]),
-}
-
-impl Clone for Machine {
-    fn clone(&self) -> Self {
-        let Self { stepper, substeps, settings, judged, seq, trip, good } = self;
-        let (substeps, settings, judged) = (*substeps, settings.clone(), judged.clone());
-        Self { stepper: stepper.twin(), substeps, settings, judged, seq: *seq, trip: *trip, good: *good }
-    }
 }
 
 impl Machine {
-    /// The machine as it was at `root`, under other settings, which the bench would take; it keeps its own else.
-    pub(super) fn new(root: &Root, wanted: &Settings) -> Self {
+    /// The machine as it was at `root`, under other settings, which the bench would take; it keeps its own else. Nothing if
+    /// even those cannot be stepped.
+    pub(super) fn new(root: &Root, wanted: &Settings) -> Result<Self, ProgramError> {
         let (wanted, substeps) =
             root.substeps_from_here(wanted).map_or((&root.settings, root.substeps), |substeps| (wanted, substeps));
-        let of = |settings: &Settings| settings.closed_loop(&root.rotor);
-        let mut stepper = rotor::stepper(&of(&root.settings));
+        let program = |settings: &Settings, substeps| Program::in_substeps(&root.rotor, settings, root.dtau, substeps);
         let points = root.state.points();
         let [displacement, velocity]: [Vec<C64>; 2] = [
             points.iter().map(|point| C64::new(point.y, point.z)).collect(),
             points.iter().map(|point| C64::new(point.vy, point.vz)).collect(),
         ];
-        stepper.place(&displacement, &velocity);
-        stepper.set_clock(root.line.tau, root.line.angle, root.line.steps, root.dtau / f64::from(root.substeps));
-        stepper.load(&of(wanted));
+        let force = |[y, z]: [f64; 2]| C64::new(y, z);
+        let output = Output {
+            commanded: force(root.state.force_commanded),
+            delivered: force(root.state.force_delivered),
+            saturated: root.state.flags.has(wire::Flags::SATURATED),
+        };
+        let before = program(&root.settings, root.substeps)?;
+        let at = [&displacement[..], &velocity[..]];
+        let mut machine = machine::Machine::resumed(before, root.line, root.state.speed, at, output);
+        machine.load(&mut Box::new(program(wanted, substeps)?));
         let held = root.state.flags.has(wire::Flags::TRIPPED);
-        let mut machine = Self {
-            stepper,
+        if held {
+            machine.hold();
+        }
+        Ok(Self {
+            machine,
             substeps,
             settings: wanted.clone(),
             judged: WhatIf::of(&root.rotor, wanted.clone()),
             seq: root.state.seq,
             trip: held.then(Trip::default),
-            good: ([C64::ZERO; MAX_MASSES], [C64::ZERO; MAX_MASSES]),
-        };
-        machine.good.0[..displacement.len()].copy_from_slice(&displacement);
-        machine.good.1[..velocity.len()].copy_from_slice(&velocity);
-        machine
+        })
     }
 
     /// Something is done to it.
     pub(super) fn act(&mut self, root: &Root, act: &Act) {
         match act {
-            Act::Impulse(mass, velocity) => self.stepper.kick(*mass, *velocity),
+            Act::Impulse(mass, velocity) => self.machine.kick(*mass, *velocity),
             Act::Restart => {
-                self.stepper.rest();
+                self.machine.restart();
                 self.trip = None;
             }
             Act::Settings(settings, substeps) => {
+                // A recorded change was possible; what is not is not made.
+                let Ok(program) = Program::in_substeps(&root.rotor, settings, root.dtau, *substeps) else { return };
+                self.machine.load(&mut Box::new(program));
                 self.substeps = *substeps;
-                self.stepper.load(&settings.closed_loop(&root.rotor));
                 self.judged = WhatIf::of(&root.rotor, settings.clone());
                 self.settings = settings.clone();
             }
@@ -136,36 +130,27 @@ impl Machine {
     }
 
     /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held.
-    pub(super) fn step(&mut self, dtau: f64) {
+    pub(super) fn step(&mut self) {
         self.seq += 1;
-        if self.trip.is_some() {
-            return;
+        if let Some(trip) = self.machine.step() {
+            self.trip = Some(Trip {
+                cause: match trip.cause {
+                    TripCause::Orbit => 1,
+                    TripCause::NotFinite => 2,
+                },
+                mass: trip.station as u32 + 1,
+                step: self.seq,
+                radius: trip.radius,
+                limit: trip.limit,
+            });
         }
-        self.stepper.advance(dtau, self.substeps);
-        let (motion, control) = (self.stepper.motion(), self.stepper.control());
-        let (n, radius) = (motion.displacement.len(), motion.largest_radius());
-        if motion.is_finite() && radius.is_finite() && control.re.is_finite() && control.im.is_finite() {
-            self.good.0[..n].copy_from_slice(motion.displacement);
-            self.good.1[..n].copy_from_slice(motion.velocity);
-            if radius > self.settings.trip {
-                self.trip = Some(self.tripped(1, n));
-            }
-        } else {
-            self.stepper.place(&self.good.0[..n], &self.good.1[..n]);
-            self.trip = Some(self.tripped(2, n));
-        }
-    }
-
-    fn tripped(&self, cause: u32, masses: usize) -> Trip {
-        let radius = |mass: &usize| self.good.0[*mass].norm();
-        let mass = (0..masses).max_by(|a, b| radius(a).total_cmp(&radius(b))).unwrap_or(0);
-        Trip { cause, mass: mass as u32 + 1, step: self.seq, radius: radius(&mass), limit: self.settings.trip }
     }
 
     /// Its numbers in a row: `u_y`, `u_z`, then `y`, `z` of every mass.
     pub(super) fn row(&self) -> impl Iterator<Item = f64> + '_ {
-        let control = self.stepper.control();
-        let places = self.stepper.motion().displacement.iter().flat_map(|p| [p.re, p.im]);
+        let sample = self.machine.sample();
+        let control = sample.output.delivered;
+        let places = sample.displacement.iter().flat_map(|p| [p.re, p.im]);
         [control.re, control.im].into_iter().chain(places)
     }
 }

@@ -394,7 +394,7 @@ impl Player {
             }
             let root = self.root(here)?;
             self.branch = Some(match &self.branch {
-                None => Branch::new(root),
+                None => Branch::new(root).map_err(|error| error.to_string())?,
                 Some(branch) => branch.moved_to(root).map_err(|error| error.to_string())?,
             });
         }

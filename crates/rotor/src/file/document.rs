@@ -1,21 +1,28 @@
 //! Feedback as a document for scripts, with the keys of its file.
 
+use control::{PARTS, Parts};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::feedback_toml::sensor;
 use crate::{Feedback, Gain, GainKind, Signal};
 
-/// Feedback that serialises to the content of its file: `{bearing, signal: [{mass | displacement, velocity, kd, cd, kc,
-/// cc}]}`, masses counted from 1.
+/// Feedback that serialises to the content of its file: `{bearing, filter, signal: [{mass | displacement, velocity, kd, cd, kc,
+/// cc, filter}], loop}`, masses counted from 1.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedbackDocument<'a>(pub &'a Feedback);
 
 impl Serialize for FeedbackDocument<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(2))?;
+        let mut map = serializer.serialize_map(None)?;
         map.serialize_entry("bearing", &(self.0.bearing + 1))?;
+        if !self.0.filters.is_empty() {
+            map.serialize_entry("filter", &self.0.filters)?;
+        }
         map.serialize_entry("signal", &self.0.signals.iter().map(SignalDocument).collect::<Vec<_>>())?;
+        if self.0.parts != Parts::default() {
+            map.serialize_entry("loop", &LoopDocument(&self.0.parts))?;
+        }
         map.end()
     }
 }
@@ -34,7 +41,21 @@ impl Serialize for SignalDocument<'_> {
         for kind in GainKind::ALL {
             map.serialize_entry(kind.name(), &GainDocument::of(self.0.gain(kind)))?;
         }
+        if !self.0.filters.is_empty() {
+            map.serialize_entry("filter", &self.0.filters)?;
+        }
         map.end()
+    }
+}
+
+/// The parts of the loop that are there.
+struct LoopDocument<'a>(&'a Parts);
+
+impl Serialize for LoopDocument<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let present = PARTS.iter().map(|part| (part.name, (part.get)(self.0), part.absent));
+        serializer
+            .collect_map(present.filter(|(_, value, absent)| value != absent).map(|(name, value, _)| (name, value)))
     }
 }
 

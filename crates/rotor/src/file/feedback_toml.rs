@@ -4,10 +4,19 @@ use std::ops::Range as Span;
 
 use toml::de::DeValue;
 
+use super::loop_toml::{self, FileUnits};
 use super::problem::Problems;
 use super::reader::{Reader, Table, Value};
 use super::write::{Lines, number, numbers};
-use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Range, Signal};
+use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Range, Rotor, Signal};
+
+/// Reads feedback for `rotor`, whose units a file may use for its loop: `units = "si"`.
+///
+/// # Errors
+/// All that is wrong with the file, or does not fit the rotor, with lines and columns.
+pub fn read_feedback_for(text: &str, rotor: &Rotor) -> Result<Feedback, Problems> {
+    read(text, Some(rotor.len()), Some(rotor))
+}
 
 /// Reads feedback for a rotor of `masses` masses. Without a rotor at hand, the number of masses is what the weights
 /// say, or the least that has the bearing and every sensor.
@@ -15,12 +24,12 @@ use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Range, Signal};
 /// # Errors
 /// All that is wrong with the file, or does not fit the rotor, with lines and columns.
 pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Problems> {
+    read(text, masses, None)
+}
+
+fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feedback, Problems> {
     let (mut reader, file) = Reader::parse(text)?;
-    reader.only(&file, &["bearing", "signal", "loop"]);
-    if let Some((key, _)) = file.get_key_value("loop") {
-        let found = "[loop]: delay, sample, lag and limit are not simulated yet";
-        reader.problem(key.span(), found, "an ideal loop, which is a file without [loop]");
-    }
+    reader.only(&file, &["units", "bearing", "filter", "signal", "loop"]);
     let count = masses.unwrap_or_else(|| implied_masses(&file));
 
     let of = if masses.is_some() { "a mass of the rotor" } else { "a mass" };
@@ -28,11 +37,33 @@ pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Prob
         reader.problem(0..0, "no bearing", format!("bearing = {of} that carries the control bearing, 1 to {count}"));
         0
     });
+    let units = units(&mut reader, &file, rotor, bearing);
     let tables = reader.tables(&file, "signal", Some(MAX_MASSES));
     let signals = (tables.into_iter().enumerate())
-        .map(|(i, (table, at))| signal(&mut reader, table, &format!("[[signal]] {}", i + 1), &at, count, of))
+        .map(|(i, (table, at))| Signal {
+            filters: loop_toml::filters(&mut reader, table, &units),
+            ..signal(&mut reader, table, &format!("[[signal]] {}", i + 1), &at, count, of)
+        })
         .collect();
-    reader.finish(Feedback::new(bearing, signals))
+    let filters = loop_toml::filters(&mut reader, &file, &units);
+    let parts = loop_toml::parts(&mut reader, &file, &units);
+    reader.finish(Feedback { bearing, signals, filters, parts })
+}
+
+/// What the numbers of the loop count in.
+fn units(reader: &mut Reader<'_>, file: &Table<'_>, rotor: Option<&Rotor>, bearing: usize) -> FileUnits {
+    let Some(value) = file.get("units") else { return FileUnits::DIMENSIONLESS };
+    match value.get_ref().as_str() {
+        Some("dimensionless") => FileUnits::DIMENSIONLESS,
+        Some("si") => rotor.and_then(|rotor| FileUnits::si(rotor, bearing)).unwrap_or_else(|| {
+            reader.wrong("units", value, "\"dimensionless\": \"si\" needs a rotor in SI units, whose scales it takes");
+            FileUnits::DIMENSIONLESS
+        }),
+        _ => {
+            reader.wrong("units", value, "\"dimensionless\" or \"si\"");
+            FileUnits::DIMENSIONLESS
+        }
+    }
 }
 
 /// How many masses a file without a rotor is meant for.
@@ -61,7 +92,7 @@ fn signal(
     masses: usize,
     of: &str,
 ) -> Signal {
-    reader.only(table, &["mass", "displacement", "velocity", "kd", "cd", "kc", "cc"]);
+    reader.only(table, &["mass", "displacement", "velocity", "kd", "cd", "kc", "cc", "filter"]);
     let mut weights = |key: &str| {
         let list = reader.numbers(table, key, "weights, one a mass")?;
         for (weight, at) in &list {
@@ -186,6 +217,7 @@ pub fn write_feedback(feedback: &Feedback) -> String {
         "Dimensionless for any rotor: displacements in e_t, time tau = w0 t, schedules over speed R = w / w0.",
     );
     lines.key("bearing", feedback.bearing + 1, "the mass that carries the control bearing");
+    loop_toml::write_filters(&mut lines, &feedback.filters, "what shapes the sum of the signals");
     for signal in &feedback.signals {
         lines.header("signal");
         match sensor(signal) {
@@ -199,7 +231,9 @@ pub fn write_feedback(feedback: &Feedback) -> String {
             let meaning = PARAMETERS.iter().find(|p| p.name == kind.name()).map_or("", |p| p.meaning);
             lines.key(kind.name(), gain_text(signal.gain(kind)), meaning);
         }
+        loop_toml::write_filters(&mut lines, &signal.filters, "what shapes it");
     }
+    loop_toml::write_parts(&mut lines, &feedback.parts);
     lines.into_text()
 }
 

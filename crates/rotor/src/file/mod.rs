@@ -13,13 +13,14 @@
 
 mod document;
 mod feedback_toml;
+mod loop_toml;
 mod problem;
 mod reader;
 mod rotor_toml;
 mod write;
 
 pub use document::FeedbackDocument;
-pub use feedback_toml::{read_feedback, write_feedback};
+pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback};
 pub use problem::{Problem, Problems};
 pub use rotor_toml::{read_rotor, write_rotor};
 

@@ -16,6 +16,12 @@ impl Lines {
         self.0.push((format!("[[{header}]]"), String::new()));
     }
 
+    /// A blank line and `[header]`.
+    pub(super) fn table(&mut self, header: &str) {
+        self.0.push((String::new(), String::new()));
+        self.0.push((format!("[{header}]"), String::new()));
+    }
+
     /// A comment on a line of its own; a blank line if it is empty.
     pub(super) fn comment(&mut self, comment: &str) {
         let line = if comment.is_empty() { String::new() } else { format!("# {comment}") };

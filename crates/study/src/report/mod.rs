@@ -60,6 +60,9 @@ pub enum ReportError {
     /// Poles that cannot be computed.
     #[error(transparent)]
     Poles(#[from] PoleError),
+    /// A machine that cannot be stepped.
+    #[error(transparent)]
+    Program(#[from] machine::ProgramError),
     /// Poles that cannot be followed.
     #[error(transparent)]
     Trace(#[from] TraceError),
@@ -94,7 +97,7 @@ impl From<RunError> for ReportError {
 impl From<ForceError> for ReportError {
     fn from(error: ForceError) -> Self {
         match error {
-            ForceError::Poles(error) => error.into(),
+            ForceError::Program(error) => error.into(),
             ForceError::Run(error) => error.into(),
         }
     }

@@ -74,17 +74,11 @@ impl Case<'_> {
     /// # Errors
     /// Eigenvalues that do not converge, too little motion for a spectrum, or `stop`.
     pub(super) fn run(&self, stop: &AtomicBool) -> Result<Record, ReportError> {
-        let closed_loop =
-            ClosedLoop::new(self.rotor, self.feedback, self.speed, &vec![self.deadband; self.rotor.len()]);
+        let clearances = vec![self.deadband; self.rotor.len()];
+        let steady = Plan::steady(self.rotor, self.feedback, self.speed, &clearances, self.duration, self.settle)?;
+        let plan = Plan { impulses: vec![Impulse { mass: 0, change: self.impulse, at: 0.0 }], ..steady };
+        let closed_loop = ClosedLoop::new(self.rotor, self.feedback, self.speed, &clearances);
         let fastest = Fastest::of(&closed_loop)?;
-        let plan = Plan {
-            closed_loop,
-            largest_clearance: self.deadband,
-            impulses: vec![Impulse { mass: 0, change: self.impulse, at: 0.0 }],
-            dtau: fastest.default_step(),
-            duration: self.duration,
-            settle: self.settle,
-        };
         // A tenth of a radian of the fastest turn between samples: a smooth line.
         let stride = (0.1 / (plan.dtau * fastest.frequency())).max(1.0) as u64;
         let mut keeper = Keeper {

@@ -176,6 +176,9 @@ pub(crate) struct RevisionDocument {
     why: String,
     speed: f64,
     trip: f64,
+    /// Greatest rate of change of the speed; absent where it jumps.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    ramp: Option<f64>,
     deadband: Vec<f64>,
     /// Runge-Kutta steps that make one step; before it was told it was one.
     #[serde(default = "one")]
@@ -196,6 +199,7 @@ impl From<&Revision> for RevisionDocument {
             why: r.why.clone(),
             speed: r.settings.speed,
             trip: r.settings.trip,
+            ramp: Some(r.settings.ramp).filter(|ramp| ramp.is_finite()),
             deadband: r.settings.deadband.clone(),
             substeps: r.substeps,
             feedback: write_feedback(&r.settings.feedback),
@@ -218,7 +222,7 @@ impl RevisionDocument {
                 speed: self.speed,
                 deadband: self.deadband,
                 trip: self.trip,
-                ramp: f64::INFINITY,
+                ramp: self.ramp.unwrap_or(f64::INFINITY),
                 feedback,
             },
             poles: self.poles.into_iter().map(|[re, im]| C64::new(re, im)).collect(),

@@ -97,7 +97,7 @@ impl From<&Curve> for ThresholdDocument {
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     interrupt::end_at_once()?;
-    let (machine, speeds) = args.sweep.prepare(&args.machine)?;
+    let (machine, speeds) = args.sweep.prepare(&args.machine, "whirl cycles")?;
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
     let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 

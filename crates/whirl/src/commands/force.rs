@@ -79,8 +79,12 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
     let mut deadbands = Vec::with_capacity(args.deadband.len());
     // Every speed and clearance is checked like a setting before anything starts.
     for &deadband in &args.deadband {
-        let machine =
-            MachineArgs { rotor: args.rotor.clone(), feedback: args.feedback.clone(), deadband: Some(deadband) };
+        let machine = MachineArgs {
+            rotor: args.rotor.clone(),
+            feedback: args.feedback.clone(),
+            deadband: Some(deadband),
+            set: vec![],
+        };
         let (machine, over) = Machine::open_over(&machine, args.over)?;
         deadbands.push(machine.units().length_from_typed(deadband));
         opened = Some((machine, over));
@@ -184,7 +188,7 @@ fn steady_force(point: &Point) -> Option<f64> {
 impl From<ForceError> for Failure {
     fn from(error: ForceError) -> Self {
         match error {
-            ForceError::Poles(error) => error.into(),
+            ForceError::Program(error) => error.into(),
             ForceError::Run(error) => error.into(),
         }
     }

@@ -1,5 +1,6 @@
 //! `whirl modes`: mode shapes, as numbers and as the orbits that Figs. 4.3 to 4.5 draw.
 
+use machine::MachinePoles;
 use rotor::{C64, Mode, Spectrum};
 use serde::Serialize;
 
@@ -88,7 +89,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
     linear::neglects(&args.machine);
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
-    let spectrum = Spectrum::of(&settings.closed_loop(rotor))?;
+    let spectrum = MachinePoles::of(rotor, settings)?.spectrum();
     let document = Document {
         rotor: rotor.name(),
         speed: settings.speed,

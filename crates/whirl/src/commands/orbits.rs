@@ -22,18 +22,13 @@ pub(super) struct SweepArgs {
     /// How many speeds, evenly spaced
     #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..=MOST_POINTS))]
     points: u32,
-    /// Any other setting, such as deadband.2=0.5 (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
 }
 
 impl SweepArgs {
     /// The machine, and the speeds `R`, all of them in range.
-    pub(super) fn prepare(&self, machine: &MachineArgs) -> Result<(Machine, Vec<f64>), Failure> {
-        let said = machine.said(&[("--over", "speed")]);
-        let (mut machine, over) = Machine::open_over(machine, self.over)?;
-        machine.set(&said, &self.set)?;
-        Ok((machine, over.points(self.points as usize)))
+    pub(super) fn prepare(&self, machine: &MachineArgs, what: &str) -> Result<(Machine, Vec<f64>), Failure> {
+        let (machine, over) = Machine::open_over(machine, self.over)?;
+        Ok((machine.ideal(what)?, over.points(self.points as usize)))
     }
 }
 

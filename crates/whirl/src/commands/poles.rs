@@ -1,6 +1,7 @@
 //! `whirl poles`: eigenvalues and minimum damping at one speed.
 
-use rotor::{Mode, Spectrum};
+use machine::MachinePoles;
+use rotor::{C64, Mode};
 use serde::Serialize;
 
 use super::linear::{self, Part, PoleDocument, StandingDocument, word};
@@ -30,6 +31,9 @@ struct Document<'a> {
     #[serde(flatten)]
     standing: StandingDocument,
     min_damping: f64,
+    /// Where there are infinitely many: all with a greater real part are listed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    count_right_of: Option<f64>,
     modes: Vec<ModeDocument>,
     #[serde(flatten)]
     units: UnitsDocument,
@@ -40,12 +44,15 @@ struct Document<'a> {
 struct ModeDocument {
     #[serde(flatten)]
     pole: PoleDocument,
+    /// Of a sampled loop, what a sample multiplies the mode by.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    z: Option<Part>,
     shape: Vec<Part>,
 }
 
-impl From<&Mode> for ModeDocument {
-    fn from(mode: &Mode) -> Self {
-        Self { pole: mode.into(), shape: mode.shape.iter().map(|&c| c.into()).collect() }
+impl ModeDocument {
+    fn of(mode: &Mode, z: Option<C64>) -> Self {
+        Self { pole: mode.into(), z: z.map(Part::from), shape: mode.shape.iter().map(|&c| c.into()).collect() }
     }
 }
 
@@ -57,7 +64,13 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let machine = catalog::Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
     linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
-    let spectrum = Spectrum::of(&machine.settings.closed_loop(rotor))?;
+    let poles = MachinePoles::of(rotor, &machine.settings)?;
+    let (z, right_of) = (poles.z.clone(), poles.right_of);
+    let spectrum = poles.spectrum();
+    if spectrum.modes.is_empty() {
+        let line = rounded(units.rate(right_of.unwrap_or(f64::NEG_INFINITY)));
+        return Err(Failure::Work(format!("no pole has a real part greater than {line}: every motion dies at once")));
+    }
 
     let mut table = Table::new(units.pick(
         &["re", "im", "damping", "log dec", "frequency", "whirl", "stands"],
@@ -74,7 +87,10 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         speed,
         standing: spectrum.standing().into(),
         min_damping: spectrum.min_damping(),
-        modes: spectrum.modes.iter().map(ModeDocument::from).collect(),
+        count_right_of: right_of,
+        modes: (spectrum.modes.iter().enumerate())
+            .map(|(k, mode)| ModeDocument::of(mode, z.as_ref().map(|z| z[k])))
+            .collect(),
         units: units.document(),
     };
     let per = units.pick("; per unit of tau = w0 t", "");
@@ -82,6 +98,26 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         &document,
         &format!("{} at {}, deadband neglected{per}", rotor.name(), units.speed_text(speed)),
         &table,
-        &format!("{}, minimum damping {}", word(spectrum.standing()), rounded(spectrum.min_damping())),
+        &format!(
+            "{}, minimum damping {}{}",
+            word(spectrum.standing()),
+            rounded(spectrum.min_damping()),
+            remark(&machine, right_of)
+        ),
     )
+}
+
+/// What else must be known of the poles of a loop that is not ideal.
+fn remark(machine: &catalog::Machine, right_of: Option<f64>) -> String {
+    let (units, parts) = (machine.units(), &machine.settings.feedback.parts);
+    if let Some(line) = right_of {
+        let line = rounded(units.rate(line));
+        return format!(
+            "\nwith a delay there are infinitely many poles: all with a real part greater than {line} are here"
+        );
+    }
+    if parts.sample > 0.0 {
+        return format!("\nsampled every {}: s = ln(z) / h", units.time_text(parts.sample));
+    }
+    String::new()
 }

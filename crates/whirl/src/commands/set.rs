@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use rotor::StabilityLoss;
+use machine::StabilityLoss;
 use serde::Serialize;
 use wire::{Answer, Change, Commander};
 

@@ -69,9 +69,16 @@ impl LiveArgs {
         if self.machine.deadband.is_none() && rotor::builtin::ROTORS.contains(&self.machine.rotor.as_str()) {
             settings.deadband.fill(Self::DEADBAND);
         }
+        let mut options = Vec::new();
         if let Some(trip) = self.trip {
-            units.set(&mut settings, "trip".parse()?, trip)?;
+            units.set(&rotor, &mut settings, "trip".parse()?, trip)?;
+            options.push(("--trip", "trip"));
         }
+        if self.speed.is_some() {
+            options.push(("--speed", "speed"));
+        }
+        catalog::assign_all(&rotor, units, &mut settings, &self.machine.said(&options), &self.machine.set)?;
+        settings.check(&rotor)?;
         Ok((rotor, settings))
     }
 
@@ -88,10 +95,9 @@ impl From<sim::SimError> for Failure {
     fn from(error: sim::SimError) -> Self {
         match error {
             sim::SimError::Wire(error) => error.into(),
-            sim::SimError::Rate(_)
-            | sim::SimError::Step(_)
-            | sim::SimError::TooLong(_)
-            | sim::SimError::Settings(_) => Self::Usage(error.to_string()),
+            sim::SimError::Rate(_) | sim::SimError::Step(_) | sim::SimError::Program(_) => {
+                Self::Usage(error.to_string())
+            }
         }
     }
 }

@@ -51,7 +51,12 @@ pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
     let (machine, over) = Machine::open_over(&args.machine, args.over)?;
     linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
-    let found = rotor::thresholds(rotor, &machine.settings.feedback, over.from, over.to)?;
+    let settings = &machine.settings;
+    let found = if settings.feedback.is_ideal() {
+        rotor::thresholds(rotor, &settings.feedback, over.from, over.to)?
+    } else {
+        machine::thresholds(rotor, settings, over.from, over.to)?
+    };
     let mut table = Table::new(units.pick(
         &["speed", "frequency", "whirl ratio", "whirl", "becomes"],
         &["speed (rpm)", "frequency (Hz)", "whirl ratio", "whirl", "becomes"],

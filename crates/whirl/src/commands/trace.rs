@@ -91,6 +91,14 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
     let (rotor, feedback, units) = (&machine.rotor, &machine.settings.feedback, machine.units());
     let points =
         usize::try_from(args.points.unwrap_or(POINTS)).map_err(|_| Failure::Usage("too many points".into()))?;
+    if !feedback.is_ideal() {
+        if args.campbell {
+            return Err(Failure::Usage(
+                "--campbell knows only the ideal loop: leave it out, or sampling, delay, lags and filters".into(),
+            ));
+        }
+        return of_loop(args, &machine, &over.points(points));
+    }
     let trace = rotor::trace(rotor, feedback, &over.points(points))?;
     let critical = rotor::critical_speeds(rotor, feedback, over.from, over.to, &ORDERS)?;
     let (table, what, footer) = if args.campbell {
@@ -106,6 +114,65 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
     let per = units.pick("; per unit of tau = w0 t", "");
     let heading = format!("{}: {what} for {}, deadband neglected{per}", rotor.name(), units.range_text(args.over));
     args.format.print(&document(rotor.name(), &trace, &critical, units), &heading, &table, &footer)
+}
+
+/// The JSON document of a loop that is not ideal: a branch is `null` where it is not among the poles that are found.
+#[derive(Debug, Serialize)]
+struct LoopDocument<'a> {
+    rotor: &'a str,
+    speeds: &'a [f64],
+    min_damping: Vec<Option<f64>>,
+    modes: Vec<Vec<Option<PoleDocument>>>,
+    modes_null: &'static str,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+/// The trace of a loop with states of its own, a delay or samples.
+fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Failure> {
+    let units = machine.units();
+    let branches = machine::trace(&machine.rotor, &machine.settings, speeds)?;
+    let mode = |pole: rotor::C64| Mode { pole, shape: vec![] };
+    let least = |at: usize| branches.iter().filter_map(|b| b[at]).map(|pole| mode(pole).damping()).reduce(f64::min);
+    let mut table = Table::new(units.pick(&POLE_COLUMNS, &POLE_COLUMNS_SI));
+    for (at, &speed) in speeds.iter().enumerate() {
+        for (k, branch) in branches.iter().enumerate() {
+            if let Some(pole) = branch[at] {
+                table.row(pole_row(speed, k, &mode(pole), units));
+            }
+        }
+    }
+    let document = LoopDocument {
+        rotor: machine.rotor.name(),
+        speeds,
+        min_damping: (0..speeds.len()).map(least).collect(),
+        modes: branches.iter().map(|b| b.iter().map(|pole| pole.map(|pole| (&mode(pole)).into())).collect()).collect(),
+        modes_null: "with a delay there are infinitely many poles: this one is left of the line up to which they are found",
+        units: units.document(),
+    };
+    let worst = (0..speeds.len()).filter_map(|at| Some((least(at)?, speeds[at]))).min_by(|a, b| a.0.total_cmp(&b.0));
+    let footer = worst.map_or(String::new(), |(zeta, speed)| least_text(zeta, speed, units));
+    let per = units.pick("; per unit of tau = w0 t", "");
+    let heading =
+        format!("{}: poles for {}, deadband neglected{per}", machine.rotor.name(), units.range_text(args.over));
+    args.format.print(&document, &heading, &table, &footer)
+}
+
+const POLE_COLUMNS: [&str; 8] = ["speed", "mode", "re", "im", "damping", "log dec", "frequency", "whirl"];
+const POLE_COLUMNS_SI: [&str; 8] =
+    ["speed (rpm)", "mode", "re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl"];
+
+fn pole_row(speed: f64, branch: usize, mode: &Mode, units: Units) -> [Cell; 8] {
+    [
+        units.speed(speed).into(),
+        Cell::from(&(branch + 1)),
+        units.rate(mode.pole.re).into(),
+        units.rate(mode.pole.im).into(),
+        mode.damping().into(),
+        mode.log_decrement().into(),
+        units.frequency(mode.frequency()).into(),
+        Cell::from(&mode.whirl()),
+    ]
 }
 
 fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed], units: Units) -> Document<'a> {
@@ -132,23 +199,10 @@ fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed], un
 
 /// One row a speed and branch: the long form that spreadsheets pivot.
 fn poles_table(trace: &Trace, units: Units) -> Table {
-    let mut table = Table::new(units.pick(
-        &["speed", "mode", "re", "im", "damping", "log dec", "frequency", "whirl"],
-        &["speed (rpm)", "mode", "re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl"],
-    ));
+    let mut table = Table::new(units.pick(&POLE_COLUMNS, &POLE_COLUMNS_SI));
     for (at, &speed) in trace.speeds.iter().enumerate() {
         for (k, branch) in trace.branches.iter().enumerate() {
-            let mode = branch.mode(at);
-            table.row([
-                units.speed(speed).into(),
-                Cell::from(&(k + 1)),
-                units.rate(mode.pole.re).into(),
-                units.rate(mode.pole.im).into(),
-                mode.damping().into(),
-                mode.log_decrement().into(),
-                units.frequency(mode.frequency()).into(),
-                Cell::from(&mode.whirl()),
-            ]);
+            table.row(pole_row(speed, k, &branch.mode(at), units));
         }
     }
     table
@@ -176,8 +230,10 @@ fn critical_table(critical: &[CriticalSpeed], units: Units) -> Table {
 
 fn least(trace: &Trace, units: Units) -> String {
     let worst = trace.min_damping().into_iter().zip(&trace.speeds).min_by(|a, b| a.0.total_cmp(&b.0));
-    worst.map_or(String::new(), |(zeta, speed)| {
-        let at = units.pick(format!("R = {}", rounded(*speed)), units.speed_text(*speed));
-        format!("least minimum damping {} at {at}", rounded(zeta))
-    })
+    worst.map_or(String::new(), |(zeta, speed)| least_text(zeta, *speed, units))
+}
+
+fn least_text(zeta: f64, speed: f64, units: Units) -> String {
+    let at = units.pick(format!("R = {}", rounded(speed)), units.speed_text(speed));
+    format!("least minimum damping {} at {at}", rounded(zeta))
 }

@@ -66,7 +66,7 @@ pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
     }
     let units = Units::of(&rotor);
     let mut settings = Settings::new(&rotor, 0.0, catalog::feedback(&rotor, "off")?);
-    units.set(&mut settings, "speed".parse()?, args.speed.unwrap_or_default())?;
+    units.set(&rotor, &mut settings, "speed".parse()?, args.speed.unwrap_or_default())?;
     if args.table {
         return reach::run(&rotor, &settings.closed_loop(&rotor), args.format);
     }

@@ -7,7 +7,7 @@ mod typed;
 use std::path::PathBuf;
 use std::time::Instant;
 
-use rotor::step::Fastest;
+use machine::Program;
 use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
 use study::spectrum::{self, Collector, Peak, Spectrum};
 
@@ -25,9 +25,6 @@ use typed::{ImpulseArg, MassArg};
 pub(crate) struct RunArgs {
     #[command(flatten)]
     machine: MachineArgs,
-    /// Any other setting, such as deadband.2=0.5 (repeatable)
-    #[arg(long, value_name = "KEY=VALUE")]
-    set: Vec<String>,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
@@ -61,15 +58,15 @@ pub(crate) struct RunArgs {
 /// # Errors
 /// A machine that cannot be made, a step that is too large, a file that cannot be written, an interrupt.
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
-    let mut machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
-    machine.set(&args.machine.said(&[("--speed", "speed")]), &args.set)?;
+    let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
     let plan = plan(args, &machine)?;
     let stop = interrupt::flag()?;
 
     let last_impulse = plan.impulses.iter().map(|i| i.at).fold(0.0, f64::max);
     let mut collector = args.psd.map(|MassArg(mass)| {
         // A fifth of a radian of the fastest turn between samples keeps what is worth seeing well below Nyquist.
-        let fastest = Fastest::of(&plan.closed_loop).map_or(1.0, |f| f.frequency());
+        let Machine { rotor, settings } = &machine;
+        let fastest = machine::fastest(rotor, settings, settings.speed).map_or(1.0, |f| f.frequency());
         Collector::new(mass - 1, (0.2 / (plan.dtau * fastest)).max(1.0) as u64, last_impulse)
     });
     let mut writer = match &args.out {
@@ -124,20 +121,22 @@ fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
     if args.psd.is_some() && args.format.csv {
         return usage("--psd has no place in the rows of --csv: --json has the spectrum whole".into());
     }
-    let closed_loop = settings.closed_loop(rotor);
-    let fastest = Fastest::of(&closed_loop)?;
-    if let Some(dtau) = args.dtau {
-        fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
-    }
+    let dtau = match args.dtau {
+        Some(dtau) => {
+            let fastest = machine::fastest(rotor, settings, settings.speed)?;
+            fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
+            dtau
+        }
+        None => machine::default_step(rotor, settings)?,
+    };
     Ok(Plan {
-        closed_loop,
-        largest_clearance: settings.deadband.iter().copied().fold(0.0, f64::max),
+        program: Program::in_substeps(rotor, settings, dtau, 1)?,
         impulses: args
             .impulse
             .iter()
             .map(|i| Impulse { mass: i.mass - 1, change: i.change * units.velocity_from_typed(1.0), at: i.at })
             .collect(),
-        dtau: args.dtau.unwrap_or_else(|| fastest.default_step()),
+        dtau,
         duration: args.duration,
         settle: match args.settle {
             Some(from) => Settle::From(from),
@@ -153,6 +152,7 @@ impl From<RunError> for Failure {
             RunError::Interrupted => Self::Interrupted,
             RunError::TooLong(_) => Self::Usage(error.to_string()),
             RunError::Poles(error) => error.into(),
+            RunError::LoopPoles(error) => error.into(),
             RunError::Observer(error) => Self::Work(format!("cannot write the trajectory: {error}")),
         }
     }

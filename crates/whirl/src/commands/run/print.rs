@@ -43,6 +43,9 @@ struct Document<'a> {
     maxima_from: f64,
     max_force: f64,
     max_force_component: f64,
+    /// Steps at which the actuator was at its limit of force or of rate, and their share of all.
+    saturated_steps: u64,
+    saturated_share: f64,
     max_displacement: Vec<f64>,
     mean_radius: Vec<f64>,
     #[serde(rename = "final")]
@@ -126,6 +129,11 @@ pub(super) fn print(
             Settled::No => ", NOT settled",
         }
     )];
+    let share = outcome.saturated_steps as f64 / outcome.steps.max(1) as f64;
+    if outcome.saturated_steps > 0 {
+        let percent = rounded(100.0 * share);
+        footer.push(format!("the actuator was at its limit at {} steps, {percent} % of all", outcome.saturated_steps));
+    }
     footer.push(stability(&outcome));
     footer.extend(outcome.diverged_at.map(|at| format!("DIVERGED at {}", units.time_text(at))));
     if let Some((mass, _, peaks)) = &spectrum {
@@ -157,6 +165,8 @@ pub(super) fn print(
         centre_growth: outcome.centre.growth,
         maxima_from: outcome.maxima_from,
         max_force: outcome.max_force,
+        saturated_steps: outcome.saturated_steps,
+        saturated_share: share,
         max_force_component: outcome.max_force_component,
         max_displacement: outcome.max_displacement,
         mean_radius: outcome.mean_radius,

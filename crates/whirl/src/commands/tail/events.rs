@@ -1,6 +1,6 @@
 //! `whirl tail --events`: what has happened on a bench, and what happens, one line an event.
 
-use rotor::{Difference, Settings};
+use rotor::{Difference, Rotor, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use wire::message::Trip;
@@ -44,11 +44,19 @@ enum Detail {
 #[derive(Debug, Default)]
 pub(super) struct Teller {
     last: Option<(u64, u64, Settings)>,
+    /// Mass ratio of every mass, for forces in newtons.
+    masses: Vec<f64>,
     /// Events whose numbers are missing.
     pub(super) lost: u64,
 }
 
 impl Teller {
+    /// Tells of a bench on which this rotor runs.
+    pub(super) fn of(rotor: Option<&Rotor>) -> Self {
+        let masses = rotor.map_or_else(Vec::new, |rotor| rotor.masses().iter().map(|m| m.mass).collect());
+        Self { masses, ..Self::default() }
+    }
+
     /// The line of one event, without its end.
     pub(super) fn line(&mut self, event: &Event, units: Units, json: bool) -> String {
         let settings = event.settings.unpack();
@@ -57,6 +65,7 @@ impl Teller {
         self.lost += lost;
         let changed = known.map(|(.., before)| Difference::between(&before, &settings));
         let happening = event.happening();
+        let units = (units, self.masses.get(settings.feedback.bearing).copied().unwrap_or(1.0));
         let line = if json {
             let line = document(event, lost, happening.as_ref(), changed.as_ref(), &settings);
             // A line of plain numbers and words always serialises.
@@ -70,10 +79,10 @@ impl Teller {
 }
 
 /// `speed 2.5 -> 3`, in the units of the machine.
-fn words(difference: &Difference, units: Units) -> Vec<String> {
+fn words(difference: &Difference, (units, mass): (Units, f64)) -> Vec<String> {
     let values = difference.values.iter();
     let values = values.map(|(key, was, is)| {
-        let [was, is] = [*was, *is].map(|value| units.value(key.parameter.unit, value));
+        let [was, is] = [*was, *is].map(|value| units.value(key.parameter.unit, mass, value));
         format!("{key} {} -> {}", plain(was), plain(is))
     });
     values.chain(difference.law.then(|| "another feedback".to_owned())).collect()
@@ -85,10 +94,15 @@ fn plain(number: f64) -> String {
     if short.len() <= 10 { short } else { rounded(number) }
 }
 
-fn for_people(event: &Event, happening: Option<&Happening>, changed: Option<&Difference>, units: Units) -> String {
+fn for_people(
+    event: &Event,
+    happening: Option<&Happening>,
+    changed: Option<&Difference>,
+    units: (Units, f64),
+) -> String {
     let mut words_of = match (happening, changed) {
         (Some(Happening::Settings), Some(changed)) if !changed.is_empty() => words(changed, units).join(", "),
-        (Some(Happening::Tripped(trip)), _) => format!("tripped: {}", units.trip_text(trip)),
+        (Some(Happening::Tripped(trip)), _) => format!("tripped: {}", units.0.trip_text(trip)),
         (Some(happening), _) => happening.to_string(),
         (None, _) => format!("unknown event {}", event.kind),
     };
@@ -125,7 +139,7 @@ fn document<'a>(
         },
         detail: match happening {
             Some(Happening::Settings) => {
-                Detail::Settings { changed: changed.map(|changed| words(changed, Units::with(None))) }
+                Detail::Settings { changed: changed.map(|changed| words(changed, (Units::with(None), 1.0))) }
             }
             Some(Happening::Impulse { mass, velocity }) => {
                 Detail::Impulse { mass: mass + 1, vy: velocity.re, vz: velocity.im }

@@ -208,7 +208,7 @@ impl Asked {
     /// # Errors
     /// Whatever makes no sense, with what was expected.
     pub(super) fn of(args: &TuneArgs) -> Result<Self, Failure> {
-        let machine = MachineArgs { rotor: args.rotor.clone(), feedback: None, deadband: None };
+        let machine = MachineArgs { rotor: args.rotor.clone(), feedback: None, deadband: None, set: vec![] };
         let (machine, from, to, range_text) = match (args.over, args.speed) {
             (Some(over), _) => {
                 let (machine, range) = Machine::open_over(&machine, over)?;

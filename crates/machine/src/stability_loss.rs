@@ -5,7 +5,9 @@
 
 use std::fmt;
 
-use crate::{Rotor, Settings, Standing, damping_ratio, poles};
+use rotor::{Rotor, Settings, Standing};
+
+use crate::MachinePoles;
 
 /// A stable rotor would not be stable any more.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +35,8 @@ impl StabilityLoss {
 /// How the rotor stands, and its minimum damping.
 fn judged(rotor: &Rotor, settings: &Settings) -> Option<(Standing, f64)> {
     settings.check(rotor).ok()?;
-    let poles = poles(&settings.closed_loop(rotor)).ok()?;
-    poles.first().map(|pole| (Standing::of(*pole), damping_ratio(*pole)))
+    let poles = MachinePoles::of(rotor, settings).ok()?;
+    poles.modes.first().map(|mode| (mode.standing(), mode.damping()))
 }
 
 impl fmt::Display for StabilityLoss {
@@ -46,15 +48,16 @@ impl fmt::Display for StabilityLoss {
 
 #[cfg(test)]
 mod tests {
+    use rotor::builtin;
+
     use super::*;
-    use crate::builtin;
 
     #[test]
     fn what_was_stable_is_lost_by_gains_and_by_speed_and_what_was_not_is_not() {
-        let rotor = builtin::rotor("three-mass").unwrap();
-        let composite = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
+        let rotor = builtin::rotor("three-mass").expect("there is");
+        let composite = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").expect("there is"));
         let off = Settings { feedback: composite.feedback.off(), ..composite.clone() };
-        let loss = StabilityLoss::between(&rotor, &composite, &off).unwrap();
+        let loss = StabilityLoss::between(&rotor, &composite, &off).expect("there is");
         assert!(loss.now > 0.0 && loss.then < 0.0, "{loss:?}");
         let told = loss.to_string();
         assert!(told.starts_with("it would make a stable machine unstable: minimum damping 0."), "{told}");

@@ -9,12 +9,17 @@
 //!    integrated again, because the delay is shorter than the stretch.
 //! 4. [`Controller::finish`] at its end: the force there is where the limit of its rate goes on from.
 
+mod adopt;
+mod row;
+mod save;
+
 use std::collections::VecDeque;
 
-use crate::block::{Block, Sampled};
+use row::{Chain, Noise, Row};
+
+use crate::block::Sampled;
 use crate::delay_line::{DelayLine, Stretch};
-use crate::words::Words;
-use crate::{C64, Feedback, FeedbackError, Gain, LinearLoop, Parts, Signal};
+use crate::{C64, Feedback, FeedbackError, LinearLoop, Parts};
 
 /// More stretches of delay than this are refused: 5 MB.
 const MOST_STRETCHES: f64 = 65_536.0;
@@ -71,43 +76,6 @@ pub struct Output {
     pub saturated: bool,
 }
 
-/// One row of the law: weights of what the sensors read, the gains on it, and what shapes it.
-#[derive(Clone, Debug)]
-struct Row {
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    gains: [Gain; 4],
-    /// `kd - j kc` and `cd - j cc` at the speed of the moment.
-    now: [C64; 2],
-    filters: Chain,
-}
-
-/// Filters in a row, with the place of their states.
-#[derive(Clone, Debug)]
-struct Chain {
-    blocks: Vec<Sampled>,
-    first: usize,
-}
-
-/// Draws noise: the same seed, the same noise.
-#[derive(Clone, Debug)]
-struct Noise {
-    deviation: f64,
-    random: fastrand::Rng,
-    displacement: Vec<C64>,
-    velocity: Vec<C64>,
-}
-
-impl Noise {
-    fn draw(&mut self) {
-        for place in self.displacement.iter_mut().chain(&mut self.velocity) {
-            // Box and Muller: two independent normal numbers at once.
-            let radius = (-2.0 * (1.0 - self.random.f64()).ln()).sqrt();
-            *place = C64::from_polar(self.deviation * radius, std::f64::consts::TAU * self.random.f64());
-        }
-    }
-}
-
 /// A loop in motion around one control bearing.
 #[derive(Clone, Debug)]
 pub struct Controller {
@@ -158,6 +126,14 @@ impl Controller {
         if stretches > MOST_STRETCHES {
             return Err(LoopError::DelayTooLong { delay: parts.delay, dtau: stretch });
         }
+        let room = (1.25 * stretches) as usize + 16;
+        Ok(Self::with_room(feedback, stations, speed, room, SAME_TIME * dtau))
+    }
+
+    /// A loop that can remember so many stretches, or commands under way; the feedback has been checked.
+    pub(crate) fn with_room(feedback: &Feedback, stations: usize, speed: f64, room: usize, tolerance: f64) -> Self {
+        let parts = feedback.parts;
+        let is_sampled = parts.sample > 0.0;
         let sensed = |station: &usize| {
             let weighs = |weights: &[f64]| weights.get(*station).is_some_and(|w| *w != 0.0);
             feedback.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
@@ -182,7 +158,6 @@ impl Controller {
             displacement: vec![C64::ZERO; count],
             velocity: vec![C64::ZERO; count],
         });
-        let room = (1.25 * stretches) as usize + 16;
         let mut made = Self {
             parts,
             scheduled: rows.iter().any(Row::is_scheduled)
@@ -208,11 +183,11 @@ impl Controller {
             current: Stretch::default(),
             passes: 0,
             output: Output::default(),
-            tolerance: SAME_TIME * dtau,
+            tolerance,
             sensors,
         };
         made.follow(speed);
-        Ok(made)
+        made
     }
 
     /// How many complex states it has that flow.
@@ -571,187 +546,10 @@ impl Controller {
         self.output
     }
 
-    /// Goes on where `other` was, as far as what that held still means something: `from` are its continuous states, `to` are
-    /// filled. What is new starts as if what is read now had been read for ever.
-    pub fn adopt(&mut self, other: &Self, from: &[C64], stage: &Stage<'_>, to: &mut [C64]) {
-        let now = stage.tau - self.tolerance;
-        self.output = other.output;
-        if let (Some(noise), Some(old)) = (&mut self.noise, &other.noise)
-            && self.parts.seed == other.parts.seed
-        {
-            noise.random = old.random.clone();
-        }
-        self.next_sample = match self.parts.sample {
-            0.0 => 0,
-            sample if sample == other.parts.sample => other.next_sample,
-            sample => (now / sample).ceil().max(0.0) as u64,
-        };
-        let count = self.sensors.len();
-        if self.sensor_states > 0 {
-            for (k, station) in self.sensors.iter().enumerate() {
-                let known = other.sensors.iter().position(|s| s == station).filter(|_| other.sensor_states > 0);
-                let old = known.map(|at| [from[at], from[other.sensors.len() + at]]);
-                let [p, v] = old.unwrap_or([stage.displacement[*station], stage.velocity[*station]]);
-                (to[k], to[count + k]) = (p, v);
-            }
-        }
-        self.read(stage, to);
-        let filters = self.sensor_states..self.sensor_states + self.filter_states;
-        let same = self.chains().eq(other.chains());
-        let is_sampled = self.parts.sample > 0.0;
-        if same && is_sampled && self.parts.sample == other.parts.sample {
-            self.sampled.copy_from_slice(&other.sampled);
-        } else if same && !is_sampled && other.parts.sample == 0.0 {
-            to[filters.clone()].copy_from_slice(&from[other.sensor_states..other.sensor_states + other.filter_states]);
-        } else {
-            let mut states = std::mem::take(&mut self.sampled);
-            self.settle(if is_sampled { &mut states } else { &mut to[filters.clone()] });
-            self.sampled = states;
-        }
-        if self.actuator_states > 0 {
-            let actuator = self.sensor_states + self.filter_states;
-            let old = other.sensor_states + other.filter_states;
-            let second =
-                if other.actuator_states == 2 { from[old + 1] * (self.parts.lag / other.parts.lag) } else { C64::ZERO };
-            to[actuator] = if other.actuator_states > 0 { from[old] } else { self.output.delivered };
-            if self.actuator_states == 2 {
-                to[actuator + 1] = second;
-            }
-        }
-        self.acting = if other.parts.sample > 0.0 { other.acting } else { other.output.commanded };
-        if is_sampled {
-            let room = self.waiting.capacity();
-            self.waiting.extend(other.waiting.iter().take(room).copied());
-        }
-        if let Some(line) = &mut self.line {
-            match &other.line {
-                Some(old) => line.adopt(old),
-                None => line.fill(other.output.commanded),
-            }
-        }
-    }
-
-    fn chains(&self) -> impl Iterator<Item = Block> {
-        self.rows
-            .iter()
-            .map(|row| &row.filters)
-            .chain([&self.bearing])
-            .flat_map(|chain| chain.blocks.iter().map(|b| b.block))
-    }
-
-    /// Filters' states as if the present readings had been there for ever.
-    fn settle(&self, states: &mut [C64]) {
-        let still = |chain: &Chain, mut w: C64, states: &mut [C64]| {
-            let mut first = chain.first;
-            for Sampled { block, .. } in &chain.blocks {
-                let x = &mut states[first..first + block.order];
-                first += block.order;
-                x.fill(C64::ZERO);
-                if let Some(x) = block.at_rest(w, self.speed) {
-                    states[first - block.order] = x;
-                }
-                w = block.output(&states[first - block.order..first], w);
-            }
-            w
-        };
-        let mut sum = C64::ZERO;
-        for row in &self.rows {
-            sum -= still(&row.filters, row.of(&self.reading), states);
-        }
-        still(&self.bearing, sum, states);
-    }
-
     /// The same loop as matrices at a spin speed: noise, resolution and limits left out.
-    #[must_use]
-    pub fn linear(&self, speed: f64) -> LinearLoop {
-        let mut at = self.clone();
-        at.follow(speed);
+    pub(crate) fn linear(&self, speed: f64) -> LinearLoop {
         let rows =
-            at.rows.iter().map(|row| (&row.displacement[..], &row.velocity[..], row.now, &row.filters.blocks[..]));
-        LinearLoop::of(&at.parts, &at.sensors, rows, &at.bearing.blocks, speed)
-    }
-
-    /// Writes down all it holds beside its continuous states.
-    pub fn save(&self, words: &mut Words) {
-        words.put(self.next_sample);
-        words.put(u64::from(self.output.saturated));
-        for z in [self.acting, self.output.commanded, self.output.delivered] {
-            words.put_c64(z);
-        }
-        self.sampled.iter().chain(self.reading.iter().flatten()).for_each(|z| words.put_c64(*z));
-        words.put(self.waiting.len() as u64);
-        for (time, command) in &self.waiting {
-            words.put_f64(*time);
-            words.put_c64(*command);
-        }
-        if let Some(noise) = &self.noise {
-            words.put(noise.random.get_seed());
-            noise.displacement.iter().chain(&noise.velocity).for_each(|z| words.put_c64(*z));
-        }
-        if let Some(line) = &self.line {
-            line.save(words);
-        }
-    }
-
-    /// Takes up what was written down by a loop like this. `None` if the words do not fit; it is then in no good state.
-    #[must_use]
-    pub fn restore(&mut self, words: &mut Words) -> Option<()> {
-        self.next_sample = words.take()?;
-        self.output.saturated = words.take()? != 0;
-        self.acting = words.take_c64()?;
-        self.output.commanded = words.take_c64()?;
-        self.output.delivered = words.take_c64()?;
-        for z in self.sampled.iter_mut().chain(self.reading.iter_mut().flatten()) {
-            *z = words.take_c64()?;
-        }
-        self.waiting.clear();
-        for _ in 0..words.take()? {
-            let entry = (words.take_f64()?, words.take_c64()?);
-            if self.waiting.len() == self.waiting.capacity() {
-                return None;
-            }
-            self.waiting.push_back(entry);
-        }
-        if let Some(noise) = &mut self.noise {
-            noise.random = fastrand::Rng::with_seed(words.take()?);
-            for z in noise.displacement.iter_mut().chain(&mut noise.velocity) {
-                *z = words.take_c64()?;
-            }
-        }
-        match &mut self.line {
-            Some(line) => line.restore(words),
-            None => Some(()),
-        }
-    }
-}
-
-impl Row {
-    fn new(signal: &Signal, sensors: &[usize], filters: Chain) -> Self {
-        let picked =
-            |weights: &[f64]| sensors.iter().map(|station| weights.get(*station).copied().unwrap_or(0.0)).collect();
-        Self {
-            displacement: picked(&signal.displacement),
-            velocity: picked(&signal.velocity),
-            gains: signal.gains.clone(),
-            now: [C64::ZERO; 2],
-            filters,
-        }
-    }
-
-    fn is_scheduled(&self) -> bool {
-        !self.gains.iter().all(|gain| matches!(gain, Gain::Constant(_)))
-    }
-
-    /// `(kd - j kc) sum of displacements + (cd - j cc) sum of velocities`.
-    #[inline]
-    fn of(&self, [displacement, velocity]: &[Vec<C64>; 2]) -> C64 {
-        let on = |weights: &[f64], readings: &[C64]| -> C64 { weights.iter().zip(readings).map(|(w, r)| r * *w).sum() };
-        self.now[0] * on(&self.displacement, displacement) + self.now[1] * on(&self.velocity, velocity)
-    }
-}
-
-impl Chain {
-    fn follows_speed(&self) -> bool {
-        self.blocks.iter().any(|block| block.block.follows_speed)
+            self.rows.iter().map(|row| (&row.displacement[..], &row.velocity[..], row.now, &row.filters.blocks[..]));
+        LinearLoop::of(&self.parts, &self.sensors, rows, &self.bearing.blocks, speed)
     }
 }

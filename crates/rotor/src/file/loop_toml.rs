@@ -1,0 +1,191 @@
+//! The loop in feedback files: `[loop]` and `filter = [..]`, dimensionless or in SI units.
+//!
+//! In SI files times are seconds, displacements metres, forces newtons, and the frequencies of filters hertz; what is read is
+//! always dimensionless. A transfer function is then one in `s` of 1/s.
+
+use control::{FILTERS, Filter, PARTS, Part, Parts, Quantity};
+use toml::de::DeValue;
+
+use super::reader::{Reader, Table, Value, as_number};
+use super::write::{Lines, number, numbers};
+use crate::{Range, Rotor};
+
+/// What one unit of a file is in dimensionless units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FileUnits {
+    time: f64,
+    displacement: f64,
+    force: f64,
+    /// Radians per `tau` in one unit of frequency.
+    frequency: f64,
+    /// `s` of the file in one `s` of ours.
+    inverse_time: f64,
+}
+
+impl FileUnits {
+    pub(super) const DIMENSIONLESS: Self =
+        Self { time: 1.0, displacement: 1.0, force: 1.0, frequency: 1.0, inverse_time: 1.0 };
+
+    /// Seconds, metres, newtons on the mass that carries the bearing, and hertz; `None` for a rotor without scales.
+    pub(super) fn si(rotor: &Rotor, bearing: usize) -> Option<Self> {
+        let scales = rotor.scales()?;
+        let mass = rotor.masses().get(bearing).map_or(1.0, |m| m.mass);
+        Some(Self {
+            time: scales.tau(1.0),
+            displacement: scales.length(1.0),
+            force: scales.acceleration(1.0, mass),
+            frequency: std::f64::consts::TAU / scales.w0,
+            inverse_time: 1.0 / scales.w0,
+        })
+    }
+
+    fn of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Time => self.time,
+            Quantity::Displacement => self.displacement,
+            Quantity::Force => self.force,
+            Quantity::ForceRate => self.force / self.time,
+            Quantity::Number => 1.0,
+        }
+    }
+}
+
+/// Reads `[loop]`; absent keys are absent parts.
+pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &FileUnits) -> Parts {
+    let mut parts = Parts::default();
+    let Some(value) = file.get("loop") else { return parts };
+    let DeValue::Table(table) = value.get_ref() else {
+        reader.wrong("loop", value, "[loop] and its keys on lines of their own");
+        return parts;
+    };
+    let known: Vec<&str> = PARTS.iter().map(|part| part.name).collect();
+    reader.only(table, &known);
+    for part in &PARTS {
+        let Some(value) = table.get(part.name) else { continue };
+        let unit = units.of(part.quantity);
+        match as_number(value).map(|typed| typed * unit) {
+            Some(number) if part.admits(number) => (part.set)(&mut parts, number),
+            _ => reader.wrong(part.name, value, allowed(part, unit)),
+        }
+    }
+    if parts.lag_damping > 0.0
+        && parts.lag == 0.0
+        && let Some(value) = table.get("lag_damping")
+    {
+        reader.wrong("lag_damping", value, "lag = T beside it: the damping is that of the actuator's lag");
+    }
+    parts
+}
+
+fn allowed(part: &Part, unit: f64) -> String {
+    let absent = if part.absent.is_finite() { format!("{} or ", part.absent) } else { String::new() };
+    format!("{absent}a number from {} to {}", part.min / unit, part.max / unit)
+}
+
+/// Reads `filter = [..]` of a signal or of the bearing; there need not be any.
+pub(super) fn filters(reader: &mut Reader<'_>, table: &Table<'_>, units: &FileUnits) -> Vec<Filter> {
+    let Some(value) = table.get("filter") else { return vec![] };
+    let DeValue::Array(list) = value.get_ref() else {
+        reader.wrong("filter", value, "a list of filters: [{ kind = \"lowpass\", corner = 8.0, order = 2 }]");
+        return vec![];
+    };
+    list.iter().filter_map(|item| filter(reader, item, units)).collect()
+}
+
+fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Option<Filter> {
+    let kinds = || FILTERS.iter().map(|(kind, _)| *kind).collect::<Vec<_>>().join(", ");
+    let DeValue::Table(table) = item.get_ref() else {
+        reader.wrong("filter", item, "a filter: { kind = .. }");
+        return None;
+    };
+    let named = table.get("kind").map(|kind| (kind, kind.get_ref().as_str()));
+    let Some((kind, keys)) = named.and_then(|(_, name)| FILTERS.iter().find(|(kind, _)| Some(*kind) == name)) else {
+        match named {
+            Some((value, _)) => reader.wrong("kind", value, format!("one of {}", kinds())),
+            None => reader.problem(item.span(), "a filter without kind", format!("kind = one of {}", kinds())),
+        }
+        return None;
+    };
+    let known: Vec<&str> = std::iter::once("kind").chain(keys.iter().copied()).collect();
+    reader.only(table, &known);
+    let within = (*kind, item.span());
+    let mut hertz = |key| reader.required(table, within.clone(), key, Range::Positive) * units.frequency;
+    let made = match *kind {
+        "lowpass" => {
+            let corner = hertz("corner");
+            let order = reader.counted(table, "order", control::MAX_ORDER, "an order").map_or(1, |order| order + 1);
+            Filter::Lowpass { corner, order }
+        }
+        "lead" => Filter::Lead { zero: hertz("zero"), pole: hertz("pole") },
+        "notch" => Filter::Notch { frequency: hertz("frequency"), width: hertz("width") },
+        "synchronous-notch" => Filter::SynchronousNotch { width: hertz("width") },
+        "integrator" => {
+            let rate = reader.required(table, within, "rate", Range::Positive);
+            Filter::Integrator { rate: rate * units.inverse_time }
+        }
+        "derivative" => Filter::Derivative { corner: hertz("corner") },
+        _ => {
+            let mut polynomial = |key: &str| {
+                let list = reader.numbers(table, key, "coefficients in falling powers of s").unwrap_or_default();
+                // s of the file is s of ours times what one of ours is in theirs.
+                let scaled = |(power, (c, _)): (usize, (f64, _))| c * units.inverse_time.powi(-(power as i32));
+                let mut rising: Vec<f64> = list.into_iter().rev().enumerate().map(scaled).collect();
+                rising.reverse();
+                rising
+            };
+            let (numerator, denominator) = (polynomial("numerator"), polynomial("denominator"));
+            Filter::Transfer { numerator, denominator }
+        }
+    };
+    match made.check() {
+        Ok(()) => Some(made),
+        Err(why) => {
+            // What is not a number has been told already.
+            if !matches!(why, control::FilterError::NotPositive { .. }) {
+                reader.problem(item.span(), why.to_string(), format!("a {kind} in order"));
+            }
+            None
+        }
+    }
+}
+
+/// Writes `filter = [..]`, unless there is none.
+pub(super) fn write_filters(lines: &mut Lines, filters: &[Filter], of: &str) {
+    if !filters.is_empty() {
+        let list: Vec<String> = filters.iter().map(filter_text).collect();
+        lines.key("filter", format!("[{}]", list.join(", ")), of);
+    }
+}
+
+fn filter_text(filter: &Filter) -> String {
+    let pairs = match filter {
+        Filter::Lowpass { corner, order } => format!("corner = {}, order = {order}", number(*corner)),
+        Filter::Lead { zero, pole } => format!("zero = {}, pole = {}", number(*zero), number(*pole)),
+        Filter::Notch { frequency, width } => {
+            format!("frequency = {}, width = {}", number(*frequency), number(*width))
+        }
+        Filter::SynchronousNotch { width } => format!("width = {}", number(*width)),
+        Filter::Integrator { rate } => format!("rate = {}", number(*rate)),
+        Filter::Derivative { corner } => format!("corner = {}", number(*corner)),
+        Filter::Transfer { numerator, denominator } => format!(
+            "numerator = {}, denominator = {}",
+            numbers(numerator.iter().copied()),
+            numbers(denominator.iter().copied())
+        ),
+    };
+    format!("{{ kind = \"{}\", {pairs} }}", filter.kind())
+}
+
+/// Writes `[loop]`, unless it is ideal.
+pub(super) fn write_parts(lines: &mut Lines, parts: &Parts) {
+    if *parts == Parts::default() {
+        return;
+    }
+    lines.table("loop");
+    for part in &PARTS {
+        let value = (part.get)(parts);
+        if value != part.absent {
+            lines.key(part.name, number(value), part.meaning);
+        }
+    }
+}
