@@ -76,7 +76,7 @@ impl Gauge {
             self.damping = (analysis.count > 0).then_some(Sample { value: analysis.min_damping, at });
         }
         let trip = &bulletin.trip;
-        self.trip = Some(if trip.is_tripped() { trip.to_string() } else { String::new() });
+        self.trip = Some(if trip.is_tripped() { trip.told(bulletin.scales()) } else { String::new() });
         let health = &bulletin.health;
         let counts =
             Counts { wall_ns: bulletin.wall_ns, lost, steps: health.steps, late: health.late, missed: health.missed };

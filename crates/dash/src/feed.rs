@@ -132,7 +132,8 @@ impl Feed {
 
     /// Takes in an event of a recording.
     pub(crate) fn remember(&mut self, event: &PastEvent) {
-        self.journal.recall(event);
+        let units = self.units();
+        self.journal.recall(event, &units);
     }
 
     /// Notes how things stand; what has been heard stays.

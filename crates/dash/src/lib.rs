@@ -16,6 +16,7 @@ mod complete;
 mod config;
 mod contact;
 mod feed;
+mod fit;
 mod hands;
 mod headless;
 mod history;

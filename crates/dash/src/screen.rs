@@ -134,6 +134,90 @@ mod tests {
         }
     }
 
+    /// A bench on which every number is long, and things have happened.
+    fn long_numbers(scales: Option<rotor::Scales>) -> (Picture, alarms::Alarms) {
+        let now = std::time::Instant::now();
+        let mut feed = Feed::new("");
+        let mut bulletin = tests::bulletin("three-mass", "composite");
+        bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+        let mut settings = bulletin.settings.unpack();
+        for (key, value) in [
+            ("speed", 2.345_678_901_234),
+            ("kd", -0.587_912_345_678),
+            ("cd", 0.494_812_345_678),
+            ("trip", 1_234.567_890_123),
+            ("deadband.2", 1.234_567_890_123),
+        ] {
+            settings.set(key.parse().unwrap(), value).unwrap();
+        }
+        bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
+        (bulletin.health.steps, bulletin.health.missed) = (123_456_789, 12_345);
+        (bulletin.health.lateness_p50_us, bulletin.health.lateness_p99_us) = (12_345.0, 123_456.0);
+        feed.read(bulletin);
+        for seq in 0..17_000_u64 {
+            let mut state = tests::state(3, seq);
+            for point in &mut state.masses {
+                (point.y, point.z) = (-1.494_96 * point.y, -1.494_96 * point.z);
+                (point.vy, point.vz) = (-12.345_678, -0.001_234_567);
+            }
+            (state.tau, state.angle) = (state.tau + 12_345.678, state.angle + 123_456.789);
+            feed.hear(&state, now);
+        }
+        let trip = wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1234.567_891, limit: 1000.123_456 };
+        let impulse = wire::Happening::Impulse { mass: 1, velocity: rotor::C64::new(-2.512_345_678, 0.25) };
+        for (number, happening) in (1..).zip([wire::Happening::Started, impulse, wire::Happening::Tripped(trip)]) {
+            feed.happen(&crate::journal::tests::event(number, &happening, &settings));
+        }
+        let mut alarms = alarms::Alarms::default();
+        let at = wire::Moment { wall_ns: 50_607_000_000_000, ..wire::Moment::default() };
+        let cause = trip.told(scales);
+        alarms.read(&alarms::Reading::new(at).with(alarms::Watch::Damping, -0.030_612_345).tripped(&cause));
+        (feed.picture(&ViewTime::LIVE, now), alarms)
+    }
+
+    /// What has a digit in it between blanks and lines.
+    fn numbers(text: &str) -> Vec<&str> {
+        let is_part = |letter: char| letter.is_alphanumeric() || "._+-±=:/²".contains(letter);
+        text.split(|letter| !is_part(letter)).filter(|word| word.contains(|c: char| c.is_ascii_digit())).collect()
+    }
+
+    #[test]
+    fn no_number_on_any_screen_is_a_part_of_another_or_touches_one() {
+        let long =
+            "kd.1 -0.5879123 -> 0.2512345, cd.1 0.4948123 -> 0.1234567, from step 1234567890, made by dash:812345";
+        let message = crate::view::Message::Good(long.to_owned());
+        let mut wrong = Vec::new();
+        for scales in [None, Some(crate::units::tests::SI)] {
+            let (picture, alarms) = long_numbers(scales);
+            for (layout, (width, height)) in crate::layout::built_in()
+                .into_iter()
+                .flat_map(|layout| [(60, 16), (80, 24), (120, 40), (200, 60)].map(|size| (layout.clone(), size)))
+            {
+                let area = Rect::new(0, 0, width, height);
+                let mut buffer = Buffer::empty(area);
+                let mut panels = Panels::new();
+                crate::panels::tests::written();
+                let seen = View { alarms: &alarms, message: &message, ..view(&picture) };
+                draw(&seen, &layout, &mut panels, area, &mut buffer);
+                let told = crate::panels::tests::written();
+                let frame = text(&buffer);
+                let place = format!("{} at {width} x {height}", layout.name());
+                for (y, row) in frame.lines().enumerate() {
+                    let told = told.iter().filter(|(at, _)| usize::from(*at) == y);
+                    let whole: Vec<&str> = told.flat_map(|(_, text)| numbers(text)).collect();
+                    let parts = numbers(row).into_iter().filter(|number| !whole.contains(number));
+                    wrong.extend(parts.map(|number| format!("'{number}' in {place}, told {whole:?}:\n{row}")));
+                }
+                // A rotor in SI units is told in them, wherever.
+                let others = ["e_t", "w0", "R 2.3", "R = "].into_iter().filter(|_| scales.is_some());
+                for unit in others.filter(|unit| frame.contains(unit)) {
+                    wrong.push(format!("'{unit}' in {place}:\n{frame}"));
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
     #[test]
     fn a_small_screen_says_what_it_needs_on_one_line() {
         let picture = tests::picture();

@@ -10,6 +10,8 @@ use std::thread::JoinHandle;
 use rotor::{Feedback, Gain, Rotor, Settings};
 use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
 
+use crate::units::Units;
+
 /// What is searched for.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Wish {
@@ -22,11 +24,12 @@ pub(crate) struct Wish {
 }
 
 impl Wish {
-    /// Reads what follows `:search`: nothing for the present speed, `A..B` for a range, `robust` beside either.
+    /// Reads what follows `:search`: nothing for the present speed, `A..B` for a range in the machine's unit of speed, `robust`
+    /// beside either.
     ///
     /// # Errors
     /// What is wrong with it, for the message line.
-    pub(crate) fn read(words: &str, present_speed: f64) -> Result<Self, String> {
+    pub(crate) fn read(words: &str, present_speed: f64, units: &Units) -> Result<Self, String> {
         let mut wish = Self { from: present_speed, to: present_speed, robust: false };
         let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
@@ -36,7 +39,7 @@ impl Wish {
                     false
                 }
                 Ok([from, to]) if from >= 0.0 => {
-                    (wish.from, wish.to) = (from, to);
+                    (wish.from, wish.to) = (from / units.speed.factor, to / units.speed.factor);
                     true
                 }
                 _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, or robust")),
@@ -49,14 +52,16 @@ impl Wish {
         Ok(wish)
     }
 
-    /// In a few words: `at R = 5`, `over R 0..6, any deadband`.
+    /// In a few words: `at R 5`, `over R 0..6, any deadband`, `over 0..20000 rpm`.
     #[must_use]
-    pub(crate) fn words(&self) -> String {
+    pub(crate) fn words(&self, units: &Units) -> String {
         let any = if self.robust { ", any deadband" } else { "" };
         if self.from < self.to {
-            format!("over R {}..{}{any}", self.from, self.to)
+            let [from, to] = [self.from, self.to].map(|speed| units.speed(speed));
+            let range = if units.scales.is_some() { format!("{from}..{to} rpm") } else { format!("R {from}..{to}") };
+            format!("over {range}{any}")
         } else {
-            format!("at R = {}{any}", self.from)
+            format!("at {}{any}", units.speed_told(self.from))
         }
     }
 }
@@ -135,9 +140,9 @@ impl Search {
 
     /// How it goes, in words for the status line.
     #[must_use]
-    pub(crate) fn words(&self) -> String {
+    pub(crate) fn words(&self, units: &Units) -> String {
         let progress = self.slot.lock().unwrap_or_else(PoisonError::into_inner).progress.clone();
-        let what = self.wish.words();
+        let what = self.wish.words(units);
         let Some(Progress { done, starts, best, .. }) = progress else { return format!("searching {what}") };
         format!("searching {what}: {done} of {starts}, best {best:.4}")
     }
@@ -203,7 +208,7 @@ mod tests {
             if let Some(ended) = search.ended() {
                 return ended;
             }
-            assert!(begun.elapsed() < Duration::from_secs(300), "{}", search.words());
+            assert!(begun.elapsed() < Duration::from_secs(300), "{}", search.words(&Units::DIMENSIONLESS));
             std::thread::sleep(Duration::from_millis(2));
         }
     }
@@ -211,7 +216,7 @@ mod tests {
     #[test]
     fn finds_better_gains_for_the_present_structure() {
         let (rotor, settings) = bench();
-        let wish = Wish::read("", settings.speed).unwrap();
+        let wish = Wish::read("", settings.speed, &Units::DIMENSIONLESS).unwrap();
         let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
         assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
         assert_eq!(found.worst_speed, 6.0);
@@ -231,7 +236,7 @@ mod tests {
     #[test]
     fn a_search_that_is_stopped_gives_what_it_has() {
         let (rotor, settings) = bench();
-        let wish = Wish::read("0..6 robust", settings.speed).unwrap();
+        let wish = Wish::read("0..6 robust", settings.speed, &Units::DIMENSIONLESS).unwrap();
         let search = Search::begin(&rotor, &settings, wish).unwrap();
         search.stop();
         assert!(result(&search).unwrap().stopped);
@@ -239,11 +244,22 @@ mod tests {
     }
 
     #[test]
+    fn val_wishes_for_a_rotor_in_si_units_are_typed_and_told_in_rpm() {
+        let units = Units::of(Some(crate::units::tests::SI), Some(1.0));
+        let wish = Wish::read("0..19098.593171027442", 2.5, &units).unwrap();
+        // 1000 rad/s are 9549.3 rpm.
+        assert!((wish.to - 2.0).abs() < 1e-12, "{wish:?}");
+        assert_eq!(wish.words(&units), "over 0..19099 rpm");
+        assert_eq!(Wish::read("", 2.5, &units).unwrap().words(&units), "at 23873 rpm");
+    }
+
+    #[test]
     fn wishes_are_read_or_refused() {
-        let wish = |words| Wish::read(words, 5.0);
-        assert_eq!(wish("").unwrap().words(), "at R = 5");
-        assert_eq!(wish("0..6").unwrap().words(), "over R 0..6");
-        assert_eq!(wish("robust 0..6.5").unwrap().words(), "over R 0..6.5, any deadband");
+        let units = Units::DIMENSIONLESS;
+        let wish = |words| Wish::read(words, 5.0, &units);
+        assert_eq!(wish("").unwrap().words(&units), "at R 5");
+        assert_eq!(wish("0..6").unwrap().words(&units), "over R 0..6");
+        assert_eq!(wish("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
         for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {
             assert!(wish(wrong).unwrap_err().contains("expected a range of speeds"), "{wrong}");
         }

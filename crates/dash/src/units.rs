@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use rotor::{Difference, Key, Scales, Settings};
+use rotor::{Difference, Key, Scales, Settings, SettingsError};
 
 use crate::plot::{nice_ceiling, short};
 
@@ -24,6 +24,14 @@ impl Unit {
     pub(crate) fn told(&self, value: f64, digits: usize) -> String {
         format!("{} {}", self.short(value, digits), self.name).trim_end().to_owned()
     }
+}
+
+/// Significant digits of a value in a message.
+const DIGITS: usize = 7;
+
+/// A value of so many significant digits. What a search or a product of factors leaves behind them is for files, not for people.
+fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
 /// The units of a bench.
@@ -110,21 +118,45 @@ impl Units {
 
     /// A value of a setting as people read it: with its unit where that is none of the machine's own.
     pub(crate) fn value(&self, key: Key, value: f64) -> String {
-        let unit = self.setting(key);
-        if unit.factor == 1.0 {
-            return value.to_string();
+        self.value_in(key, value, DIGITS)
+    }
+
+    fn value_in(&self, key: Key, value: f64, digits: usize) -> String {
+        if key.parameter.off == Some(value) && value != 0.0 {
+            return "off".to_owned();
         }
-        let counted = value * unit.factor;
-        // What the product leaves behind the digits that were typed is not part of them.
-        let rounded: f64 = format!("{counted:.9e}").parse().unwrap_or(counted);
-        format!("{rounded} {}", unit.name)
+        let unit = self.setting(key);
+        let told = rounded(value * unit.factor, digits).to_string();
+        if unit.factor == 1.0 { told } else { format!("{told} {}", unit.name) }
+    }
+
+    /// A number without a unit as people read it.
+    pub(crate) fn value_digits(&self, value: f64) -> f64 {
+        rounded(value, DIGITS)
+    }
+
+    /// What is wrong with a change, in the units that it was typed in.
+    pub(crate) fn fault(&self, error: &SettingsError) -> String {
+        if let SettingsError::OutOfRange { key, found, min, max, or_off } = error
+            && let Ok(of) = key.parse::<Key>()
+            && self.setting(of).factor != 1.0
+        {
+            let [found, min, max] = [found, min, max].map(|value| self.value(of, *value));
+            let off = if *or_off { ", or off" } else { "" };
+            return format!("{key} = {found}: expected a number from {min} to {max}{off}");
+        }
+        error.to_string()
     }
 
     /// What has changed, as people read it.
     pub(crate) fn difference(&self, before: &Settings, after: &Settings) -> String {
         let Difference { values, law } = Difference::between(before, after);
-        let one =
-            |(key, was, is): &(Key, f64, f64)| format!("{key} {} -> {}", self.value(*key, *was), self.value(*key, *is));
+        // As few digits as tell the two apart, but for a few that read well.
+        let one = |(key, was, is): &(Key, f64, f64)| {
+            let told = |digits| [*was, *is].map(|value| self.value_in(*key, value, digits));
+            let [was, is] = (DIGITS..17).map(told).find(|[was, is]| was != is).unwrap_or_else(|| told(17));
+            format!("{key} {was} -> {is}")
+        };
         let told = values.iter().map(one).chain(law.then(|| "another feedback".to_owned()));
         told.collect::<Vec<_>>().join(", ")
     }
@@ -183,6 +215,22 @@ pub(crate) mod tests {
         let kd: Key = "kd".parse().unwrap();
         let nudged = crate::clerk::Edit::Nudge(kd, 0.01).applied(&before).unwrap();
         assert_eq!(units.difference(&before, &nudged), "kd.1 -0.5879 -> -0.5779");
+    }
+
+    #[test]
+    fn undo_messages_have_no_sixteen_digits_but_tell_small_changes() {
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        let before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
+        let kd: Key = "kd".parse().unwrap();
+        let told = |was: f64, is: f64| {
+            let [mut was_in, mut is_in] = [before.clone(), before.clone()];
+            was_in.set(kd, was).unwrap();
+            is_in.set(kd, is).unwrap();
+            Units::DIMENSIONLESS.difference(&was_in, &is_in)
+        };
+        assert_eq!(told(-0.391_234_567_891_234_5, 0.25), "kd.1 -0.3912346 -> 0.25");
+        assert_eq!(told(0.3, 0.1 + 0.2), "kd.1 0.3 -> 0.30000000000000004");
+        assert_eq!(told(0.123_456_789, 0.123_456_788), "kd.1 0.123456789 -> 0.123456788");
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use serde::Serialize;
+use unicode_width::UnicodeWidthStr;
 
 use crate::failure::Failure;
 
@@ -92,6 +93,12 @@ pub(crate) fn rounded(number: f64) -> String {
     format!("{number:.*}", usize::try_from(6 - leading).unwrap_or(0))
 }
 
+/// `text` with blanks behind it up to `wide` cells of a terminal, in which a Chinese character takes two.
+#[must_use]
+pub(crate) fn padded(text: &str, wide: usize) -> String {
+    format!("{text}{}", " ".repeat(wide.saturating_sub(text.width())))
+}
+
 /// How a command's result is printed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::Args)]
 pub(crate) struct Format {
@@ -169,6 +176,18 @@ mod tests {
         ] {
             assert_eq!(rounded(number), text);
         }
+    }
+
+    #[test]
+    fn wide_characters_keep_columns_below_each_other() {
+        assert_eq!(
+            (padded("漢字", 6), padded("abc", 6), padded("abcdefg", 6)),
+            ("漢字  ".into(), "abc   ".into(), "abcdefg".into())
+        );
+        let mut table = Table::new(&["name", "b"]);
+        table.row([Cell::from(&"漢字漢"), Cell::from(&"x")]);
+        table.row([Cell::from(&"abcdef"), Cell::from(&"y")]);
+        assert_eq!(table.to_text(), " name    b\n 漢字漢  x\n abcdef  y\n");
     }
 
     #[test]

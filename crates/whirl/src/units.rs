@@ -4,7 +4,6 @@
 
 use rotor::{Key, Rotor, Scales, Settings, SettingsError};
 use serde::Serialize;
-use wire::message::Trip;
 
 use crate::failure::Failure;
 use crate::output::rounded;
@@ -34,6 +33,12 @@ impl Units {
     #[must_use]
     pub(crate) fn with(scales: Option<Scales>) -> Self {
         Self(scales)
+    }
+
+    /// The scales of a machine in SI units.
+    #[must_use]
+    pub(crate) fn scales(self) -> Option<Scales> {
+        self.0
     }
 
     /// One thing for dimensionless machines, another for those in SI units.
@@ -123,6 +128,12 @@ impl Units {
         }
     }
 
+    /// `2.5`, or `7161.97 rpm`: where a heading says what it is.
+    #[must_use]
+    pub(crate) fn speed_cell(self, speed: f64) -> String {
+        self.0.map_or_else(|| speed.to_string(), |scales| format!("{} rpm", rounded(scales.rpm(speed))))
+    }
+
     /// `R in 0..6`, or `0..14324 rpm` of a range as typed.
     #[must_use]
     pub(crate) fn range_text(self, typed: Range) -> String {
@@ -150,16 +161,6 @@ impl Units {
             "e_t" => self.length(value),
             unit => self.0.map_or(value, |scales| value * scales.setting(unit, mass_ratio).0),
         }
-    }
-
-    /// What tripped, with lengths in the units of the machine.
-    #[must_use]
-    pub(crate) fn trip_text(self, trip: &Trip) -> String {
-        if self.0.is_none() || trip.cause != 1 {
-            return trip.to_string();
-        }
-        let [radius, limit] = [trip.radius, trip.limit].map(|length| rounded(self.length(length)));
-        format!("orbit of mass {} reached {radius} m, past the limit of {limit} m", trip.mass)
     }
 
     /// Sets `key` to a number as typed: rpm and m for an SI rotor, gains as they are.

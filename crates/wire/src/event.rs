@@ -6,7 +6,7 @@
 use std::fmt;
 
 use iceoryx2::prelude::ZeroCopySend;
-use rotor::C64;
+use rotor::{C64, Scales};
 
 use crate::message::Trip;
 use crate::{Change, SettingsMessage, Text};
@@ -166,6 +166,24 @@ impl Happening {
             Self::Late { .. } => "late",
             Self::Note(_) => "note",
             Self::Ended => "ended",
+        }
+    }
+}
+
+impl Happening {
+    /// In words, in metres and metres a second where the rotor has scales.
+    #[must_use]
+    pub fn told(&self, scales: Option<Scales>) -> String {
+        match (self, scales) {
+            (Self::Tripped(trip), scales) => format!("tripped: {}", trip.told(scales)),
+            (Self::Impulse { mass, velocity }, Some(scales)) => {
+                let [vy, vz] = [velocity.re, velocity.im].map(|part| {
+                    let part = scales.metres(part) * scales.w0;
+                    format!("{part:.5e}").parse().unwrap_or(part)
+                });
+                format!("impulse on mass {}: vy {vy} m/s, vz {vz} m/s", mass + 1)
+            }
+            _ => self.to_string(),
         }
     }
 }

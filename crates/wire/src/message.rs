@@ -319,17 +319,28 @@ impl Trip {
     }
 }
 
+impl Trip {
+    /// In words, with lengths in metres where the rotor has scales, else in `e_t`.
+    #[must_use]
+    pub fn told(&self, scales: Option<Scales>) -> String {
+        // What the product of factors leaves behind six digits is not part of a length.
+        let metres = |scales: Scales, length: f64| {
+            let metres = scales.metres(length);
+            format!("{} m", format!("{metres:.5e}").parse().unwrap_or(metres))
+        };
+        let radius = scales.map_or_else(|| format!("{:.4} e_t", self.radius), |scales| metres(scales, self.radius));
+        let limit = scales.map_or_else(|| format!("{} e_t", self.limit), |scales| metres(scales, self.limit));
+        match self.cause {
+            0 => "running".to_owned(),
+            1 => format!("orbit of mass {} reached {radius}, past the limit of {limit}", self.mass),
+            _ => format!("motion of mass {} left the range of numbers after {radius}", self.mass),
+        }
+    }
+}
+
 impl fmt::Display for Trip {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.cause {
-            0 => f.write_str("running"),
-            1 => write!(
-                f,
-                "orbit of mass {} reached {:.4} e_t, past the limit of {} e_t",
-                self.mass, self.radius, self.limit
-            ),
-            _ => write!(f, "motion of mass {} left the range of numbers after {:.4} e_t", self.mass, self.radius),
-        }
+        f.write_str(&self.told(None))
     }
 }
 

@@ -15,15 +15,16 @@ impl App<'_> {
             }
             return;
         }
+        let units = crate::link::lock(&self.feed).units();
         if let Some(search) = &self.search {
-            self.tell(Message::Bad(format!("{}: `:search stop` ends it", search.words())));
+            self.tell(Message::Bad(format!("{}: `:search stop` ends it", search.words(&units))));
             return;
         }
         let Some((settings, rotor)) = self.machine() else { return };
-        let begun = Wish::read(words, settings.speed).and_then(|wish| Search::begin(&rotor, &settings, wish));
+        let begun = Wish::read(words, settings.speed, &units).and_then(|wish| Search::begin(&rotor, &settings, wish));
         match begun {
             Ok(search) => {
-                self.tell(Message::Good(search.words()));
+                self.tell(Message::Good(search.words(&units)));
                 self.search = Some(search);
             }
             Err(why) => self.tell(Message::Bad(why)),
@@ -38,7 +39,8 @@ impl App<'_> {
         if !self.layers.is_empty() {
             return false;
         }
-        let (wish, words) = (search.wish().words(), search.words());
+        let units = crate::link::lock(&self.feed).units();
+        let (wish, words) = (search.wish().words(&units), search.words(&units));
         let Some(ended) = search.ended() else {
             let shows = self.message.0 != Message::Good(words.clone());
             self.tell(Message::Good(words));
@@ -50,8 +52,9 @@ impl App<'_> {
                 let proven = if found.proven { "proven" } else { "the worst found" };
                 let early = if found.stopped { ", stopped early" } else { "" };
                 let what = format!(
-                    "found {wish}: min damping {:.4} at R = {:.4} ({proven}{early})",
-                    found.min_damping, found.worst_speed
+                    "found {wish}: min damping {:.4} at {} ({proven}{early})",
+                    found.min_damping,
+                    units.speed_told(found.worst_speed)
                 );
                 let change = Box::new((found.before, found.settings));
                 let candidate = Box::new(change.1.clone());

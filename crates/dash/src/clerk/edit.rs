@@ -1,6 +1,6 @@
 //! What a person wants changed, and what that makes of settings.
 
-use rotor::{C64, Key, Settings};
+use rotor::{C64, Key, Settings, SettingsError};
 
 use crate::units::Units;
 
@@ -35,12 +35,12 @@ impl Edit {
     /// Makes the change in `settings`. Returns whether it is one of settings that are known here.
     ///
     /// # Errors
-    /// It does not fit them, in words.
-    pub(crate) fn change(&self, settings: &mut Settings) -> Result<bool, String> {
+    /// It does not fit them.
+    pub(crate) fn change(&self, settings: &mut Settings) -> Result<bool, SettingsError> {
         match self {
-            Self::Nudge(key, delta) => settings.nudge(*key, *delta).map_err(|error| error.to_string())?,
+            Self::Nudge(key, delta) => settings.nudge(*key, *delta)?,
             Self::Set(values) => {
-                values.iter().try_for_each(|(key, value)| settings.set(*key, *value)).map_err(|e| e.to_string())?;
+                values.iter().try_for_each(|(key, value)| settings.set(*key, *value))?;
             }
             Self::Off => settings.feedback = settings.feedback.off(),
             Self::Become(change, _) => carry_over(&change.0, &change.1, settings),
@@ -72,7 +72,14 @@ impl Edit {
             Self::Note(_) => "noted".into(),
             Self::Undo => "undone".into(),
             Self::Redo => "done again".into(),
-            Self::Impulse(mass, velocity) => format!("impulse {} on mass {}", velocity.re, mass + 1),
+            Self::Impulse(mass, velocity) => {
+                // Of a dimensionless rotor velocities have no name that says more than the number.
+                let velocity = match units.scales {
+                    Some(_) => units.velocity.told(velocity.re, 5),
+                    None => velocity.re.to_string(),
+                };
+                format!("impulse {velocity} on mass {}", mass + 1)
+            }
             Self::Restart => "restarted from rest".into(),
             Self::Sure(edit, _) => edit.what(units),
         }

@@ -156,19 +156,24 @@ impl<C: Carrier> Clerk<C> {
             Edit::Sure(edit, agreed) => (&**edit, Some(&**agreed)),
             edit => (edit, None),
         };
+        let units = self.units();
         let done = match wanted {
             Edit::Impulse(mass, velocity) => self.order(wanted, &Change::Impulse { mass: *mass, velocity: *velocity }),
             Edit::Restart => self.order(wanted, &Change::Restart),
             Edit::Note(text) => self.order(wanted, &Change::Note { text: text.clone() }),
             Edit::Undo | Edit::Redo => self.retrace(wanted, agreed),
-            _ => self.apply(wanted, agreed, |settings| wanted.change(settings).map(|_| ())).map(|applied| {
-                let words = told(&applied.answer, &wanted.what(&self.units()));
-                if matches!(wanted, Edit::Swap(_)) {
-                    Outcome::Swapped(words, Box::new(applied.before))
-                } else {
-                    Outcome::Done(words)
-                }
-            }),
+            _ => self
+                .apply(wanted, agreed, |settings| {
+                    wanted.change(settings).map(|_| ()).map_err(|error| units.fault(&error))
+                })
+                .map(|applied| {
+                    let words = told(&applied.answer, &wanted.what(&self.units()));
+                    if matches!(wanted, Edit::Swap(_)) {
+                        Outcome::Swapped(words, Box::new(applied.before))
+                    } else {
+                        Outcome::Done(words)
+                    }
+                }),
         };
         done.unwrap_or_else(|not| not)
     }

@@ -6,6 +6,8 @@ use std::fmt::Write;
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
 
+use crate::fit::width;
+
 /// Width and height of a cell, in the units of the picture.
 const CELL: (f64, f64) = (8.0, 16.0);
 /// Size of the letters.
@@ -41,10 +43,25 @@ impl Still {
 pub(crate) fn text(buffer: &Buffer) -> String {
     let area = buffer.area;
     let line = |y| {
-        let cells: String = (area.left()..area.right()).map(|x| buffer[(x, y)].symbol()).collect();
+        let cells: String = row(buffer, y).map(|(_, cell)| cell.symbol()).collect();
         cells.trim_end().to_owned() + "\n"
     };
     (area.top()..area.bottom()).map(line).collect()
+}
+
+/// The cells of a row from the left, without those that a wide character before them covers: the column within the frame and
+/// the cell.
+fn row(buffer: &Buffer, y: u16) -> impl Iterator<Item = (u16, &Cell)> {
+    let area = buffer.area;
+    let mut covered = area.left();
+    (area.left()..area.right()).filter_map(move |x| {
+        let cell = &buffer[(x, y)];
+        let shown = x >= covered;
+        if shown {
+            covered = x + (width(cell.symbol()) as u16).max(1);
+        }
+        shown.then_some((x - area.left(), cell))
+    })
 }
 
 /// A finished frame as an SVG document.
@@ -58,46 +75,46 @@ fn svg(buffer: &Buffer) -> String {
          font-size=\"{FONT}\" xml:space=\"preserve\">\n"
     );
     for row in 0..area.height {
-        let cells: Vec<&Cell> = (0..area.width).map(|column| &buffer[(area.x + column, area.y + row)]).collect();
+        let cells: Vec<(u16, &Cell)> = self::row(buffer, area.y + row).collect();
         draw_row(&cells, f64::from(row) * CELL.1, &mut out);
     }
     out + "</g>\n</svg>\n"
 }
 
 /// One row: cells of one look that follow each other are one piece of text, or one path of dots.
-fn draw_row(cells: &[&Cell], y: f64, out: &mut String) {
+fn draw_row(cells: &[(u16, &Cell)], y: f64, out: &mut String) {
     let mut from = 0;
     while from < cells.len() {
-        let first = cells[from];
+        let (column, first) = cells[from];
         let alike = |cell: &Cell| {
             (cell.fg, cell.bg, cell.modifier) == (first.fg, first.bg, first.modifier)
                 && (kind(cell) == kind(first) || (kind(first), kind(cell)) == (Kind::Text, Kind::Blank))
         };
-        let run = &cells[from..from + cells[from..].iter().take_while(|cell| alike(cell)).count()];
+        let run = &cells[from..from + cells[from..].iter().take_while(|(_, cell)| alike(cell)).count()];
         // Words of one text belong together; blanks at its end do not.
-        let last = run.iter().rposition(|cell| kind(cell) == kind(first)).unwrap_or(0);
+        let last = run.iter().rposition(|(_, cell)| kind(cell) == kind(first)).unwrap_or(0);
         let to = from + last + 1;
-        let x = from as f64 * CELL.0;
+        let x = f64::from(column) * CELL.0;
+        let wide = cells[from..to].iter().map(|(_, cell)| width(cell.symbol()).max(1)).sum::<usize>() as f64 * CELL.0;
         let (ink, paper) = colors(first);
         if let Some(paper) = paper {
-            let width = (to - from) as f64 * CELL.0;
             line(
                 out,
-                format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{}\" fill=\"{paper}\"/>", CELL.1),
+                format_args!("<rect x=\"{x}\" y=\"{y}\" width=\"{wide}\" height=\"{}\" fill=\"{paper}\"/>", CELL.1),
             );
         }
         match kind(first) {
             Kind::Blank => {}
             Kind::Dots => {
                 let path: String =
-                    (from..).zip(&cells[from..to]).map(|(at, cell)| shapes(cell, at as f64 * CELL.0, y)).collect();
+                    cells[from..to].iter().map(|(at, cell)| shapes(cell, f64::from(*at) * CELL.0, y)).collect();
                 line(out, format_args!("<path fill=\"{ink}\" d=\"{path}\"/>"));
             }
             Kind::Text => {
-                let text: String = cells[from..to].iter().map(|cell| escaped(cell.symbol())).collect();
+                let text: String = cells[from..to].iter().map(|(_, cell)| escaped(cell.symbol())).collect();
                 let bold = if first.modifier.contains(Modifier::BOLD) { " font-weight=\"bold\"" } else { "" };
                 // Whatever font there is, a cell is as wide as a cell.
-                let (length, base) = ((to - from) as f64 * CELL.0, y + 0.77 * CELL.1);
+                let (length, base) = (wide, y + 0.77 * CELL.1);
                 line(
                     out,
                     format_args!(
@@ -252,6 +269,13 @@ mod tests {
     #[test]
     fn text_is_what_is_on_the_screen() {
         assert_eq!(text(&picture(&["ab  c ", "", "⠿"], Style::new())), "ab  c\n\n⠿\n");
+    }
+
+    #[test]
+    fn wide_characters_have_no_blank_behind_them() {
+        let wide = picture(&["漢字x"], Style::new());
+        assert_eq!(text(&wide), "漢字x\n");
+        assert!(svg(&wide).contains("textLength=\"40\" fill=\"#d0d0d0\">漢字x</text>"), "{}", svg(&wide));
     }
 
     #[test]

@@ -153,8 +153,8 @@ fn draw_standings(
     for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
         let text = format!("{name:<10}{now:>9}{warning:>9}{alarm:>9}  ");
         let style = if name.is_empty() { theme::quiet() } else { Style::new() };
-        write(buffer, row, row.x, row.y, &text, style);
-        write(buffer, row, row.x + text.len() as u16, row.y, &state.content, state.style);
+        let x = write(buffer, row, row.x, row.y, &text, style);
+        write(buffer, row, x, row.y, &state.content, state.style);
     }
 }
 
@@ -181,13 +181,12 @@ fn what(entry: &Entry, units: &Units) -> String {
 fn draw_entry(entry: &Entry, units: &Units, row: Rect, buffer: &mut Buffer) {
     let (when, what) = (when(entry), what(entry, units));
     let color = level_color(entry.level);
-    write(buffer, row, row.x, row.y, &when, theme::quiet());
-    let x = row.x + when.len() as u16;
+    let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
     let words = format!(" {} ", level_words(entry.level));
     let style = if entry.seen_ns.is_none() { theme::badge(color) } else { theme::loud(color) };
-    write(buffer, row, x, row.y, &words, style);
+    let x = write(buffer, row, x, row.y, &words, style);
     let seen = if entry.seen_ns.is_none() { "  not acknowledged" } else { "" };
-    write(buffer, row, x + words.len() as u16, row.y, &format!(" {what}{seen}"), Style::new());
+    write(buffer, row, x, row.y, &format!(" {what}{seen}"), Style::new());
 }
 
 /// The time of day of nanoseconds since 1970, UTC.

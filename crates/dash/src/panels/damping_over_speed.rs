@@ -21,6 +21,7 @@ use super::{framed, wheel_times, write, write_right};
 use crate::actions::Read;
 use crate::analysis::{OverSpeed, Question};
 use crate::axis::Axis;
+use crate::fit::{longest, width};
 use crate::plot::{Plot, Window, nice_ceiling, short};
 use crate::pointed::Point;
 use crate::theme;
@@ -117,12 +118,14 @@ fn draw(view: &View<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut 
 fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut Buffer) {
     let (over_speed, units) = (facts.over_speed, &facts.units);
     let (color, word) = theme::verdict(facts.min_damping);
+    // The name goes before the range does.
+    let stable = stable_words(over_speed, units);
+    let room = usize::from(area.width.saturating_sub(2));
+    let name = longest(&[" damping over speed  ", " damping  ", " "], room.saturating_sub(width(&stable) + 1));
+    let stable = if width(&stable) + 2 > room { stable.replace("stable ", "") } else { stable };
     let title = vec![
-        Span::raw(" damping over speed  "),
-        Span::styled(
-            stable_words(over_speed, units),
-            theme::loud(if over_speed.stable.is_empty() { theme::BAD } else { theme::GOOD }),
-        ),
+        Span::raw(name),
+        Span::styled(stable, theme::loud(if over_speed.stable.is_empty() { theme::BAD } else { theme::GOOD })),
         Span::raw(" "),
     ];
     let inner = framed(Line::from(title), area, buffer);
@@ -153,12 +156,12 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
     let room = usize::from(inner.width);
     match there {
         // What is pointed at matters more than the present, which stands above in large.
-        Some((there, style)) if now.chars().count() + there.chars().count() + 2 > room => {
+        Some((there, style)) if width(&now) + width(&there) + 2 > room => {
             write(buffer, inner, inner.left(), foot, &there, style);
         }
         _ => {
             write(buffer, inner, inner.left(), foot, &now, theme::loud(color));
-            if now.chars().count() + right.chars().count() + 2 <= room {
+            if width(&now) + width(&right) + 2 <= room {
                 write_right(buffer, inner, foot, &right, style);
             }
         }
@@ -166,7 +169,9 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
     if let Some((candidate, _, min_damping)) = facts.candidate {
         let (color, word) = theme::verdict(min_damping);
         let range = candidate.map_or_else(|| "computing …".to_owned(), |curve| stable_words(curve, units));
-        let would = format!("? {min_damping:.4} {word}  {range}");
+        let would = format!("? {min_damping:.4} {word}");
+        let bare = range.replace("stable ", "");
+        let would = longest(&[&format!("{would}  {range}"), &format!("{would}  {bare}"), &would], room);
         write(buffer, inner, inner.left(), foot + 1, &would, theme::loud(color));
     }
 }

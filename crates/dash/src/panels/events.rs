@@ -87,16 +87,15 @@ fn what_and_who(entry: &Entry) -> [String; 2] {
 fn draw_entry(entry: &Entry, is_after: bool, row: Rect, buffer: &mut Buffer) {
     let (sign, color) = sign(entry);
     let (when, [what, by]) = (when(entry), what_and_who(entry));
-    write(buffer, row, row.x, row.y, &when, theme::quiet());
+    let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
     let what = format!("{sign}{what}");
     let style = match color {
         _ if is_after => theme::quiet(),
         Some(color) => theme::loud(color),
         None => Style::new(),
     };
-    let x = row.x + when.chars().count() as u16;
-    write(buffer, row, x, row.y, &what, style);
-    write(buffer, row, x + what.chars().count() as u16 + 2, row.y, &by, theme::quiet());
+    let x = write(buffer, row, x, row.y, &what, style);
+    write(buffer, row, x + 2, row.y, &by, theme::quiet());
 }
 
 /// What stands before an event, and its colour.

@@ -14,6 +14,7 @@ use ratatui::text::Line;
 use super::panel::Panel;
 use super::{framed, write, write_right};
 use crate::axis::Axis;
+use crate::fit::longest;
 use crate::plot::short;
 use crate::theme;
 use crate::view::View;
@@ -67,6 +68,8 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
         write_right(buffer, inner, inner.top() + 1, &format!("{} fixed", short(full, 3)), theme::quiet());
     } else {
         let since = picture.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
+        let short = since.replace("revision", "rev").replace("since ", "");
+        let since = longest(&[&since, &short], usize::from(inner.width.saturating_sub(HEAD)));
         write(buffer, inner, inner.left() + HEAD, inner.top() + 1, &since, theme::quiet());
     }
 }

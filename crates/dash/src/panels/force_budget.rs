@@ -23,6 +23,7 @@ use super::force::when;
 use super::panel::Panel;
 use super::{framed, write};
 use crate::axis::Axis;
+use crate::fit::longest;
 use crate::history::{Channel, Track};
 use crate::plot::short;
 use crate::theme;
@@ -109,7 +110,9 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
         gauge(name, value, full, color, row, buffer);
     }
     if let Some(row) = rows.next() {
-        write(buffer, row, row.x, row.y, &format!("limit {told}  in view {}", short(within, 5)), Style::new());
+        let limit = format!("limit {told}");
+        let both = longest(&[&format!("{limit}  in view {}", short(within, 5)), &limit], usize::from(row.width));
+        write(buffer, row, row.x, row.y, &both, Style::new());
     }
     for (row, (name, value, color)) in rows.by_ref().take(2).zip([("y", y, theme::FORWARD), ("z", z, theme::BACKWARD)])
     {
@@ -122,7 +125,9 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
             let terms = Terms::of(signal, speed, track, now);
             let told = |term: C64| short(term.norm() * factor, 4);
             let (p, v) = (told(terms.kd + terms.kc), told(terms.cd + terms.cc));
-            lines.push((format!("signal {}  displacement {p}  velocity {v}", at + 1), Style::new()));
+            let full = format!("signal {}  displacement {p}  velocity {v}", at + 1);
+            let brief = format!("signal {}  disp. {p}  vel. {v}", at + 1);
+            lines.push((longest(&[&full, &brief], usize::from(inner.width)), Style::new()));
             let [kd, kc, cd, cc] = [terms.kd, terms.kc, terms.cd, terms.cc].map(told);
             lines.push((format!("  kd {kd}  kc {kc}  cd {cd}  cc {cc}"), theme::quiet()));
         }

@@ -9,6 +9,7 @@ use rotor::PARAMETERS;
 
 use super::list::passes;
 use crate::actions::{ACTIONS, MOUSE};
+use crate::fit::{cut_line, padded};
 use crate::theme;
 use crate::view::View;
 
@@ -40,12 +41,18 @@ pub(crate) fn draw(view: &View<'_>, from: usize, area: Rect, buffer: &mut Buffer
     let from = from.min(count.saturating_sub(shown));
     let more = if from + shown < count { ", up and down move it" } else { "" };
     let block = Block::bordered().title(format!(" help: ? or esc closes it, / filters it{more} "));
-    Paragraph::new(lines.into_iter().skip(from).collect::<Vec<_>>()).block(block).render(middle, buffer);
+    let room = usize::from(width.saturating_sub(2));
+    Paragraph::new(lines.into_iter().skip(from).map(|line| cut_line(line, room)).collect::<Vec<_>>())
+        .block(block)
+        .render(middle, buffer);
 }
 
 fn lines<'a>(view: &'a View<'_>) -> Vec<Line<'a>> {
     let row = |key: &str, meaning: &str| {
-        Line::from(vec![Span::styled(format!(" {key:<27} "), Style::new().bold()), Span::raw(meaning.to_owned())])
+        Line::from(vec![
+            Span::styled(format!(" {} ", padded(key, 27)), Style::new().bold()),
+            Span::raw(meaning.to_owned()),
+        ])
     };
     let heading = |text: &'static str| Line::styled(text, theme::loud(theme::FORWARD));
     let mut lines = Vec::new();

@@ -32,7 +32,7 @@ const COLUMNS: [(&str, u16); 5] = [("damping", 9), ("log dec", 9), ("frequency",
 /// Width of the signs at the left.
 const SIGNS: u16 = 2;
 /// Width of one mass's part of a shape.
-const PART: u16 = 11;
+const PART: u16 = 12;
 
 /// The table; it keeps the modes of the settings that it last drew. A click points at a mode.
 #[derive(Debug, Default)]
@@ -158,7 +158,7 @@ fn part_text(part: C64) -> String {
     let degrees = part.arg().to_degrees().round();
     // -180 and 180 are the same; so are 0 and -0.
     let degrees = if degrees <= -180.0 { 180.0 } else { degrees + 0.0 };
-    format!("{:>6.2}{degrees:>4.0}°", part.norm())
+    format!("{:>6.2} {degrees:>4.0}°", part.norm())
 }
 
 #[cfg(test)]

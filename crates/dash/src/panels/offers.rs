@@ -28,7 +28,7 @@ pub(crate) fn draw(offers: &[Offer], body: Rect, buffer: &mut Buffer) {
         return;
     }
     let shown = if offers.len() > room { room - 1 } else { offers.len() };
-    let wide = |text: &str| text.chars().count();
+    let wide = crate::fit::width;
     let words = offers[..shown].iter().map(|offer| wide(&offer.word)).max().unwrap_or(0);
     let details = offers[..shown].iter().map(|offer| wide(&offer.detail)).max().unwrap_or(0);
     let width = (words + details + 6).max(20).min(usize::from(body.width)) as u16;

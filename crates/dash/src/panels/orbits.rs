@@ -17,6 +17,7 @@ use ratatui::text::Line;
 use super::panel::Panel;
 use super::{framed, write};
 use crate::axis::Axis;
+use crate::fit::longest;
 use crate::history::{Channel, Track};
 use crate::picture::Picture;
 use crate::plot::{Plot, nice_ceiling, short};
@@ -124,24 +125,34 @@ fn draw_one(
     }
     let carries = picture.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
-    write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color));
+    // What is told of one mass must not touch what is told of the next.
+    let cell = Rect { width: cell.width.saturating_sub(1), ..cell };
+    let behind = write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color)) + 1;
     if let Some(last) = shown.clone().last() {
         let [y, z] = track.place(last, mass);
         let told = |value| unit.short(value, 3);
-        let mut line = |from_below: u16, x: u16, text: &str| {
-            write(buffer, cell, x, cell.bottom().saturating_sub(from_below), text, theme::quiet());
+        // In fewer digits where there is no room for more: one that is rounded is still the same number.
+        let size = |room: u16| {
+            let ways = [3, 2, 1].map(|digits| unit.short(radius([y, z]), digits));
+            longest(&ways.each_ref().map(String::as_str), usize::from(room))
         };
-        match (cell.width, cell.height) {
-            (_, ..=3) => write(buffer, cell, cell.left() + 4, cell.top(), &told(radius([y, z])), theme::quiet()),
+        let mut line = |from_below: u16, x: u16, text: &str| {
+            write(buffer, cell, x, cell.bottom().saturating_sub(from_below), &format!("{text} "), theme::quiet());
+        };
+        match (cell.width + 1, cell.height) {
+            (_, ..=3) => {
+                let x = behind.max(cell.left() + 4);
+                write(buffer, cell, x, cell.top(), &size(cell.right().saturating_sub(x)), theme::quiet());
+            }
             (ROOM_FOR_PLACE.., _) => {
                 line(1, cell.left(), &format!("{}  y {}  z {}", told(radius([y, z])), told(y), told(z)));
             }
             (_, ROWS_FOR_PLACE..) => {
                 line(3, cell.left(), &format!("y {}", told(y)));
                 line(2, cell.left(), &format!("z {}", told(z)));
-                line(1, cell.left(), &told(radius([y, z])));
+                line(1, cell.left(), &size(cell.width));
             }
-            _ => line(1, cell.left(), &told(radius([y, z]))),
+            _ => line(1, cell.left(), &size(cell.width)),
         }
     }
 }

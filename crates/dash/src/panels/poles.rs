@@ -17,10 +17,11 @@ use ratatui::text::Line;
 use rotor::{C64, Whirl, damping_ratio};
 
 use super::panel::{Intent, Mouse, Panel, Wish};
-use super::{framed, wheel_times, write, write_right};
+use super::{framed, wheel_times, write, write_free, write_right};
 use crate::actions::Read;
 use crate::analysis::Question;
 use crate::axis::{Axis, Scaling};
+use crate::fit::width;
 use crate::plot::{Plot, Window, neat, nice_ceiling, short};
 use crate::pointed::Point;
 use crate::theme;
@@ -116,7 +117,7 @@ fn told(pole: C64, units: &Units, width: usize) -> String {
     let ratio = format!("ζ {:.4}", damping_ratio(pole));
     let both = format!("{place}  {ratio}");
     let full = format!("{both}  {}  {whirl}", units.frequency.told(pole.im.abs(), 4));
-    [full, both, place].into_iter().find(|text| text.chars().count() + 4 <= width).unwrap_or(ratio)
+    [full, both, place].into_iter().find(|text| crate::fit::width(text) + 4 <= width).unwrap_or(ratio)
 }
 
 impl Poles {
@@ -134,6 +135,15 @@ impl Poles {
         let right = if furthest > 0.0 { nice_ceiling(furthest * 1.05) } else { 0.0 }.max(0.25 * left);
         let dimensionless = |range: [f64; 2]| range.map(|end| end / factor);
         Some(Window { x: dimensionless(self.re.over([-left, right])), y: dimensionless(self.im.over([-top, top])) })
+    }
+}
+
+/// Writes a scale at the right of the first of these rows in which no mark would hide a part of its numbers; else nowhere.
+fn write_beside(buffer: &mut Buffer, area: Rect, marks: &[(u16, u16)], rows: impl Iterator<Item = u16>, text: &str) {
+    let from = area.right().saturating_sub(width(text) as u16).max(area.left());
+    let is_free = |y: &u16| !marks.iter().any(|(mark_x, mark_y)| mark_y == y && *mark_x >= from);
+    if let Some(y) = rows.into_iter().find(is_free) {
+        write_right(buffer, area, y, text, theme::quiet());
     }
 }
 
@@ -157,13 +167,6 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
     plot.line([0.0, bottom], [0.0, top], theme::WARN);
     plot.paint(buffer);
 
-    for zeta in RAYS {
-        let slope = (1.0 - zeta * zeta).sqrt() / zeta;
-        let end = 0.97 * (-left).min(top / slope);
-        if let Some((x, y)) = plot.cell(-end, end * slope) {
-            write(buffer, inner, x, y, &format!("{zeta}"), theme::quiet());
-        }
-    }
     // A scale that stands still was chosen: it is told as it is.
     let number = |value: f64| match axes.re.is_fixed() || axes.im.is_fixed() {
         true => neat(value * units.rate.factor),
@@ -173,14 +176,15 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
     let im = if symmetric { format!("±{}", number(top)) } else { format!("{} to {}", number(bottom), number(top)) };
     let name = if units.scales.is_some() { " 1/s" } else { "" };
     let im = format!("Im {}{im}{name}", axes.im.sign());
-    write_right(buffer, inner, inner.top(), &im, theme::quiet());
+    let beside = view.what_if.iter().flat_map(|candidate| &candidate.poles);
+    let marks: Vec<_> = poles.iter().chain(beside).filter_map(|pole| plot.cell(pole.re, pole.im)).collect();
+    let rows = inner.top()..inner.bottom();
+    write_beside(buffer, inner, &marks, rows.clone().take(3), &im);
     let scale = format!("Re {}{} to {}{name}", axes.re.sign(), number(left), number(right));
-    write_right(buffer, inner, inner.bottom().saturating_sub(1), &scale, theme::quiet());
+    write_beside(buffer, inner, &marks, rows.rev().take(3), &scale);
     if let Some((x, y)) = plot.cell(0.0, bottom + 0.95 * (top - bottom)).map(|(x, y)| (x + 2, y.max(inner.top() + 1))) {
         // Half a word would mislead.
-        if x + UNSTABLE.len() as u16 <= inner.right() {
-            write(buffer, inner, x, y, UNSTABLE, theme::quiet());
-        }
+        write_free(buffer, inner, x, y, UNSTABLE, theme::quiet());
     }
 
     // The least damped last, so that it lies on top.
@@ -200,6 +204,13 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
     for pole in view.what_if.iter().flat_map(|candidate| &candidate.poles) {
         if let Some((x, y)) = plot.cell(pole.re, pole.im) {
             write(buffer, inner, x, y, "◇", theme::loud(theme::verdict(damping_ratio(*pole)).0));
+        }
+    }
+    for zeta in RAYS {
+        let slope = (1.0 - zeta * zeta).sqrt() / zeta;
+        let end = 0.97 * (-left).min(top / slope);
+        if let Some((x, y)) = plot.cell(-end, end * slope) {
+            write_free(buffer, inner, x, y, &format!("{zeta}"), theme::quiet());
         }
     }
     let pointed = view.pointed.mode;

@@ -3,10 +3,10 @@
 //! ```text
 //! ┌ step at tau 29.99 ────────────────────────┐
 //! │ R 2.5   angle 74.975 rad   turn 11         │
-//! │ mass        y        z       vy       vz  radius │
-//! │    1   1.2345  -0.5432 ...                 │
-//! │ u delivered  0.8000 -0.0123   |u| 0.8001   │
-//! │ u commanded  0.8000 -0.0123                │
+//! │ mass               y         z        vy        vz    radius │
+//! │   1           1.2345   -0.5432 ...         │
+//! │ u delivered   0.8000   -0.0123                        0.8001 │
+//! │ u commanded   0.8000   -0.0123                        0.8001 │
 //! │ flags contact.1                            │
 //! └────────────────────────────────────────────┘
 //! ```
@@ -21,12 +21,15 @@ use super::panel::Panel;
 use super::{framed, write};
 use crate::plot::short;
 use crate::theme;
-use crate::units::Unit;
 use crate::view::View;
 
 /// Digits of a number, and the width of its column.
 const DIGITS: usize = 6;
 const WIDTH: usize = 10;
+/// Width of the names of the rows.
+const NAME: usize = 11;
+/// The same two where there is less room.
+const NARROW: (usize, usize) = (5, 9);
 
 /// The table.
 #[derive(Debug, Default)]
@@ -50,28 +53,36 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         return;
     };
     let units = view.picture.units();
-    let numbers = |unit: &Unit, values: &[f64]| -> String {
-        values.iter().map(|value| format!("{:>WIDTH$}", unit.short(*value, DIGITS))).collect()
-    };
     let speed = match units.scales {
         Some(_) => units.speed.told(track.speed(now), DIGITS),
         None => format!("R {}", short(track.speed(now), DIGITS)),
     };
+    // Words go before numbers.
+    let is_wide = usize::from(area.width.saturating_sub(2)) >= NAME + 5 * WIDTH;
+    let widths = if is_wide { (NAME, WIDTH) } else { NARROW };
+    let [delivered, commanded] = if is_wide { ["u delivered", "u commanded"] } else { ["u", "u cmd"] };
+    let row = |name: &str, cells: [String; 5]| row(widths, name, &cells);
     let (angle, plain) = (track.angle(now), Style::new());
     let turns = (angle / std::f64::consts::TAU).floor();
     let mut lines = vec![
         (format!("{speed}  angle {} rad  turn {turns}", short(angle, 8)), plain),
-        (format!("mass{:>7}{:>WIDTH$}{:>WIDTH$}{:>WIDTH$}{:>WIDTH$}", "y", "z", "vy", "vz", "radius"), theme::quiet()),
+        (row("mass", ["y", "z", "vy", "vz", "radius"].map(str::to_owned)), theme::quiet()),
     ];
     for mass in 0..view.picture.masses() {
         let ([y, z], [vy, vz]) = (track.place(now, mass), track.velocity(now, mass));
-        let parts = [(&units.length, [y, z]), (&units.velocity, [vy, vz])].map(|(unit, pair)| numbers(unit, &pair));
-        let row = format!("{:>3}{}{}", mass + 1, &parts.concat()[2..], numbers(&units.length, &[y.hypot(z)]));
-        lines.push((row, Style::new().fg(theme::TRACES[mass % theme::TRACES.len()])));
+        let [y, z, radius] = [y, z, y.hypot(z)].map(|value| units.length.short(value, DIGITS));
+        let [vy, vz] = [vy, vz].map(|value| units.velocity.short(value, DIGITS));
+        let name = format!("{:>3}", mass + 1);
+        lines.push((row(&name, [y, z, vy, vz, radius]), Style::new().fg(theme::TRACES[mass % theme::TRACES.len()])));
     }
     let ([y, z], [cy, cz]) = (track.force(now), track.commanded(now));
-    lines.push((format!("u delivered {}", numbers(&units.force, &[y, z, y.hypot(z)])), Style::new().fg(theme::FORCE)));
-    lines.push((format!("u commanded {}", numbers(&units.force, &[cy, cz, cy.hypot(cz)])), plain));
+    // Below the headings of the masses: along y, along z, and in all.
+    let force = |name: &str, [y, z]: [f64; 2]| {
+        let [y, z, size] = [y, z, y.hypot(z)].map(|value| units.force.short(value, DIGITS));
+        row(name, [y, z, String::new(), String::new(), size])
+    };
+    lines.push((force(delivered, [y, z]), Style::new().fg(theme::FORCE)));
+    lines.push((force(commanded, [cy, cz]), plain));
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
     let all = lines.len();
@@ -87,6 +98,12 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     mark(&rows, lines.len(), area, buffer);
 }
 
+/// A row of the table: a name, and as many cells as there are headings, each with a blank in front of it.
+fn row((first, width): (usize, usize), name: &str, cells: &[String; 5]) -> String {
+    let cells: String = cells.iter().map(|cell| format!(" {cell:>width$}", width = width - 1)).collect();
+    format!("{name:<first$}{cells}").trim_end().to_owned()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -94,6 +111,19 @@ mod tests {
     use crate::panels::tests::drawn;
     use crate::view::tests::view;
     use crate::view_time::ViewTime;
+
+    #[test]
+    fn cells_stand_below_their_headings_and_never_touch() {
+        let heading = row((NAME, WIDTH), "mass", &["y", "z", "vy", "vz", "radius"].map(str::to_owned));
+        let cells = ["-1.49496", "-99999.9", "", "", "-1.0e-5"].map(str::to_owned);
+        let cells = row((NAME, WIDTH), "u delivered", &cells);
+        assert!(cells.contains(" -1.49496 ") && cells.contains(" -99999.9 "), "{cells}");
+        for (name, cell) in [(" y", "-1.49496"), (" z", "-99999.9"), ("radius", "-1.0e-5")] {
+            let [name_ends, cell_ends] =
+                [(&heading, name), (&cells, cell)].map(|(row, what)| row.find(what).unwrap() + what.len());
+            assert_eq!(name_ends, cell_ends, "{name}:\n{heading}\n{cells}");
+        }
+    }
 
     #[test]
     fn every_number_of_the_step_is_there() {

@@ -12,14 +12,14 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::{Modifier, Style};
-use ratatui::text::{Line, Span};
-use ratatui::widgets::Widget;
+use ratatui::text::Line;
 use rotor::{Gain, Key, Scope, Settings};
 
-use super::list::{passes, told};
+use super::list::{mark, passes, told};
 use super::panel::{Intent, Mouse, Panel};
-use super::{framed, write, write_right};
+use super::{framed, write, write_line};
 use crate::actions::Action;
+use crate::fit::width;
 use crate::theme;
 use crate::units::Units;
 use crate::view::{Cursor, View};
@@ -94,19 +94,26 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let row = Rect { y, height: 1, ..inner };
         draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), row, buffer);
     }
-    if shown.len() > first + usize::from(inner.height) && inner.height > 0 {
-        write_right(buffer, inner, inner.bottom() - 1, "▼", theme::loud(theme::WARN));
-    }
+    // On the frame, where no value is hidden by it.
+    let last = (first + usize::from(inner.height)).min(shown.len());
+    mark(&(first..last), shown.len(), area, buffer);
 }
 
 fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cursor>, row: Rect, buffer: &mut Buffer) {
     let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
     write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
-    write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style);
+    let name = write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style) - row.left();
     let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
     let value = match typed {
-        Some(typed) => typed.spans(theme::badge(theme::WARN)),
-        None => vec![Span::styled(value_of(settings, units, key), style)],
+        Some(typed) => Line::from(typed.spans(theme::badge(theme::WARN))),
+        None => Line::styled(value_of(settings, units, key), style),
+    };
+    // What kind of gain it is goes first, then the step; the value stays whole.
+    // What is typed may cover the name: its end must be seen.
+    let room = row.width.saturating_sub(if typed.is_some() { 2 } else { name + 1 });
+    let value = match value.to_string().split_once(' ') {
+        Some((number, _)) if value.width() > usize::from(room) => Line::styled(number.to_owned(), style),
+        _ => value,
     };
     // As much of the step as there is room for; the value always is.
     let (step, unit) = (units.step(key), units.setting(key).name);
@@ -115,13 +122,14 @@ fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cu
         26..34 => format!("±{}", compact(step)),
         _ => format!("±{:<4} {unit:<3}", compact(step)),
     };
-    let room = if step.is_empty() { 0 } else { step.chars().count().max(5) as u16 };
-    write(buffer, row, row.right().saturating_sub(room), row.top(), &step, theme::quiet());
-    let gap = if room > 0 { room + 2 } else { 0 };
-    let value = Line::from(value);
-    let place = Rect { width: row.width.saturating_sub(gap), ..row };
-    let width = (value.width() as u16).min(place.width);
-    value.render(Rect { x: place.right() - width, width, ..place }, buffer);
+    let beside = if step.is_empty() { 0 } else { width(&step).max(5) as u16 + 2 };
+    let beside = if value.width() as u16 + beside > room { 0 } else { beside };
+    if beside > 0 {
+        write(buffer, row, row.right().saturating_sub(beside - 2), row.top(), &step, theme::quiet());
+    }
+    let wide = (value.width() as u16).min(room);
+    let place = Rect { x: row.right() - beside - wide, width: wide, ..row };
+    write_line(buffer, place, value);
 }
 
 /// A value as short as it can be told, with a word if it is a schedule.

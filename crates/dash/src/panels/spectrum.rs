@@ -52,7 +52,9 @@ fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
     match &answer.spectrum {
         Ok(spectrum) => draw_spectrum(spectrum, &answer, view, axes, (area, inner), buffer),
         // Standing still, or just begun.
-        Err(why) => write(buffer, inner, inner.left(), inner.top(), &why.to_string(), theme::quiet()),
+        Err(why) => {
+            write(buffer, inner, inner.left(), inner.top(), &why.to_string(), theme::quiet());
+        }
     }
 }
 
@@ -112,7 +114,7 @@ fn draw_spectrum(
     let mut taken: Vec<[u16; 2]> = Vec::new();
     let mode = view.pointed.mode.map(|pole| (pole.im, "◈".to_owned()));
     for (frequency, name) in mode.into_iter().chain(marks) {
-        let width = name.chars().count() as u16;
+        let width = crate::fit::width(&name) as u16;
         let Some((x, _)) = plot.cell(frequency, 0.5 * (top + bottom)) else { continue };
         let x = x.saturating_sub(width / 2).max(area.left());
         // A name that would run into another is left out: the important ones come first.

@@ -12,9 +12,9 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
-use ratatui::widgets::Widget;
 use wire::{Keeping, RecorderState, RecorderStatus};
 
+use super::write_line;
 use crate::actions::ACTIONS;
 use crate::contact::Contact;
 use crate::layers::Layer;
@@ -40,12 +40,17 @@ pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color
 pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let (word, color) = run_state(picture, !view.time.is_live());
-    let mut line = vec![Span::styled(format!(" {word} "), theme::badge(color))];
-    let mut add = |text: String, style: Style| line.push(Span::styled(format!("  {text}"), style));
+    // Each with how soon it goes where there is no room for all: the largest first, whole.
+    let mut line = vec![(0, Span::styled(format!(" {word} "), theme::badge(color)))];
+    let mut soon = 1;
+    let mut add = |text: String, style: Style| {
+        soon += 1;
+        line.push((soon, Span::styled(format!("  {text}"), style)));
+    };
     let plain = Style::new();
     // A machine that stands still is first told why.
     if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
-        add(format!("{trip}: R restarts"), theme::loud(theme::BAD));
+        add(format!("{}: R restarts", trip.told(picture.units().scales)), theme::loud(theme::BAD));
     }
     let starts = || ("● REC starting".to_owned(), theme::loud(theme::BAD));
     let told = picture.recorder.as_deref().filter(|status| status.is_recording() || !picture.recorder_starts);
@@ -69,10 +74,8 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
         add(bulletin.rotor_name.as_str().to_owned(), plain);
         let speed = match picture.units() {
-            units @ Units { scales: Some(_), .. } => {
-                format!("{} (R {:.4})", units.speed_told(settings.speed), settings.speed)
-            }
-            _ => format!("R {}", settings.speed),
+            units @ Units { scales: Some(_), .. } => units.speed_told(settings.speed),
+            units => format!("R {}", units.value_digits(settings.speed)),
         };
         add(speed, plain);
         add(format!("{:.0}/s", picture.rate), plain);
@@ -97,16 +100,36 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         };
         add(text, style);
     }
-    Line::from(line).render(area, buffer);
+    // Alarms have their place whatever else is told.
+    let told = alarms_line(view.alarms).width() as u16;
+    let room = area.width.saturating_sub(told);
+    write_line(buffer, Rect { width: room, ..area }, fitted(line, usize::from(room)));
     draw_alarms(view.alarms, area, buffer);
+}
+
+/// As many of the parts as have room: one that goes, goes whole.
+fn fitted(mut parts: Vec<(usize, Span<'_>)>, room: usize) -> Line<'_> {
+    let wide = |parts: &[(usize, Span<'_>)]| parts.iter().map(|(_, part)| part.width()).sum::<usize>();
+    while parts.len() > 1 && wide(&parts) > room {
+        let first = (0..parts.len()).max_by_key(|at| parts[*at].0).unwrap_or(0);
+        // What has no room even by itself stays to be cut: a word of it is better than none.
+        if parts.len() == 2 && parts[0].1.width() + 4 < room {
+            break;
+        }
+        parts.remove(first);
+    }
+    Line::from(parts.into_iter().map(|(_, part)| part).collect::<Vec<_>>())
+}
+
+fn alarms_line(alarms: &Alarms) -> Line<'static> {
+    Line::from(alarms_told(alarms).collect::<Vec<_>>())
 }
 
 /// Alarms at the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
 pub(crate) fn draw_alarms(alarms: &Alarms, area: Rect, buffer: &mut Buffer) {
-    let told: Vec<Span<'_>> = alarms_told(alarms).collect();
-    let told = Line::from(told);
+    let told = alarms_line(alarms);
     let width = (told.width() as u16).min(area.width);
-    told.render(Rect { x: area.right() - width, width, ..area }, buffer);
+    write_line(buffer, Rect { x: area.right() - width, width, ..area }, told);
 }
 
 /// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit. On a bar
@@ -200,7 +223,7 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         ]),
         _ => told(view),
     };
-    line.render(area, buffer);
+    write_line(buffer, area, line);
 }
 
 fn told<'a>(view: &'a View<'_>) -> Line<'a> {

@@ -19,6 +19,7 @@ use super::panel::{Intent, Mouse, Panel, Wish};
 use super::series::{Strip, Trace};
 use super::{framed, look_at, wheel_times, write, write_right};
 use crate::axis::{Axis, Scaling};
+use crate::fit::width;
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, neat, nice_ceiling, short};
 use crate::replay::Beside;
@@ -219,7 +220,7 @@ fn draw_strip(strip: &Strip, unit: Unit, axis: &mut Axis, view: &View<'_>, area:
         if unit.name.len() * ROOM_FOR_UNIT <= usize::from(area.width) { unit.name } else { "" },
     );
     write_right(buffer, area, area.top(), &label, theme::quiet());
-    let room = Rect { width: area.width.saturating_sub(label.chars().count() as u16), ..area };
+    let room = Rect { width: area.width.saturating_sub(width(&label) as u16), ..area };
     write_labels(strip, &traces, cursor.map(|now| (now, unit)), view, room, buffer);
 }
 
@@ -273,12 +274,12 @@ fn write_labels(
         }
         words
     };
-    let width = |words: &[(String, Style)]| words.iter().map(|(word, _)| word.chars().count() + 1).sum::<usize>();
+    let wide = |words: &[(String, Style)]| words.iter().map(|(word, _)| width(word) + 1).sum::<usize>();
     let full = words(false);
-    let words = if width(&full) <= usize::from(area.width) { full } else { words(true) };
+    let words = if wide(&full) <= usize::from(area.width) { full } else { words(true) };
     let mut x = area.left();
     for (word, style) in words {
-        let wide = word.chars().count() as u16 + 1;
+        let wide = width(&word) as u16 + 1;
         if x + wide > area.right() {
             break;
         }

@@ -37,7 +37,7 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
     let sign = if show.playing { "▶" } else { "■" };
     add(format!(" {sign} {}x  ", show.speed), plain.bold());
     if picture.tripped {
-        let why = picture.trip().map_or_else(String::new, |trip| format!(": {trip}"));
+        let why = picture.trip().map_or_else(String::new, |trip| format!(": {}", trip.told(picture.units().scales)));
         add(format!("TRIPPED{why}  "), theme::loud(theme::BAD));
     }
     if let Some(beside) = &show.beside {
@@ -56,7 +56,8 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
         Repeat::Over(from, to) => add(format!("  loop {}..{}", at(from), at(to)), theme::loud(theme::KEY)),
     }
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
-        add(format!("  {}  R {}", bulletin.rotor_name.as_str(), short(settings.speed, 4)), plain);
+        let speed = picture.units().speed_told(settings.speed);
+        add(format!("  {}  {speed}", bulletin.rotor_name.as_str()), plain);
     }
     Line::from(line).render(area, buffer);
     draw_alarms(view.alarms, area, buffer);

@@ -92,7 +92,7 @@ fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &m
     };
     let mut mark = |frequency: f64, name: &str| {
         if let Some(x) = column(frequency) {
-            write(buffer, foot, x.saturating_sub(name.len() as u16 / 2), foot.y, name, theme::quiet());
+            write(buffer, foot, x.saturating_sub(crate::fit::width(name) as u16 / 2), foot.y, name, theme::quiet());
         }
     };
     mark(0.0, "0");

@@ -100,6 +100,7 @@ impl Branch {
     /// Takes an edit at step `at`, not before the root. Returns what was done, in words, or why not.
     pub(crate) fn edit(&mut self, edit: &Edit, at: u64) -> Result<String, String> {
         let mut wish = self.wish.clone();
+        let units = Units::of(self.root.rotor.scales().copied(), Some(1.0));
         let words = match edit {
             Edit::Undo => {
                 let last = self.done.pop().ok_or("nothing to undo")?;
@@ -113,7 +114,7 @@ impl Branch {
             }
             Edit::Impulse(mass, velocity) => {
                 wish.acts.push((at + 1, Act::Impulse(*mass, *velocity)));
-                format!("impulse {} on mass {}", velocity.re, mass + 1)
+                edit.what(&units)
             }
             Edit::Restart => {
                 wish.acts.push((at + 1, Act::Restart));
@@ -121,11 +122,11 @@ impl Branch {
             }
             Edit::Note(_) => return Err("a recording takes no more notes".into()),
             edit => {
-                edit.change(&mut wish.settings)?;
-                edit.what(&Units::of(self.root.rotor.scales().copied(), Some(1.0)))
+                edit.change(&mut wish.settings).map_err(|error| units.fault(&error))?;
+                edit.what(&units)
             }
         };
-        wish.settings.check(&self.root.rotor).map_err(|error| error.to_string())?;
+        wish.settings.check(&self.root.rotor).map_err(|error| units.fault(&error))?;
         self.root.substeps_from_here(&wish.settings).map_err(|error| error.to_string())?;
         self.done.push(std::mem::replace(&mut self.wish, wish));
         self.undone.clear();

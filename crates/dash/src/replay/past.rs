@@ -5,6 +5,8 @@ use std::ops::Range;
 use alarms::{Limits, Turn};
 use wire::{Bulletin, Happening, Moment, State};
 
+use crate::units::Units;
+
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PastEvent {
@@ -19,12 +21,12 @@ pub struct PastEvent {
 }
 
 impl PastEvent {
-    /// In a line: what, by whom, why.
-    pub(super) fn words(&self) -> String {
+    /// In a line, in the machine's `units`: what, by whom, why.
+    pub(super) fn words(&self, units: &Units) -> String {
         let Self { what, who, why, .. } = self;
         let by = if who.is_empty() || who == "sim" { String::new() } else { format!(" by {who}") };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
-        format!("{what}{by}{why}")
+        format!("{}{by}{why}", what.told(units))
     }
 }
 
@@ -43,6 +45,16 @@ impl PastEvent {
     /// What happened on the bench, if that is what it tells of.
     pub(crate) fn happening(&self) -> Option<&Happening> {
         if let PastWhat::Happening(happening) = &self.what { Some(happening) } else { None }
+    }
+}
+
+impl PastWhat {
+    /// In words, in the machine's `units`.
+    pub(crate) fn told(&self, units: &Units) -> String {
+        match self {
+            Self::Happening(happening) => happening.told(units.scales),
+            other => other.to_string(),
+        }
     }
 }
 

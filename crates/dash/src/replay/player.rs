@@ -260,7 +260,8 @@ impl Player {
         self.go(seq, feed, time)?;
         // Several may have happened before one step.
         let all = self.events.iter().filter(|event| event.at.seq == seq);
-        Ok(all.map(PastEvent::words).collect::<Vec<_>>().join("; "))
+        let units = feed.units();
+        Ok(all.map(|event| event.words(&units)).collect::<Vec<_>>().join("; "))
     }
 
     /// Sets where the loop begins, then where it ends, then ends it; and says so.

@@ -9,6 +9,7 @@ use crate::attach;
 use crate::failure::Failure;
 use crate::logging;
 use crate::output::{Cell, Format, Table};
+use crate::units::Units;
 
 /// How long a recorder may take to say how it stands.
 const RECORDER_PATIENCE: Duration = Duration::from_millis(1500);
@@ -38,6 +39,9 @@ struct Bench {
     why: Option<String>,
     rotor: Option<String>,
     speed: Option<f64>,
+    /// Those in which people are told; scripts read `R`.
+    #[serde(skip)]
+    units: Units,
     rate_hz: Option<f64>,
     dtau: Option<f64>,
     /// Runge-Kutta steps that make one step.
@@ -167,6 +171,7 @@ impl Bench {
             why,
             rotor: bulletin.map(|bulletin| bulletin.rotor_name.as_str().to_owned()),
             speed: bulletin.map(|bulletin| bulletin.settings.speed),
+            units: Units::with(bulletin.and_then(Bulletin::scales)),
             rate_hz: bulletin.map(|bulletin| bulletin.rate_hz),
             dtau: bulletin.map(|bulletin| bulletin.dtau),
             substeps: bulletin.map(|bulletin| bulletin.substeps),
@@ -191,7 +196,7 @@ impl Bench {
             full: readers.max(health.map_or(0, |health| health.subscribers as usize)) >= MAX_READERS,
             recording,
             tripped: trip.map(|trip| trip.is_tripped()),
-            trip: trip.filter(|trip| trip.is_tripped()).map(|trip| trip.to_string()),
+            trip: trip.filter(|trip| trip.is_tripped()).map(|trip| trip.told(bulletin.and_then(Bulletin::scales))),
             run_id: bulletin.map(|bulletin| format!("{:016x}", bulletin.run_id)),
             // Of one that says nothing: iceoryx2 knows it.
             pid: bulletin.map_or_else(
@@ -287,7 +292,7 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
         table.row([
             Cell::from(&bench.name),
             known(&bench.rotor),
-            known(&bench.speed),
+            bench.speed.map_or_else(|| Cell::Text("-".to_owned()), |speed| Cell::Text(bench.units.speed_cell(speed))),
             known(&bench.rate_hz),
             known(&bench.substeps),
             known(&bench.steps),

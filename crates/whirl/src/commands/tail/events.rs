@@ -6,7 +6,7 @@ use serde_json::{Map, Value};
 use wire::message::Trip;
 use wire::{Event, Happening};
 
-use crate::output::rounded;
+use crate::output::{padded, rounded};
 use crate::units::Units;
 
 /// One JSON line.
@@ -102,8 +102,7 @@ fn for_people(
 ) -> String {
     let mut words_of = match (happening, changed) {
         (Some(Happening::Settings), Some(changed)) if !changed.is_empty() => words(changed, units).join(", "),
-        (Some(Happening::Tripped(trip)), _) => format!("tripped: {}", units.0.trip_text(trip)),
-        (Some(happening), _) => happening.to_string(),
+        (Some(happening), _) => happening.told(units.0.scales()),
         (None, _) => format!("unknown event {}", event.kind),
     };
     let why = event.why.as_str();
@@ -111,7 +110,7 @@ fn for_people(
         words_of += &format!(" ({why})");
     }
     let Event { number, seq, tau, .. } = event;
-    format!("{number:>4}  step {seq:>9}  tau {tau:>10.3}  {:<12}  {words_of}", event.who.as_str())
+    format!("{number:>4}  step {seq:>9}  tau {tau:>10.3}  {}  {words_of}", padded(event.who.as_str(), 12))
 }
 
 fn document<'a>(

@@ -79,11 +79,12 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
                 .map_err(|error| Failure::Usage(format!("cannot make '{}': {error}", folder.display())))?;
             let path = folder.join(format!("point-{:02}.toml", k + 1));
             let about = format!(
-                "point {} of {}: min damping {}, force at most {} w0^2 e_t, gains at most {}",
+                "point {} of {}: min damping {}, force at most {} {}, gains at most {}",
                 k + 1,
                 front.len(),
                 rounded(tuned.worst.value),
-                rounded(tuned.force),
+                rounded(force),
+                units.force_unit(),
                 rounded(point.tuned.largest_gain())
             );
             write_file(&path, &tuned.feedback, &[about])?;
