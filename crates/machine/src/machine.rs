@@ -379,15 +379,13 @@ impl Machine {
         let (tau, speed) = (self.tau(), self.motion.speed_at(self.tau()));
         let goes_elsewhere = program.legs != self.program.legs;
         let was_fused = self.is_fused;
-        if was_fused {
-            if let Some(fused) = &self.fused {
-                let motion = fused.motion();
-                self.program.integrator.place(motion.displacement, motion.velocity);
-                self.program.integrator.controller.begin_with(fused.control());
-                // The angle as the fused path has it.
-                if goes_elsewhere {
-                    self.motion.settle(tau, motion.angle, speed);
-                }
+        if let Some(fused) = self.fused.as_ref().filter(|_| was_fused) {
+            let motion = fused.motion();
+            self.program.integrator.place(motion.displacement, motion.velocity);
+            self.program.integrator.controller.begin_with(fused.control());
+            // The angle as the fused path has it.
+            if goes_elsewhere {
+                self.motion.settle(tau, motion.angle, speed);
             }
         }
         program.integrator.adopt(&self.program.integrator, tau, speed);
