@@ -117,7 +117,7 @@ fn every_wrong_feedback_file_says_where_and_what_was_expected() {
     let gain = |text: &str| format!("{SIGNAL}mass = 1\nkd = {text}");
     const GAIN: &str = "expected a number, { at_zero = A, slope = B } or { speed = [..], value = [..] }";
     for (text, complaint) in [
-        ("bering = 1\n[[signal]]\nmass = 1".to_owned(), "1:1: unknown key 'bering': expected one of bearing, signal, loop; did you mean 'bearing'?\nbad.toml:1:1: no bearing: expected bearing = a mass of the rotor that carries the control bearing, 1 to 3".to_owned()),
+        ("bering = 1\n[[signal]]\nmass = 1".to_owned(), "1:1: unknown key 'bering': expected one of units, bearing, filter, signal, loop; did you mean 'bearing'?\nbad.toml:1:1: no bearing: expected bearing = a mass of the rotor that carries the control bearing, 1 to 3".to_owned()),
         ("bearing = 4\n[[signal]]\nmass = 1".into(), "1:11: bearing = 4: expected a mass of the rotor, 1 to 3".into()),
         ("bearing = 0\n[[signal]]\nmass = 1".into(), "1:11: bearing = 0: expected a mass of the rotor, 1 to 3".into()),
         ("bearing = 1.0\n[[signal]]\nmass = 1".into(), "1:11: bearing = 1.0: expected a mass of the rotor, 1 to 3".into()),
@@ -131,7 +131,7 @@ fn every_wrong_feedback_file_says_where_and_what_was_expected() {
         (format!("{SIGNAL}displacement = [1, 0]\nvelocity = [1, 0, 0]"), "3:16: displacement with 2 weights: expected 3, one for each mass".into()),
         (format!("{SIGNAL}displacement = [1, nan, 0]\nvelocity = [1, 0, 0]"), "3:20: displacement, entry 2: nan: expected a finite number".into()),
         (format!("{SIGNAL}displacement = 1\nvelocity = [1, 0, 0]"), "3:16: displacement = 1: expected a list of weights, one a mass".into()),
-        (format!("{SIGNAL}mass = 1\nkD = 1"), "4:1: unknown key 'kD': expected one of mass, displacement, velocity, kd, cd, kc, cc; did you mean 'kd'?".into()),
+        (format!("{SIGNAL}mass = 1\nkD = 1"), "4:1: unknown key 'kD': expected one of mass, displacement, velocity, kd, cd, kc, cc, filter; did you mean 'kd'?".into()),
         (gain("'strong'"), format!("4:6: kd = 'strong': {GAIN}")),
         (gain("nan"), "4:6: kd = nan: expected a number from -1000000 to 1000000".into()),
         (gain("2e6"), "4:6: kd = 2e6: expected a number from -1000000 to 1000000".into()),
@@ -141,7 +141,8 @@ fn every_wrong_feedback_file_says_where_and_what_was_expected() {
         (gain("{ speed = [0, 1], value = [1] }"), "4:6: kd with 2 speeds and 1 values: expected as many values as speeds, at least one".into()),
         (gain("{ speed = [], value = [] }"), "4:6: kd with 0 speeds and 0 values: expected as many values as speeds, at least one".into()),
         (gain("{ speed = [0, 1, 1], value = [1, 2, 3] }"), "4:23: speed 1 after 1: expected rising speeds".into()),
-        (format!("{SIGNAL}mass = 1\n[loop]\ndelay = 0.1"), "4:2: [loop]: delay, sample, lag and limit are not simulated yet: expected an ideal loop, which is a file without [loop]".into()),
+        (format!("{SIGNAL}mass = 1\n[loop]\ndelay = -0.1"), "5:9: delay = -0.1: expected 0 or a number from 0.000000001 to 1000000".into()),
+        (format!("{SIGNAL}mass = 1\nfilter = [{{ kind = \"lowpass\", corner = 8, order = 9 }}]"), "4:51: order = 9: expected an order, 1 to 8".into()),
     ] {
         fs::write(folder.path().join("bad.toml"), &text).expect("written");
         let ran = run_in(folder.path(), &["poles", "three-mass", "--speed", "1", "--feedback", "bad.toml"]);

@@ -72,7 +72,10 @@ fn what_is_wrong_changes_nothing_and_says_why() {
     let root = Root::new();
     let _simulation = root.simulate(&["jeffcott"]);
     for (assignments, reason) in [
-        (&["sped=1"][..], "no setting 'sped': there are speed, deadband, kd, cd, kc, cc, trip, feedback"),
+        (
+            &["sped=1"][..],
+            "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise",
+        ),
         (&["speed"], "'speed': expected KEY=VALUE"),
         (&["speed=fast"], "speed = 'fast': expected a number"),
         (&["speed=nan"], "speed = NaN: expected a number from 0 to 1000"),

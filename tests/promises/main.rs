@@ -7,6 +7,7 @@ mod events;
 mod files;
 mod linear;
 mod live;
+mod loops;
 mod manners;
 mod many;
 mod papers;

@@ -130,12 +130,12 @@ fn writes_a_whole_file_or_none() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.csv");
     let path_text = path.to_str().unwrap();
-    let done = run(&["run", "--speed", "1", "--duration", "10", "--dtau", "0.05", "--out", path_text, "--every", "10"]);
+    let done = run(&["run", "--speed", "1", "--duration", "10", "--dtau", "0.02", "--out", path_text, "--every", "10"]);
     assert_eq!(done.code, Some(0), "{done:?}");
     let text = std::fs::read_to_string(&path).unwrap();
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(lines[0], "tau,y1,z1,vy1,vz1,y2,z2,vy2,vz2,y3,z3,vy3,vz3,uy,uz,contact");
-    assert_eq!(lines.len(), 1 + 21);
+    assert_eq!(lines.len(), 1 + 51);
     assert!(lines[1..].iter().all(|line| line.split(',').all(|field| field.parse::<f64>().unwrap().is_finite())));
 
     // Interrupted: the file of before stays, and nothing lies about beside it.
@@ -204,7 +204,7 @@ fn bad_input_exits_2_and_writes_nothing() {
         (&["--duration", "5", "--impulse", "mass=4,vy=1"], "impulse at mass 4, but three-mass has masses 1 to 3"),
         (&["--duration", "5", "--impulse", "mass=one"], "expected a mass, counted from 1"),
         (&["--duration", "5", "--psd", "mass=9"], "psd at mass 9, but three-mass has masses 1 to 3"),
-        (&["--duration", "5", "--dtau", "2"], "dtau = 2 is too large for the mode at"),
+        (&["--duration", "5", "--dtau", "2"], "dtau = 2 is too long for the mode at"),
         (&["--duration", "5", "--dtau", "0"], "dtau = 0: expected a finite number greater than 0"),
         (&["--duration", "5", "--out", "x.txt"], "expected a file name that ends in .csv, .parquet or .rrd"),
         (&["--duration", "5", "--set", "deadband.7=1"], "no deadband.7: there are 3 masses"),

@@ -242,3 +242,22 @@ fn legs_follow_each_other() {
         assert!((at(tau) - speed).abs() < 1e-9, "at {tau}");
     }
 }
+
+#[test]
+fn val_the_delay_at_which_a_simulation_begins_to_grow_is_the_delay_margin() {
+    // physics: composite gains at R = 6 reach the axis at a delay of 0.112792, at frequency 2.2158.
+    let (rotor, dtau) = (balanced(), 0.01);
+    let growth = |delay: f64| {
+        let settings = settings(&rotor, 6.0, |f| f.parts.delay = delay);
+        let program = Program::in_substeps(&rotor, &settings, dtau, 1).expect("can be stepped");
+        simulated(&mut Machine::new(program), dtau, 10, 600.0)
+    };
+    let (mut low, mut high) = (0.09, 0.13);
+    for _ in 0..10 {
+        let middle = 0.5 * (low + high);
+        if growth(middle).re < 0.0 { low = middle } else { high = middle }
+    }
+    let margin = 0.5 * (low + high);
+    assert!((margin / 0.112_792 - 1.0).abs() < 1e-3, "{margin}");
+    assert!((growth(margin).im - 2.2158).abs() < 1e-3);
+}

@@ -124,6 +124,11 @@ fn any_number() -> impl Strategy<Value = f64> {
     ]
 }
 
+/// No larger than a gain or a weight may be.
+fn moderate() -> impl Strategy<Value = f64> {
+    any_number().prop_map(|number| if number.abs() > 1e6 { number % 1e6 } else { number })
+}
+
 fn mass_values(size: std::ops::Range<f64>) -> impl Strategy<Value = [f64; 7]> {
     let least = size.start.max(1e-3);
     (prop::array::uniform7(size.clone()), least..size.end).prop_map(|(mut values, mass)| {
@@ -157,7 +162,7 @@ fn any_gain() -> impl Strategy<Value = Gain> {
     prop_oneof![
         (-1e6..1e6).prop_map(Gain::Constant),
         prop::sample::select(vec![0.0, -0.0, 5e-324]).prop_map(Gain::Constant),
-        (any_number(), any_number()).prop_map(|(at_zero, slope)| Gain::Linear { at_zero, slope }),
+        (moderate(), moderate()).prop_map(|(at_zero, slope)| Gain::Linear { at_zero, slope }),
         rising.prop_map(|points| Gain::Table(points.into_iter().map(|(s, v)| (f64::from(s) / 7.0, v)).collect())),
     ]
 }
@@ -200,7 +205,7 @@ fn any_parts() -> impl Strategy<Value = Parts> {
 fn any_feedback() -> impl Strategy<Value = (usize, Feedback)> {
     (1usize..=16).prop_flat_map(|n| {
         let gains = || prop::array::uniform4(any_gain());
-        let weights = || prop::collection::vec(any_number(), n);
+        let weights = || prop::collection::vec(moderate(), n);
         let signal = prop_oneof![
             (0..n, gains()).prop_map(move |(mass, gains)| Signal { gains, ..Signal::at_mass(mass, n, [0.0; 4]) }),
             (weights(), weights(), gains()).prop_map(|(displacement, velocity, gains)| Signal {

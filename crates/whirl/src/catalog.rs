@@ -143,6 +143,11 @@ impl Machine {
     /// # Errors
     /// An unknown name, a file with something wrong, or a value that does not fit the rotor.
     pub(crate) fn open(args: &MachineArgs, typed_speed: Option<f64>, default: Default) -> Result<Self, Failure> {
+        Self::open_at(args, typed_speed.map(|speed| ("--speed", speed)), default)
+    }
+
+    /// The same at a speed as typed for the option that is named.
+    fn open_at(args: &MachineArgs, typed_speed: Option<(&str, f64)>, default: Default) -> Result<Self, Failure> {
         let rotor = rotor(&args.rotor)?;
         let name = args.feedback.as_deref().unwrap_or(match default {
             Default::Analysis => "off",
@@ -150,7 +155,7 @@ impl Machine {
         });
         let mut settings = Settings::new(&rotor, 0.0, feedback(&rotor, name)?);
         let units = Units::of(&rotor);
-        for (key, typed) in [("speed", typed_speed), ("deadband", args.deadband)] {
+        for (key, typed) in [("speed", typed_speed.map(|(_, speed)| speed)), ("deadband", args.deadband)] {
             if let Some(typed) = typed {
                 units.set(&rotor, &mut settings, key.parse()?, typed)?;
             }
@@ -159,8 +164,9 @@ impl Machine {
         let mut machine = Self { rotor, settings };
         // A live bench has defaults of its own, which `--set` changes too.
         if default == Default::Analysis {
-            let speed = if typed_speed.is_some() { &[("the option for speed", "speed")][..] } else { &[] };
-            machine.set(&args.said(speed), &args.set)?;
+            let mut said: Vec<(&str, &str)> = args.said(&[]);
+            said.extend(typed_speed.map(|(option, _)| (option, "speed")));
+            machine.set(&said, &args.set)?;
         }
         Ok(machine)
     }
@@ -184,8 +190,9 @@ impl Machine {
     /// # Errors
     /// As for [`Machine::open`].
     pub(crate) fn open_over(args: &MachineArgs, over: Range) -> Result<(Self, Range), Failure> {
-        Self::open(args, Some(over.to), Default::Analysis)?;
-        let machine = Self::open(args, Some(over.from), Default::Analysis)?;
+        let at = |end| Self::open_at(args, Some(("--over", end)), Default::Analysis);
+        at(over.to)?;
+        let machine = at(over.from)?;
         let [from, to] = [over.from, over.to].map(|end| machine.units().speed_from_typed(end));
         // Ends that differ in the last place may fall together.
         if from < to { Ok((machine, Range { from, to })) } else { Err(Failure::Usage(RangeError::Form.to_string())) }

@@ -1,0 +1,54 @@
+//! What the stepping thread of a bench does to a machine allocates nothing and frees nothing, whatever the loop.
+
+use control::{Filter, Parts};
+use machine::{Machine, Program};
+use rotor::{C64, Feedback, Settings, builtin};
+
+fn program(change: impl Fn(&mut Feedback), speed: f64, ramp: f64) -> Program {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let mut feedback = builtin::feedback(&rotor, "individual").expect("built in");
+    change(&mut feedback);
+    let mut settings = Settings::new(&rotor, speed, feedback);
+    settings.deadband.fill(1.0);
+    settings.ramp = ramp;
+    Program::in_substeps(&rotor, &settings, 0.01, 2).expect("can be stepped")
+}
+
+fn everything(feedback: &mut Feedback) {
+    feedback.parts = Parts {
+        sensor_lag: 0.01,
+        noise: 1e-3,
+        quantum: 1e-3,
+        sample: 0.03,
+        delay: 0.1,
+        lag: 0.02,
+        limit: 30.0,
+        slew: 900.0,
+        ..Parts::default()
+    };
+    feedback.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 3 }, Filter::Integrator { rate: 0.01 }];
+    feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+}
+
+#[test]
+fn steps_orders_and_new_programs_allocate_nothing() {
+    let late: fn(&mut Feedback) = |f| (f.parts.delay, f.parts.lag) = (0.033, 0.01);
+    let loops: [(&str, fn(&mut Feedback)); 3] = [("ideal", |_| ()), ("everything", everything), ("late", late)];
+    for (from, first) in loops {
+        for (to, second) in loops {
+            for ramp in [f64::INFINITY, 0.5] {
+                let mut machine = Machine::new(program(first, 3.0, f64::INFINITY));
+                let mut next = Box::new(program(second, 4.0, ramp));
+                let used = allocation_counter::measure(|| {
+                    (0..500).for_each(|_| drop(machine.step()));
+                    machine.kick(1, C64::new(0.1, 0.0));
+                    machine.load(&mut next);
+                    (0..500).for_each(|_| drop(machine.step()));
+                    machine.restart();
+                    (0..10).for_each(|_| drop(machine.step()));
+                });
+                assert_eq!((used.count_total, used.bytes_current), (0, 0), "{from} to {to}, ramp {ramp}");
+            }
+        }
+    }
+}
