@@ -55,6 +55,27 @@ fn settings_change_between_two_steps_and_everybody_sees_it() {
 }
 
 #[test]
+fn status_and_events_tell_an_si_rotor_in_its_units() {
+    let root = Root::new();
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/fixtures/three-mass-si.toml");
+    let simulation = root.simulate(&[file, "--bench", "rig", "--speed", "3000"]);
+    let status = || root.run(&["status"]).stdout;
+    let table = status();
+    assert!(table.contains("3000.00 rpm"), "{table}");
+    root.run(&["set", "--bench", "rig", "trip=1e-7", "--force"]);
+    let patience = std::time::Instant::now();
+    while !status().contains("TRIPPED") {
+        assert!(patience.elapsed().as_secs() < 120, "{}", status());
+    }
+    let table = status();
+    assert!(table.contains("past the limit of 0.0000001 m") && !table.contains("e_t"), "{table}");
+    // Scripts read what they always read.
+    let bench = &root.run(&["status", "--json"]).json()["benches"][0];
+    assert!((bench["speed"].as_f64().unwrap() - 1.047_197_551).abs() < 1e-6, "{bench}");
+    simulation.end();
+}
+
+#[test]
 fn a_bench_that_is_just_starting_is_waited_for() {
     let root = Root::new();
     // As a shell does with `whirl sim --bench a & whirl set --bench a speed=3`.

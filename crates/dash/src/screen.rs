@@ -163,7 +163,7 @@ mod tests {
             (state.tau, state.angle) = (state.tau + 12_345.678, state.angle + 123_456.789);
             feed.hear(&state, now);
         }
-        let trip = wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1234.567_891, limit: 1000.123_456 };
+        let trip = wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1_234.567_891, limit: 1_000.123_456 };
         let impulse = wire::Happening::Impulse { mass: 1, velocity: rotor::C64::new(-2.512_345_678, 0.25) };
         for (number, happening) in (1..).zip([wire::Happening::Started, impulse, wire::Happening::Tripped(trip)]) {
             feed.happen(&crate::journal::tests::event(number, &happening, &settings));

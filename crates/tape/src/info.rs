@@ -211,7 +211,7 @@ impl Info {
         let counted = span.map_or(0, |span| span.last.seq - span.first.seq);
         let trips = recording.events().iter().filter_map(|event| match &event.happening {
             Happening::Tripped(trip) => {
-                Some(TripInfo { at: event.at.into(), why: trip.to_string(), revision: event.revision })
+                Some(TripInfo { at: event.at.into(), why: trip.told(recording.scales()), revision: event.revision })
             }
             _ => None,
         });

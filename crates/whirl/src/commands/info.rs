@@ -7,6 +7,7 @@ use tape::{AlarmInfo, At, Info, Recording};
 
 use crate::failure::Failure;
 use crate::output::{self, rounded};
+use crate::units::Units;
 
 /// Options of `whirl info`.
 #[derive(Debug, clap::Args)]
@@ -26,10 +27,18 @@ pub(crate) struct InfoArgs {
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut recording = Recording::open_row(&args.files)?;
     let info = Info::of(&mut recording)?;
-    if args.json { output::print_json(&info) } else { output::print_text(&for_people(&info)) }
+    if args.json { output::print_json(&info) } else { output::print_text(&for_people(&info, &recording)) }
 }
 
-fn for_people(info: &Info) -> String {
+/// In words, in the units of the rotor that was recorded.
+fn for_people(info: &Info, recording: &Recording) -> String {
+    let units = Units::with(recording.scales());
+    let (length_unit, force_unit) = (units.length_unit(), units.force_unit());
+    // A control is an acceleration: what force it is depends on the mass that carried the bearing then.
+    let force_of = |control: f64, at: &At| {
+        let bearing = recording.settings_at(at.step).map_or(0, |revision| revision.settings.feedback.bearing);
+        units.force(control, recording.rotor().masses().get(bearing).map_or(1.0, |mass| mass.mass))
+    };
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<12}{value}");
@@ -69,7 +78,12 @@ fn for_people(info: &Info) -> String {
     }
     for AlarmInfo { watch, level, worst, limit, from, to } in &info.alarms {
         let to = to.as_ref().map_or_else(|| "the end".to_owned(), at);
-        let past = format!("{watch} at worst {}, limit {}", rounded(*worst), rounded(*limit));
+        let ([worst, limit], unit) = match *watch {
+            "orbit" => ([*worst, *limit].map(|value| units.length(value)), format!(" {length_unit}")),
+            "force" => ([*worst, *limit].map(|value| force_of(value, from)), format!(" {force_unit}")),
+            _ => ([*worst, *limit], String::new()),
+        };
+        let past = format!("{watch} at worst {}{unit}, limit {}{unit}", rounded(worst), rounded(limit));
         line(level, format!("{past}, from {} to {to}", at(from)));
     }
     if let Some(damping) = info.min_damping {
@@ -79,11 +93,21 @@ fn for_people(info: &Info) -> String {
         );
     }
     if let Some(force) = info.max_force {
-        line("force", format!("largest {} w0^2 e_t at {}", rounded(force.value), at(&force.at)));
+        line(
+            "force",
+            format!("largest {} {force_unit} at {}", rounded(force_of(force.value, &force.at)), at(&force.at)),
+        );
     }
     if let Some(radius) = info.max_radius {
         let mass = radius.mass.unwrap_or_default();
-        line("radius", format!("largest {} e_t, mass {mass}, at {}", rounded(radius.value), at(&radius.at)));
+        line(
+            "radius",
+            format!(
+                "largest {} {length_unit}, mass {mass}, at {}",
+                rounded(units.length(radius.value)),
+                at(&radius.at)
+            ),
+        );
     }
     for notice in &info.notices {
         line("note", notice.clone());
