@@ -62,7 +62,8 @@ fn status_and_events_tell_an_si_rotor_in_its_units() {
     let status = || root.run(&["status"]).stdout;
     let table = status();
     assert!(table.contains("3000.00 rpm"), "{table}");
-    root.run(&["set", "--bench", "rig", "trip=1e-7", "--force"]);
+    let set = root.run(&["set", "--bench", "rig", "trip=1e-7", "--force"]);
+    assert_eq!(set.code, Some(0), "{set:?}");
     let patience = std::time::Instant::now();
     while !status().contains("TRIPPED") {
         assert!(patience.elapsed().as_secs() < 120, "{}", status());
@@ -72,7 +73,8 @@ fn status_and_events_tell_an_si_rotor_in_its_units() {
     // Scripts read what they always read.
     let bench = &root.run(&["status", "--json"]).json()["benches"][0];
     assert!((bench["speed"].as_f64().unwrap() - 1.047_197_551).abs() < 1e-6, "{bench}");
-    simulation.end();
+    let ran = simulation.end();
+    assert_eq!(ran.code, Some(0), "{ran:?}");
 }
 
 #[test]

@@ -54,7 +54,7 @@ impl Journal {
             (Happening::Settings, Some(before), Some(after)) => units.difference(before, after),
             _ => String::new(),
         };
-        let what = if difference.is_empty() { happening.told(units.scales) } else { difference };
+        let what = if difference.is_empty() { units.happening(&happening) } else { difference };
         let (who, why) = (event.who.as_str().to_owned(), event.why.as_str().to_owned());
         self.push(Entry { wall_ns: event.wall_ns, tau: event.tau, what, happening, level: Level::Fine, who, why });
         true
@@ -62,7 +62,7 @@ impl Journal {
 
     /// Takes in an event of a recording.
     pub(crate) fn recall(&mut self, event: &PastEvent, units: &Units) {
-        let what = event.what.told(units);
+        let what = units.past(&event.what);
         let (happening, level) = match &event.what {
             PastWhat::Happening(happening) => (happening.clone(), Level::Fine),
             PastWhat::Alarm(turn) => (Happening::Note(what.clone()), turn.level),

@@ -44,6 +44,7 @@ mod signals;
 mod still_file;
 mod terminal;
 mod theme;
+mod told;
 mod typing;
 mod units;
 mod view;

@@ -330,6 +330,12 @@ impl Trip {
         };
         let radius = scales.map_or_else(|| format!("{:.4} e_t", self.radius), |scales| metres(scales, self.radius));
         let limit = scales.map_or_else(|| format!("{} e_t", self.limit), |scales| metres(scales, self.limit));
+        self.words(&radius, &limit)
+    }
+
+    /// The same with the orbit's radius and its limit as somebody else tells them.
+    #[must_use]
+    pub fn words(&self, radius: &str, limit: &str) -> String {
         match self.cause {
             0 => "running".to_owned(),
             1 => format!("orbit of mass {} reached {radius}, past the limit of {limit}", self.mass),

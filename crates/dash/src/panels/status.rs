@@ -50,7 +50,7 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let plain = Style::new();
     // A machine that stands still is first told why.
     if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
-        add(format!("{}: R restarts", trip.told(picture.units().scales)), theme::loud(theme::BAD));
+        add(format!("{}: R restarts", picture.units().trip(&trip)), theme::loud(theme::BAD));
     }
     let starts = || ("● REC starting".to_owned(), theme::loud(theme::BAD));
     let told = picture.recorder.as_deref().filter(|status| status.is_recording() || !picture.recorder_starts);

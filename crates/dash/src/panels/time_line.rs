@@ -37,7 +37,7 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
     let sign = if show.playing { "▶" } else { "■" };
     add(format!(" {sign} {}x  ", show.speed), plain.bold());
     if picture.tripped {
-        let why = picture.trip().map_or_else(String::new, |trip| format!(": {}", trip.told(picture.units().scales)));
+        let why = picture.trip().map_or_else(String::new, |trip| format!(": {}", picture.units().trip(&trip)));
         add(format!("TRIPPED{why}  "), theme::loud(theme::BAD));
     }
     if let Some(beside) = &show.beside {

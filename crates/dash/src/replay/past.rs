@@ -26,7 +26,7 @@ impl PastEvent {
         let Self { what, who, why, .. } = self;
         let by = if who.is_empty() || who == "sim" { String::new() } else { format!(" by {who}") };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };
-        format!("{}{by}{why}", what.told(units))
+        format!("{}{by}{why}", units.past(what))
     }
 }
 
@@ -45,16 +45,6 @@ impl PastEvent {
     /// What happened on the bench, if that is what it tells of.
     pub(crate) fn happening(&self) -> Option<&Happening> {
         if let PastWhat::Happening(happening) = &self.what { Some(happening) } else { None }
-    }
-}
-
-impl PastWhat {
-    /// In words, in the machine's `units`.
-    pub(crate) fn told(&self, units: &Units) -> String {
-        match self {
-            Self::Happening(happening) => happening.told(units.scales),
-            other => other.to_string(),
-        }
     }
 }
 
