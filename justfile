@@ -60,7 +60,7 @@ bench *ARGS:
 
 # The NASA report again, into ./out, and its committed page renewed
 report:
-    cargo run --release -- report --out out --page docs/report.md
+    cargo run --release -- report --force --out out --page docs/report.md
 
 # The evidence for the gain search, docs/gain-search.md, computed anew (a minute)
 evidence:

@@ -145,7 +145,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__assign)
-            opts="-h --poles --cancel --reference --table --speed --bearing --out --json --csv --help"
+            opts="-h --poles --cancel --reference --table --speed --bearing --out --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -283,7 +283,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__dash)
-            opts="-h --bench --history --layout --theme --ascii --read-only --picture --size --after --press --help"
+            opts="-h --bench --history --layout --theme --ascii --read-only --picture --force --size --after --press --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -329,7 +329,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__export)
-            opts="-h --csv --parquet --out --from --to --every --help"
+            opts="-h --csv --parquet --out --force --from --to --every --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -555,7 +555,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__record)
-            opts="-h --bench --keep --pretrigger --split --min-free --follow --as-child --help"
+            opts="-h --force --bench --keep --pretrigger --split --min-free --follow --as-child --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -615,7 +615,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__report)
-            opts="-h --out --page --json --csv --help"
+            opts="-h --out --page --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -735,7 +735,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__run)
-            opts="-h --feedback --deadband --set --speed --duration --dtau --settle --impulse --out --every --psd --json --csv --help"
+            opts="-h --feedback --deadband --set --speed --duration --dtau --settle --impulse --out --force --every --psd --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -965,7 +965,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__tune)
-            opts="-h --over --speed --signal --sensors --bearing --gains --bound --force-limit --robust --delay --vary --measure --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --json --csv --help"
+            opts="-h --over --speed --signal --sensors --bearing --gains --bound --force-limit --robust --delay --vary --measure --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1075,7 +1075,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__up)
-            opts="-h --feedback --deadband --set --bench --speed --rate --dtau --trip --history --layout --theme --ascii --read-only --record --help"
+            opts="-h --feedback --deadband --set --bench --speed --rate --dtau --trip --history --layout --theme --ascii --read-only --record --force --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

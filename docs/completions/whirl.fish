@@ -66,6 +66,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l theme -d 'Colours: de
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l record -d 'Record the session in FILE.rrd, by a process of its own' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
@@ -87,12 +88,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand dash" -l after -d 'Seconds t
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l press -d 'Keys to press before it is taken: letters, names in brackets as <enter> or <ctrl-r>, and <3s> to wait' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l keep -d 'Keep the last so long only, such as 10min; in several files while it runs, joined at the end' -r
-complete -c whirl -n "__fish_whirl_using_subcommand record" -l pretrigger -d 'Write nothing until the machine trips; then the last so long before it, and a few seconds after' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l pretrigger -d 'Write nothing until the machine trips; then the last so long before it, and as long after it but at most 10 s' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l split -d 'Go on in FILE-2.rrd, FILE-3.rrd ... whenever a file is this large, such as 1GB' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l min-free -d 'End in good order when the disk has less room left than this' -r
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l follow -d 'Go on with the next simulation of the same name when one ends'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l as-child -d 'Serve a parent process: say `ready` once it records, and end when standard input closes'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -s h -l help -d 'Print help'
@@ -110,6 +113,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand export" -l to -d 'Steps up t
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l every -d 'Steps whose number is a multiple of N' -r
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l csv -d 'Write FILE.csv beside it'
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l parquet -d 'Write FILE.parquet beside it'
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand export" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand tail" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tail" -l every -d 'Print every Nth step' -r
@@ -192,6 +196,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand run" -l impulse -d 'A sudden
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l out -d 'Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l every -d 'Write one step in every N' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l psd -d 'Two-sided power spectral density of y + j z at a mass, once settled' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -s h -l help -d 'Print help'
@@ -248,11 +253,13 @@ complete -c whirl -n "__fish_whirl_using_subcommand tune" -l points -d 'How many
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l plot -d 'Draw the trade, or the gains over speed, as .svg or .png' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l out -d 'Write the feedback to a file; with --pareto, a file a point into this folder' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l write-unstable -d 'Write it even if it does not hold the rotor'
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c whirl -n "__fish_whirl_using_subcommand report" -l out -d 'Write page, figures and data into this folder; files of other names in it are left alone' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand report" -l page -d 'Write the page alone, as Markdown without pictures' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand report" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand report" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand report" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand report" -s h -l help -d 'Print help'
@@ -263,6 +270,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand assign" -l bearing -d 'The m
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l out -d 'Write the feedback to a file instead' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l cancel -d 'The cancelling law kc = zeta (R0 - R), which holds the poles of R0 at every speed (one mass)'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l table -d 'List how well a bearing or sensor at each mass reaches each mode'
+complete -c whirl -n "__fish_whirl_using_subcommand assign" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -s h -l help -d 'Print help'

@@ -5,6 +5,7 @@ mod console;
 mod endings;
 mod events;
 mod files;
+mod kept;
 mod linear;
 mod live;
 mod loops;

@@ -19,7 +19,9 @@ fn writes_every_figure_and_the_page_and_leaves_other_files_alone() {
     std::fs::create_dir_all(&out).unwrap();
     std::fs::write(out.join("mine.txt"), "mine").unwrap();
     std::fs::write(out.join("index.html"), "old").unwrap();
-    let document = run(&["report", "--out", out.to_str().unwrap(), "--json"]).json();
+    let refused = run(&["report", "--out", out.to_str().unwrap()]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("index.html' is already there"), "{refused:?}");
+    let document = run(&["report", "--out", out.to_str().unwrap(), "--force", "--json"]).json();
     let figures = document["figures"].as_array().unwrap();
     assert_eq!(figures.len(), 32);
     for figure in figures {

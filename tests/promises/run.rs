@@ -140,7 +140,7 @@ fn writes_a_whole_file_or_none() {
 
     // Interrupted: the file of before stays, and nothing lies about beside it.
     let mut long = whirl()
-        .args(["run", "--speed", "1", "--duration", "1e7", "--out", path_text])
+        .args(["run", "--speed", "1", "--duration", "1e7", "--out", path_text, "--force"])
         .stdout(std::process::Stdio::null())
         .spawn()
         .unwrap();

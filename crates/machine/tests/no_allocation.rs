@@ -30,6 +30,12 @@ fn everything(feedback: &mut Feedback) {
     feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
 }
 
+fn step(machine: &mut Machine, times: usize) {
+    for _ in 0..times {
+        machine.step();
+    }
+}
+
 #[test]
 fn steps_orders_and_new_programs_allocate_nothing() {
     let late: fn(&mut Feedback) = |f| (f.parts.delay, f.parts.lag) = (0.033, 0.01);
@@ -40,12 +46,12 @@ fn steps_orders_and_new_programs_allocate_nothing() {
                 let mut machine = Machine::new(program(first, 3.0, f64::INFINITY));
                 let mut next = Box::new(program(second, 4.0, ramp));
                 let used = allocation_counter::measure(|| {
-                    (0..500).for_each(|_| drop(machine.step()));
+                    step(&mut machine, 500);
                     machine.kick(1, C64::new(0.1, 0.0));
                     machine.load(&mut next);
-                    (0..500).for_each(|_| drop(machine.step()));
+                    step(&mut machine, 500);
                     machine.restart();
-                    (0..10).for_each(|_| drop(machine.step()));
+                    step(&mut machine, 10);
                 });
                 assert_eq!((used.count_total, used.bytes_current), (0, 0), "{from} to {to}, ramp {ramp}");
             }

@@ -9,6 +9,7 @@
 //!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
+pub mod csv;
 pub mod disturbance;
 pub mod force;
 mod peak;

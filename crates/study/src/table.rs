@@ -1,12 +1,12 @@
-//! Long tables as files, row by row: CSV, or Parquet with the cargo feature `parquet`. A file is written under another name
-//! beside its place and renamed when it is whole, so that an interruption leaves no half-written one.
+//! Long tables as files, row by row: CSV, or Parquet with the cargo feature `parquet`.
 
 use std::ffi::OsStr;
-use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io;
 use std::path::{Path, PathBuf};
 
-use tempfile::NamedTempFile;
+use files::{Draft, Existing, FileError};
+
+use crate::csv::{Csv, Field};
 
 /// In which form a table is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,19 +63,6 @@ pub enum Kind {
     Long,
 }
 
-/// A new file beside `target`, to be given that name once it is whole. It has the rights of any new file, not those of a
-/// secret, and is removed when dropped.
-///
-/// # Errors
-/// The folder does not exist or cannot be written.
-pub fn beside(target: &Path) -> io::Result<NamedTempFile> {
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    tempfile::Builder::new()
-        .prefix(".whirl-")
-        .suffix(".part")
-        .make_in(folder, |path| File::options().read(true).write(true).create_new(true).open(path))
-}
-
 /// A table being written. The columns of doubles come first.
 pub struct Table {
     target: PathBuf,
@@ -83,30 +70,35 @@ pub struct Table {
 }
 
 enum Sink {
-    Csv(BufWriter<NamedTempFile>),
+    Csv(Csv<Draft>),
     #[cfg(feature = "parquet")]
     Parquet(Box<columnar::Columns>),
 }
 
 impl Table {
-    /// Opens a file beside `target`; it takes its name in [`Table::finish`]. `wholes` are the columns after the doubles.
+    /// Begins a file, which takes the name `target` in [`Table::finish`]. `wholes` are the columns after the doubles.
     ///
     /// # Errors
-    /// The folder does not exist or cannot be written, or the form is not built in.
-    pub fn create(target: &Path, form: Form, doubles: &[String], wholes: &[(&str, Kind)]) -> io::Result<Self> {
-        let file = beside(target)?;
-        let sink = match form {
+    /// No place for a file, one that is there and is to be kept, or a form that is not built in.
+    pub fn create(
+        target: &Path,
+        form: Form,
+        doubles: &[String],
+        wholes: &[(&str, Kind)],
+        existing: Existing,
+    ) -> Result<Self, FileError> {
+        let draft = Draft::begin(target, existing)?;
+        let begun = match form {
             Form::Csv => {
-                let mut out = BufWriter::with_capacity(1 << 16, file);
-                let names: Vec<&str> = doubles.iter().map(String::as_str).chain(wholes.iter().map(|w| w.0)).collect();
-                writeln!(out, "{}", names.join(","))?;
-                Sink::Csv(out)
+                let names = doubles.iter().map(String::as_str).chain(wholes.iter().map(|whole| whole.0));
+                Csv::begin(draft, names).map(Sink::Csv)
             }
             #[cfg(feature = "parquet")]
-            Form::Parquet => Sink::Parquet(Box::new(columnar::Columns::create(file, doubles, wholes)?)),
+            Form::Parquet => columnar::Columns::create(draft, doubles, wholes).map(|c| Sink::Parquet(Box::new(c))),
             #[cfg(not(feature = "parquet"))]
-            Form::Parquet => return Err(io::Error::new(io::ErrorKind::Unsupported, FormError::NoParquet)),
+            Form::Parquet => Err(io::Error::new(io::ErrorKind::Unsupported, FormError::NoParquet)),
         };
+        let sink = begun.map_err(|error| FileError::Failed { path: target.to_owned(), error })?;
         Ok(Self { target: target.to_owned(), sink })
     }
 
@@ -116,36 +108,27 @@ impl Table {
     /// It cannot be written.
     pub fn row(&mut self, doubles: &[f64], wholes: &[u64]) -> io::Result<()> {
         match &mut self.sink {
-            Sink::Csv(out) => {
-                let mut comma = "";
-                for value in doubles {
-                    write!(out, "{comma}{value}")?;
-                    comma = ",";
-                }
-                for value in wholes {
-                    write!(out, "{comma}{value}")?;
-                    comma = ",";
-                }
-                writeln!(out)
+            Sink::Csv(csv) => {
+                let doubles = doubles.iter().map(|value| Field::Number(*value));
+                csv.row(doubles.chain(wholes.iter().map(|value| Field::Count(*value))))
             }
             #[cfg(feature = "parquet")]
             Sink::Parquet(columns) => columns.push(doubles, wholes),
         }
     }
 
-    /// Completes the file and gives it its name, in place of any file of that name.
+    /// Completes the file and gives it its name.
     ///
     /// # Errors
-    /// The rest cannot be written, or the name cannot be taken.
-    pub fn finish(self) -> io::Result<()> {
-        let file = match self.sink {
-            Sink::Csv(out) => out.into_inner().map_err(io::IntoInnerError::into_error)?,
+    /// The rest cannot be written, or somebody has taken the name meanwhile.
+    pub fn finish(self) -> Result<(), FileError> {
+        let Self { target, sink } = self;
+        let draft = match sink {
+            Sink::Csv(csv) => csv.finish(),
             #[cfg(feature = "parquet")]
-            Sink::Parquet(columns) => columns.finish()?,
+            Sink::Parquet(columns) => columns.finish(),
         };
-        file.as_file().sync_all()?;
-        file.persist(&self.target).map_err(|failed| failed.error)?;
-        Ok(())
+        draft.map_err(|error| FileError::Failed { path: target, error })?.finish()
     }
 }
 

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::Path;
 
+use files::{Existing, FileError};
 use rotor::{C64, Motion};
 
 use crate::run::Observer;
@@ -32,20 +33,26 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Opens a file beside `target`; it takes its name in [`Writer::finish`].
+    /// Begins a file, which takes the name `target` in [`Writer::finish`].
     ///
     /// # Errors
-    /// The folder does not exist or cannot be written.
-    pub fn create(target: &Path, form: Form, masses: usize, stride: u64) -> io::Result<Self> {
-        let table = Table::create(target, form, &doubles(masses), &[CONTACT])?;
+    /// As [`Table::create`].
+    pub fn create(
+        target: &Path,
+        form: Form,
+        masses: usize,
+        stride: u64,
+        existing: Existing,
+    ) -> Result<Self, FileError> {
+        let table = Table::create(target, form, &doubles(masses), &[CONTACT], existing)?;
         Ok(Self { stride: stride.max(1), seen: 0, row: Vec::new(), table })
     }
 
-    /// Completes the file and gives it its name, in place of any file of that name.
+    /// Completes the file and gives it its name.
     ///
     /// # Errors
-    /// The rest cannot be written, or the name cannot be taken.
-    pub fn finish(self) -> io::Result<()> {
+    /// As [`Table::finish`].
+    pub fn finish(self) -> Result<(), FileError> {
         self.table.finish()
     }
 }

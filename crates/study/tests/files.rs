@@ -2,6 +2,7 @@
 
 use std::sync::atomic::AtomicBool;
 
+use files::{Existing, FileError};
 use rotor::builtin;
 use study::run::{Observer, Plan, RunError, Settle, run};
 use study::table::{Form, FormError};
@@ -19,11 +20,13 @@ fn files_in(folder: &std::path::Path) -> usize {
 }
 
 #[test]
-fn csv_keeps_every_digit_and_replaces_what_was_there() {
+fn csv_keeps_every_digit_and_replaces_what_was_there_only_if_told_to() {
     let folder = tempfile::tempdir().expect("made");
     let path = folder.path().join("run.csv");
     std::fs::write(&path, "old").expect("written");
-    let mut writer = Writer::create(&path, Form::Csv, 3, 5).expect("opened");
+    let refused = Writer::create(&path, Form::Csv, 3, 5, Existing::Keep).err();
+    assert!(matches!(refused, Some(FileError::Exists(_))), "{refused:?}");
+    let mut writer = Writer::create(&path, Form::Csv, 3, 5, Existing::Replace).expect("opened");
     let outcome = run(&plan(), &mut [&mut writer as &mut dyn Observer], &AtomicBool::new(false)).expect("runs");
     assert_eq!(std::fs::read_to_string(&path).expect("there"), "old", "not before it is whole");
     writer.finish().expect("renamed");
@@ -33,6 +36,9 @@ fn csv_keeps_every_digit_and_replaces_what_was_there() {
     assert_eq!(text.lines().next(), Some(columns(3).join(",").as_str()));
     assert_eq!((rows.len(), files_in(folder.path())), (101, 1));
     let last = rows.last().expect("rows");
+    // Readers guess types from the first rows: what is a number there must not become one of another kind later.
+    let first: Vec<&str> = text.lines().nth(1).expect("a row").split(',').collect();
+    assert!(first[..15].iter().all(|field| field.contains('.')) && !first[15].contains('.'), "{first:?}");
     assert_eq!((last[0], last[1], last[2]), (10.0, outcome.last.displacement[0].re, outcome.last.displacement[0].im));
 }
 
@@ -40,7 +46,7 @@ fn csv_keeps_every_digit_and_replaces_what_was_there() {
 fn an_interrupted_run_leaves_nothing() {
     let folder = tempfile::tempdir().expect("made");
     let path = folder.path().join("run.csv");
-    let mut writer = Writer::create(&path, Form::Csv, 3, 1).expect("opened");
+    let mut writer = Writer::create(&path, Form::Csv, 3, 1, Existing::Keep).expect("opened");
     let stopped = run(&plan(), &mut [&mut writer as &mut dyn Observer], &AtomicBool::new(true));
     assert!(matches!(stopped, Err(RunError::Interrupted)));
     drop(writer);
@@ -64,8 +70,8 @@ fn parquet_reads_back_what_csv_says() {
 
     let folder = tempfile::tempdir().expect("made");
     let (csv, columnar) = (folder.path().join("run.csv"), folder.path().join("run.parquet"));
-    let mut text = Writer::create(&csv, Form::Csv, 3, 1).expect("opened");
-    let mut binary = Writer::create(&columnar, Form::Parquet, 3, 1).expect("opened");
+    let mut text = Writer::create(&csv, Form::Csv, 3, 1, Existing::Keep).expect("opened");
+    let mut binary = Writer::create(&columnar, Form::Parquet, 3, 1, Existing::Keep).expect("opened");
     run(&plan(), &mut [&mut text as &mut dyn Observer, &mut binary], &AtomicBool::new(false)).expect("runs");
     text.finish().expect("renamed");
     binary.finish().expect("renamed");

@@ -46,6 +46,9 @@ pub enum TapeError {
         /// Why.
         problem: String,
     },
+    /// The file is there already, or no file can be there.
+    #[error(transparent)]
+    File(#[from] files::FileError),
     /// The bench failed.
     #[error(transparent)]
     Wire(#[from] wire::WireError),
@@ -55,7 +58,11 @@ impl TapeError {
     /// Whether the command line or a file is wrong, rather than the work failed: exit code 2 instead of 1.
     #[must_use]
     pub fn is_usage(&self) -> bool {
-        matches!(self, Self::NoRerun | Self::Place { .. } | Self::NotOurs { .. })
+        match self {
+            Self::NoRerun | Self::Place { .. } | Self::NotOurs { .. } => true,
+            Self::File(error) => error.is_usage(),
+            Self::Stopped { .. } | Self::Read { .. } | Self::Wire(_) => false,
+        }
     }
 
     pub(crate) fn place(path: &Path, problem: impl Into<String>) -> Self {
@@ -71,12 +78,15 @@ impl TapeError {
         Self::Read { path: path.to_owned(), problem: problem.to_string() }
     }
 
+    /// Something else has the name.
+    pub(crate) fn taken(path: &Path) -> Self {
+        files::FileError::Exists(path.to_owned()).into()
+    }
+
     /// A place where a file cannot be made.
     pub(crate) fn unfit(path: &Path, error: &io::Error) -> Self {
         match error.kind() {
-            io::ErrorKind::AlreadyExists => {
-                Self::place(path, "is already there: choose another name, or remove it first")
-            }
+            io::ErrorKind::AlreadyExists => Self::taken(path),
             _ => Self::place(path, format!("cannot be made: {error}")),
         }
     }

@@ -3,6 +3,7 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use files::Existing;
 use rotor::{C64, Motion, Rotor, Settings};
 use wire::message::{Flags, Point};
 use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
@@ -18,6 +19,7 @@ use crate::sink::{self, Head, Sink};
 /// A run being recorded. It is written under another name beside its place, and takes its name when it is whole.
 pub struct OfflineTape {
     target: PathBuf,
+    existing: Existing,
     part: Unfinished,
     sink: Option<Box<dyn Sink>>,
     batch: Batch,
@@ -51,15 +53,17 @@ impl OfflineTape {
     /// run will have: when, on which mass (counted from 0), and the change of its velocity.
     ///
     /// # Errors
-    /// The target is no place for a file, or this build has no encoder.
+    /// The target is no place for a file, or is there and is to be kept, or this build has no encoder.
     pub fn create(
         target: &Path,
+        existing: Existing,
         rotor: &Rotor,
         settings: &Settings,
         dtau: f64,
         every: u64,
         mut impulses: Vec<(f64, usize, C64)>,
     ) -> Result<Self, TapeError> {
+        files::check(target, existing)?;
         impulses.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut bulletin = Box::<Bulletin>::default();
         bulletin.version = Text::new(env!("CARGO_PKG_VERSION"));
@@ -87,6 +91,7 @@ impl OfflineTape {
         sink.remark(&Remark { at: Moment::default(), what: What::Begins })?;
         Ok(Self {
             target: target.to_owned(),
+            existing,
             part,
             sink: Some(sink),
             batch: Batch::new(rotor.len()),
@@ -155,7 +160,7 @@ impl OfflineTape {
         Ok(())
     }
 
-    /// Completes the file and gives it its name, in place of any file of that name.
+    /// Completes the file and gives it its name.
     ///
     /// # Errors
     /// The rest cannot be written, or the name not be taken.
@@ -164,6 +169,11 @@ impl OfflineTape {
         let Some(mut sink) = self.sink.take() else { return Ok(()) };
         sink.remark(&Remark { at: self.last, what: What::Ends(why.to_owned()) })?;
         sink.finish()?;
-        std::fs::rename(&self.part.0, &self.target).map_err(|error| TapeError::unfit(&self.target, &error))
+        // A link is made only where nothing is; the file's other name goes with `self`.
+        let named = match self.existing {
+            Existing::Keep => std::fs::hard_link(&self.part.0, &self.target),
+            Existing::Replace => std::fs::rename(&self.part.0, &self.target),
+        };
+        named.map_err(|error| TapeError::unfit(&self.target, &error))
     }
 }

@@ -125,6 +125,13 @@ fn there(folder: &Path, stem: &str) -> Vec<(u32, PathBuf)> {
     found
 }
 
+/// The parts of a recording `path` that are in its folder, itself not among them.
+pub(crate) fn parts_of(path: &Path) -> Vec<PathBuf> {
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    let found = there(path.parent().unwrap_or(Path::new("")), &stem);
+    found.into_iter().map(|(_, part)| part).filter(|part| part.file_name() != path.file_name()).collect()
+}
+
 /// Parts that are missing, in words.
 fn missing(stem: &str, from: u32, to: u32) -> String {
     let name = |number: u32| format!("{stem}-{number}.rrd");

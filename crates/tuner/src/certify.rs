@@ -106,8 +106,7 @@ pub(crate) fn certify(
         let slack = if found.value > 0.0 { tolerance.min(0.5 * found.value) } else { tolerance };
         let Some(planes) = problem.measure.half_planes(found.value - slack) else { return found };
         // A box has up to thousands of corners: the flag is looked at for every one of them.
-        let seen: Option<Vec<(Seen, f64, C64, Vec<f64>)>> =
-            cells.par_iter().map(|cell| look(problem, gains, cell, &planes, stop)).collect();
+        let seen: Option<Vec<_>> = cells.par_iter().map(|cell| look(problem, gains, cell, &planes, stop)).collect();
         let Some(seen) = seen else { return found };
         cells.clear();
         for (seen, value, pole, middle) in seen {

@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use serde::Serialize;
+use study::csv::{Field, Lines};
 use unicode_width::UnicodeWidthStr;
 
 use crate::failure::Failure;
@@ -19,8 +20,10 @@ pub(crate) struct Table {
 pub(crate) enum Cell {
     /// A number: six significant digits for people, all of them in CSV.
     Number(f64),
-    /// Words.
+    /// What is counted, or words.
     Text(String),
+    /// Where a number would be: words for people, nothing in CSV.
+    Without(&'static str),
 }
 
 impl From<f64> for Cell {
@@ -56,25 +59,23 @@ impl Table {
                     comfy_table::Cell::new(rounded(*number)).set_alignment(comfy_table::CellAlignment::Right)
                 }
                 Cell::Text(text) => comfy_table::Cell::new(text),
+                Cell::Without(words) => comfy_table::Cell::new(words),
             }));
         }
         // Trailing blanks wrap on narrow terminals and spoil diffs.
         table.to_string().lines().map(|line| line.trim_end().to_owned() + "\n").collect()
     }
 
-    fn to_csv(&self) -> Result<String, Failure> {
-        let failed = |error: csv::Error| Failure::Work(format!("cannot write CSV: {error}"));
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        writer.write_record(&self.header).map_err(failed)?;
+    fn to_csv(&self) -> String {
+        let mut lines = Lines::new(&self.header);
         for row in &self.rows {
-            let fields = row.iter().map(|cell| match cell {
-                Cell::Number(number) => number.to_string(),
-                Cell::Text(text) => text.clone(),
-            });
-            writer.write_record(fields).map_err(failed)?;
+            lines.row(row.iter().map(|cell| match cell {
+                Cell::Number(number) => Field::Number(*number),
+                Cell::Text(text) => Field::Text(text),
+                Cell::Without(_) => Field::Empty,
+            }));
         }
-        let bytes = writer.into_inner().map_err(|error| Failure::Work(format!("cannot write CSV: {error}")))?;
-        Ok(String::from_utf8_lossy(&bytes).into_owned())
+        lines.finish()
     }
 }
 
@@ -125,7 +126,7 @@ impl Format {
         if self.json {
             print_json(document)
         } else if self.csv {
-            print_text(&table.to_csv()?)
+            print_text(&table.to_csv())
         } else {
             let blocks = [heading.to_owned() + "\n", table.to_text(), footer.to_owned() + "\n"];
             print_text(&blocks.into_iter().filter(|block| !block.trim().is_empty()).collect::<String>())
@@ -194,7 +195,9 @@ mod tests {
     fn csv_keeps_every_digit_and_quotes_words() {
         let mut table = Table::new(&["a", "b"]);
         table.row([Cell::from(0.1 + 0.2), Cell::from(&"x, y")]);
-        assert_eq!(table.to_csv().expect("written"), "a,b\n0.30000000000000004,\"x, y\"\n");
-        assert_eq!(table.to_text(), " a         b\n 0.300000  x, y\n");
+        table.row([Cell::from(2.0), Cell::from(&3)]);
+        table.row([Cell::from(f64::INFINITY), Cell::Without("none")]);
+        assert_eq!(table.to_csv(), "a,b\n0.30000000000000004,\"x, y\"\n2.0,3\n,\n");
+        assert_eq!(table.to_text(), " a         b\n 0.300000  x, y\n 2.00000   3\n      inf  none\n");
     }
 }

@@ -1,51 +1,46 @@
-//! Where a result goes that is a file: refused before any work is done, and there whole or not at all.
+//! Where results go that are files: refused before any work is done, there whole or not at all, and in place of nothing
+//! without `--force`.
 
-use std::io::{self, Write};
 use std::path::Path;
 
-use tempfile::NamedTempFile;
+use files::{Existing, FileError};
 
 use crate::failure::Failure;
 
-/// Refuses a path that is something else than a file already.
-///
-/// # Errors
-/// It is a directory, a device or a pipe.
-pub(crate) fn check(path: &Path) -> Result<(), Failure> {
-    let what = match path.metadata() {
-        Ok(found) if found.is_dir() => "a directory",
-        Ok(found) if !found.is_file() => "no regular file",
-        _ if path.file_name().is_none() => "no file name",
-        _ => return Ok(()),
-    };
-    Err(Failure::Usage(format!("'{}' is {what}: expected a file to write", path.display())))
+/// `--force`, for every command that writes a file. What it writes is in the group `written`.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+pub(crate) struct Force {
+    /// Replace a file that is there already
+    #[arg(long, requires = "written")]
+    force: bool,
 }
 
-/// What it means that a file cannot be made there: the command line names a wrong place.
-pub(crate) fn unfit(path: &Path, error: &io::Error) -> Failure {
-    Failure::Usage(format!("cannot write '{}': {error}", path.display()))
+impl Force {
+    /// What becomes of a file that is there already.
+    #[must_use]
+    pub(crate) fn existing(self) -> Existing {
+        if self.force { Existing::Replace } else { Existing::Keep }
+    }
+
+    /// Refuses a path where nothing can be written, before there is anything to write.
+    ///
+    /// # Errors
+    /// A file is there already, or something that is none.
+    pub(crate) fn check(self, path: &Path) -> Result<(), Failure> {
+        Ok(files::check(path, self.existing())?)
+    }
+
+    /// Writes a file, whole or not at all.
+    ///
+    /// # Errors
+    /// As [`Force::check`], or the disk is full.
+    pub(crate) fn write(self, path: &Path, content: impl AsRef<[u8]>) -> Result<(), Failure> {
+        Ok(files::write(path, content.as_ref(), self.existing())?)
+    }
 }
 
-/// Writes a file beside its place and moves it there, so that an interruption leaves no half of it.
-///
-/// # Errors
-/// It is no place for a file, or the disk is full.
-pub(crate) fn write(path: &Path, text: &str) -> Result<(), Failure> {
-    write_bytes(path, text.as_bytes())
-}
-
-/// The same for what is no text.
-///
-/// # Errors
-/// As for [`write`].
-pub(crate) fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), Failure> {
-    check(path)?;
-    let mut file = study::table::beside(path).map_err(|error| unfit(path, &error))?;
-    let finished = |mut file: NamedTempFile| {
-        file.flush()?;
-        file.persist(path).map(drop).map_err(|error| error.error)
-    };
-    file.write_all(bytes)
-        .and_then(|()| finished(file))
-        .map_err(|error| Failure::Work(format!("cannot write '{}': {error}", path.display())))
+impl From<FileError> for Failure {
+    fn from(error: FileError) -> Self {
+        if error.is_usage() { Self::Usage(error.to_string()) } else { Self::Work(error.to_string()) }
+    }
 }

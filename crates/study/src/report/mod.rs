@@ -75,6 +75,9 @@ pub enum ReportError {
     /// A picture that cannot be drawn.
     #[error(transparent)]
     Raster(#[from] RasterError),
+    /// A file that is there and is to be kept, or one that cannot be written.
+    #[error(transparent)]
+    File(#[from] files::FileError),
     /// A file that cannot be written.
     #[error("cannot write '{}': {error}", path.display())]
     Write {

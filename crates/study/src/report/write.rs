@@ -6,6 +6,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 
+use files::{Existing, FileError};
 use rayon::prelude::*;
 
 use super::{Figure, Report, ReportError, Watch};
@@ -16,15 +17,17 @@ const FOLDERS: [&str; 2] = ["figures", "data"];
 /// Files of a figure, each counted as a step by [`folder`].
 pub const FILES_PER_FIGURE: usize = 3;
 /// Files beside those of the figures: the two pages, and the table of numbers.
-pub const PAGES: usize = 3;
+pub const PAGES: usize = FIXED.len();
+/// Their names.
+const FIXED: [&str; 3] = ["data/numbers.csv", "report.md", "index.html"];
 
 /// Writes the pages `index.html` and `report.md`, `data/numbers.csv`, and for every figure `figures/*.svg`,
-/// `figures/*.png` and `data/*.csv` into `target`, which is made if it is not there. Files of other names are left alone.
-/// `watch` is told of every file; gives how many there are.
+/// `figures/*.png` and `data/*.csv` into `target`, which is made if it is not there. Files of other names are left alone, and
+/// so are those of these unless `existing` says otherwise. `watch` is told of every file; gives how many there are.
 ///
 /// # Errors
-/// A folder or file that cannot be written, or a request to stop.
-pub fn folder(report: &Report, target: &Path, watch: &Watch<'_>) -> Result<usize, ReportError> {
+/// A folder or file that cannot be written, a file that is there and is to be kept, or a request to stop.
+pub fn folder(report: &Report, target: &Path, existing: Existing, watch: &Watch<'_>) -> Result<usize, ReportError> {
     let at = |path: &Path| {
         let path = path.to_owned();
         move |error: io::Error| ReportError::Write { path, error }
@@ -50,12 +53,16 @@ pub fn folder(report: &Report, target: &Path, watch: &Watch<'_>) -> Result<usize
         .map(|figure| figure_files(figure, &put))
         .collect::<Result<Vec<_>, ReportError>>()?
         .concat();
-    files.push(put("data/numbers.csv", report.numbers_csv().as_bytes())?);
-    files.push(put("report.md", report.markdown(true).as_bytes())?);
-    files.push(put("index.html", report.html().as_bytes())?);
+    files.push(put(FIXED[0], report.numbers_csv().as_bytes())?);
+    files.push(put(FIXED[1], report.markdown(true).as_bytes())?);
+    files.push(put(FIXED[2], report.html().as_bytes())?);
 
     for folder in FOLDERS {
         fs::create_dir_all(target.join(folder)).map_err(at(&target.join(folder)))?;
+    }
+    // All of them or none.
+    for file in &files {
+        check(&target.join(file), existing)?;
     }
     for file in &files {
         fs::rename(part.path().join(file), target.join(file)).map_err(at(&target.join(file)))?;
@@ -63,22 +70,29 @@ pub fn folder(report: &Report, target: &Path, watch: &Watch<'_>) -> Result<usize
     Ok(files.len())
 }
 
-/// Writes the page alone, as Markdown without pictures, under another name first.
+/// Whether nothing of an earlier report is in the way in `target`, before there is a new one.
 ///
 /// # Errors
-/// A file that cannot be written.
-pub fn page(report: &Report, target: &Path) -> Result<(), ReportError> {
-    let failed = |error| ReportError::Write { path: target.to_owned(), error };
-    let folder = target.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    // A new file has the rights of any new file, not those of a secret.
-    let part = tempfile::Builder::new()
-        .prefix(".whirl-")
-        .suffix(".part")
-        .make_in(folder, |path| fs::File::options().write(true).create_new(true).open(path))
-        .map_err(failed)?;
-    fs::write(part.path(), report.markdown(false)).map_err(failed)?;
-    part.persist(target).map_err(|error| failed(error.error))?;
-    Ok(())
+/// A file is there and is to be kept.
+pub fn check_folder(target: &Path, existing: Existing) -> Result<(), ReportError> {
+    // What every report has, whichever figures.
+    FIXED.iter().try_for_each(|file| check(&target.join(file), existing))
+}
+
+fn check(path: &Path, existing: Existing) -> Result<(), ReportError> {
+    match files::check(path, existing) {
+        // The folder of a file may be still to be made.
+        Err(FileError::Unfit { .. }) | Ok(()) => Ok(()),
+        Err(error) => Err(error.into()),
+    }
+}
+
+/// Writes the page alone, as Markdown without pictures.
+///
+/// # Errors
+/// A file that cannot be written, or that is there and is to be kept.
+pub fn page(report: &Report, target: &Path, existing: Existing) -> Result<(), ReportError> {
+    Ok(files::write(target, report.markdown(false).as_bytes(), existing)?)
 }
 
 /// Puts a file of that name and content into the folder of parts.

@@ -3,12 +3,12 @@
 use std::io;
 use std::sync::Arc;
 
+use files::Draft;
 use parquet::basic::{Compression, Repetition, Type as Physical};
 use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
-use tempfile::NamedTempFile;
 
 use super::Kind;
 
@@ -17,7 +17,7 @@ const GROUP: usize = 1 << 15;
 
 /// A Parquet file in the making.
 pub(super) struct Columns {
-    writer: SerializedFileWriter<NamedTempFile>,
+    writer: SerializedFileWriter<Draft>,
     doubles: Vec<Vec<f64>>,
     wholes: Vec<Wholes>,
     rows: usize,
@@ -30,7 +30,7 @@ enum Wholes {
 
 impl Columns {
     /// Begins a file with these columns.
-    pub(super) fn create(file: NamedTempFile, doubles: &[String], wholes: &[(&str, Kind)]) -> io::Result<Self> {
+    pub(super) fn create(file: Draft, doubles: &[String], wholes: &[(&str, Kind)]) -> io::Result<Self> {
         let kinds = doubles.iter().map(|name| (name.as_str(), Kind::Double)).chain(wholes.iter().copied());
         let field = |(name, kind)| {
             let physical = match kind {
@@ -102,7 +102,7 @@ impl Columns {
     }
 
     /// Writes what is left and the footer.
-    pub(super) fn finish(mut self) -> io::Result<NamedTempFile> {
+    pub(super) fn finish(mut self) -> io::Result<Draft> {
         self.flush().map_err(io::Error::other)?;
         self.writer.into_inner().map_err(io::Error::other)
     }

@@ -18,7 +18,7 @@ use crate::session::Revision;
 use crate::sink::{self, Head, Item, Sink};
 
 pub use keep::Keep;
-use place::{check, free_bytes, name};
+use place::{check, clear, free_bytes, name};
 use wait::Wait;
 
 /// Makes the file at a path.
@@ -80,7 +80,7 @@ impl Reel {
     }
 
     fn with(path: &Path, subject: Subject, keep: Keep, open: Open) -> Result<Self, TapeError> {
-        check(path)?;
+        check(path, &keep)?;
         Ok(Self {
             open,
             path: path.to_owned(),
@@ -141,6 +141,7 @@ impl Reel {
         if !matches!(self.keep.keeping, Keeping::Last(_)) || parts.is_empty() {
             return Ok(parts);
         }
+        clear(&self.path, self.keep.existing)?;
         sink::join(&parts, &self.path)?;
         for part in &parts {
             // The whole is there: a part that stays behind is a nuisance and no loss.
@@ -225,6 +226,7 @@ impl Reel {
     fn begin(&mut self) -> Result<(), TapeError> {
         let Some(head) = &self.head else { return Ok(()) };
         let path = self.next_path();
+        clear(&path, self.keep.existing)?;
         let mut sink = (self.open)(&path, head)?;
         self.parts += 1;
         sink.revision(&head.revision(), self.last)?;
@@ -290,20 +292,27 @@ impl Reel {
 
     /// Holds what comes until a trip, and writes from the last `seconds` before it to some after it.
     fn take_waiting(&mut self, item: Item, seconds: f64) -> Result<(), TapeError> {
-        let now_ns = match &item {
-            Item::Steps(batch) => batch.span().map_or(self.last, |(_, last)| last).wall_ns,
-            _ => self.last.wall_ns,
+        // Steps come many at once: all of them are taken that hold one of the time after a trip.
+        let (first, last) = match &item {
+            Item::Steps(batch) => batch.span().unwrap_or((self.last, self.last)),
+            _ => (self.last, self.last),
         };
+        let (first_ns, now_ns) = (first.wall_ns, last.wall_ns);
         let window_ns = (seconds * 1e9) as u64;
-        let trips = matches!(&item, Item::Event(event) if matches!(event.happening(), Some(Happening::Tripped(_))));
+        let trip_ns = match &item {
+            Item::Event(event) if matches!(event.happening(), Some(Happening::Tripped(_))) => {
+                Some(event.wall_ns.max(now_ns))
+            }
+            _ => None,
+        };
         let new_run = matches!(item, Item::Run(..));
-        if self.wait.until_ns.is_some_and(|until| now_ns > until) || new_run {
-            self.close(What::Ends("the time after the trip is over".into()))?;
+        if self.wait.until_ns.is_some_and(|until| first_ns > until) || new_run {
+            self.close(What::Ends(format!("{} s after the trip are over", Keep::after_trip(seconds))))?;
             self.wait = Wait { head: self.head.take(), ..Wait::default() };
         }
         if self.wait.until_ns.is_some() {
-            if trips {
-                self.wait.until_ns = Some(now_ns + after_ns(seconds));
+            if let Some(trip_ns) = trip_ns {
+                self.wait.until_ns = Some(trip_ns + after_ns(seconds));
             }
             return self.put(item);
         }
@@ -316,8 +325,8 @@ impl Reel {
         }
         self.wait.items.push_back(item);
         self.wait.let_go(now_ns.saturating_sub(window_ns), &self.subject);
-        if trips {
-            self.wait.until_ns = Some(now_ns + after_ns(seconds));
+        if let Some(trip_ns) = trip_ns {
+            self.wait.until_ns = Some(trip_ns + after_ns(seconds));
             self.head = self.wait.head.take();
             self.begin()?;
             for item in std::mem::take(&mut self.wait.items) {
@@ -329,7 +338,7 @@ impl Reel {
 }
 
 fn after_ns(seconds: f64) -> u64 {
-    (seconds.min(Keep::AFTER_TRIP) * 1e9) as u64
+    (Keep::after_trip(seconds) * 1e9) as u64
 }
 
 #[cfg(test)]

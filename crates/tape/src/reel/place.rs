@@ -2,15 +2,30 @@
 
 use std::path::Path;
 
-use crate::error::TapeError;
+use files::Existing;
+use wire::Keeping;
 
-/// Whether `path` can become a recording.
-pub(super) fn check(path: &Path) -> Result<(), TapeError> {
+use super::Keep;
+use crate::error::TapeError;
+use crate::row;
+
+/// Whether `path` can become a recording, and its parts those of it.
+pub(super) fn check(path: &Path, keep: &Keep) -> Result<(), TapeError> {
     if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("rrd")) {
         return Err(TapeError::place(path, "expected a file name that ends in .rrd"));
     }
-    if path.symlink_metadata().is_ok() {
-        return Err(TapeError::place(path, "is already there: choose another name, or remove it first"));
+    if path.is_dir() {
+        return Err(TapeError::place(path, "is a directory: expected a file to write"));
+    }
+    if keep.existing == Existing::Keep {
+        let has_parts = keep.split.is_some() || keep.keeping != Keeping::All;
+        let in_the_way = if has_parts { row::parts_of(path) } else { Vec::new() };
+        if path.symlink_metadata().is_ok() {
+            return Err(TapeError::taken(path));
+        }
+        if let Some(part) = in_the_way.first() {
+            return Err(TapeError::taken(part));
+        }
     }
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match folder.metadata() {
@@ -22,6 +37,14 @@ pub(super) fn check(path: &Path) -> Result<(), TapeError> {
 
 pub(super) fn name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+/// Lets go of a file that is to be replaced.
+pub(super) fn clear(path: &Path, existing: Existing) -> Result<(), TapeError> {
+    if existing == Existing::Replace && path.symlink_metadata().is_ok_and(|found| !found.is_dir()) {
+        std::fs::remove_file(path).map_err(|error| TapeError::unfit(path, &error))?;
+    }
+    Ok(())
 }
 
 /// Bytes free on the disk of a file that is to be.

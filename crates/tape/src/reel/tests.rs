@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex};
 
 use alarms::{Level, Turn, Watch};
+use files::Existing;
 use wire::message::Trip;
 use wire::{SettingsMessage, State};
 
@@ -120,7 +121,7 @@ fn bulletin() -> Box<Bulletin> {
 }
 
 fn keep(keeping: Keeping) -> Keep {
-    Keep { keeping, split: None, min_free: 0 }
+    Keep { keeping, split: None, min_free: 0, existing: Existing::Keep }
 }
 
 #[test]
@@ -229,13 +230,30 @@ fn a_trip_writes_what_came_before_it_under_the_settings_of_then() {
     );
     (21..30).for_each(|second| bench.second(second));
     let said = bench.log();
-    assert_eq!(said.last().unwrap(), "s.rrd recording ends: the time after the trip is over");
+    assert_eq!(said.last().unwrap(), "s.rrd recording ends: 3 s after the trip are over");
     assert_eq!(said.len(), 4, "three seconds after it, and the end: {said:?}");
     // The next trip has a file of its own.
     bench.event(&Happening::Restarted, 3);
     bench.event(&Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }), 3);
     assert_eq!(bench.log()[0], "s-2.rrd revision 3");
     assert_eq!(bench.files(), ["s-2.rrd", "s.rrd"]);
+}
+
+/// It ended with the last steps that had been heard before the trip: half a second early.
+#[test]
+fn regress_the_time_after_a_trip_is_whole() {
+    let mut bench = Bench::new(keep(Keeping::Pretrigger(3.0)));
+    bench.run();
+    (0..=20).for_each(|second| bench.second(second));
+    // At 21.8 s, before its own steps are heard, as events are.
+    let mut event = Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }).event();
+    (event.run_id, event.revision, event.settings) = (1, 1, bulletin().settings);
+    event.wall_ns = 1_000_000_000_000 + 21_800_000_000;
+    bench.reel.take(Item::Event(event)).unwrap();
+    (21..40).for_each(|second| bench.second(second));
+    let said = bench.log();
+    let after: Vec<&String> = said.iter().rev().take(2).collect();
+    assert_eq!(after, ["s.rrd recording ends: 3 s after the trip are over", "s.rrd 240..=249"], "to 24.8 s and more");
 }
 
 #[test]
@@ -259,7 +277,18 @@ fn what_is_no_place_for_a_file_is_refused() {
         (folder.path().join("s.csv"), "ends in .rrd"),
         (folder.path().join("there.rrd/s.rrd"), "is no folder"),
     ] {
-        let told = check(&path).unwrap_err().to_string();
+        let told = check(&path, &keep(Keeping::All)).unwrap_err().to_string();
         assert!(told.contains(why), "{told}");
     }
+    // Hours later the second part would not find its place.
+    std::fs::write(folder.path().join("s-7.rrd"), "").unwrap();
+    let path = folder.path().join("s.rrd");
+    let split = |existing| Keep { split: Some(1000), existing, ..keep(Keeping::All) };
+    check(&path, &keep(Keeping::All)).unwrap();
+    for kept in [split(Existing::Keep), keep(Keeping::Last(60.0))] {
+        let told = check(&path, &kept).unwrap_err().to_string();
+        assert!(told.contains("s-7.rrd' is already there"), "{told}");
+    }
+    check(&path, &split(Existing::Replace)).unwrap();
+    check(&folder.path().join("there.rrd"), &split(Existing::Replace)).unwrap();
 }

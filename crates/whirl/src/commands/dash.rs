@@ -8,6 +8,7 @@ use crate::commands::config;
 use crate::failure::Failure;
 use crate::folders;
 use crate::layouts;
+use crate::place::Force;
 use crate::recordings::Recordings;
 
 /// Options of `whirl dash`.
@@ -18,8 +19,10 @@ pub(crate) struct DashArgs {
     #[command(flatten)]
     screen: ScreenArgs,
     /// Take a picture of the screen, SVG or plain text, instead of showing it
-    #[arg(long, value_name = "FILE.svg|FILE.txt")]
+    #[arg(long, value_name = "FILE.svg|FILE.txt", group = "written")]
     picture: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// The size of that screen in cells
     #[arg(long, value_name = "WxH", default_value = "120x40", value_parser = size, requires = "picture")]
     size: (u16, u16),
@@ -124,6 +127,7 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     }
     let bench = args.bench.name()?;
     let options = args.screen.options()?;
+    args.picture.as_ref().map_or(Ok(()), |file| args.force.check(file))?;
     let carrier = attach::dashboard_carrier()?;
     // A bench that is not there is said at once; one that goes away later is waited for.
     drop(attach::listen(&carrier, &bench)?);
@@ -154,5 +158,5 @@ fn picture<C: wire::Carrier>(
     let still = dash::portrait(carrier, bench, options, args.size, after, &args.press)?;
     let still = still.ok_or_else(|| Failure::Bench(format!("bench '{bench}' sent nothing in {} s", args.after)))?;
     let content = if kind == "svg" { still.svg } else { still.text };
-    std::fs::write(file, content).map_err(|error| Failure::Work(format!("cannot write {}: {error}", file.display())))
+    args.force.write(file, content)
 }

@@ -3,12 +3,14 @@
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
+use files::FileError;
 use study::table::{Form, FormError, Kind, Table};
 use tape::Recording;
 use wire::State;
 
 use crate::failure::Failure;
-use crate::{interrupt, output, place};
+use crate::place::Force;
+use crate::{interrupt, output};
 
 /// Options of `whirl export`.
 #[derive(Debug, clap::Args)]
@@ -17,14 +19,16 @@ pub(crate) struct ExportArgs {
     #[arg(value_name = "FILE.rrd", required = true)]
     files: Vec<PathBuf>,
     /// Write FILE.csv beside it
-    #[arg(long, required_unless_present_any = ["parquet", "out"])]
+    #[arg(long, group = "written", required_unless_present_any = ["parquet", "out"])]
     csv: bool,
     /// Write FILE.parquet beside it
-    #[arg(long, conflicts_with = "csv")]
+    #[arg(long, group = "written", conflicts_with = "csv")]
     parquet: bool,
     /// Write this file instead: .csv or .parquet
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["csv", "parquet"])]
+    #[arg(long, value_name = "FILE", group = "written", conflicts_with_all = ["csv", "parquet"])]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Steps from this tau on; after a restart tau begins at 0 again, and each stretch has its share
     #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
     from: Option<f64>,
@@ -58,12 +62,12 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
             "from = {from}, to = {to}: expected two times, the first not after the second"
         )));
     }
-    place::check(&target)?;
+    args.force.check(&target)?;
     let mut recording = Recording::open_row(&args.files)?;
     interrupt::end_at_once()?;
     let masses = recording.rotor().len();
     let names: Vec<String> = tape::schema::columns(masses).into_iter().map(|column| column.name).collect();
-    let mut table = Table::create(&target, form, &names, &WHOLES).map_err(|error| place::unfit(&target, &error))?;
+    let mut table = Table::create(&target, form, &names, &WHOLES, args.force.existing())?;
     let (mut rows, mut failed) = (0_u64, None);
     recording.visit(0..u64::MAX, args.every, |state| {
         if !(from..=to).contains(&state.tau) {
@@ -79,13 +83,32 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
             }
         }
     })?;
-    let cannot = |error| Failure::Work(format!("cannot write '{}': {error}", target.display()));
-    failed.map_or(Ok(()), |error| Err(cannot(error)))?;
-    table.finish().map_err(cannot)?;
+    if let Some(error) = failed {
+        return Err(FileError::Failed { path: target, error }.into());
+    }
+    if rows == 0 {
+        return Err(Failure::Usage(nothing(&recording, args)));
+    }
+    table.finish()?;
     for notice in recording.notices() {
         output::warn(&format!("{}: {notice}", file.display()));
     }
     output::print_text(&format!("{}: {rows} steps\n", target.display()))
+}
+
+/// Why no step is among those asked for.
+fn nothing(recording: &Recording, args: &ExportArgs) -> String {
+    let file = recording.path().display();
+    let Some(span) = recording.span() else { return format!("'{file}': there are no steps in it") };
+    let asked = match (args.from, args.to) {
+        (None, None) => return format!("'{file}': no step in it has a number that is a multiple of {}", args.every),
+        (Some(from), None) => format!("from tau {from} on"),
+        (None, Some(to)) => format!("up to tau {to}"),
+        (Some(from), Some(to)) => format!("from tau {from} to {to}"),
+    };
+    let every = if args.every > 1 { format!(", one in {}", args.every) } else { String::new() };
+    let (first, last) = (span.first.tau, span.last.tau);
+    format!("'{file}': no step {asked}{every}: it goes from tau {first} to {last}; nothing was written")
 }
 
 /// The doubles of a step, as [`tape::schema::columns`] orders them.

@@ -137,7 +137,7 @@ fn shape_table(spectrum: &Spectrum, units: Units) -> Table {
             let of_mode = [mode.pole.re, mode.pole.im].map(|part| Cell::from(units.rate(part)));
             let [re, im] = if i == 0 { of_mode } else { [Cell::from(&""), Cell::from(&"")] };
             let (name, whirl, period) = if i == 0 {
-                let period = period(mode).map_or_else(|| Cell::from(&"none"), |tau| units.time(tau).into());
+                let period = period(mode).map_or_else(|| Cell::Without("none"), |tau| units.time(tau).into());
                 (Cell::from(&(k + 1)), Cell::from(&mode.whirl()), period)
             } else {
                 (Cell::from(&""), Cell::from(&""), Cell::from(&""))

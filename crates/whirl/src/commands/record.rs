@@ -4,6 +4,7 @@ use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use files::Existing;
 use tape::Keep;
 use tape::recorder::{self, Order, Progress, Summary};
 use wire::{BenchName, Keeping};
@@ -13,6 +14,7 @@ use crate::commands::config;
 use crate::commands::sim::{READY, stop_when_stdin_closes};
 use crate::companion::Companion;
 use crate::failure::Failure;
+use crate::place::Force;
 use crate::{amount, interrupt, output};
 
 /// How long a recorder may take to write what it has heard before it is killed.
@@ -21,15 +23,17 @@ const FAREWELL: Duration = Duration::from_secs(30);
 /// Options of `whirl record`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RecordArgs {
-    /// The file; it must not be there yet
-    #[arg(value_name = "FILE.rrd")]
+    /// The file; it must not be there yet, nor parts of it
+    #[arg(value_name = "FILE.rrd", group = "written")]
     file: PathBuf,
+    #[command(flatten)]
+    force: Force,
     #[command(flatten)]
     bench: BenchArgs,
     /// Keep the last so long only, such as 10min; in several files while it runs, joined at the end
     #[arg(long, value_name = "DURATION", value_parser = amount::seconds)]
     keep: Option<f64>,
-    /// Write nothing until the machine trips; then the last so long before it, and a few seconds after
+    /// Write nothing until the machine trips; then the last so long before it, and as long after it but at most 10 s
     #[arg(long, value_name = "DURATION", value_parser = amount::seconds, conflicts_with = "keep")]
     pretrigger: Option<f64>,
     /// Go on in FILE-2.rrd, FILE-3.rrd ... whenever a file is this large, such as 1GB
@@ -58,7 +62,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
         (_, Some(seconds)) => Keeping::Pretrigger(seconds),
         _ => Keeping::All,
     };
-    let keep = Keep { keeping, split: args.split, min_free: args.min_free };
+    let keep = Keep { keeping, split: args.split, min_free: args.min_free, existing: args.force.existing() };
     // The same limits as the dashboard's.
     let limits = config::read()?.limits;
     let order = Order { bench, path: args.file.clone(), keep, follow: args.follow, limits };
@@ -89,12 +93,16 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// It cannot be started.
-pub(crate) fn launch(path: &Path, bench: &BenchName) -> Result<Companion, Failure> {
+pub(crate) fn launch(path: &Path, force: Force, bench: &BenchName) -> Result<Companion, Failure> {
     let path =
         path.to_str().ok_or_else(|| Failure::Usage(format!("'{}': expected a name in UTF-8", path.display())))?;
     let bench = format!("--bench={bench}");
-    let arguments = ["record", &bench, "--follow", "--as-child", "--", path];
-    Companion::launch("recorder", FAREWELL, arguments.map(str::to_owned).to_vec())
+    let mut arguments = vec!["record", &bench, "--follow", "--as-child"];
+    if force.existing() == Existing::Replace {
+        arguments.push("--force");
+    }
+    arguments.extend(["--", path]);
+    Companion::launch("recorder", FAREWELL, arguments.into_iter().map(str::to_owned).collect())
 }
 
 fn in_words(summary: &Summary) -> String {

@@ -11,10 +11,12 @@ use study::report::{self, Comparison, ReportError, Verdict, Watch, write};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::{Cell, Format, Table};
+use crate::place::Force;
 
 /// Options of `whirl report`.
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("where").required(true).multiple(true).args(["out", "page"]))]
+#[command(group = clap::ArgGroup::new("written").multiple(true).args(["out", "page"]))]
 pub(crate) struct ReportArgs {
     /// Write page, figures and data into this folder; files of other names in it are left alone
     #[arg(long, value_name = "DIR")]
@@ -22,6 +24,8 @@ pub(crate) struct ReportArgs {
     /// Write the page alone, as Markdown without pictures
     #[arg(long, value_name = "FILE.md")]
     page: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     #[command(flatten)]
     format: Format,
 }
@@ -75,10 +79,10 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let made = report::make(&watch)?;
     let mut files = 0;
     if let Some(out) = &args.out {
-        files += write::folder(&made, out, &watch)?;
+        files += write::folder(&made, out, args.force.existing(), &watch)?;
     }
     if let Some(page) = &args.page {
-        write::page(&made, page)?;
+        write::page(&made, page, args.force.existing())?;
         files += 1;
     }
     bar.finish_and_clear();
@@ -122,6 +126,7 @@ fn check(args: &ReportArgs) -> Result<(), Failure> {
         std::fs::create_dir_all(out).map_err(|error| {
             Failure::Usage(format!("--out '{}': this folder cannot be made: {error}", out.display()))
         })?;
+        write::check_folder(out, args.force.existing())?;
     }
     if let Some(page) = &args.page {
         if page.is_dir() {
@@ -131,6 +136,7 @@ fn check(args: &ReportArgs) -> Result<(), Failure> {
         if !folder.is_dir() {
             return Err(Failure::Usage(format!("--page: there is no folder '{}'", folder.display())));
         }
+        args.force.check(page)?;
     }
     Ok(())
 }
@@ -168,6 +174,7 @@ impl From<ReportError> for Failure {
     fn from(error: ReportError) -> Self {
         match error {
             ReportError::Interrupted => Self::Interrupted,
+            ReportError::File(error) => error.into(),
             other => Self::Work(other.to_string()),
         }
     }

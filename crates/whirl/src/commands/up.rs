@@ -10,6 +10,7 @@ use crate::commands::dash::{ScreenArgs, ended};
 use crate::commands::sim::LiveArgs;
 use crate::companion::Companion;
 use crate::failure::Failure;
+use crate::place::Force;
 use crate::recordings::Recordings;
 
 /// How long a simulation may take to end before it is killed.
@@ -23,8 +24,10 @@ pub(crate) struct UpArgs {
     #[command(flatten)]
     screen: ScreenArgs,
     /// Record the session in FILE.rrd, by a process of its own
-    #[arg(long, value_name = "FILE.rrd")]
+    #[arg(long, value_name = "FILE.rrd", group = "written")]
     record: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
 }
 
 /// Starts the simulation, shows it, and ends it.
@@ -38,14 +41,15 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
     options.check(&rotor, &settings)?;
     let screen = args.screen.options()?;
     let bench = options.bench;
-    if args.record.is_some() {
+    if let Some(path) = &args.record {
         tape::available()?;
+        args.force.check(path)?;
     }
     let carrier = attach::dashboard_carrier()?;
     let mut simulation = Simulation(Companion::start("simulation", FAREWELL, live.to_arguments())?);
     let mut scribe = Recordings::of(bench.clone());
     if let Some(path) = &args.record
-        && let Err(failure) = scribe.begin(path)
+        && let Err(failure) = scribe.begin(path, args.force)
     {
         simulation.0.end()?;
         return Err(failure);

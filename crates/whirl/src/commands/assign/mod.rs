@@ -10,10 +10,11 @@ use rotor::{AssignError, C64, Feedback, Rotor, Settings};
 use serde::Serialize;
 
 use super::linear::Part;
+use crate::catalog;
 use crate::failure::Failure;
 use crate::output::{Format, print_json, print_text};
+use crate::place::Force;
 use crate::units::{Units, UnitsDocument};
-use crate::{catalog, place};
 
 use wanted::Poles;
 
@@ -43,8 +44,10 @@ pub(crate) struct AssignArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), conflicts_with_all = ["cancel", "table"])]
     bearing: u16,
     /// Write the feedback to a file instead
-    #[arg(long, value_name = "FILE", conflicts_with = "table")]
+    #[arg(long, value_name = "FILE", conflicts_with = "table", group = "written")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     #[command(flatten)]
     format: Format,
 }
@@ -164,7 +167,7 @@ fn deliver(
     read_feedback(&text, Some(rotor.len()))
         .map_err(|problems| Failure::Work(format!("such gains cannot be used: {}", problems.in_file("feedback"))))?;
     if let Some(path) = &args.out {
-        place::write(path, &text)?;
+        args.force.write(path, &text)?;
     }
     match (args.format.json, &args.out) {
         (true, _) => print_json(document),

@@ -16,6 +16,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
 use crate::output::Format;
+use crate::place::Force;
 
 use out::Out;
 use typed::{ImpulseArg, MassArg};
@@ -41,8 +42,10 @@ pub(crate) struct RunArgs {
     #[arg(long, value_name = "IMPULSE", allow_hyphen_values = true)]
     impulse: Vec<ImpulseArg>,
     /// Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "written")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
     /// Write one step in every N
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..), requires = "out")]
     every: u64,
@@ -70,7 +73,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
         Collector::new(mass - 1, (0.2 / (plan.dtau * fastest)).max(1.0) as u64, last_impulse)
     });
     let mut writer = match &args.out {
-        Some(path) => Some(Out::open(path, &machine, &plan, args.every)?),
+        Some(path) => Some(Out::open(path, args.force, &machine, &plan, args.every)?),
         None => None,
     };
     let mut observers: Vec<&mut dyn Observer> = Vec::new();

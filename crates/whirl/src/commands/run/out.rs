@@ -1,7 +1,7 @@
 //! Where the trajectory of a run goes: a table, or a recording.
 
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use rotor::{C64, Motion};
 use study::run::{Observer, Plan};
@@ -11,12 +11,12 @@ use tape::OfflineTape;
 
 use crate::catalog::Machine;
 use crate::failure::Failure;
-use crate::place;
+use crate::place::Force;
 
 /// A file that a run is written to.
 pub(super) enum Out {
-    /// CSV or Parquet, by the path for messages.
-    Table(PathBuf, Box<Writer>),
+    /// CSV or Parquet.
+    Table(Box<Writer>),
     /// `.rrd`.
     Tape(Box<Recorder>),
 }
@@ -35,13 +35,14 @@ impl Out {
     ///
     /// # Errors
     /// An ending that is not known or not built in, or a place that cannot be written.
-    pub(super) fn open(path: &Path, machine: &Machine, plan: &Plan, every: u64) -> Result<Self, Failure> {
+    pub(super) fn open(path: &Path, force: Force, machine: &Machine, plan: &Plan, every: u64) -> Result<Self, Failure> {
         let Machine { rotor, settings } = machine;
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
             tape::available()?;
-            place::check(path)?;
+            force.check(path)?;
             let impulses = plan.impulses.iter().map(|i| (i.at, i.mass, i.change)).collect();
-            let tape = OfflineTape::create(path, rotor, settings, plan.longest_step(), every, impulses)?;
+            let tape =
+                OfflineTape::create(path, force.existing(), rotor, settings, plan.longest_step(), every, impulses)?;
             return Ok(Self::Tape(Box::new(Recorder(tape))));
         }
         let form = Form::of(path).map_err(|error| match error {
@@ -51,15 +52,13 @@ impl Out {
             )),
             error @ FormError::NoParquet => Failure::Usage(error.to_string()),
         })?;
-        place::check(path)?;
-        let writer = Writer::create(path, form, rotor.len(), every).map_err(|error| place::unfit(path, &error))?;
-        Ok(Self::Table(path.to_owned(), Box::new(writer)))
+        Ok(Self::Table(Box::new(Writer::create(path, form, rotor.len(), every, force.existing())?)))
     }
 
     /// What watches the run.
     pub(super) fn observer(&mut self) -> &mut dyn Observer {
         match self {
-            Self::Table(_, writer) => writer.as_mut(),
+            Self::Table(writer) => writer.as_mut(),
             Self::Tape(tape) => tape.as_mut(),
         }
     }
@@ -70,9 +69,7 @@ impl Out {
     /// The rest cannot be written.
     pub(super) fn finish(self) -> Result<(), Failure> {
         match self {
-            Self::Table(path, writer) => {
-                writer.finish().map_err(|error| Failure::Work(format!("cannot write '{}': {error}", path.display())))
-            }
+            Self::Table(writer) => Ok(writer.finish()?),
             Self::Tape(tape) => Ok(tape.0.finish("the run is over")?),
         }
     }

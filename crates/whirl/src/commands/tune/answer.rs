@@ -86,7 +86,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if let Some(path) = &args.out
         && (document.stable == Some(true) || args.write_unstable)
     {
-        write_file(path, &best.tuned.feedback, &summary(asked, &problem, &document))?;
+        write_file(path, args.force, &best.tuned.feedback, &summary(asked, &problem, &document))?;
     }
     args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
     verdict(asked, &best.tuned)

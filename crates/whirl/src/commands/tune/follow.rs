@@ -79,10 +79,10 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if let Some(path) = &args.out
         && (stable == Some(true) || args.write_unstable)
     {
-        write_file(path, found.feedback(), std::slice::from_ref(&footer))?;
+        write_file(path, args.force, found.feedback(), std::slice::from_ref(&footer))?;
     }
     if let Some(path) = &args.plot {
-        draw(path, &chart(asked, &found, &names))?;
+        draw(path, args.force, &chart(asked, &found, &names))?;
     }
     let document = Document {
         rotor: asked.rotor().name(),

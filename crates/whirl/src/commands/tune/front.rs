@@ -1,6 +1,6 @@
 //! `--pareto`: what damping costs in force or gain, as a table, a picture, and feedback files.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
 use rotor::file::FeedbackDocument;
@@ -12,7 +12,7 @@ use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
-use crate::place;
+use crate::place::Force;
 use crate::units::UnitsDocument;
 
 /// The JSON document.
@@ -77,7 +77,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         {
             std::fs::create_dir_all(folder)
                 .map_err(|error| Failure::Usage(format!("cannot make '{}': {error}", folder.display())))?;
-            let path = folder.join(format!("point-{:02}.toml", k + 1));
+            let path = point_file(folder, k + 1);
             let about = format!(
                 "point {} of {}: min damping {}, force at most {} {}, gains at most {}",
                 k + 1,
@@ -87,7 +87,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
                 units.force_unit(),
                 rounded(point.tuned.largest_gain())
             );
-            write_file(&path, &tuned.feedback, &[about])?;
+            write_file(&path, args.force, &tuned.feedback, &[about])?;
             file = Some(path.display().to_string());
         }
         points.push(PointDocument {
@@ -102,7 +102,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         });
     }
     if let Some(path) = &args.plot {
-        draw(path, &chart(asked, price, &front))?;
+        draw(path, args.force, &chart(asked, price, &front))?;
     }
     let interrupted = front.iter().any(|point| point.tuned.interrupted);
     let document = Document {
@@ -148,20 +148,25 @@ fn chart(asked: &Asked, price: Price, front: &[Point]) -> Chart {
     }
 }
 
-/// Refuses a picture of unknown kind before anything is searched.
-pub(super) fn check_picture(path: &Path) -> Result<(), Failure> {
+/// The file of a point of the trade, counted from 1.
+pub(super) fn point_file(folder: &Path, point: usize) -> PathBuf {
+    folder.join(format!("point-{point:02}.toml"))
+}
+
+/// Refuses a picture of unknown kind, or one that is there, before anything is searched.
+pub(super) fn check_picture(path: &Path, force: Force) -> Result<(), Failure> {
     match path.extension().and_then(|end| end.to_str()) {
-        Some("svg" | "png") => place::check(path),
+        Some("svg" | "png") => force.check(path),
         _ => Err(Failure::Usage(format!("'{}': expected a picture that ends in .svg or .png", path.display()))),
     }
 }
 
 /// Draws a chart into a file that ends in `.svg` or `.png`.
-pub(super) fn draw(path: &Path, chart: &Chart) -> Result<(), Failure> {
+pub(super) fn draw(path: &Path, force: Force, chart: &Chart) -> Result<(), Failure> {
     let scene = chart.scene();
     if path.extension().is_some_and(|end| end == "png") {
         let bytes = png(&scene).map_err(|error| Failure::Work(format!("cannot draw '{}': {error}", path.display())))?;
-        return place::write_bytes(path, &bytes);
+        return force.write(path, bytes);
     }
-    place::write(path, &svg(&scene, &chart.title))
+    force.write(path, svg(&scene, &chart.title))
 }

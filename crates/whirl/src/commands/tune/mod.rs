@@ -14,15 +14,17 @@ use rotor::file::write_feedback;
 use tuner::{Method, Options, Price, Problem, Progress};
 
 use crate::failure::Failure;
+use crate::interrupt;
 use crate::output::{Format, rounded};
+use crate::place::Force;
 use crate::range::Range;
-use crate::{interrupt, place};
 
 use question::{Asked, Gains, MeasureName, Places, Robust, Signal, Span, Varied};
 
 /// Options of `whirl tune`. What it finds is feedback, for `--feedback` and for files.
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("range").required(true).args(["over", "speed"]))]
+#[command(group = clap::ArgGroup::new("written").multiple(true).args(["out", "plot"]))]
 pub(crate) struct TuneArgs {
     /// The rotor: jeffcott, three-mass, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
@@ -123,6 +125,8 @@ pub(crate) struct TuneArgs {
     #[arg(long, requires = "out")]
     write_unstable: bool,
     #[command(flatten)]
+    force: Force,
+    #[command(flatten)]
     format: Format,
 }
 
@@ -161,9 +165,12 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Failure> {
     let asked = Asked::of(args)?;
     // A search that cannot deliver does not start.
     match (&args.out, args.pareto) {
-        (Some(path), None) => place::check(path)?,
+        (Some(path), None) => args.force.check(path)?,
         (Some(path), Some(_)) if path.exists() && !path.is_dir() => {
             return Err(Failure::Usage(format!("'{}' is a file: --pareto writes into a folder", path.display())));
+        }
+        (Some(folder), Some(_)) if folder.is_dir() => {
+            (1..=args.points).try_for_each(|point| args.force.check(&front::point_file(folder, point as usize)))?;
         }
         _ => {}
     }
@@ -171,7 +178,7 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Failure> {
         if args.track.is_none() && args.pareto.is_none() {
             return Err(Failure::Usage("--plot draws what --track or --pareto finds".into()));
         }
-        front::check_picture(path)?;
+        front::check_picture(path, args.force)?;
     }
     let stop = interrupt::flag()?;
     if args.pareto.is_some() {
@@ -229,9 +236,9 @@ impl Watch {
 }
 
 /// Writes a feedback file: what was asked, what was found, the feedback.
-fn write_file(path: &Path, feedback: &Feedback, comments: &[String]) -> Result<(), Failure> {
+fn write_file(path: &Path, force: Force, feedback: &Feedback, comments: &[String]) -> Result<(), Failure> {
     let command: Vec<String> = std::env::args().skip(1).collect();
     let head = format!("# whirl {}\n", command.join(" "));
     let comments: String = comments.iter().map(|line| format!("# {line}\n")).collect();
-    place::write(path, &(head + &comments + "\n" + &write_feedback(feedback)))
+    force.write(path, head + &comments + "\n" + &write_feedback(feedback))
 }
