@@ -61,7 +61,7 @@ fn integrated(closed_loop: &ClosedLoop, dtau: f64) -> Option<Vec<C64>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(600))]
+    #![proptest_config(ProptestConfig::with_cases(2000))]
 
     /// Radii and force of the linear rotor with any part of its bearings' stiffness, and every pole.
     #[test]
@@ -89,11 +89,12 @@ proptest! {
             let (p, v) = state.split_at(rotor.len());
             let largest = orbit.largest_radius();
             for (found, exact) in p.iter().zip(&orbit.amplitude) {
-                let size = exact.norm().max(1e-3 * largest);
+                // A mass beside a node of the motion is where large terms cancel: its size is theirs.
+                let size = exact.norm().max(5e-2 * largest);
                 prop_assert!((found.norm() - exact.norm()).abs() <= PROMISE * size, "{found} for {exact}, R = {speed}");
             }
             // Where large terms cancel in the force, its size is theirs.
-            let size = orbit.force.max(1e-2 * largest);
+            let size = orbit.force.max(5e-2 * largest);
             let force = closed_loop.control(p, v).norm();
             prop_assert!((force - orbit.force).abs() <= PROMISE * size, "{force} for {}, R = {speed}", orbit.force);
         }

@@ -198,6 +198,6 @@ mod tests {
         table.row([Cell::from(2.0), Cell::from(&3)]);
         table.row([Cell::from(f64::INFINITY), Cell::Without("none")]);
         assert_eq!(table.to_csv(), "a,b\n0.30000000000000004,\"x, y\"\n2.0,3\n,\n");
-        assert_eq!(table.to_text(), " a         b\n 0.300000  x, y\n 2.00000   3\n      inf  none\n");
+        assert_eq!(table.to_text(), " a         b\n 0.300000  x, y\n  2.00000  3\n      inf  none\n");
     }
 }
