@@ -68,6 +68,33 @@ pub fn interrupted(arguments: &[&str]) -> Ran {
     ran(child.wait_with_output().expect("it ends"))
 }
 
+/// Runs `whirl`, asks it to terminate once it has worked for a while (half a second of processor time, which is longer than
+/// any start takes), and gives how it ended and how long after the signal.
+///
+/// # Panics
+/// If it cannot be started, or ends before.
+#[must_use]
+pub fn terminated_at_work(arguments: &[&str]) -> (Ran, Duration) {
+    let child = whirl().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("whirl starts");
+    let stat = format!("/proc/{}/stat", child.id());
+    // Fields 14 and 15, counted from the end of the name: user and system time in ticks of 10 ms.
+    let worked = || {
+        let stat = std::fs::read_to_string(&stat).ok()?;
+        let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+        Some(fields[11].parse::<u64>().ok()? + fields[12].parse::<u64>().ok()?)
+    };
+    let start = Instant::now();
+    while worked().expect("it is there") < 50 {
+        assert!(start.elapsed() < PATIENCE, "it does not work");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let pid = rustix::process::Pid::from_child(&child);
+    let asked = Instant::now();
+    rustix::process::kill_process(pid, rustix::process::Signal::TERM).expect("it is there");
+    let ran = ran(child.wait_with_output().expect("it ends"));
+    (ran, asked.elapsed())
+}
+
 /// How a run of `whirl` ended.
 #[derive(Debug)]
 pub struct Ran {

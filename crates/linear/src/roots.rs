@@ -12,6 +12,8 @@ use crate::{C64, DelayError, DelaySystem};
 const STEPS: usize = 40;
 /// What a last step may be, relative to the size of the root and of the system: a root is within it, times the order.
 const CLOSE: f64 = 1e-6;
+/// Steps of it to see whether a root is one.
+const POLISH: usize = 3;
 /// Roots nearer each other than this, relative to the size of the system, are a cluster: Newton's method is no judge of them.
 const CLUSTER: f64 = 1e-4;
 /// Points on a circle around a cluster: with all others half as far again as it is wide, what is left out is far below rounding.
@@ -123,13 +125,31 @@ impl Balanced {
             if guess.re < line - 0.5 / self.delay - 0.1 * line.abs() {
                 continue;
             }
-            if let Some(root) = self.root_near(guess, found)
+            if let Some(root) = self.root_near(guess, found).and_then(|root| self.polished(root))
                 && root.re > line
                 && found.iter().all(|known| (root - known).norm() > apart)
             {
                 found.push(root);
             }
         }
+    }
+
+    /// `near` after some steps of Newton's method with no root divided out. Next to a root that is known the quotient's
+    /// slope is a difference of two large numbers, and rounding makes up roots there: those fall back onto the known one.
+    fn polished(&self, near: C64) -> Option<C64> {
+        let mut s = near;
+        for _ in 0..POLISH {
+            let Some(slope) = self.slope(s) else { return Some(s) };
+            let step = slope.inv();
+            if !step.is_finite() {
+                return None;
+            }
+            s -= step;
+            if step.norm() <= 1e-15 * s.norm() {
+                break;
+            }
+        }
+        Some(s)
     }
 
     /// `found`, with as many in place of each as there are about it, from the sums of their powers

@@ -172,7 +172,7 @@ proptest! {
         size in 1usize..5,
         loops in 1usize..3,
         gain in 0.1..5.0f64,
-        delay in prop_oneof![0.001..0.1f64, 0.1..3.0f64, 3.0..6.0f64],
+        delay in prop_oneof![0.001..0.1f64, 0.1..3.0f64, 3.0..30.0f64],
     ) {
         let (a, b) = (matrix(size, size, &values[..40]), matrix(size, loops, &values[3..50]));
         let c = matrix(loops, size, &values[7..60]) * C64::from(gain);

@@ -93,6 +93,12 @@ impl Quadratic {
     /// Sets to zero what of each of these poles is rounding: the real part of a marginal one, the imaginary part of a real
     /// one.
     pub fn settle(&self, poles: &mut [C64]) {
+        self.settle_by(poles, &|pole| self.condition(pole));
+    }
+
+    /// The same for poles of these equations closed in another way, such as after a delay: `condition` is the size of
+    /// `q Q'(lambda) p` at a pole, with its vectors in norm 1.
+    pub fn settle_by(&self, poles: &mut [C64], condition: &dyn Fn(C64) -> f64) {
         let rounding = self.rounding();
         let furthest = rounding.sqrt();
         for pole in poles {
@@ -100,7 +106,7 @@ impl Quadratic {
             if pole.re.abs().min(pole.im.abs()) > furthest {
                 continue;
             }
-            let reach = Self::reach(rounding, self.condition(*pole));
+            let reach = Self::reach(rounding, condition(*pole));
             for part in [&mut pole.re, &mut pole.im] {
                 if part.abs() <= reach {
                     *part = 0.0;

@@ -21,7 +21,7 @@ use crate::stop::Stop;
 pub struct Certificate {
     /// Where the worst was found, in the coordinates of the family's axes.
     pub point: Vec<f64>,
-    /// What the worst mode is worth there.
+    /// What the worst mode is worth there; exactly 0 for one that is marginal, see [`rotor::Standing`].
     pub value: f64,
     /// The pole of that mode.
     pub pole: C64,
@@ -29,8 +29,6 @@ pub struct Certificate {
     pub tolerance: f64,
     /// With a delay: every pole right of this was found there, and counted.
     pub count_right_of: Option<f64>,
-    /// Whether a pole there is as near the axis as rounding: then nobody can say whether it decays.
-    pub marginal: bool,
     /// Whether that is proven over the whole family; otherwise it is the worst of all conditions looked at.
     pub proven: bool,
     /// How many boxes of conditions were looked at.
@@ -42,10 +40,13 @@ impl Certificate {
     /// the other.
     #[must_use]
     pub fn stable(&self) -> Option<bool> {
-        if self.value <= 0.0 && !self.marginal {
-            return Some(false);
-        }
-        (!self.marginal).then_some(self.value > 0.0)
+        (!self.marginal()).then_some(self.value > 0.0)
+    }
+
+    /// Whether the worst mode is as near the axis as rounding: then nobody can say whether it decays.
+    #[must_use]
+    pub fn marginal(&self) -> bool {
+        self.value == 0.0
     }
 
     /// Whether the poles could be had at every condition looked at; with a long delay there may be too many to count.
@@ -73,6 +74,14 @@ enum Seen {
     Cut(Cell, Cell),
 }
 
+/// What was seen of one box, and what its middle is worth.
+struct Look {
+    seen: Seen,
+    value: f64,
+    pole: C64,
+    middle: Vec<f64>,
+}
+
 /// Bounds the worst over `problem`'s family for `gains`. Starts from the worst already known, at `point`.
 pub(crate) fn certify(
     problem: &Problem,
@@ -82,14 +91,13 @@ pub(crate) fn certify(
     budget: u64,
     stop: &Stop,
 ) -> Certificate {
-    let Worst { value, pole, right_of, marginal } = worst_at(problem, gains, point);
+    let Worst { value, pole, right_of } = worst_at(problem, gains, point);
     let mut found = Certificate {
         point: point.to_vec(),
         value,
         pole,
         tolerance,
         count_right_of: right_of,
-        marginal,
         proven: false,
         boxes: 0,
     };
@@ -106,12 +114,11 @@ pub(crate) fn certify(
         let slack = if found.value > 0.0 { tolerance.min(0.5 * found.value) } else { tolerance };
         let Some(planes) = problem.measure.half_planes(found.value - slack) else { return found };
         // A box has up to thousands of corners: the flag is looked at for every one of them.
-        let seen: Option<Vec<_>> = cells.par_iter().map(|cell| look(problem, gains, cell, &planes, stop)).collect();
+        let seen: Option<Vec<Look>> = cells.par_iter().map(|cell| look(problem, gains, cell, &planes, stop)).collect();
         let Some(seen) = seen else { return found };
         cells.clear();
-        for (seen, value, pole, middle) in seen {
+        for Look { seen, value, pole, middle } in seen {
             if value < found.value {
-                found.marginal = worst_at(problem, gains, &middle).marginal;
                 (found.value, found.pole, found.point) = (value, pole, middle);
             }
             if let Seen::Cut(a, b) = seen {
@@ -142,13 +149,7 @@ fn start(problem: &Problem) -> Vec<Cell> {
 
 /// Looks at one box: what its middle is worth, and whether all of it lies within `planes`.
 /// `None` once stopped.
-fn look(
-    problem: &Problem,
-    gains: &[f64],
-    cell: &Cell,
-    planes: &[(C64, f64)],
-    stop: &Stop,
-) -> Option<(Seen, f64, C64, Vec<f64>)> {
+fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)], stop: &Stop) -> Option<Look> {
     if stop.is_set() {
         return None;
     }
@@ -168,10 +169,13 @@ fn look(
         high.from[axis] = middle[axis];
         Seen::Cut(low, high)
     };
+    let told = |seen, value, pole| Look { seen, value, pole, middle: middle.clone() };
     let centre = closed(&middle);
-    let Ok(poles) = centre.poles() else { return Some((cut(None), f64::NEG_INFINITY, C64::ZERO, middle)) };
-    let (value, pole) = problem.measure.worst(&poles);
-    let Some(basis) = Basis::of(&centre, &poles) else { return Some((cut(None), value, pole, middle)) };
+    let Ok(poles) = centre.poles() else { return Some(told(cut(None), f64::NEG_INFINITY, C64::ZERO)) };
+    let mut settled = poles.clone();
+    centre.settle(&mut settled);
+    let (value, pole) = problem.measure.worst(&settled);
+    let Some(basis) = Basis::of(&centre, &poles) else { return Some(told(cut(None), value, pole)) };
     // Every corner; the first bit is the first axis that varies.
     let corner = |bits: usize| {
         let mut point = cell.from.clone();
@@ -187,13 +191,13 @@ fn look(
     let size = poles.len();
     let inside = corners.iter().all(|m| planes.iter().all(|plane| is_inside(m, size, *plane)));
     if inside {
-        return Some((Seen::Proven, value, pole, middle));
+        return Some(told(Seen::Proven, value, pole));
     }
     // The axis along which the matrix changes most.
     let change =
         |bit: usize| -> f64 { corners[0].iter().zip(&corners[1 << bit]).map(|(a, b)| (a - b).norm_sqr()).sum() };
     let axis = (0..axes.len()).max_by(|&a, &b| change(a).total_cmp(&change(b))).map(|bit| axes[bit]);
-    Some((cut(axis), value, pole, middle))
+    Some(told(cut(axis), value, pole))
 }
 
 /// The modes of a system as coordinates.

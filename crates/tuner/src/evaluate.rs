@@ -274,18 +274,9 @@ pub(crate) struct Worst {
     pub(crate) pole: C64,
     /// With a delay: every pole right of this was counted.
     pub(crate) right_of: Option<f64>,
-    /// Whether any pole is as near the axis as rounding: whether it decays cannot be said.
-    pub(crate) marginal: bool,
 }
 
-/// How far rounding moves the poles of `open`, by its norm: a pole nearer the axis is on it, as far as anybody can tell.
-fn rounding(open: &Quadratic) -> f64 {
-    let squares: f64 = open.stiffness().iter().chain(open.damping()).map(C64::norm_sqr).sum();
-    let n = open.masses() as f64;
-    16.0 * n * f64::EPSILON * (squares + n).sqrt()
-}
-
-/// The worst mode at one condition.
+/// The worst mode at one condition, poles on the axis but for rounding told as on it: a marginal one is worth exactly 0.
 pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Worst {
     let operating = Operating {
         point: Vec::new(),
@@ -294,14 +285,33 @@ pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Worst
         open: problem.family.open(point),
         synchronous: None,
     };
-    let closed = operating.close(&problem.structure.row(gains, point[0]), &[]);
-    let Some((closed, poles)) = closed else {
-        return Worst { value: f64::NEG_INFINITY, pole: C64::ZERO, right_of: None, marginal: false };
+    let row = problem.structure.row(gains, point[0]);
+    let Some((closed, mut poles)) = operating.close(&row, &[]) else {
+        return Worst { value: f64::NEG_INFINITY, pole: C64::ZERO, right_of: None };
+    };
+    let right_of = match closed {
+        Closed::AtOnce(closed) => {
+            closed.settle(&mut poles);
+            None
+        }
+        Closed::Late(system, line) => {
+            let mut at_once = operating.open;
+            at_once.control(&row);
+            at_once.settle_by(&mut poles, &|pole| condition(&system, pole));
+            Some(line)
+        }
     };
     let (value, pole) = problem.measure.worst(&poles);
-    let right_of = if let Closed::Late(_, line) = closed { Some(line) } else { None };
-    let near = rounding(&operating.open);
-    Worst { value, pole, right_of, marginal: poles.iter().any(|pole| pole.re.abs() <= near) }
+    Worst { value, pole, right_of }
+}
+
+/// The size of `q Q'(pole) p` with the vectors in norm 1: the state is displacement over velocity, and `q` is what the row
+/// has for the velocities. 0, which is the worst, if the vectors cannot be had.
+fn condition(system: &DelaySystem, pole: C64) -> f64 {
+    let Some(at) = system.sensitivity(pole) else { return 0.0 };
+    let n = at.right.len() / 2;
+    let sizes = at.right.rows(0, n).norm() * at.left.rows(n, n).norm();
+    if sizes > 0.0 { at.give.norm() / sizes } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -34,7 +34,7 @@ impl Measure {
     pub fn of(self, pole: C64) -> f64 {
         match self {
             Self::Ratio { forward, backward } => damping_ratio(pole) / if pole.im >= 0.0 { forward } else { backward },
-            Self::Decay => -pole.re,
+            Self::Decay => 0.0 - pole.re,
         }
     }
 

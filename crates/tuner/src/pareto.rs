@@ -59,7 +59,7 @@ pub fn pareto(
     let best = tune(problem, options, progress, stop)?;
     let top = price.of(&best);
     let mut front = vec![Point { limit: top, tuned: best }];
-    if !(top > 0.0 && front[0].tuned.worst.value > 0.0) {
+    if !(top > 0.0 && front[0].tuned.worst.stable() == Some(true)) {
         return Ok(front);
     }
     let at = |limit: f64, from: &Tuned| {
@@ -68,7 +68,8 @@ pub fn pareto(
         options.first = vec![from.gains.iter().map(|gain| gain * scale).collect()];
         tune(&price.limited(problem, limit), &options, progress, stop)
     };
-    let within = |tuned: &Tuned, limit: f64| tuned.worst.value > 0.0 && price.of(tuned) <= limit * (1.0 + 1e-3);
+    let within =
+        |tuned: &Tuned, limit: f64| tuned.worst.stable() == Some(true) && price.of(tuned) <= limit * (1.0 + 1e-3);
     // The tightest limit, to a factor of two, then of the fourth root of two.
     let (mut low, mut high) = (top * 0.5_f64.powi(HALVINGS), top);
     let mut tightest = front[0].tuned.clone();

@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rotor::{Feedback, Mass, Rotor, builtin};
-use tuner::{Axis, Family, Options, Problem, Quantity, Schedule, Stop, Structure, Tuned, judge, tune};
+use tuner::{
+    Axis, Family, Measure, Options, Price, Problem, Quantity, Schedule, Stop, Structure, Tuned, judge, pareto, tune,
+};
 
 fn problem(rotor: &Rotor, [from, to]: [f64; 2], delay: f64) -> Problem {
     let mut family = Family::new(rotor, from, to).expect("a range");
@@ -65,9 +67,8 @@ fn what_cannot_be_counted_is_not_known() {
     assert!(!found.worst.is_known() && found.worst.stable() != Some(true), "{:?}", found.worst);
 }
 
-/// Two free masses on one shaft: at rest its free mode is within rounding of the axis.
-#[test]
-fn a_mode_within_rounding_of_the_axis_is_no_success() {
+/// Masses 0.5 on a shaft 0.5 with nothing to hold them but this.
+fn loose(damping: [f64; 2]) -> Rotor {
     let mass = |damping: f64| Mass {
         mass: 0.5,
         damping,
@@ -77,10 +78,43 @@ fn a_mode_within_rounding_of_the_axis_is_no_success() {
         unbalance: 0.0,
         deadband: 0.0,
     };
-    for damping in [0.1, 0.0] {
-        let rotor = Rotor::new("free", vec![mass(damping), mass(damping)], vec![0.5]).expect("a rotor");
-        let found = judged(&problem(&rotor, [0.0, 0.0], 0.0), &[0.0; 4]);
-        assert!(found.worst.marginal && found.worst.stable() != Some(true), "{:?}", found.worst);
+    Rotor::new("loose", damping.map(mass).to_vec(), vec![0.5]).expect("a rotor")
+}
+
+/// A free mode, a mode that nothing damps, and a rotor held only by its magnetic bearing, at once and after a delay: worth
+/// exactly nothing, for either measure.
+#[test]
+fn a_mode_within_rounding_of_the_axis_is_no_success() {
+    for (damping, gains) in [([0.1; 2], [0.0; 4]), ([0.0; 2], [0.0; 4]), ([0.0; 2], [1.0, 0.0, 0.0, 0.0])] {
+        for delay in [0.0, 0.1] {
+            if delay > 0.0 && gains != [0.0; 4] {
+                continue;
+            }
+            for measure in [Measure::default(), Measure::Decay] {
+                let asked = Problem { measure, ..problem(&loose(damping), [0.0, 0.0], delay) };
+                let found = judged(&asked, &gains);
+                assert!(found.worst.marginal() && found.worst.stable().is_none(), "{damping:?} {delay} {found:?}");
+                assert_eq!(found.worst.value, 0.0);
+            }
+        }
+    }
+}
+
+/// A feedback that pushes round the circle drives one mode and leaves another undamped: what grows is what is told.
+#[test]
+fn what_grows_beside_a_marginal_mode_is_unstable_and_not_marginal() {
+    let found = judged(&problem(&loose([0.0, 0.0]), [0.0, 0.0], 0.0), &[0.0, -1.0, 0.0, 0.0]);
+    assert_eq!(found.worst.stable(), Some(false), "{found:?}");
+}
+
+/// Where the best there is is marginal there is nothing to trade: the front is that one point, and no success.
+#[test]
+fn a_front_of_marginal_gains_ends_at_once() {
+    let asked = Problem { bound: 0.0, ..problem(&loose([0.0; 2]), [0.0, 0.0], 0.0) };
+    let options = Options { starts: 1, ..Options::for_problem(&asked) };
+    match pareto(&asked, Price::Gain, 4, &options, &|_| (), Stop::NEVER) {
+        Ok(front) => assert!(front.len() == 1 && front[0].tuned.worst.stable() != Some(true), "{front:?}"),
+        Err(error) => assert!(!error.to_string().is_empty()),
     }
 }
 

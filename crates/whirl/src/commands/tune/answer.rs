@@ -110,7 +110,7 @@ impl<'a> Document<'a> {
         Ok(Self {
             rotor: asked.rotor().name(),
             stable: tuned.worst.stable(),
-            marginal: tuned.worst.marginal,
+            marginal: tuned.worst.marginal(),
             count_right_of: tuned.worst.count_right_of,
             min_damping,
             worst_speed,
