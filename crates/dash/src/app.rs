@@ -117,6 +117,8 @@ pub(crate) struct App<'a> {
     scribe: Option<&'a mut dyn Scribe>,
     /// A gain search under way.
     search: Option<Search>,
+    /// What the gains in force do and what those do that a search found, while that waits for an answer.
+    beside: Vec<crate::view::Offer>,
     /// What is pointed at beside a moment.
     pointed: Pointed,
 }
@@ -166,6 +168,7 @@ impl<'a> App<'a> {
             player: None,
             scribe: None,
             search: None,
+            beside: Vec::new(),
             pointed: Pointed::default(),
         }
     }
@@ -271,6 +274,7 @@ impl<'a> App<'a> {
         });
         let offers = match self.layers.last() {
             Some(Layer::Command(line)) => self.offers(line.text(), &picture),
+            Some(Layer::Offer(..) | Layer::Ask(..)) => self.beside.clone(),
             _ => Vec::new(),
         };
         let view = View {

@@ -11,6 +11,7 @@ mod actions;
 mod analysis;
 mod app;
 mod axis;
+mod beside;
 mod clerk;
 mod complete;
 mod config;

@@ -43,7 +43,11 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
         }
     }
     status::draw_foot(view, foot, buffer);
-    offers::draw(view.offers, body, buffer);
+    let title = match view.layers.last() {
+        Some(Layer::Offer(..) | Layer::Ask(..)) => offers::BESIDE,
+        _ => offers::COMPLETES,
+    };
+    offers::draw(title, view.offers, body, buffer);
     let help = view.layers.iter().find_map(|layer| match layer {
         Layer::Help(from) => Some(*from),
         _ => None,

@@ -10,6 +10,7 @@ use std::thread::JoinHandle;
 use rotor::{Feedback, Gain, Rotor, Settings};
 use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
 
+use crate::beside::Deeds;
 use crate::units::Units;
 
 /// What is searched for.
@@ -24,13 +25,15 @@ pub(crate) struct Wish {
 }
 
 impl Wish {
-    /// Reads what follows `:search`: nothing for the present speed, `A..B` for a range in the machine's unit of speed, `robust`
+    /// Reads what follows `:search`: nothing for the speeds that matter, from rest to a tenth past the present one, `A..B` for a range in the machine's unit of speed, `robust`
     /// beside either.
     ///
     /// # Errors
     /// What is wrong with it, for the message line.
     pub(crate) fn read(words: &str, present_speed: f64, units: &Units) -> Result<Self, String> {
-        let mut wish = Self { from: present_speed, to: present_speed, robust: false };
+        // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
+        let past = ((1.1 * present_speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
+        let mut wish = Self { from: 0.0, to: past, robust: false };
         let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
             let is_range = match rotor::typed::range(word) {
@@ -81,6 +84,8 @@ pub(crate) struct Found {
     pub(crate) proven: bool,
     /// Whether it was stopped before its end.
     pub(crate) stopped: bool,
+    /// What the gains in force do, and those that were found.
+    pub(crate) deeds: Box<[Deeds; 2]>,
 }
 
 #[derive(Debug, Default)]
@@ -113,13 +118,18 @@ impl Search {
         options.starts += 1;
         let (stop, slot) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Slot::default())));
         let (flag, place, settings) = (stop.clone(), slot.clone(), settings.clone());
+        let (rotor, speeds) = (Arc::new(rotor.clone()), [wish.from, wish.to]);
         let fill = move |change: &dyn Fn(&mut Slot)| change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
         let work = move || {
             let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
             let tuned = tune(&problem, &options, &say, Stop::when(&flag));
             let found = tuned.map_err(|error| error.to_string()).map(|tuned| Found {
                 before: settings.clone(),
-                settings: Settings { feedback: tuned.feedback, ..settings.clone() },
+                settings: Settings { feedback: tuned.feedback.clone(), ..settings.clone() },
+                deeds: Box::new(
+                    [settings.feedback.clone(), tuned.feedback]
+                        .map(|feedback| Deeds::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds)),
+                ),
                 min_damping: tuned.worst.value,
                 worst_speed: tuned.worst.point[0],
                 proven: tuned.worst.proven,
@@ -216,7 +226,7 @@ mod tests {
     #[test]
     fn finds_better_gains_for_the_present_structure() {
         let (rotor, settings) = bench();
-        let wish = Wish::read("", settings.speed, &Units::DIMENSIONLESS).unwrap();
+        let wish = Wish { from: 6.0, to: 6.0, robust: false };
         let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
         assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
         assert_eq!(found.worst_speed, 6.0);
@@ -231,6 +241,19 @@ mod tests {
             settings,
             "nothing else changes"
         );
+    }
+
+    #[test]
+    fn a_search_by_default_is_from_rest_to_past_the_present_speed_and_what_it_finds_holds_there() {
+        // The search of one speed offered gains that held 2.226 to 2.901 in place of gains that held 0 to 7.07.
+        let (rotor, mut settings) = bench();
+        settings.speed = 2.5;
+        let wish = Wish::read("", settings.speed, &Units::DIMENSIONLESS).unwrap();
+        assert_eq!((wish.from, wish.to), (0.0, 2.8));
+        let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
+        let [now, new] = &*found.deeds;
+        assert!(new.min_damping > now.min_damping && new.stable[0][0] == 0.0 && new.stable[0][1] >= 2.8, "{found:?}");
+        assert_eq!(now.stable[0][0], 0.0);
     }
 
     #[test]
@@ -250,14 +273,14 @@ mod tests {
         // 1000 rad/s are 9549.3 rpm.
         assert!((wish.to - 2.0).abs() < 1e-12, "{wish:?}");
         assert_eq!(wish.words(&units), "over 0..19099 rpm");
-        assert_eq!(Wish::read("", 2.5, &units).unwrap().words(&units), "at 23873 rpm");
+        assert_eq!(Wish::read("", 2.5, &units).unwrap().words(&units), "over 0..26738 rpm");
     }
 
     #[test]
     fn wishes_are_read_or_refused() {
         let units = Units::DIMENSIONLESS;
         let wish = |words| Wish::read(words, 5.0, &units);
-        assert_eq!(wish("").unwrap().words(&units), "at R 5");
+        assert_eq!(wish("").unwrap().words(&units), "over R 0..5.5");
         assert_eq!(wish("0..6").unwrap().words(&units), "over R 0..6");
         assert_eq!(wish("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
         for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {

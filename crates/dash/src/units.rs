@@ -30,7 +30,7 @@ impl Unit {
 const DIGITS: usize = 7;
 
 /// A value of so many significant digits. What a search or a product of factors leaves behind them is for files, not for people.
-fn rounded(value: f64, digits: usize) -> f64 {
+pub(crate) fn rounded(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 

@@ -159,7 +159,7 @@ pub(crate) const ACTIONS: &[Row] = &[
     Row {
         name: "search",
         argument: "[A..B] [robust]|stop",
-        meaning: "search gains for the present speed or a range; robust: for any deadband",
+        meaning: "search gains to past the present speed, or over a range",
         keys: &[keys(&[("S", "")], "search better gains, to be seen before they apply", None)],
         make: |words| Ok(Action::Search(words.to_owned())),
     },

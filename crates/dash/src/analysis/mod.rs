@@ -2,7 +2,7 @@
 //! so it is asked for there and computed on a [`Desk`].
 
 mod latest;
-mod over_speed;
+pub(crate) mod over_speed;
 mod spectra;
 
 use std::sync::Arc;

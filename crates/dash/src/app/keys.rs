@@ -87,6 +87,7 @@ impl App<'_> {
             },
             Some(Layer::Ask(..) | Layer::Offer(..) | Layer::Confirm(..)) => {
                 let asked = self.layers.pop();
+                self.beside.clear();
                 let yes = matches!(key.code, KeyCode::Char('y' | 'Y'));
                 match asked {
                     Some(Layer::Ask(edit, settings, _)) if yes => self.send(Edit::Sure(Box::new(edit), settings)),

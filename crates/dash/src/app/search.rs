@@ -51,8 +51,12 @@ impl App<'_> {
             Ok(found) => {
                 let proven = if found.proven { "proven" } else { "the worst found" };
                 let early = if found.stopped { ", stopped early" } else { "" };
+                let [now, new] = &*found.deeds;
+                let less_far =
+                    if now.holds_farther_than(new) { ", but stable LESS FAR from rest than now" } else { "" };
+                self.beside = crate::beside::rows(now, new, &units);
                 let what = format!(
-                    "found {wish}: min damping {:.4} at {} ({proven}{early})",
+                    "found {wish}: min damping {:.4} at {} ({proven}{early}){less_far}",
                     found.min_damping,
                     units.speed_told(found.worst_speed)
                 );
@@ -60,7 +64,8 @@ impl App<'_> {
                 let candidate = Box::new(change.1.clone());
                 self.message = (Message::Hints, std::time::Instant::now());
                 let edit = Edit::Become(change, format!("gains searched {wish}"));
-                let holds = found.min_damping > 0.0;
+                // What rounding decides is told as exactly zero: no success.
+                let holds = found.min_damping > 0.0 && new.min_damping > 0.0;
                 self.layers.push(if holds {
                     Layer::Offer(edit, what)
                 } else {

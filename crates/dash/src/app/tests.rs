@@ -395,8 +395,13 @@ fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
     // Seen before it applies: the panels show the candidate beside the present gains.
     let screen = frame(&mut app);
     assert!(screen.contains("found over R 0..5: min damping 0.0388"), "{screen}");
+    // What both sets of gains do stands above the question, gone with the answer.
+    for words in [" in force, and found ", "min damping  ", "stable       R 0 to 7.07", "force ", "kd  "] {
+        assert!(screen.contains(words), "{words}: {screen}");
+    }
     assert!(taken.is_empty() && app.search.is_none());
     press(&mut app, &[Char('y')]);
+    assert!(!frame(&mut app).contains(" in force, and found "));
     let edits: Vec<Edit> = taken.try_iter().collect();
     let [Edit::Become(change, why)] = &edits[..] else { panic!("{edits:?}") };
     assert_eq!(why, "gains searched over R 0..5");

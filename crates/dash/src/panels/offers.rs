@@ -1,4 +1,5 @@
-//! What can follow the command that is being typed: a list above the line at the foot.
+//! What can follow the command that is being typed, or what an answer to a question would change: a list above the line at
+//! the foot.
 //!
 //! ```text
 //! ┌ tab completes ────────────────────────────────┐
@@ -18,11 +19,16 @@ use super::write;
 use crate::theme;
 use crate::view::Offer;
 
+/// Over what a command may go on with.
+pub(crate) const COMPLETES: &str = " tab completes ";
+/// Over what is in force and what was found.
+pub(crate) const BESIDE: &str = " in force, and found ";
+
 /// Rows at most, with the one that counts the rest.
 const ROWS: usize = 12;
 
 /// Draws them at the lower left of `body`; nothing if there are none.
-pub(crate) fn draw(offers: &[Offer], body: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw(title: &'static str, offers: &[Offer], body: Rect, buffer: &mut Buffer) {
     let room = usize::from(body.height / 2).saturating_sub(2).min(ROWS);
     if offers.is_empty() || room == 0 {
         return;
@@ -35,7 +41,7 @@ pub(crate) fn draw(offers: &[Offer], body: Rect, buffer: &mut Buffer) {
     let height = shown as u16 + u16::from(shown < offers.len()) + 2;
     let place = Rect { y: body.bottom() - height, width, height, ..body };
     Clear.render(place, buffer);
-    let block = Block::bordered().border_style(theme::quiet()).title(" tab completes ");
+    let block = Block::bordered().border_style(theme::quiet()).title(title);
     let inner = block.inner(place);
     block.render(place, buffer);
     for (y, offer) in (inner.y..inner.bottom()).zip(&offers[..shown]) {
@@ -56,7 +62,7 @@ mod tests {
     fn frame(count: usize, width: u16, height: u16) -> String {
         let offers: Vec<Offer> =
             (0..count).map(|i| Offer { word: format!("gains{i}"), detail: format!("min damping 0.0{i}") }).collect();
-        drawn(width, height, |area, buffer| draw(&offers, area, buffer))
+        drawn(width, height, |area, buffer| draw(COMPLETES, &offers, area, buffer))
     }
 
     #[test]
