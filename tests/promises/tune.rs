@@ -190,7 +190,6 @@ fn a_search_in_a_large_family_ends_when_it_is_told_to() {
         let (ran, after) = terminated_at_work(&[&ask[..], &["--robust", "deadband", "--starts", "1"]].concat());
         assert_eq!(ran.code, Some(130), "{ran:?}");
         assert!(after < PATIENCE / 3, "{count} masses: {after:?}");
-        println!("{count} masses: {after:?}");
     }
 }
 

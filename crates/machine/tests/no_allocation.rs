@@ -30,6 +30,9 @@ fn everything(feedback: &mut Feedback) {
     feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
 }
 
+/// A loop by its name, and what makes it.
+type Loop = (&'static str, fn(&mut Feedback));
+
 fn step(machine: &mut Machine, times: usize) {
     for _ in 0..times {
         machine.step();
@@ -39,7 +42,7 @@ fn step(machine: &mut Machine, times: usize) {
 #[test]
 fn steps_orders_and_new_programs_allocate_nothing() {
     let late: fn(&mut Feedback) = |f| (f.parts.delay, f.parts.lag) = (0.033, 0.01);
-    let loops: [(&str, fn(&mut Feedback)); 3] = [("ideal", |_| ()), ("everything", everything), ("late", late)];
+    let loops: [Loop; 3] = [("ideal", |_| ()), ("everything", everything), ("late", late)];
     for (from, first) in loops {
         for (to, second) in loops {
             for ramp in [f64::INFINITY, 0.5] {
