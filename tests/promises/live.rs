@@ -125,7 +125,7 @@ fn what_is_too_fast_for_a_step_takes_substeps_that_are_told_or_is_refused_as_run
     let simulation = root.simulate(&["jeffcott", "--speed", "300"]);
     let state = |root: &Root| lines(&root.run(&["tail", "--count", "1", "--json"]).stdout).remove(0);
     let told = |root: &Root| root.run(&["status", "--json"]).json()["benches"][0]["substeps"].clone();
-    assert_eq!(told(&root), 17);
+    assert_eq!(told(&root), 21);
     // Once transients have died it is on the exact orbit.
     let settled = std::iter::repeat_with(|| state(&root)).find(|state| state["tau"].as_f64().unwrap() > 60.0).unwrap();
     let number = |value: &Value| value.as_f64().unwrap();
