@@ -70,7 +70,7 @@ pub struct Table {
 }
 
 enum Sink {
-    Csv(Csv<Draft>),
+    Csv(Box<Csv<Draft>>),
     #[cfg(feature = "parquet")]
     Parquet(Box<columnar::Columns>),
 }
@@ -91,7 +91,7 @@ impl Table {
         let begun = match form {
             Form::Csv => {
                 let names = doubles.iter().map(String::as_str).chain(wholes.iter().map(|whole| whole.0));
-                Csv::begin(draft, names).map(Sink::Csv)
+                Csv::begin(draft, names).map(|csv| Sink::Csv(Box::new(csv)))
             }
             #[cfg(feature = "parquet")]
             Form::Parquet => columnar::Columns::create(draft, doubles, wholes).map(|c| Sink::Parquet(Box::new(c))),
