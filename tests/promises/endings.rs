@@ -46,15 +46,6 @@ fn a_stop_from_outside_gives_the_terminal_back_and_a_continue_takes_it_again() {
     screen.press("fg\r");
     screen.wait_words("orbits");
     assert!(screen.is_taken() && screen.has_mouse() && !screen.is_cooked());
-    // Nothing can be done at a stop that cannot be caught; the shell, or who sits at it, then puts the terminal right.
-    send(pid, Signal::STOP);
-    screen.wait("the shell", |text| text.contains("shell>").then_some(()));
-    screen.press("stty sane; printf '\\033[?1049l\\033[?1000l\\033[2Jsane%s\\n' again\n");
-    screen.wait_words("saneagain");
-    screen.press("fg\r");
-    screen.wait_words("orbits");
-    screen.wait("the terminal to be taken", |_| (screen.is_taken() && screen.has_mouse()).then_some(()));
-    assert!(!screen.is_cooked(), "raw again");
     screen.press("q");
     screen.wait("the shell", |text| text.trim_end().ends_with("\nshell>").then_some(()));
     assert!(!screen.is_taken() && !screen.has_mouse() && screen.is_cooked());
