@@ -77,3 +77,21 @@ fn bad_input_exits_2() {
         assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{ran:?}");
     }
 }
+
+#[test]
+fn a_rotor_that_floats_free_in_its_clearances_is_marginal_in_words_and_in_json() {
+    let folder = tempfile::tempdir().unwrap();
+    let mass = "[[mass]]\nmass = 0.5\nbearing_stiffness = 1.0\ndeadband = 1.0\n";
+    let text = format!("name = \"free\"\nunits = \"dimensionless\"\n{mass}{mass}[[shaft]]\nstiffness = 0.5\n");
+    let path = folder.path().join("free.toml");
+    std::fs::write(&path, text).unwrap();
+    let path = path.to_str().unwrap();
+    let document = run(&["response", path, "--over", "0..1", "--points", "2", "--json"]).json();
+    for point in document["points"].as_array().unwrap() {
+        let branch = &point["branches"][0];
+        assert_eq!((&branch["stable"], &branch["growth"]), (&serde_json::Value::Null, &0.0.into()), "{branch}");
+    }
+    assert!(run(&["response", path, "--over", "0..1", "--points", "2"]).stdout.contains("marginal"));
+    let found = run(&["run", path, "--speed", "1", "--duration", "20", "--json"]).json();
+    assert_eq!((&found["centre_stability"], &found["centre_growth"]), (&"marginal".into(), &0.0.into()));
+}

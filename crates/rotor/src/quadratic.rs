@@ -36,6 +36,11 @@ impl Quadratic {
         made
     }
 
+    /// Any equations of that form: `K` and `D` row by row, `n x n` each.
+    pub(crate) fn of_rows(masses: usize, stiffness: Vec<C64>, damping: Vec<C64>) -> Self {
+        Self { masses, stiffness, damping }
+    }
+
     /// Closes a loop more: adds the force of `control` to the row of the mass that carries its bearing.
     ///
     /// # Panics

@@ -92,7 +92,6 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
     let (c, frequency, speed) = problem.unpack(x);
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
-    let (growth, noise) = (growth.rate, growth.noise);
     let force = equation.force(c.as_slice(), frequency);
     let mut amplitude = c.as_slice().to_vec();
     if !problem.forced {
@@ -100,7 +99,7 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
         let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });
         amplitude.iter_mut().for_each(|c| *c *= largest.conj() / largest.norm());
     }
-    Ok(Orbit { speed, frequency, amplitude, contact, force, growth, noise })
+    Ok(Orbit { speed, frequency, amplitude, contact, force, growth })
 }
 
 impl Problem<'_> {

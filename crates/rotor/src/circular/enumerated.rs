@@ -124,3 +124,171 @@ pub(super) fn is_unique(equation: &Equation, speed: f64, gapped: &[usize]) -> bo
     let squares = weighted.adjoint() * &weighted;
     eigenvalues(squares).is_ok_and(|all| all.iter().all(|s| s.norm() < 1.0 - 1e-9))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::circular::newton::Closing;
+    use crate::circular::whirl_equation::Problem;
+    use crate::{Feedback, Mass, Rotor, builtin};
+
+    fn chance(seed: &mut u64) -> f64 {
+        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (*seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
+    }
+
+    fn complex(seed: &mut u64) -> C64 {
+        C64::new(chance(seed), chance(seed))
+    }
+
+    #[test]
+    fn roots_are_those_of_the_factors_but_for_zero() {
+        let factors = [C64::from(2.0), C64::new(0.0, 3.0), C64::new(-0.5, 0.5)];
+        let product = factors.iter().fold(vec![C64::ZERO, C64::ZERO, C64::ONE], |p, r| times(&p, &[-r, C64::ONE]));
+        let found = roots(&product).unwrap();
+        assert_eq!(found.len(), 3);
+        for factor in factors {
+            assert!(found.iter().any(|r| (r - factor).norm() < 1e-12), "{factor} in {found:?}");
+        }
+        assert_eq!(roots(&[C64::ZERO; 3]), None, "nothing is everywhere zero in isolation");
+        assert_eq!(roots(&[C64::ZERO, C64::ONE]), Some(vec![]));
+    }
+
+    #[test]
+    fn every_direction_that_a_scan_of_the_circle_meets_is_a_root() {
+        const SAMPLES: usize = 2000;
+        let (mut seed, mut met) = (1, 0);
+        for _ in 0..60 {
+            let a = [complex(&mut seed), complex(&mut seed)];
+            let h = [[complex(&mut seed), complex(&mut seed)], [complex(&mut seed), complex(&mut seed)]];
+            let all = directions(a, h).unwrap();
+            assert!(all.len() <= 6, "{all:?}");
+            // Im conj(z) (a_k + h_kl u) = -Im h_kk leaves two z for each u; the second equation tells which u.
+            let mismatch = |at: usize, branch: usize| {
+                let u = C64::cis(std::f64::consts::TAU * at as f64 / SAMPLES as f64);
+                let drive = a[0] + h[0][1] * u;
+                let sine = h[0][0].im / drive.norm();
+                let lag = if branch == 0 { sine.asin() } else { std::f64::consts::PI - sine.asin() };
+                let z = C64::cis(drive.arg() + lag);
+                (sine.abs() < 1.0).then(|| (u, (u.conj() * (a[1] + h[1][0] * z + h[1][1] * u)).im))
+            };
+            for branch in [0, 1] {
+                for at in 0..SAMPLES {
+                    let (Some((u, f)), Some((_, next))) = (mismatch(at, branch), mismatch(at + 1, branch)) else {
+                        continue;
+                    };
+                    if f * next < 0.0 {
+                        let nearest = all.iter().map(|r| (r - u).norm()).fold(f64::INFINITY, f64::min);
+                        assert!(nearest < 2.0 * std::f64::consts::TAU / SAMPLES as f64, "{u} is not in {all:?}");
+                        met += 1;
+                    }
+                }
+            }
+        }
+        assert!(met > 100, "{met}");
+    }
+
+    #[test]
+    fn frequencies_hold_every_zero_that_a_scan_meets() {
+        // One mass: Im Z = 2 zeta w - zeta R, zero at half the spin.
+        let (rotor, feedback) = machine("jeffcott");
+        let problem = Problem::new(&rotor, &feedback, &[1.0], false);
+        let found = frequencies(&problem.at(3.0), 0).unwrap();
+        assert!(found.iter().any(|w| (w - 1.5).abs() < 1e-12), "{found:?}");
+        let (rotor, feedback) = machine("three-mass");
+        let problem = Problem::new(&rotor, &feedback, &[1.0; 3], false);
+        let mut met = 0;
+        for speed in [1.0, 3.0, 5.0] {
+            let equation = problem.at(speed);
+            for k in 0..3 {
+                let found = frequencies(&equation, k).unwrap();
+                let influence = |w: f64| {
+                    let mut unit = DVector::zeros(3);
+                    unit[k] = C64::ONE;
+                    equation.stiffened(w, |i| if i == k { 1.0 } else { 0.0 }).lu().solve(&unit).unwrap()[k].im
+                };
+                for at in -5000..5000 {
+                    let (w, next) = (f64::from(at) * 1e-3 + 1e-5, f64::from(at + 1) * 1e-3 + 1e-5);
+                    if influence(w) * influence(next) < 0.0 {
+                        assert!(
+                            found.iter().any(|f| (w..=next).contains(f)),
+                            "R = {speed}, mass {k}: {w} in {found:?}"
+                        );
+                        met += 1;
+                    }
+                }
+            }
+        }
+        assert!(met >= 9, "{met}");
+    }
+
+    fn machine(name: &str) -> (Rotor, Feedback) {
+        let rotor = builtin::rotor(name).unwrap();
+        let feedback = builtin::feedback(&rotor, "off").unwrap();
+        (rotor, feedback)
+    }
+
+    /// Five masses that all have clearance.
+    fn five(damping: f64) -> (Rotor, Feedback) {
+        let mass = |unbalance| Mass {
+            mass: 0.2,
+            damping,
+            bearing_stiffness: 0.2,
+            seal_stiffness: 0.1,
+            unbalance,
+            ..Mass::default()
+        };
+        let rotor = Rotor::new("five", [0.2, -0.1, 0.3, 0.1, 0.2].map(mass).to_vec(), vec![0.5; 4]).unwrap();
+        let feedback = builtin::feedback(&rotor, "off").unwrap();
+        (rotor, feedback)
+    }
+
+    #[test]
+    fn what_is_said_to_be_unique_no_start_finds_a_second_of() {
+        let gapped = [0, 1, 2, 3, 4];
+        let (mut seed, mut proven) = (1, 0);
+        for damping in [0.05, 0.3, 0.8] {
+            let (rotor, feedback) = five(damping);
+            let problem = Problem::new(&rotor, &feedback, &[0.1; 5], true);
+            for speed in [0.4, 1.0, 2.0, 3.0] {
+                if !is_unique(&problem.at(speed), speed, &gapped) {
+                    continue;
+                }
+                proven += 1;
+                let mut first: Option<DVector<f64>> = None;
+                for _ in 0..60 {
+                    let c: Vec<C64> = (0..5).map(|_| complex(&mut seed)).collect();
+                    let Some((x, _)) = problem.solve_any(problem.pack(&c, speed, speed), Closing::Speed(speed)) else {
+                        continue;
+                    };
+                    let first = first.get_or_insert_with(|| x.clone());
+                    assert!((&*first - &x).norm() < 1e-8 * x.norm(), "two orbits at R = {speed}: {first} {x}");
+                }
+                assert!(first.is_some());
+            }
+        }
+        assert!(proven >= 3, "{proven}");
+    }
+
+    #[test]
+    fn where_there_are_three_orbits_uniqueness_is_not_claimed() {
+        let mass = Mass {
+            mass: 1.0,
+            damping: 0.01,
+            bearing_stiffness: 0.8,
+            seal_stiffness: 0.5,
+            unbalance: 1.0,
+            ..Mass::default()
+        };
+        let rotor = Rotor::new("one", vec![mass], vec![]).unwrap();
+        let feedback = builtin::feedback(&rotor, "off").unwrap();
+        let speeds: Vec<f64> = (1..100).map(|i| f64::from(i) * 0.03).collect();
+        let found = crate::circular::synchronous(&rotor, &feedback, &[5.0], &speeds).unwrap();
+        let problem = Problem::new(&rotor, &feedback, &[5.0], true);
+        let several: Vec<_> = speeds.iter().zip(&found.orbits).filter(|(_, orbits)| orbits.len() > 1).collect();
+        assert!(several.len() > 3);
+        for (speed, _) in several {
+            assert!(!is_unique(&problem.at(*speed), *speed, &[0]), "R = {speed}");
+        }
+    }
+}

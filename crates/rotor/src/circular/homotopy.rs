@@ -144,3 +144,81 @@ fn passages(problem: &Problem<'_>, way: &Problem<'_>, nodes: &[Node], speed: f64
         })
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Mass, Rotor, builtin};
+
+    fn radii(problem: &Problem<'_>, found: &Found) -> Vec<f64> {
+        let mut all: Vec<f64> = found.iter().map(|(x, _)| problem.unpack(x).0[0].norm()).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup_by(|a, b| (*a - *b).abs() < 1e-8 * *b);
+        all
+    }
+
+    /// One mass meets its three orbits one after the other as the unbalance grows: the roots of its quadratic.
+    #[test]
+    fn the_way_over_the_unbalance_passes_every_orbit_of_one_mass() {
+        let (damping, b, g) = (0.01, 0.8, 5.0);
+        let mass =
+            Mass { mass: 1.0, damping, bearing_stiffness: b, seal_stiffness: 0.5, unbalance: 1.0, ..Mass::default() };
+        let rotor = Rotor::new("one", vec![mass], vec![]).unwrap();
+        let feedback = builtin::feedback(&rotor, "off").unwrap();
+        let problem = Problem::new(&rotor, &feedback, &[g], true);
+        let mut several = 0;
+        for speed in (1..60).map(|i| f64::from(i) * 0.05 + 0.003) {
+            let (z, f) = (C64::new(0.5 - speed * speed, damping * speed), speed * speed);
+            let mut expected: Vec<f64> = Some(f / z.norm()).into_iter().filter(|r| *r <= g).collect();
+            let (qa, qb, qc) = ((z + b).norm_sqr(), -2.0 * (z + b).re * b * g, (b * g).powi(2) - f * f);
+            let discriminant = qb * qb - 4.0 * qa * qc;
+            if discriminant > 0.0 {
+                let both = [-1.0, 1.0].map(|sign| (-qb + sign * discriminant.sqrt()) / (2.0 * qa));
+                expected.extend(both.into_iter().filter(|r| *r > g));
+            }
+            expected.sort_by(f64::total_cmp);
+            let found = radii(&problem, &by_load(&problem, speed));
+            assert_eq!(found.len(), expected.len(), "R = {speed}: {found:?} for {expected:?}");
+            assert!(found.iter().zip(&expected).all(|(a, b)| (a - b).abs() < 1e-8 * b), "{found:?} for {expected:?}");
+            assert_eq!(found.len() % 2, 1, "from the free to the tight rotor it passes an odd number of times");
+            several += usize::from(found.len() > 1);
+        }
+        assert!(several > 3, "{several}");
+    }
+
+    #[test]
+    fn the_nonlinear_mode_of_one_mass_passes_its_cycle() {
+        let rotor = builtin::rotor("jeffcott").unwrap();
+        let feedback = builtin::feedback(&rotor, "off").unwrap();
+        let problem = Problem::new(&rotor, &feedback, &[1.0], false);
+        let mut cycles = 0;
+        for speed in [0.5, 1.0, 1.3, 1.7, 2.0, 2.5, 3.0] {
+            let w = speed / 2.0;
+            let s = (w * w - 0.2 * w - 0.2) / 0.8;
+            let found = by_growth(&problem, speed).unwrap();
+            if s > 0.0 && s < 1.0 {
+                let [radius] = radii(&problem, &found)[..] else { panic!("one cycle at R = {speed}: {found:?}") };
+                assert!((radius * (1.0 - s) - 1.0).abs() < 1e-9, "R = {speed}: {radius}");
+                assert!((problem.unpack(&found[0].0).1 - w).abs() < 1e-10);
+                cycles += 1;
+            } else {
+                assert!(found.is_empty(), "R = {speed}: {found:?}");
+            }
+        }
+        assert!(cycles >= 2, "{cycles}");
+    }
+
+    #[test]
+    fn the_shape_of_a_mode_is_a_vector_of_its_pole() {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let feedback = builtin::feedback(&rotor, "off").unwrap();
+        let equation = Problem::new(&rotor, &feedback, &[1.0; 3], false).at(3.0);
+        for factor in [0.0, 1.0] {
+            for pole in eigenvalues(equation.state_matrix(|_| factor)).unwrap() {
+                let shape = shape(&equation, pole, factor).unwrap();
+                let left = (equation.growing(pole.re).stiffened(pole.im, |_| factor) * shape).norm();
+                assert!(left < 1e-8, "{left:e} at {pole}");
+            }
+        }
+    }
+}

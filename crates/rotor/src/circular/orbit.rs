@@ -16,10 +16,8 @@ pub struct Orbit {
     /// The control acceleration `|u|`, constant on the orbit, in `w0^2 e_t`.
     pub force: f64,
     /// Largest real part among the eigenvalues of the motion linearised about the orbit in the frame that turns with
-    /// it; for a limit cycle without the zero that belongs to its free phase.
+    /// it; for a limit cycle without the zero that belongs to its free phase. Exactly zero where it is rounding.
     pub growth: f64,
-    /// A `growth` of at most this size is rounding.
-    pub noise: f64,
 }
 
 impl Orbit {
@@ -39,13 +37,7 @@ impl Orbit {
     /// What becomes of small disturbances.
     #[must_use]
     pub fn standing(&self) -> Standing {
-        if self.growth < -self.noise {
-            Standing::Stable
-        } else if self.growth > self.noise {
-            Standing::Unstable
-        } else {
-            Standing::Marginal
-        }
+        Standing::of(C64::from(self.growth))
     }
 
     /// The largest radius of any mass, in `e_t`.

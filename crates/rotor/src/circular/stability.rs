@@ -1,23 +1,13 @@
 //! Stability of a circular orbit: the motion linearised about it, in the frame that turns with it.
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::whirl_equation::{Contact, Equation};
+use crate::quadratic::Quadratic;
 use crate::{C64, J, PoleError, eigenvalues};
-
-/// How fast the fastest disturbance of an orbit grows.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Growth {
-    /// The largest real part of an eigenvalue.
-    pub rate: f64,
-    /// A real part this small or smaller is rounding.
-    pub noise: f64,
-}
 
 /// An eigenvalue this small, against the largest of its matrix, is the zero of a limit cycle's free phase.
 const PHASE_ZERO: f64 = 1e-5;
-/// Real parts below this part of the size of the matrix are rounding: some thousand rounding errors.
-const NOISE: f64 = 1e-12;
 
 /// The largest real part among the eigenvalues of the disturbance `q` in `p = (c + q) exp(j w tau)`:
 ///
@@ -29,6 +19,8 @@ const NOISE: f64 = 1e-12;
 /// the real one in the parts of `q` and `q'`. With `free_phase` the eigenvalue nearest to zero is left out if it is below
 /// `1e-5` of the largest: turning the whole orbit costs nothing.
 ///
+/// Zero where it is rounding, by the noise level that tells marginal poles everywhere (the module `marginal`).
+///
 /// # Errors
 /// As for [`eigenvalues`].
 pub(super) fn growth(
@@ -37,7 +29,7 @@ pub(super) fn growth(
     frequency: f64,
     contact: Contact,
     free_phase: bool,
-) -> Result<Growth, PoleError> {
+) -> Result<f64, PoleError> {
     let n = c.len();
     let (a, b) = equation.slope(c, frequency, contact);
     let mut matrix = DMatrix::<C64>::zeros(4 * n, 4 * n);
@@ -57,7 +49,8 @@ pub(super) fn growth(
             matrix[(3 * n + i, 3 * n + k)] = -damping.conj();
         }
     }
-    let noise = NOISE * matrix.norm();
+    let (k, d) = (matrix.view((2 * n, 0), (2 * n, 2 * n)), matrix.view((2 * n, 2 * n), (2 * n, 2 * n)));
+    let disturbed = Disturbed { k: k.into_owned(), d: d.into_owned() };
     let mut poles = eigenvalues(matrix)?;
     if free_phase {
         let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
@@ -66,5 +59,42 @@ pub(super) fn growth(
             poles.swap_remove(zero);
         }
     }
-    Ok(Growth { rate: poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max), noise })
+    disturbed.settle(&mut poles);
+    Ok(poles.iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max))
+}
+
+/// The disturbance `x = (q, conj(q))` as `x'' = K x + D x'`.
+struct Disturbed {
+    k: DMatrix<C64>,
+    d: DMatrix<C64>,
+}
+
+impl Disturbed {
+    /// Sets to zero what of each pole is rounding.
+    fn settle(&self, poles: &mut [C64]) {
+        let rows = |m: &DMatrix<C64>| m.transpose().as_slice().to_vec();
+        let equations = Quadratic::of_rows(self.k.nrows(), rows(&self.k), rows(&self.d));
+        equations.settle_by(poles, &|pole| self.condition(pole));
+    }
+
+    /// `|q (2 lambda I - D) p|` with the vectors of `pole` in norm 1; 0, the worst, where they cannot be had.
+    fn condition(&self, pole: C64) -> f64 {
+        let size = self.k.nrows();
+        // A little off the pole, where the matrix can be solved with.
+        let near = pole + 1e-9 * (1.0 + pole.norm());
+        let q = DMatrix::identity(size, size) * (near * near) - &self.d * near - &self.k;
+        let null = |q: DMatrix<C64>| -> Option<DVector<C64>> {
+            let lu = q.lu();
+            let mut x = DVector::from_fn(size, |k, _| C64::cis(k as f64 * 1.618_033_988_75));
+            for _ in 0..2 {
+                x = lu.solve(&x)?;
+                let norm = x.norm();
+                x.unscale_mut(norm);
+            }
+            Some(x)
+        };
+        let (Some(right), Some(left)) = (null(q.clone()), null(q.transpose())) else { return 0.0 };
+        let product = left.dot(&(&right * (pole * 2.0) - &self.d * &right)).norm();
+        if product.is_finite() { product } else { 0.0 }
+    }
 }

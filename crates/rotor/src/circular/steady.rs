@@ -4,7 +4,7 @@
 
 use nalgebra::DVector;
 
-use super::stability::{self, Growth};
+use super::stability;
 use super::whirl_equation::{Contact, Equation};
 use crate::{C64, ClosedLoop, J, PoleError};
 
@@ -54,10 +54,10 @@ pub fn orbit_of(
     if !is_circular {
         return Ok(None);
     }
-    let Growth { rate, noise } = stability::growth(&equation, c.as_slice(), frequency, contact, !forced && !rests)?;
+    let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !forced && !rests)?;
     let force = equation.force(c.as_slice(), frequency);
     let amplitude = c.as_slice().to_vec();
-    Ok(Some(Orbit { speed, frequency, amplitude, contact, force, growth: rate, noise }))
+    Ok(Some(Orbit { speed, frequency, amplitude, contact, force, growth }))
 }
 
 /// The balanced rotor at rest in its centre, support bearings with clearance out of action: what starts to whirl by
@@ -68,6 +68,6 @@ pub fn orbit_of(
 pub fn centre(closed_loop: &ClosedLoop) -> Result<Orbit, PoleError> {
     let equation = Equation::of(closed_loop, false);
     let amplitude = vec![C64::ZERO; closed_loop.masses];
-    let Growth { rate, noise } = stability::growth(&equation, &amplitude, 0.0, 0, false)?;
-    Ok(Orbit { speed: closed_loop.speed, frequency: 0.0, amplitude, contact: 0, force: 0.0, growth: rate, noise })
+    let growth = stability::growth(&equation, &amplitude, 0.0, 0, false)?;
+    Ok(Orbit { speed: closed_loop.speed, frequency: 0.0, amplitude, contact: 0, force: 0.0, growth })
 }

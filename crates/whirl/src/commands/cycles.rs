@@ -43,7 +43,8 @@ struct BranchDocument {
     /// Positive forward.
     frequency: f64,
     radius: Vec<f64>,
-    stable: bool,
+    /// `null` where the orbit is marginal.
+    stable: Option<bool>,
     /// Largest real part of the linearised motion in the rotating frame.
     growth: f64,
     /// The control force `|u|`.
@@ -60,7 +61,7 @@ struct ThresholdDocument {
     amplitude: Vec<f64>,
     speed: Vec<f64>,
     frequency: Vec<f64>,
-    stable: Vec<bool>,
+    stable: Vec<Option<bool>>,
     /// Speeds at which cycles appear or vanish in pairs.
     folds: Vec<f64>,
 }
@@ -70,7 +71,7 @@ impl From<&Orbit> for BranchDocument {
         Self {
             frequency: orbit.frequency,
             radius: orbit.radii(),
-            stable: orbit.is_stable(),
+            stable: orbit.standing().is_stable(),
             growth: orbit.growth,
             force: orbit.force,
             contact: contact(orbit),
@@ -85,7 +86,7 @@ impl From<&Curve> for ThresholdDocument {
             amplitude: curve.orbits.iter().map(Orbit::largest_radius).collect(),
             speed: curve.orbits.iter().map(|o| o.speed).collect(),
             frequency: curve.orbits.iter().map(|o| o.frequency).collect(),
-            stable: curve.orbits.iter().map(Orbit::is_stable).collect(),
+            stable: curve.orbits.iter().map(|o| o.standing().is_stable()).collect(),
             folds: curve.folds.iter().map(|&i| curve.orbits[i].speed).collect(),
         }
     }

@@ -45,7 +45,8 @@ struct BranchDocument {
     /// Angle by which each mass runs ahead of the unbalance, in radians.
     phase: Vec<f64>,
     force: f64,
-    stable: bool,
+    /// `null` where the orbit is marginal.
+    stable: Option<bool>,
     /// Largest real part of the linearised motion in the rotating frame.
     growth: f64,
     /// Masses that press on their support bearing, counted from 1.
@@ -65,7 +66,7 @@ struct CurveDocument {
     speed: Vec<f64>,
     radius: Vec<Vec<f64>>,
     force: Vec<f64>,
-    stable: Vec<bool>,
+    stable: Vec<Option<bool>>,
 }
 
 impl From<&Orbit> for BranchDocument {
@@ -74,7 +75,7 @@ impl From<&Orbit> for BranchDocument {
             radius: orbit.radii(),
             phase: orbit.amplitude.iter().map(|c| c.arg()).collect(),
             force: orbit.force,
-            stable: orbit.is_stable(),
+            stable: orbit.standing().is_stable(),
             growth: orbit.growth,
             contact: contact(orbit),
         }
@@ -88,7 +89,7 @@ impl From<&Curve> for CurveDocument {
             speed: curve.orbits.iter().map(|o| o.speed).collect(),
             radius: curve.orbits.iter().map(Orbit::radii).collect(),
             force: curve.orbits.iter().map(|o| o.force).collect(),
-            stable: curve.orbits.iter().map(Orbit::is_stable).collect(),
+            stable: curve.orbits.iter().map(|o| o.standing().is_stable()).collect(),
         }
     }
 }
