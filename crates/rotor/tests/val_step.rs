@@ -61,7 +61,7 @@ fn integrated(closed_loop: &ClosedLoop, dtau: f64) -> Option<Vec<C64>> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(2000))]
+    #![proptest_config(ProptestConfig::with_cases(600))]
 
     /// Radii and force of the linear rotor with any part of its bearings' stiffness, and every pole.
     #[test]
