@@ -22,7 +22,7 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
         Some("layout") => layouts.to_vec(),
         Some("load" | "save" | "delete") => presets.to_vec(),
         Some("set") => settings().collect(),
-        Some("search") => ["robust", "stop"].map(str::to_owned).to_vec(),
+        Some("search") => ["robust", "full", "stop"].map(str::to_owned).to_vec(),
         Some("choose") => plots().map(str::to_owned).collect(),
         Some("scale") => plots().chain(["auto"]).map(str::to_owned).collect(),
         Some("strips") => series::names().chain(["auto"]).map(str::to_owned).collect(),

@@ -10,8 +10,11 @@ use std::thread::JoinHandle;
 use rotor::{Feedback, Gain, Rotor, Settings};
 use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
 
-use crate::beside::Deeds;
+use crate::beside::{self, Deeds};
 use crate::units::Units;
+
+/// Clearances for which a robust search is a matter of seconds: each doubles its work.
+const FEW: usize = 4;
 
 /// What is searched for.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,30 +28,33 @@ pub(crate) struct Wish {
 }
 
 impl Wish {
-    /// Reads what follows `:search`: nothing for the speeds that matter, from rest to a tenth past the present one, `A..B` for a range in the machine's unit of speed, `robust`
-    /// beside either.
+    /// Reads what follows `:search`. `A..B` is a range in the machine's unit of speed; without one it is the speeds that
+    /// matter, from rest to a tenth past the present one. `robust` asks for gains that hold for any stiffness that its clearance leaves
+    /// each support bearing, `full` for the full stiffness of all; without either it is `robust` where a clearance is set
+    /// (and there are at most [`FEW`]).
     ///
     /// # Errors
     /// What is wrong with it, for the message line.
-    pub(crate) fn read(words: &str, present_speed: f64, units: &Units) -> Result<Self, String> {
+    pub(crate) fn read(words: &str, present: &Settings, units: &Units) -> Result<Self, String> {
         // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
-        let past = ((1.1 * present_speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
-        let mut wish = Self { from: 0.0, to: past, robust: false };
+        let past = ((1.1 * present.speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
+        let robust = beside::has_deadband(present) && present.deadband.len() <= FEW;
+        let mut wish = Self { from: 0.0, to: past, robust };
         let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
             let is_range = match rotor::typed::range(word) {
-                _ if word == "robust" => {
-                    wish.robust = true;
+                _ if word == "robust" || word == "full" => {
+                    wish.robust = word == "robust";
                     false
                 }
                 Ok([from, to]) if from >= 0.0 => {
                     (wish.from, wish.to) = (from / units.speed.factor, to / units.speed.factor);
                     true
                 }
-                _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, or robust")),
+                _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, robust, or full")),
             };
             if read.contains(&is_range) {
-                return Err(format!("'{word}': expected one range of speeds, and robust once"));
+                return Err(format!("'{word}': expected one range of speeds, and robust or full once"));
             }
             read.push(is_range);
         }
@@ -126,10 +132,9 @@ impl Search {
             let found = tuned.map_err(|error| error.to_string()).map(|tuned| Found {
                 before: settings.clone(),
                 settings: Settings { feedback: tuned.feedback.clone(), ..settings.clone() },
-                deeds: Box::new(
-                    [settings.feedback.clone(), tuned.feedback]
-                        .map(|feedback| Deeds::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds)),
-                ),
+                deeds: Box::new([settings.feedback.clone(), tuned.feedback].map(|feedback| {
+                    Deeds::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds, Stop::when(&flag))
+                })),
                 min_damping: tuned.worst.value,
                 worst_speed: tuned.worst.point[0],
                 proven: tuned.worst.proven,
@@ -248,7 +253,7 @@ mod tests {
         // The search of one speed offered gains that held 2.226 to 2.901 in place of gains that held 0 to 7.07.
         let (rotor, mut settings) = bench();
         settings.speed = 2.5;
-        let wish = Wish::read("", settings.speed, &Units::DIMENSIONLESS).unwrap();
+        let wish = Wish::read("full", &settings, &Units::DIMENSIONLESS).unwrap();
         assert_eq!((wish.from, wish.to), (0.0, 2.8));
         let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
         let [now, new] = &*found.deeds;
@@ -259,7 +264,7 @@ mod tests {
     #[test]
     fn a_search_that_is_stopped_gives_what_it_has() {
         let (rotor, settings) = bench();
-        let wish = Wish::read("0..6 robust", settings.speed, &Units::DIMENSIONLESS).unwrap();
+        let wish = Wish::read("0..6 robust", &settings, &Units::DIMENSIONLESS).unwrap();
         let search = Search::begin(&rotor, &settings, wish).unwrap();
         search.stop();
         assert!(result(&search).unwrap().stopped);
@@ -269,18 +274,29 @@ mod tests {
     #[test]
     fn val_wishes_for_a_rotor_in_si_units_are_typed_and_told_in_rpm() {
         let units = Units::of(Some(crate::units::tests::SI), Some(1.0));
-        let wish = Wish::read("0..19098.593171027442", 2.5, &units).unwrap();
+        let (_, mut settings) = bench();
+        (settings.speed, settings.deadband) = (2.5, vec![0.0; 3]);
+        let wish = Wish::read("0..19098.593171027442", &settings, &units).unwrap();
         // 1000 rad/s are 9549.3 rpm.
         assert!((wish.to - 2.0).abs() < 1e-12, "{wish:?}");
         assert_eq!(wish.words(&units), "over 0..19099 rpm");
-        assert_eq!(Wish::read("", 2.5, &units).unwrap().words(&units), "over 0..26738 rpm");
+        assert_eq!(Wish::read("", &settings, &units).unwrap().words(&units), "over 0..26738 rpm");
     }
 
     #[test]
     fn wishes_are_read_or_refused() {
         let units = Units::DIMENSIONLESS;
-        let wish = |words| Wish::read(words, 5.0, &units);
+        let (_, mut settings) = bench();
+        (settings.speed, settings.deadband) = (5.0, vec![1.0; 3]);
+        let clearances = settings.clone();
+        settings.deadband.fill(0.0);
+        let wish = |words| Wish::read(words, &settings, &units);
         assert_eq!(wish("").unwrap().words(&units), "over R 0..5.5");
+        // Where a clearance is set, gains that hold for the full stiffness alone are no answer unless asked for.
+        let with_clearance = |words| Wish::read(words, &clearances, &units).unwrap().words(&units);
+        assert_eq!(with_clearance(""), "over R 0..5.5, any deadband");
+        assert_eq!(with_clearance("0..6 full"), "over R 0..6");
+        assert!(wish("robust full").unwrap_err().contains("once"));
         assert_eq!(wish("0..6").unwrap().words(&units), "over R 0..6");
         assert_eq!(wish("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
         for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {

@@ -58,6 +58,11 @@ pub(crate) enum Command {
     /// Print every pole as a branch over speed, or the Campbell diagram
     Trace(commands::trace::TraceArgs),
     /// Print every speed at which a mode changes stability
+    ///
+    /// A threshold is a speed at which a mode leaves zero growth, as speed rises, for a side other than the one it came from.
+    /// A mode that rested on zero over a range came from neither side, so the end of that range is a threshold, and so is
+    /// R = 0 for a mode that leaves zero there. A mode that touches zero, comes to it and stays, or is on it at every speed
+    /// has none. The range asked for has no say in this.
     Thresholds(commands::thresholds::ThresholdsArgs),
     /// Print mode shapes and orbits at one speed
     Modes(commands::modes::ModesArgs),

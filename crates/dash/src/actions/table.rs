@@ -158,8 +158,8 @@ pub(crate) const ACTIONS: &[Row] = &[
     },
     Row {
         name: "search",
-        argument: "[A..B] [robust]|stop",
-        meaning: "search gains to past the present speed, or over a range",
+        argument: "[A..B] [robust|full]|stop",
+        meaning: "search gains to past this speed, or over a range",
         keys: &[keys(&[("S", "")], "search better gains, to be seen before they apply", None)],
         make: |words| Ok(Action::Search(words.to_owned())),
     },

@@ -118,11 +118,13 @@ impl OverSpeed {
     }
 }
 
-/// The ranges between changes of stability in which the rotor is stable.
+/// The ranges in which the rotor is stable, between changes of stability.
 fn stable_ranges(question: &Question, speeds: &[f64], min_damping: &[f64]) -> Vec<[f64; 2]> {
-    let mut edges = question.thresholds().unwrap_or_else(|| sign_changes(question, speeds, min_damping));
-    edges.insert(0, 0.0);
-    edges.push(question.top);
+    let mut edges = question.thresholds().unwrap_or_default();
+    // What no threshold marks: where a mode comes to rest on zero, and all where the exact method gave up.
+    edges.extend(sign_changes(question, speeds, min_damping, &edges));
+    edges.extend([0.0, question.top]);
+    edges.sort_by(f64::total_cmp);
     let mut ranges: Vec<[f64; 2]> = Vec::new();
     for pair in edges.windows(2).filter(|pair| pair[0] < pair[1]) {
         if question.min_damping(0.5 * (pair[0] + pair[1])) > 0.0 {
@@ -136,11 +138,13 @@ fn stable_ranges(question: &Question, speeds: &[f64], min_damping: &[f64]) -> Ve
     ranges
 }
 
-fn sign_changes(question: &Question, speeds: &[f64], min_damping: &[f64]) -> Vec<f64> {
+/// Speeds at which the smallest damping begins or ends to be positive, between samples that have none of `known` between them.
+fn sign_changes(question: &Question, speeds: &[f64], min_damping: &[f64], known: &[f64]) -> Vec<f64> {
     let mut found = Vec::new();
     for (speed, damping) in speeds.windows(2).zip(min_damping.windows(2)) {
         let was = damping[0] > 0.0;
-        if was == (damping[1] > 0.0) {
+        let explained = known.iter().any(|edge| (speed[0]..=speed[1]).contains(edge));
+        if was == (damping[1] > 0.0) || explained {
             continue;
         }
         let (mut low, mut high) = (speed[0], speed[1]);
@@ -204,7 +208,7 @@ pub(crate) mod tests {
         for (rotor, feedback) in [("jeffcott", "off"), ("three-mass", "off"), ("three-mass", "composite")] {
             let question = question(rotor, feedback, 2.5);
             let over_speed = OverSpeed::of(&question);
-            let found = sign_changes(&question, &over_speed.speeds, &over_speed.min_damping);
+            let found = sign_changes(&question, &over_speed.speeds, &over_speed.min_damping, &[]);
             let exact: Vec<f64> =
                 over_speed.stable.iter().flatten().copied().filter(|edge| *edge > 0.0 && *edge < 8.0).collect();
             assert_eq!(found.len(), exact.len(), "{rotor} {feedback}");
@@ -212,6 +216,24 @@ pub(crate) mod tests {
                 assert!((a - b).abs() < 1e-5, "{a} and {b}");
             }
         }
+    }
+
+    #[test]
+    fn a_stretch_on_which_a_mode_rests_on_zero_is_not_stable() {
+        // Damped by its control alone, which fades: 0 from R = 2 to 4, and drives the whirl beyond.
+        let mass = rotor::Mass { mass: 1.0, bearing_stiffness: 1.0, ..rotor::Mass::default() };
+        let rotor = rotor::Rotor::new("held by its control", vec![mass], vec![]).unwrap();
+        let mut signal = rotor::Signal::at_mass(0, 1, [0.0; 4]);
+        let fades = |sign: f64| vec![(0.0, 0.2 * sign), (2.0, 0.0), (4.0, 0.0), (6.0, -0.2 * sign)];
+        let stable = [1.0, -1.0].map(|sign| {
+            signal.gains[1] = rotor::Gain::Table(fades(sign));
+            let feedback = Feedback::new(0, vec![signal.clone()]);
+            OverSpeed::of(&Question::at(Arc::new(rotor.clone()), feedback, 1.0)).stable
+        });
+        // Whichever sign damps, it does so up to 2 and the other from 4 on.
+        let [damps, drives] = if stable[0].first().is_some_and(|range| range[0] == 0.0) { [0, 1] } else { [1, 0] };
+        assert_near(&stable[damps], &[[0.0, 2.0]], 1e-4);
+        assert_near(&stable[drives], &[[4.0, 8.0]], 1e-4);
     }
 
     #[test]

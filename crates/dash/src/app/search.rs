@@ -21,7 +21,7 @@ impl App<'_> {
             return;
         }
         let Some((settings, rotor)) = self.machine() else { return };
-        let begun = Wish::read(words, settings.speed, &units).and_then(|wish| Search::begin(&rotor, &settings, wish));
+        let begun = Wish::read(words, &settings, &units).and_then(|wish| Search::begin(&rotor, &settings, wish));
         match begun {
             Ok(search) => {
                 self.tell(Message::Good(search.words(&units)));
@@ -41,6 +41,7 @@ impl App<'_> {
         }
         let units = crate::link::lock(&self.feed).units();
         let (wish, words) = (search.wish().words(&units), search.words(&units));
+        let robust = search.wish().robust;
         let Some(ended) = search.ended() else {
             let shows = self.message.0 != Message::Good(words.clone());
             self.tell(Message::Good(words));
@@ -52,11 +53,13 @@ impl App<'_> {
                 let proven = if found.proven { "proven" } else { "the worst found" };
                 let early = if found.stopped { ", stopped early" } else { "" };
                 let [now, new] = &*found.deeds;
-                let less_far =
-                    if now.holds_farther_than(new) { ", but stable LESS FAR from rest than now" } else { "" };
+                let worse = match &now.better_than(new)[..] {
+                    [] => String::new(),
+                    worse => format!(", but, beside now, {}", worse.join(", ")),
+                };
                 self.beside = crate::beside::rows(now, new, &units);
                 let what = format!(
-                    "found {wish}: min damping {:.4} at {} ({proven}{early}){less_far}",
+                    "found {wish}{early}: min damping {:.4} at {} ({proven}){worse}",
                     found.min_damping,
                     units.speed_told(found.worst_speed)
                 );
@@ -69,7 +72,13 @@ impl App<'_> {
                 self.layers.push(if holds {
                     Layer::Offer(edit, what)
                 } else {
-                    Layer::Ask(edit, candidate, format!("{}: {what}", crate::theme::verdict(found.min_damping).1))
+                    let verdict = crate::theme::verdict(found.min_damping).1;
+                    let instead = if robust && !found.stopped {
+                        ": no such gains hold for any deadband, see `:search full`; "
+                    } else {
+                        ": "
+                    };
+                    Layer::Ask(edit, candidate, format!("{verdict}{instead}{what}"))
                 });
             }
             Err(why) => self.tell(Message::Bad(format!("search {wish}: {why}"))),

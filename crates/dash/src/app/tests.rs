@@ -381,7 +381,7 @@ fn the_mouse_selects_nudges_and_zooms() {
 fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
     let (mut app, taken) = dashboard(&Options::default());
     press(&mut app, &[Char(':')]);
-    type_in(&mut app, "search 0..5");
+    type_in(&mut app, "search 0..5 full");
     press(&mut app, &[Enter]);
     assert!(app.search.is_some(), "{:?}", app.message.0);
     type_in(&mut app, "S");
@@ -396,7 +396,15 @@ fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
     let screen = frame(&mut app);
     assert!(screen.contains("found over R 0..5: min damping 0.0388"), "{screen}");
     // What both sets of gains do stands above the question, gone with the answer.
-    for words in [" in force, and found ", "min damping  ", "stable       R 0 to 7.07", "force ", "kd  "] {
+    for words in [
+        " in force, and found ",
+        "min damping  ",
+        "any deadband  ",
+        "R 0 to 7.07",
+        "self-excited whirl  ",
+        "force ",
+        "kd  ",
+    ] {
         assert!(screen.contains(words), "{words}: {screen}");
     }
     assert!(taken.is_empty() && app.search.is_none());
@@ -407,6 +415,27 @@ fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
     assert_eq!(why, "gains searched over R 0..5");
     assert_eq!(change.0.speed, change.1.speed);
     assert_ne!(change.0.feedback, change.1.feedback);
+}
+
+#[test]
+fn where_a_clearance_is_set_gains_are_searched_for_any_deadband_or_said_not_to_be_there() {
+    // One weighted signal cannot hold the three masses in every deadband state from rest to R = 5.
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, &[Char(':')]);
+    type_in(&mut app, "search 0..5");
+    press(&mut app, &[Enter]);
+    let begun = Instant::now();
+    while app.layers.is_empty() {
+        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
+        app.tick();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let screen = frame(&mut app);
+    assert!(screen.contains("no such gains hold for any deadband, see `:search full`"), "{screen}");
+    let rows = app.beside.iter().map(|row| format!("{}: {}", row.word, row.detail));
+    insta::assert_snapshot!(rows.collect::<Vec<_>>().join("\n"));
+    press(&mut app, &[Esc]);
+    assert!(taken.is_empty(), "nothing was changed");
 }
 
 #[test]
