@@ -54,6 +54,32 @@ fn a_stop_from_outside_gives_the_terminal_back_and_a_continue_takes_it_again() {
 }
 
 #[test]
+fn a_stop_that_cannot_be_caught_does_no_harm_once_it_is_continued() {
+    let root = Root::new();
+    let _simulation = root.simulate(&[]);
+    let mut screen = Screen::start(root.path(), &["dash"], (100, 30));
+    screen.wait_words("RUNNING");
+    let pid = screen.pid();
+    send(pid, Signal::STOP);
+    let is_stopped = || {
+        let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap();
+        stat.rsplit_once(") ").is_some_and(|(_, rest)| rest.starts_with('T'))
+    };
+    while !is_stopped() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    send(pid, Signal::CONT);
+    screen.press("?");
+    screen.wait_words("record the bench");
+    assert!(screen.is_taken() && screen.has_mouse() && !screen.is_cooked());
+    screen.press("\u{1b}");
+    screen.wait("the panels", |text| text.contains("poles").then_some(()));
+    screen.press("q");
+    assert!(screen.ended().success());
+    assert!(!screen.is_taken() && !screen.has_mouse() && screen.is_cooked());
+}
+
+#[test]
 fn the_bell_rings_at_every_alarm_and_the_dashboard_goes_on() {
     let root = Root::new();
     let folder = root.path().join("config/whirl");

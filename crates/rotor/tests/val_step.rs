@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use rotor::circular::synchronous;
 use rotor::step::{Fastest, PROMISE, substeps};
-use rotor::{C64, ClosedLoop, Feedback, J, Mass, Rotor, Settings, Signal, Spectrum, builtin, stepper};
+use rotor::{C64, ClosedLoop, Feedback, GainKind, J, Mass, Rotor, Settings, Signal, Spectrum, builtin, stepper};
 
 /// Rotors of one to six masses, soft and stiff, slow and fast, with and without control; and a speed.
 fn machine() -> impl Strategy<Value = (Rotor, Feedback, f64)> {
@@ -93,8 +93,11 @@ proptest! {
                 let size = exact.norm().max(5e-2 * largest);
                 prop_assert!((found.norm() - exact.norm()).abs() <= PROMISE * size, "{found} for {exact}, R = {speed}");
             }
-            // Where large terms cancel in the force, its size is theirs.
-            let size = orbit.force.max(5e-2 * largest);
+            // The force is gains times such displacements and velocities: where these terms cancel, its size is theirs.
+            let signal = &feedback.signals[0];
+            let [kd, cd, kc, cc] = GainKind::ALL.map(|kind| signal.gain(kind).at(speed));
+            let terms = (kd.hypot(kc) + cd.hypot(cc) * speed.abs()) * 5e-2 * largest;
+            let size = orbit.force.max(terms);
             let force = closed_loop.control(p, v).norm();
             prop_assert!((force - orbit.force).abs() <= PROMISE * size, "{force} for {}, R = {speed}", orbit.force);
         }

@@ -58,6 +58,14 @@ impl App<'_> {
         lock(&self.feed).settings()
     }
 
+    /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
+    fn undone(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
+        let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
+        let mut assigned = rotor::typed::Assigned::new(masses);
+        let noted = values.iter().try_for_each(|(key, value)| assigned.key(*key, &format!("{key}={value}")));
+        noted.err().map(|undone| undone.to_string())
+    }
+
     /// What is known of the bench: its settings and rotor. Says so if that is nothing yet.
     pub(super) fn machine(&mut self) -> Option<(Settings, Arc<Rotor>)> {
         let known = {
@@ -115,7 +123,10 @@ impl App<'_> {
                 None => self.tell(Message::Bad("no settings are known yet".into())),
             },
             Action::Type => self.layers.push(Layer::Value(Typing::default())),
-            Action::Set(values) => self.send(Edit::Set(self.units().settings_of_typed(&values))),
+            Action::Set(values) => match self.undone(&values) {
+                Some(why) => self.tell(Message::Bad(why)),
+                None => self.send(Edit::Set(self.units().settings_of_typed(&values))),
+            },
             Action::Undo => self.send(Edit::Undo),
             Action::Redo => self.send(Edit::Redo),
             Action::Off => self.send(Edit::Off),

@@ -439,6 +439,16 @@ fn where_a_clearance_is_set_gains_are_searched_for_any_deadband_or_said_not_to_b
 }
 
 #[test]
+fn settings_of_which_nothing_is_left_on_this_rotor_are_refused() {
+    let (mut app, taken) = dashboard(&Options::default());
+    command(&mut app, "set deadband=1 deadband.1=2 deadband.2=2 deadband.3=2");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("deadband")), "{:?}", app.message.0);
+    assert!(taken.is_empty());
+    command(&mut app, "set deadband=1 deadband.1=2");
+    assert_eq!(taken.try_iter().count(), 1);
+}
+
+#[test]
 fn a_search_is_dropped_stopped_or_refused() {
     let (mut app, taken) = dashboard(&Options::default());
     let command = |app: &mut App<'_>, line: &str| {
