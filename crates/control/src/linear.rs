@@ -46,6 +46,44 @@ impl LinearLoop {
         Ok(Controller::with_room(feedback, stations, speed, 1, 0.0).linear(speed))
     }
 
+    /// What the loop answers to the whirl `exp(s tau)` of its sensors: the force that a displacement 1 at each of them makes,
+    /// and the derivative of that by `s`. `None` of a sampled loop, whose force is no pure whirl, and at a pole.
+    ///
+    /// The velocity is `s` times the displacement, the delay the factor `exp(-s delay)`.
+    #[must_use]
+    pub fn response(&self, s: C64) -> Option<[Vec<C64>; 2]> {
+        if self.sample > 0.0 {
+            return None;
+        }
+        let of_block = |a: &DMatrix<C64>, b: &DMatrix<C64>, c: &DMatrix<C64>, d: &DMatrix<C64>| {
+            if a.is_empty() {
+                return Some((d.clone(), DMatrix::zeros(d.nrows(), d.ncols())));
+            }
+            let solve = (DMatrix::identity(a.nrows(), a.nrows()) * s - a).lu();
+            let once = solve.solve(b)?;
+            let twice = solve.solve(&once)?;
+            Some((c * once + d, -(c * twice)))
+        };
+        let Law { a, b, c, d } = &self.law;
+        let (law, law_slope) = of_block(a, b, c, d)?;
+        let [a, b, c, d] = &self.actuator;
+        let (actuator, actuator_slope) = of_block(a, b, c, d)?;
+        // Everything after the law, and its derivative.
+        let late = (-s * self.delay).exp();
+        let lag = (s * self.sensor_lag + 1.0).inv();
+        let behind = actuator[0] * late * lag;
+        let behind_slope = (actuator_slope[0] - actuator[0] * (self.delay + self.sensor_lag * lag)) * late * lag;
+        let count = self.sensors.len();
+        let (mut value, mut slope) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for k in 0..count {
+            let own = law[k] + law[count + k] * s;
+            let own_slope = law_slope[k] + law_slope[count + k] * s + law[count + k];
+            value.push(own * behind);
+            slope.push(own_slope * behind + own * behind_slope);
+        }
+        Some([value, slope])
+    }
+
     pub(crate) fn of<'a>(
         parts: &Parts,
         sensors: &[usize],
@@ -131,5 +169,56 @@ impl Law {
         c.view_mut((0, 0), (1, n)).copy_from(&self.c);
         c.view_mut((0, n), (1, m)).copy_from(&other.c);
         Self { a, b, c, d: self.d + other.d }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Filter, J, Signal};
+
+    /// Every part of the loop, in one signal and behind the sum.
+    fn whole() -> Feedback {
+        let mut second = Signal::at_mass(2, 3, [0.7, 0.3, -0.2, 0.1]);
+        second.filters = vec![Filter::Lowpass { corner: 8.0, order: 2 }];
+        let mut feedback = Feedback::new(0, vec![Signal::composite(&[1.0, 0.5, 0.0], [-0.4, 0.5, -0.6, 0.3]), second]);
+        feedback.filters = vec![Filter::Notch { frequency: 3.1, width: 0.2 }, Filter::SynchronousNotch { width: 0.3 }];
+        feedback.parts = Parts { sensor_lag: 0.03, delay: 0.2, lag: 0.05, lag_damping: 0.7, ..Parts::default() };
+        feedback
+    }
+
+    #[test]
+    fn val_the_response_is_the_product_of_the_transfer_functions() {
+        let (feedback, speed) = (whole(), 2.5);
+        let around = LinearLoop::new(&feedback, 3, speed).expect("fits");
+        for s in [J * 1.7, J * -4.0, C64::new(0.3, 2.0)] {
+            let [value, slope] = around.response(s).expect("no pole there");
+            let after = feedback.filters.iter().map(|f| f.at(s, speed)).product::<C64>() * (-s * 0.2).exp()
+                / (s * 0.03 + 1.0)
+                / (s * s * 0.0025 + s * (2.0 * 0.7 * 0.05) + 1.0);
+            for (k, station) in around.sensors.iter().enumerate() {
+                let sum: C64 = (feedback.signals.iter())
+                    .map(|signal| {
+                        let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|i| signal.gains[i].at(speed));
+                        let shaped: C64 = signal.filters.iter().map(|f| f.at(s, speed)).product();
+                        let law = C64::new(kd, -kc) * signal.displacement[*station]
+                            + C64::new(cd, -cc) * s * signal.velocity[*station];
+                        -law * shaped
+                    })
+                    .sum();
+                assert!((value[k] - sum * after).norm() < 1e-12, "sensor {station} at {s}");
+                let h = C64::from(1e-6);
+                let beside = |s: C64| around.response(s).expect("no pole there")[0][k];
+                let difference = (beside(s + h) - beside(s - h)) / (h * 2.0);
+                assert!((slope[k] - difference).norm() < 1e-7 * (1.0 + slope[k].norm()));
+            }
+        }
+    }
+
+    #[test]
+    fn a_sampled_loop_has_no_response_in_pure_whirl() {
+        let mut feedback = whole();
+        feedback.parts.sample = 0.05;
+        assert_eq!(LinearLoop::new(&feedback, 3, 1.0).expect("fits").response(J), None);
     }
 }

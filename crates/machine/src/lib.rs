@@ -7,7 +7,6 @@
 //! Not its business: real time, messages, and what settings may be.
 
 mod integrate;
-mod linear_form;
 mod machine;
 mod motion;
 mod over_speed;
@@ -16,10 +15,10 @@ mod program;
 mod stability_loss;
 
 pub use control::{Output, Words};
-pub use linear_form::{LinearForm, SampledStep};
 pub use machine::{Line, Machine, Sample, Trip, TripCause};
 pub use motion::{Leg, MAX_LEGS};
-pub use over_speed::{BranchOverSpeed, thresholds, trace};
+pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
 pub use poles::{MachinePoles, PolesError, min_damping};
 pub use program::{Pace, Program, ProgramError, default_step, fastest};
+pub use rotor::{LinearForm, SampledStep};
 pub use stability_loss::StabilityLoss;

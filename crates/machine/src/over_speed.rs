@@ -4,9 +4,8 @@
 //! nearness, with as many speeds in between as it takes for every match to be beyond doubt. Roots of a sampled loop are
 //! matched as `z`, which does not jump where a frequency passes half the sampling rate.
 
-use rotor::{C64, OperatingPoint, Plant, Rotor, Settings, Stability, Threshold, Whirl};
+use rotor::{C64, CriticalSpeed, LinearForm, OperatingPoint, Plant, Rotor, Settings, Stability, Threshold, Whirl};
 
-use crate::linear_form::LinearForm;
 use crate::poles::{Characteristic, PolesError, Root};
 
 /// A match is beyond doubt if the next root is so many times as far.
@@ -41,17 +40,6 @@ impl Over<'_> {
         Ok(Node { speed, roots: Characteristic::of(&form)?.roots()? })
     }
 
-    /// For every root of `a`, which of `b` it becomes, `None` if it goes out of sight; speeds between are looked at as needed.
-    fn follow(&self, a: &Node, b: &Node) -> Result<Vec<Option<usize>>, PolesError> {
-        let (matched, sure) = matches(&a.roots, &b.roots);
-        if sure || b.speed - a.speed <= self.nearest {
-            return Ok(matched);
-        }
-        let middle = self.at(0.5 * (a.speed + b.speed))?;
-        let (first, second) = (self.follow(a, &middle)?, self.follow(&middle, b)?);
-        Ok(first.into_iter().map(|to| to.and_then(|k| second[k])).collect())
-    }
-
     /// Reports every sure stretch between `a` and `b` with its matches, from left to right.
     fn walk(
         &self,
@@ -68,8 +56,14 @@ impl Over<'_> {
         self.walk(&middle, b, see)
     }
 
-    /// Where the root that is `start` at `a` and `end` at `b` has no real part.
-    fn crossing(&self, a: &Node, b: &Node, start: Root, end: Root) -> Result<(f64, Root), PolesError> {
+    /// Where `value` of the root that is `start` at `a` and `end` at `b` changes sign.
+    fn crossing(
+        &self,
+        a: &Node,
+        b: &Node,
+        [start, end]: [Root; 2],
+        value: impl Fn(f64, C64) -> f64,
+    ) -> Result<(f64, Root), PolesError> {
         let (mut low, mut high) = ((a.speed, start), (b.speed, end));
         for _ in 0..HALVINGS {
             let speed = 0.5 * (low.0 + high.0);
@@ -85,7 +79,8 @@ impl Over<'_> {
             else {
                 break;
             };
-            if (here.pole.re > 0.0) == (low.1.pole.re > 0.0) { low = (speed, here) } else { high = (speed, here) }
+            let is_as_low = (value(speed, here.pole) > 0.0) == (value(low.0, low.1.pole) > 0.0);
+            if is_as_low { low = (speed, here) } else { high = (speed, here) }
         }
         Ok((0.5 * (low.0 + high.0), high.1))
     }
@@ -116,31 +111,93 @@ fn over<'a>(rotor: &Rotor, settings: &'a Settings, from: f64, to: f64) -> Over<'
     Over { plant: Plant::of(rotor), settings, nearest: NEAREST * (to - from) }
 }
 
+/// Poles over speed, and where they meet lines of the Campbell diagram.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Campbell {
+    /// Every pole as a branch.
+    pub branches: Vec<BranchOverSpeed>,
+    /// Where `|Im|` of a branch is a multiple of the speed, by order and rising speed.
+    pub critical_speeds: Vec<CriticalSpeed>,
+}
+
 /// Every pole of `rotor` under `settings` as a branch over `speeds`, which rise.
 ///
 /// # Errors
 /// A loop that does not fit, or poles that cannot be had.
 pub fn trace(rotor: &Rotor, settings: &Settings, speeds: &[f64]) -> Result<Vec<BranchOverSpeed>, PolesError> {
-    let (Some(first), Some(last)) = (speeds.first(), speeds.last()) else { return Ok(vec![]) };
+    Ok(campbell(rotor, settings, speeds, &[])?.branches)
+}
+
+/// The same, with critical speeds: where `|Im|` of a branch is `order` times the speed, for each of `orders`. A branch that
+/// crosses a line and comes back between two neighbours of `speeds` is not seen to.
+///
+/// # Errors
+/// A loop that does not fit, or poles that cannot be had.
+pub fn campbell(rotor: &Rotor, settings: &Settings, speeds: &[f64], orders: &[f64]) -> Result<Campbell, PolesError> {
+    let (Some(first), Some(last)) = (speeds.first(), speeds.last()) else { return Ok(Campbell::default()) };
     let over = over(rotor, settings, *first, *last);
     let mut node = over.at(*first)?;
     let mut branches: Vec<BranchOverSpeed> = node.roots.iter().map(|root| vec![Some(root.pole)]).collect();
-    // Which branch each root of `node` belongs to.
+    let mut critical = Vec::new();
+    // Which branch each root of the node that the walk is at belongs to.
     let mut owner: Vec<usize> = (0..branches.len()).collect();
     for (at, speed) in speeds.iter().enumerate().skip(1) {
         let next = over.at(*speed)?;
-        let to = over.follow(&node, &next)?;
-        let mut owners = vec![usize::MAX; next.roots.len()];
-        to.iter().zip(&owner).filter_map(|(to, owner)| Some(((*to)?, *owner))).for_each(|(k, owner)| owners[k] = owner);
-        for owner in owners.iter_mut().filter(|owner| **owner == usize::MAX) {
-            *owner = branches.len();
-            branches.push(vec![None; at]);
-        }
         branches.iter_mut().for_each(|branch| branch.push(None));
-        next.roots.iter().zip(&owners).for_each(|(root, owner)| branches[*owner][at] = Some(root.pole));
-        (node, owner) = (next, owners);
+        over.walk(&node, &next, &mut |a, b, to| {
+            let mut owners = vec![usize::MAX; b.roots.len()];
+            for (i, k) in to.iter().enumerate().filter_map(|(i, k)| Some((i, (*k)?))) {
+                owners[k] = owner[i];
+                critical.extend(over.on_lines(a, b, [a.roots[i], b.roots[k]], owner[i], orders)?);
+            }
+            for owner in owners.iter_mut().filter(|owner| **owner == usize::MAX) {
+                *owner = branches.len();
+                branches.push(vec![None; at + 1]);
+            }
+            owner = owners;
+            Ok(())
+        })?;
+        next.roots.iter().zip(&owner).for_each(|(root, owner)| branches[*owner][at] = Some(root.pole));
+        node = next;
     }
-    Ok(branches)
+    // What came and went between two speeds is on none of them.
+    let seen: Vec<usize> = (0..branches.len()).filter(|k| branches[*k].iter().any(Option::is_some)).collect();
+    critical.retain_mut(|c: &mut CriticalSpeed| seen.binary_search(&c.branch).map(|place| c.branch = place).is_ok());
+    let branches = seen.into_iter().map(|k| std::mem::take(&mut branches[k])).collect();
+    let place = |c: &CriticalSpeed| orders.iter().position(|order| *order == c.order);
+    critical.sort_by(|a, b| place(a).cmp(&place(b)).then(a.speed.total_cmp(&b.speed)));
+    Ok(Campbell { branches, critical_speeds: critical })
+}
+
+impl Over<'_> {
+    /// Where the branch that is `ends` at `a` and `b` meets lines of the Campbell diagram between them.
+    fn on_lines(
+        &self,
+        a: &Node,
+        b: &Node,
+        ends: [Root; 2],
+        branch: usize,
+        orders: &[f64],
+    ) -> Result<Vec<CriticalSpeed>, PolesError> {
+        let mut met = Vec::new();
+        for &order in orders {
+            let beyond = |speed: f64, pole: C64| pole.im.abs() - order * speed;
+            if (beyond(a.speed, ends[0].pole) > 0.0) == (beyond(b.speed, ends[1].pole) > 0.0) {
+                continue;
+            }
+            let (speed, root) = self.crossing(a, b, ends, beyond)?;
+            let pole = root.pole;
+            // What does not whirl meets a line at rest only, where nothing is synchronous.
+            if pole.im.abs() > 1e-9 * (1.0 + pole.norm()) {
+                met.push(CriticalSpeed { branch, order, speed, pole, whirl: whirl_of(pole) });
+            }
+        }
+        Ok(met)
+    }
+}
+
+fn whirl_of(pole: C64) -> Whirl {
+    if pole.im >= 0.0 { Whirl::Forward } else { Whirl::Backward }
 }
 
 /// Every change of stability of `rotor` under `settings` over `from..=to`, rising in speed.
@@ -158,11 +215,11 @@ pub fn thresholds(rotor: &Rotor, settings: &Settings, from: f64, to: f64) -> Res
                 let rises = end.pole.re > start.pole.re;
                 let crosses = (start.pole.re > 0.0) != (end.pole.re > 0.0) && start.pole.re != end.pole.re;
                 if crosses {
-                    let (speed, root) = over.crossing(a, b, start, end)?;
+                    let (speed, root) = over.crossing(a, b, [start, end], |_, pole| pole.re)?;
                     found.push(Threshold {
                         speed,
                         frequency: root.pole.im.abs(),
-                        whirl: if root.pole.im >= 0.0 { Whirl::Forward } else { Whirl::Backward },
+                        whirl: whirl_of(root.pole),
                         becomes: if rises { Stability::Unstable } else { Stability::Stable },
                     });
                 }

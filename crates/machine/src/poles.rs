@@ -9,7 +9,7 @@ use linear::{DelayError, DelaySystem};
 use nalgebra::DMatrix;
 use rotor::{C64, ClosedLoop, Mode, OperatingPoint, Plant, PoleError, Rotor, Settings, Spectrum, damping_ratio};
 
-use crate::linear_form::LinearForm;
+use rotor::LinearForm;
 
 /// What is over within a sample is no motion: poles `z` smaller than this have no `s` to speak of.
 const OVER_AT_ONCE: f64 = 1e-9;
@@ -28,6 +28,9 @@ pub enum PolesError {
     /// Roots that cannot be had, all of them.
     #[error(transparent)]
     Roots(#[from] DelayError),
+    /// Orbits that cannot be had.
+    #[error(transparent)]
+    Orbits(#[from] rotor::circular::CircularError),
 }
 
 /// The poles of a machine at one speed, every support bearing at its full stiffness.

@@ -7,9 +7,9 @@ use rotor::step::{Fastest, StepError};
 use rotor::{C64, ClosedLoop, OperatingPoint, Plant, PoleError, Rotor, Settings, eigenvalues};
 
 use crate::integrate::Integrator;
-use crate::linear_form::LinearForm;
 use crate::motion::Leg;
 use crate::poles::{Characteristic, PolesError};
+use rotor::LinearForm;
 
 /// Why settings cannot be stepped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -12,6 +12,7 @@
 //! * [`Plant`]: the rotor without control, independent of speed: a chain, or dense matrices.
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law, from crate `control`.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
+//! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
 //!   [`Standing`]: what they say.
@@ -31,6 +32,7 @@ mod family;
 pub mod file;
 mod follow;
 mod influence;
+mod linear_form;
 mod marginal;
 mod modes;
 mod params;
@@ -52,6 +54,7 @@ pub use difference::Difference;
 pub use eigen::{PoleError, eigenvalues};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
+pub use linear_form::{LinearForm, SampledStep};
 pub use marginal::{Standing, standing};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles, scale_to_largest};
 pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};

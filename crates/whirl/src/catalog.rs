@@ -171,20 +171,6 @@ impl Machine {
         Ok(machine)
     }
 
-    /// The same machine, if its loop is ideal: `what` knows no other.
-    ///
-    /// # Errors
-    /// A loop with sampling, delay, lags, limits, noise or filters.
-    pub(crate) fn ideal(self, what: &str) -> Result<Self, Failure> {
-        if self.settings.feedback.is_ideal() {
-            return Ok(self);
-        }
-        Err(Failure::Usage(format!(
-            "{what} knows only the ideal loop: this one has sampling, delay, lags, limits, noise or filters; take them out with \
-             --set KEY=off or other feedback. `poles`, `trace`, `thresholds`, `modes`, `run` and a live bench take them"
-        )))
-    }
-
     /// The machine of a sweep over the speeds `over` as typed, all of which must be allowed, and that range of `R`.
     ///
     /// # Errors

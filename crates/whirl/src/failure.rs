@@ -80,3 +80,13 @@ impl From<rotor::PoleError> for Failure {
         Self::Work(error.to_string())
     }
 }
+
+impl From<rotor::circular::CircularError> for Failure {
+    fn from(error: rotor::circular::CircularError) -> Self {
+        use rotor::circular::CircularError;
+        match error {
+            CircularError::Sampled | CircularError::Feedback(_) => Self::Usage(error.to_string()),
+            CircularError::Poles(_) | CircularError::Roots(_) => Self::Work(error.to_string()),
+        }
+    }
+}

@@ -7,8 +7,8 @@ use super::orbit::Orbit;
 use super::response::AtSpeed;
 use super::tracer::{End, Node, Tracer};
 use super::whirl_equation::{Contact, Problem};
-use super::{Circular, cycle, response, stability};
-use crate::{C64, PoleError};
+use super::{Circular, CircularError, cycle, response, stability};
+use crate::C64;
 
 /// Orbits closer than this, relative to their size, are one.
 const SAME: f64 = 1e-6;
@@ -27,10 +27,11 @@ pub struct Curve {
 }
 
 /// Every orbit at every speed, and the branches through them.
-pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, PoleError> {
+pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, CircularError> {
     let mut orbits: Vec<Vec<Orbit>> = Vec::with_capacity(speeds.len());
     let mut starts: Vec<Vec<Node>> = Vec::with_capacity(speeds.len());
     let mut complete = Vec::with_capacity(speeds.len());
+    let mut beyond_limits = Vec::with_capacity(speeds.len());
     // The longest search at a few speeds: what it finds is followed to all others.
     let apart = speeds.len().div_ceil(THOROUGH).max(1);
     for (i, &speed) in speeds.iter().enumerate() {
@@ -39,15 +40,22 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Pol
         } else {
             cycle::at_speed(problem, speed, i % apart == 0 || i + 1 == speeds.len())?
         };
-        complete.push(all);
+        // At its limits the actuator may hold other orbits.
+        complete.push(all && !problem.is_limited());
         let (mut here, mut nodes): (Vec<Orbit>, Vec<Node>) = (Vec::new(), Vec::new());
+        let mut beyond: Vec<Orbit> = Vec::new();
         for (x, contact) in found {
             let orbit = describe(problem, &x, contact)?;
-            if !here.iter().any(|o| o.is_same(&orbit, SAME)) {
+            if !problem.delivers(orbit.force, orbit.frequency) {
+                if !beyond.iter().any(|o| o.is_same(&orbit, SAME)) {
+                    beyond.push(orbit);
+                }
+            } else if !here.iter().any(|o| o.is_same(&orbit, SAME)) {
                 here.push(orbit);
                 nodes.push(Node { x, contact, fold: false });
             }
         }
+        beyond_limits.push(beyond.len());
         orbits.push(here);
         starts.push(nodes);
     }
@@ -67,6 +75,9 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Pol
                 for (at, &speed) in speeds.iter().enumerate() {
                     let Some(x) = problem.between(&pair[0], &pair[1], speed) else { continue };
                     let orbit = describe(problem, &x, pair[1].contact)?;
+                    if !problem.delivers(orbit.force, orbit.frequency) {
+                        continue;
+                    }
                     if let Some(known) = orbits[at].iter().position(|o| o.is_same(&orbit, SAME)) {
                         covered[at][known] = true;
                     } else {
@@ -76,19 +87,47 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Pol
                 }
             }
             covered[i][k] = true;
-            let folds = nodes.iter().enumerate().filter(|(_, n)| n.fold).map(|(i, _)| i).collect();
-            let orbits = nodes.iter().map(|n| describe(problem, &n.x, n.contact)).collect::<Result<_, _>>()?;
-            curves.push(Curve { orbits, folds, ends });
+            let orbits: Vec<Orbit> =
+                nodes.iter().map(|n| describe(problem, &n.x, n.contact)).collect::<Result<_, _>>()?;
+            curves.extend(within_limits(problem, &nodes, orbits, ends));
         }
     }
     for here in &mut orbits {
         here.sort_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
     }
-    Ok(Circular { speeds: speeds.to_vec(), orbits, curves, complete })
+    Ok(Circular { speeds: speeds.to_vec(), orbits, curves, complete, beyond_limits })
+}
+
+/// The parts of a branch on which the actuator delivers what it is asked for.
+fn within_limits(problem: &Problem<'_>, nodes: &[Node], orbits: Vec<Orbit>, ends: [End; 2]) -> Vec<Curve> {
+    let mut curves: Vec<Curve> = Vec::new();
+    let last = orbits.len().saturating_sub(1);
+    let mut is_open = false;
+    for (at, (orbit, node)) in orbits.into_iter().zip(nodes).enumerate() {
+        if !problem.delivers(orbit.force, orbit.frequency) {
+            is_open = false;
+            continue;
+        }
+        if !is_open {
+            let begin = if at == 0 { ends[0] } else { End::Limit };
+            curves.push(Curve { orbits: Vec::new(), folds: Vec::new(), ends: [begin, End::Limit] });
+            is_open = true;
+        }
+        if let Some(curve) = curves.last_mut() {
+            if node.fold {
+                curve.folds.push(curve.orbits.len());
+            }
+            curve.orbits.push(orbit);
+            if at == last {
+                curve.ends[1] = ends[1];
+            }
+        }
+    }
+    curves
 }
 
 /// The orbit that a solution stands for, with its stability.
-fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result<Orbit, PoleError> {
+fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result<Orbit, CircularError> {
     let (c, frequency, speed) = problem.unpack(x);
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;

@@ -9,8 +9,8 @@ use nalgebra::DVector;
 use super::newton::Closing;
 use super::response::{AtSpeed, crossings, patterns, sets, spread};
 use super::whirl_equation::{Contact, Equation, Problem};
-use super::{enumerated, homotopy};
-use crate::{C64, PoleError, eigenvalues};
+use super::{CircularError, enumerated, homotopy};
+use crate::C64;
 
 /// Even samples of the frequency, beside those that crowd around the poles.
 const EVEN: usize = 400;
@@ -26,7 +26,7 @@ const STARTS: usize = 12;
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(super) fn at_speed(problem: &Problem<'_>, speed: f64, thorough: bool) -> Result<AtSpeed, PoleError> {
+pub(super) fn at_speed(problem: &Problem<'_>, speed: f64, thorough: bool) -> Result<AtSpeed, CircularError> {
     let equation = problem.at(speed);
     let gapped: Vec<usize> = problem.contacts(problem.gapped).collect();
     let mut found = Vec::new();
@@ -51,16 +51,20 @@ pub(super) fn at_speed(problem: &Problem<'_>, speed: f64, thorough: bool) -> Res
         let (c, frequency, _) = problem.unpack(x);
         frequency.abs() > SLOWEST && *contact != 0 && problem.is_consistent(c.as_slice(), *contact, 1e-12)
     });
-    Ok(AtSpeed { found, complete: gapped.len() <= super::ENUMERATED_FREE })
+    Ok(AtSpeed { found, complete: gapped.len() <= super::ENUMERATED_FREE && problem.is_rational() })
 }
 
-fn starts(problem: &Problem<'_>, equation: &Equation, contact: Contact) -> Result<Vec<(DVector<C64>, f64)>, PoleError> {
+fn starts(
+    problem: &Problem<'_>,
+    equation: &Equation,
+    contact: Contact,
+) -> Result<Vec<(DVector<C64>, f64)>, CircularError> {
     let in_contact: Vec<usize> = problem.contacts(contact).collect();
     if in_contact.len() > 2 {
         return by_modes(problem, equation, &in_contact);
     }
     let within = |k: usize| if contact >> k & 1 == 1 { 1.0 } else { 0.0 };
-    let mut frequencies = grid(&eigenvalues(equation.state_matrix(within))?);
+    let mut frequencies = grid(&equation.poles(within)?);
     if let [k] = in_contact[..] {
         frequencies.extend(enumerated::frequencies(equation, k)?);
         frequencies.sort_by(f64::total_cmp);
@@ -127,7 +131,7 @@ fn by_modes(
     problem: &Problem<'_>,
     equation: &Equation,
     in_contact: &[usize],
-) -> Result<Vec<(DVector<C64>, f64)>, PoleError> {
+) -> Result<Vec<(DVector<C64>, f64)>, CircularError> {
     let mut starts = Vec::new();
     for factors in patterns(in_contact) {
         starts.extend(of_modes(problem, equation, in_contact, &factors)?);
@@ -141,9 +145,9 @@ fn of_modes(
     equation: &Equation,
     in_contact: &[usize],
     factors: &[f64],
-) -> Result<Vec<(DVector<C64>, f64)>, PoleError> {
+) -> Result<Vec<(DVector<C64>, f64)>, CircularError> {
     let mut starts = Vec::new();
-    for pole in eigenvalues(equation.state_matrix(|k| factors[k]))? {
+    for pole in equation.poles(|k| factors[k])? {
         if pole.re.abs() > 0.2 * pole.norm() {
             continue;
         }

@@ -11,10 +11,11 @@
 
 use nalgebra::DVector;
 
+use super::CircularError;
 use super::newton::Closing;
 use super::tracer::{Node, Tracer};
 use super::whirl_equation::{Along, Contact, Equation, Problem};
-use crate::{C64, PoleError, eigenvalues};
+use crate::C64;
 
 /// An orbit this many clearances wide is one of the tight rotor.
 const TIGHT: f64 = 300.0;
@@ -68,10 +69,10 @@ pub(super) fn by_load(problem: &Problem<'_>, speed: f64) -> Found {
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(super) fn by_growth(problem: &Problem<'_>, speed: f64) -> Result<Found, PoleError> {
+pub(super) fn by_growth(problem: &Problem<'_>, speed: f64) -> Result<Found, CircularError> {
     let equation = problem.at(speed);
     let way = problem.along(Along::Growth { speed });
-    let ends = [eigenvalues(equation.state_matrix(|_| 0.0))?, eigenvalues(equation.state_matrix(|_| 1.0))?];
+    let ends = [equation.poles(|_| 0.0)?, equation.poles(|_| 1.0)?];
     let reach = ends.iter().flatten().map(|p| p.re.abs()).fold(0.0, f64::max);
     let tracer = Tracer::new(&way, (-3.0 * reach - 1.0, 3.0 * reach + 1.0));
     let [free, tight] = &ends;
@@ -165,7 +166,7 @@ mod tests {
             Mass { mass: 1.0, damping, bearing_stiffness: b, seal_stiffness: 0.5, unbalance: 1.0, ..Mass::default() };
         let rotor = Rotor::new("one", vec![mass], vec![]).unwrap();
         let feedback = builtin::feedback(&rotor, "off").unwrap();
-        let problem = Problem::new(&rotor, &feedback, &[g], true);
+        let problem = Problem::new(&rotor, &feedback, &[g], true).unwrap();
         let mut several = 0;
         for speed in (1..60).map(|i| f64::from(i) * 0.05 + 0.003) {
             let (z, f) = (C64::new(0.5 - speed * speed, damping * speed), speed * speed);
@@ -190,7 +191,7 @@ mod tests {
     fn the_nonlinear_mode_of_one_mass_passes_its_cycle() {
         let rotor = builtin::rotor("jeffcott").unwrap();
         let feedback = builtin::feedback(&rotor, "off").unwrap();
-        let problem = Problem::new(&rotor, &feedback, &[1.0], false);
+        let problem = Problem::new(&rotor, &feedback, &[1.0], false).unwrap();
         let mut cycles = 0;
         for speed in [0.5, 1.0, 1.3, 1.7, 2.0, 2.5, 3.0] {
             let w = speed / 2.0;
@@ -212,9 +213,9 @@ mod tests {
     fn the_shape_of_a_mode_is_a_vector_of_its_pole() {
         let rotor = builtin::rotor("three-mass").unwrap();
         let feedback = builtin::feedback(&rotor, "off").unwrap();
-        let equation = Problem::new(&rotor, &feedback, &[1.0; 3], false).at(3.0);
+        let equation = Problem::new(&rotor, &feedback, &[1.0; 3], false).unwrap().at(3.0);
         for factor in [0.0, 1.0] {
-            for pole in eigenvalues(equation.state_matrix(|_| factor)).unwrap() {
+            for pole in equation.poles(|_| factor).unwrap() {
                 let shape = shape(&equation, pole, factor).unwrap();
                 let left = (equation.growing(pole.re).stiffened(pole.im, |_| factor) * shape).norm();
                 assert!(left < 1e-8, "{left:e} at {pole}");

@@ -13,6 +13,11 @@
 //! asked for, and each is followed through folds and through the edges of the clearances by pseudo-arclength
 //! continuation. Motion that is not circular is not found here: integrate it with a [`crate::Stepper`].
 //!
+//! A loop that is more than gains (lags, filters, a delay) answers a whirl as one complex number per sensor, so it is in `Z`
+//! exactly, and stability counts everything that it holds. What cannot be so: samples, whose hold leaves a ripple on every
+//! orbit, are refused ([`CircularError::Sampled`]); of an actuator with limits those orbits are given on which it is below
+//! them, and others may exist beyond; noise and resolution of the sensors are left out.
+//!
 //! How complete the search is ([`Circular::complete`] says so speed by speed):
 //!
 //! * Orbits that press on few bearings with clearance at a time are roots of polynomials, all of which are computed:
@@ -22,6 +27,7 @@
 //! * All others come from a search: homotopy from the free and from the tight rotor, Newton's method from many starts,
 //!   continuation over speed. It is thorough, but no proof: a branch that hangs on nothing else may be missed.
 
+mod around;
 mod continuation;
 mod cycle;
 mod enumerated;
@@ -34,7 +40,9 @@ mod steady;
 mod tracer;
 mod whirl_equation;
 
-use crate::{Feedback, PoleError, Rotor};
+use linear::DelayError;
+
+use crate::{Feedback, FeedbackError, PoleError, Rotor};
 
 pub use continuation::Curve;
 pub use orbit::Orbit;
@@ -57,23 +65,46 @@ pub struct Circular {
     pub curves: Vec<Curve>,
     /// For each speed whether it is proven, but for rounding, that there are no others than those in `orbits`.
     pub complete: Vec<bool>,
+    /// For each speed how many orbits of the loop without its limits are not in `orbits`, because they ask for more than the
+    /// actuator delivers.
+    pub beyond_limits: Vec<usize>,
+}
+
+/// Why there are no circular orbits.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CircularError {
+    /// Feedback that does not fit.
+    #[error(transparent)]
+    Feedback(#[from] FeedbackError),
+    /// Eigenvalues that cannot be had.
+    #[error(transparent)]
+    Poles(#[from] PoleError),
+    /// Roots of a loop that cannot be had.
+    #[error(transparent)]
+    Roots(#[from] DelayError),
+    /// A sampled loop.
+    #[error(
+        "no orbit of a sampled loop is a circle: its hold leaves a ripple. Take the samples out with sample=off, half a period \
+         more delay in their place, or simulate with `run`"
+    )]
+    Sampled,
 }
 
 /// The synchronous response `p = c exp(j R tau)` under the rotor's unbalance at every one of `speeds`, all branches.
 ///
-/// `feedback` must have passed [`Feedback::check`]; `deadband` holds one clearance a mass, in `e_t`, missing ones count
+/// `deadband` holds one clearance a mass, in `e_t`, missing ones count
 /// as zero. `speeds` are spin speeds `R`, finite and at least 0. Where nothing drives the rotor (no unbalance, or
 /// `R = 0`) the one orbit listed is the centre. A resonance without damping has no circular solution: the list is empty there.
 ///
 /// # Errors
-/// The eigenvalues that tell stability do not converge, or the coefficients are not finite.
+/// A sampled loop, feedback that does not fit, and roots that tell stability and cannot be had.
 pub fn synchronous(
     rotor: &Rotor,
     feedback: &Feedback,
     deadband: &[f64],
     speeds: &[f64],
-) -> Result<Circular, PoleError> {
-    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, true);
+) -> Result<Circular, CircularError> {
+    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, true)?;
     continuation::all(&problem, speeds)
 }
 
@@ -84,7 +115,7 @@ pub fn synchronous(
 ///
 /// # Errors
 /// As for [`synchronous`].
-pub fn cycles(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], speeds: &[f64]) -> Result<Circular, PoleError> {
-    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, false);
+pub fn cycles(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], speeds: &[f64]) -> Result<Circular, CircularError> {
+    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, false)?;
     continuation::all(&problem, speeds)
 }

@@ -2,12 +2,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::CircularError;
 use super::whirl_equation::{Contact, Equation};
 use crate::quadratic::Quadratic;
-use crate::{C64, J, PoleError, eigenvalues};
+use crate::{C64, J, eigenvalues};
 
 /// An eigenvalue this small, against the largest of its matrix, is the zero of a limit cycle's free phase.
-const PHASE_ZERO: f64 = 1e-5;
+pub(super) const PHASE_ZERO: f64 = 1e-5;
 
 /// The largest real part among the eigenvalues of the disturbance `q` in `p = (c + q) exp(j w tau)`:
 ///
@@ -22,14 +23,18 @@ const PHASE_ZERO: f64 = 1e-5;
 /// Zero where it is rounding, by the noise level that tells marginal poles everywhere (the module `marginal`).
 ///
 /// # Errors
-/// As for [`eigenvalues`].
+/// Eigenvalues that cannot be had.
 pub(super) fn growth(
     equation: &Equation,
     c: &[C64],
     frequency: f64,
     contact: Contact,
     free_phase: bool,
-) -> Result<f64, PoleError> {
+) -> Result<f64, CircularError> {
+    if let Some(around) = equation.around() {
+        let (factors, turned) = equation.bearings_about(c, contact);
+        return Ok(around.growth(factors, &turned, frequency, free_phase)?);
+    }
     let n = c.len();
     let (a, b) = equation.slope(c, frequency, contact);
     let mut matrix = DMatrix::<C64>::zeros(4 * n, 4 * n);

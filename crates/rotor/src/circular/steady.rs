@@ -4,9 +4,9 @@
 
 use nalgebra::DVector;
 
-use super::stability;
 use super::whirl_equation::{Contact, Equation};
-use crate::{C64, ClosedLoop, J, PoleError};
+use super::{CircularError, stability};
+use crate::{C64, ClosedLoop, J};
 
 use super::Orbit;
 
@@ -27,7 +27,7 @@ pub fn orbit_of(
     angle: f64,
     displacement: &[C64],
     velocity: &[C64],
-) -> Result<Option<Orbit>, PoleError> {
+) -> Result<Option<Orbit>, CircularError> {
     let equation = Equation::of(closed_loop, true);
     let speed = closed_loop.speed;
     let forced = equation.forcing().iter().any(|f| *f != C64::ZERO);
@@ -65,7 +65,7 @@ pub fn orbit_of(
 ///
 /// # Errors
 /// As for [`orbit_of`].
-pub fn centre(closed_loop: &ClosedLoop) -> Result<Orbit, PoleError> {
+pub fn centre(closed_loop: &ClosedLoop) -> Result<Orbit, CircularError> {
     let equation = Equation::of(closed_loop, false);
     let amplitude = vec![C64::ZERO; closed_loop.masses];
     let growth = stability::growth(&equation, &amplitude, 0.0, 0, false)?;

@@ -31,6 +31,8 @@ pub enum End {
     ContactLost,
     /// The branch closes on itself: an isolated loop.
     Closed,
+    /// The actuator reaches its limit of force or of the rate of force.
+    Limit,
     /// The continuation could go no further.
     Lost,
 }

@@ -1,8 +1,12 @@
 //! The algebraic equation of circular whirl, its residual and its derivatives, for a given set of bearings in contact.
 
+use std::rc::Rc;
+
 use nalgebra::{DMatrix, DVector};
 
-use crate::{C64, ClosedLoop, ControlRow, Feedback, J, Rotor};
+use super::CircularError;
+use super::around::Around;
+use crate::{C64, ClosedLoop, ControlRow, Feedback, J, Plant, Rotor, eigenvalues};
 
 /// Which masses press on their support bearing: bit `k` for mass `k`.
 pub(super) type Contact = u32;
@@ -24,7 +28,10 @@ pub(super) struct Problem<'a> {
     /// The equation at the one speed of a branch that is not followed over speed.
     fixed: Option<Equation>,
     rotor: &'a Rotor,
-    feedback: &'a Feedback,
+    /// Gains alone; off where the loop is more than that.
+    feedback: std::borrow::Cow<'a, Feedback>,
+    /// The plant, and a loop that is more than gains.
+    around: Option<(Rc<Plant>, &'a Feedback)>,
     deadband: Vec<f64>,
     /// Synchronous under unbalance; otherwise self-excited without.
     pub forced: bool,
@@ -34,13 +41,31 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    pub(super) fn new(rotor: &'a Rotor, feedback: &'a Feedback, deadband: &[f64], forced: bool) -> Self {
+    /// # Errors
+    /// Feedback that does not fit, or samples.
+    pub(super) fn new(
+        rotor: &'a Rotor,
+        feedback: &'a Feedback,
+        deadband: &[f64],
+        forced: bool,
+    ) -> Result<Self, CircularError> {
+        feedback.check(rotor.len())?;
+        if feedback.parts.sample > 0.0 {
+            return Err(CircularError::Sampled);
+        }
+        let around = (!feedback.is_ideal()).then(|| (Rc::new(Plant::of(rotor)), feedback));
+        let gains = if around.is_some() {
+            std::borrow::Cow::Owned(Feedback::new(feedback.bearing, feedback.off().signals))
+        } else {
+            std::borrow::Cow::Borrowed(feedback)
+        };
         let deadband: Vec<f64> = (0..rotor.len()).map(|k| deadband.get(k).copied().unwrap_or(0.0)).collect();
         let gapped =
             rotor.masses().iter().zip(&deadband).enumerate().fold(0, |set, (k, (mass, g))| {
                 if mass.bearing_stiffness > 0.0 && *g > 0.0 { set | 1 << k } else { set }
             });
-        Self { along: Along::Speed, fixed: None, rotor, feedback, deadband, forced, gapped, masses: rotor.len() }
+        let masses = rotor.len();
+        Ok(Self { along: Along::Speed, fixed: None, rotor, feedback: gains, around, deadband, forced, gapped, masses })
     }
 
     /// The same rotor, to be followed along something else than speed.
@@ -49,8 +74,8 @@ impl<'a> Problem<'a> {
             Along::Speed => None,
             Along::Load { speed } | Along::Growth { speed } => Some(self.at(speed)),
         };
-        let deadband = self.deadband.clone();
-        Self { along, fixed, deadband, ..*self }
+        let (feedback, around) = (self.feedback.clone(), self.around.clone());
+        Self { along, fixed, feedback, around, deadband: self.deadband.clone(), ..*self }
     }
 
     /// The frequency that is given: that of the spin under unbalance, unless the spin is unknown itself.
@@ -90,7 +115,28 @@ impl<'a> Problem<'a> {
                 Along::Growth { .. } | Along::Speed => fixed.growing(speed),
             };
         }
-        Equation::of(&ClosedLoop::new(self.rotor, self.feedback, speed, &self.deadband), self.forced)
+        let gains = Equation::of(&ClosedLoop::new(self.rotor, &self.feedback, speed, &self.deadband), self.forced);
+        // Feedback that fits at one speed fits at all.
+        let around = self.around.as_ref().and_then(|(plant, feedback)| Around::new(plant, feedback, speed).ok());
+        Equation { around, ..gains }
+    }
+
+    /// Whether the loop has a limit of force or of its rate beyond which no orbit is sought.
+    pub(super) fn is_limited(&self) -> bool {
+        self.around.as_ref().is_some_and(|(_, feedback)| feedback.parts.limit.min(feedback.parts.slew).is_finite())
+    }
+
+    /// Whether the actuator can deliver the force of a whirl, and as fast as that turns.
+    pub(super) fn delivers(&self, force: f64, frequency: f64) -> bool {
+        self.around.as_ref().is_none_or(|(_, feedback)| {
+            let parts = &feedback.parts;
+            force <= parts.limit * (1.0 + 1e-12) && force * frequency.abs() <= parts.slew * (1.0 + 1e-12)
+        })
+    }
+
+    /// Whether what the loop answers is a ratio of polynomials in the frequency.
+    pub(super) fn is_rational(&self) -> bool {
+        self.around.as_ref().is_none_or(|(_, feedback)| feedback.parts.delay == 0.0)
     }
 
     /// The largest clearance that matters, in `e_t`; 0 without any.
@@ -134,6 +180,8 @@ pub(super) struct Equation {
     clearance: Vec<f64>,
     forcing: DVector<C64>,
     control: ControlRow,
+    /// A loop that is more than gains, in place of them.
+    around: Option<Around>,
     pub gapped: Contact,
 }
 
@@ -156,6 +204,7 @@ impl Equation {
                 closed_loop.unbalance[..n].iter().map(|f| C64::from(if forced { *f } else { 0.0 })),
             ),
             control: closed_loop.control,
+            around: None,
             gapped: (0..n).filter(is_gapped).fold(0, |set, k| set | 1 << k),
         }
     }
@@ -178,6 +227,11 @@ impl Equation {
         for k in 0..z.nrows() {
             z[(k, k)] += s * s;
         }
+        if let Some(around) = &self.around {
+            for (k, [gain, _]) in around.gains(s) {
+                z[(around.bearing(), k)] -= gain;
+            }
+        }
         z
     }
 
@@ -192,14 +246,49 @@ impl Equation {
         z
     }
 
-    /// State matrix of the linear rotor whose bearings with clearance have `factor(k)` of their stiffness.
-    pub(super) fn state_matrix(&self, factor: impl Fn(usize) -> f64) -> DMatrix<C64> {
+    /// Shares of the bearings' stiffness in the linear rotor in which those with clearance have `factor(k)`.
+    fn factors(&self, factor: impl Fn(usize) -> f64) -> Vec<f64> {
+        (0..self.bearing.len()).map(|k| if self.gapped >> k & 1 == 1 { factor(k) } else { 1.0 }).collect()
+    }
+
+    /// State matrix of the linear rotor whose bearings with clearance have `factor(k)` of their stiffness: displacements,
+    /// velocities, then whatever the loop holds. `None` with a delay, which no matrix has.
+    pub(super) fn state_matrix(&self, factor: impl Fn(usize) -> f64) -> Option<DMatrix<C64>> {
+        if let Some(around) = &self.around {
+            return around.state_matrix(self.factors(factor));
+        }
         let n = self.bearing.len();
         let mut a = DMatrix::zeros(2 * n, 2 * n);
         a.view_mut((0, n), (n, n)).fill_with_identity();
         a.view_mut((n, 0), (n, n)).copy_from(&-self.stiffened(0.0, factor));
         a.view_mut((n, n), (n, n)).copy_from(&-&self.damping);
-        a
+        Some(a)
+    }
+
+    /// Poles of the same rotor.
+    ///
+    /// # Errors
+    /// Poles that cannot be had.
+    pub(super) fn poles(&self, factor: impl Fn(usize) -> f64) -> Result<Vec<C64>, CircularError> {
+        match &self.around {
+            Some(around) => Ok(around.poles(self.factors(factor))?),
+            None => Ok(self.state_matrix(factor).map_or(Ok(Vec::new()), eigenvalues)?),
+        }
+    }
+
+    /// The loop, if it is more than gains.
+    pub(super) fn around(&self) -> Option<&Around> {
+        self.around.as_ref()
+    }
+
+    /// What multiplies a small disturbance of each mass and its conjugate in the bearings: shares of the stiffness, and
+    /// accelerations.
+    pub(super) fn bearings_about(&self, c: &[C64], contact: Contact) -> (Vec<f64>, Vec<C64>) {
+        let half = |k: usize| 0.5 * self.clearance[k] / c[k].norm();
+        let presses = |k: usize| contact >> k & 1 == 1;
+        let along = self.factors(|k| if presses(k) { 1.0 - half(k) } else { 0.0 });
+        let turned = |k: usize| direction(c[k]).powi(2) * (self.bearing[k] * half(k));
+        (along, (0..c.len()).map(|k| if presses(k) { turned(k) } else { C64::ZERO }).collect())
     }
 
     /// `Re R^2` per mass; zero for a limit cycle.
@@ -253,7 +342,12 @@ impl Equation {
 
     /// Derivative of the residual by the rate of growth: `(C + 2 s) c`.
     fn by_growth(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
-        &self.damping * c + c * (C64::new(self.growth, frequency) * 2.0)
+        let s = C64::new(self.growth, frequency);
+        let mut by = &self.damping * c + c * (s * 2.0);
+        if let Some(around) = &self.around {
+            by[around.bearing()] -= around.gains(s).map(|(k, [_, slope])| slope * c[k]).sum::<C64>();
+        }
+        by
     }
 
     /// Stiffness of bearing `k`, `b_k`.
@@ -268,6 +362,9 @@ impl Equation {
 
     /// The control acceleration of the orbit, `|u|`, in `w0^2 e_t`.
     pub(super) fn force(&self, c: &[C64], frequency: f64) -> f64 {
+        if let Some(around) = &self.around {
+            return around.gains(J * frequency).map(|(k, [gain, _])| gain * c[k]).sum::<C64>().norm();
+        }
         let row = &self.control;
         let gains = row.displacement.iter().zip(&row.velocity).map(|(p, v)| p + v * J * frequency);
         gains.zip(c).map(|(gain, c)| gain * c).sum::<C64>().norm()

@@ -60,6 +60,9 @@ pub enum ReportError {
     /// Poles that cannot be computed.
     #[error(transparent)]
     Poles(#[from] PoleError),
+    /// Orbits that cannot be had.
+    #[error(transparent)]
+    Orbits(#[from] rotor::circular::CircularError),
     /// A machine that cannot be stepped.
     #[error(transparent)]
     Program(#[from] machine::ProgramError),

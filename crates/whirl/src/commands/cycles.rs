@@ -98,7 +98,7 @@ impl From<&Curve> for ThresholdDocument {
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     interrupt::end_at_once()?;
-    let (machine, speeds) = args.sweep.prepare(&args.machine, "whirl cycles")?;
+    let (machine, speeds) = args.sweep.prepare(&args.machine)?;
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
     let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 
@@ -115,7 +115,9 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     if found.orbits.iter().all(Vec::is_empty) {
         footer.push("no self-excited circular limit cycle found at any of these speeds".into());
     }
-    let (completeness, proven) = completeness(&machine, &found, ENUMERATED_FREE);
+    // With a delay the frequencies of cycles are no roots of a polynomial: they are sought.
+    let enumerated = if settings.feedback.parts.delay > 0.0 { 0 } else { ENUMERATED_FREE };
+    let (completeness, proven) = completeness(&machine, &found, enumerated);
     footer.push(proven);
     let document = Document {
         rotor: rotor.name(),
@@ -140,6 +142,7 @@ fn describe(curve: &Curve, units: Units) -> Option<String> {
             End::Unbounded => format!("{speed} (amplitude without bound)"),
             End::ContactLost => format!("{speed} (last contact lost)"),
             End::Closed => format!("{speed} (closed)"),
+            End::Limit => format!("{speed} (actuator at its limit)"),
             End::Lost => format!("{speed} (followed no further)"),
         }
     };

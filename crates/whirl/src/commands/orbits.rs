@@ -26,9 +26,9 @@ pub(super) struct SweepArgs {
 
 impl SweepArgs {
     /// The machine, and the speeds `R`, all of them in range.
-    pub(super) fn prepare(&self, machine: &MachineArgs, what: &str) -> Result<(Machine, Vec<f64>), Failure> {
+    pub(super) fn prepare(&self, machine: &MachineArgs) -> Result<(Machine, Vec<f64>), Failure> {
         let (machine, over) = Machine::open_over(machine, self.over)?;
-        Ok((machine.ideal(what)?, over.points(self.points as usize)))
+        Ok((machine, over.points(self.points as usize)))
     }
 }
 
@@ -38,17 +38,20 @@ pub(super) struct PointDocument<Branch> {
     speed: f64,
     /// Whether it is proven, but for rounding, that there are no other branches.
     complete: bool,
+    /// How many orbits of the loop without its limits are left out, because the actuator cannot hold them.
+    beyond_limits: usize,
     branches: Vec<Branch>,
 }
 
 /// All orbits, speed by speed.
 pub(super) fn points<'a, Branch: From<&'a Orbit>>(found: &'a Circular) -> Vec<PointDocument<Branch>> {
-    let point = |((&speed, &complete), orbits): ((&f64, &bool), &'a Vec<Orbit>)| PointDocument {
-        speed,
-        complete,
-        branches: orbits.iter().map(Into::into).collect(),
+    let point = |at: usize| PointDocument {
+        speed: found.speeds[at],
+        complete: found.complete[at],
+        beyond_limits: found.beyond_limits[at],
+        branches: found.orbits[at].iter().map(Into::into).collect(),
     };
-    found.speeds.iter().zip(&found.complete).zip(&found.orbits).map(point).collect()
+    (0..found.speeds.len()).map(point).collect()
 }
 
 /// How far the list of branches is proven complete.
@@ -69,19 +72,41 @@ pub(super) fn completeness(machine: &Machine, found: &Circular, enumerated: usiz
     let bearings = machine.rotor.masses().iter().zip(&machine.settings.deadband);
     let clearances = bearings.filter(|(mass, g)| mass.bearing_stiffness > 0.0 && **g > 0.0).count();
     let (complete, total) = (found.complete.iter().filter(|all| **all).count(), found.complete.len());
+    let parts = &machine.settings.feedback.parts;
+    let is_limited = parts.limit.min(parts.slew).is_finite();
     let words = if complete == total {
         "proven complete: no other circular orbit at these speeds, but for rounding".to_owned()
     } else {
-        let bearings = if enumerated == 1 { "one bearing".to_owned() } else { format!("{enumerated} bearings") };
         let proven = match complete {
             0 => "NOT proven complete".to_owned(),
             _ => format!("proven complete at {complete} of {total} speeds only"),
         };
-        format!(
-            "{proven}: all orbits that press on at most {bearings} of the {clearances} with clearance at a time are listed; of \
-             those on more, what a search found (homotopy, many starts, continuation), and others may exist"
-        )
+        let all = match enumerated {
+            0 => String::new(),
+            1 => format!(
+                "all orbits that press on at most one bearing of the {clearances} with clearance at a time are listed; of those on more, "
+            ),
+            _ => format!(
+                "all orbits that press on at most {enumerated} bearings of the {clearances} with clearance at a time are listed; of those on more, "
+            ),
+        };
+        format!("{proven}: {all}what a search found (homotopy, many starts, continuation), and others may exist")
     };
+    let beyond: usize = found.beyond_limits.iter().sum();
+    let limits = match (is_limited, beyond) {
+        (false, _) => String::new(),
+        (true, 0) => "\nthe actuator has limits: orbits at which it reaches them are not sought".to_owned(),
+        (true, some) => format!(
+            "\nthe actuator has limits: {some} orbits that ask for more than it delivers are left out, and those at which it \
+             reaches them are not sought"
+        ),
+    };
+    let sensors = if parts.noise > 0.0 || parts.quantum > 0.0 {
+        "\nnoise and resolution of the sensors are left out"
+    } else {
+        ""
+    };
+    let words = format!("{words}{limits}{sensors}");
     let others = if complete == total { "none" } else { "search" };
     (CompletenessDocument { clearances, enumerated, complete, others }, words)
 }

@@ -100,7 +100,7 @@ impl From<&Curve> for CurveDocument {
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
     interrupt::end_at_once()?;
-    let (machine, speeds) = args.sweep.prepare(&args.machine, "whirl response")?;
+    let (machine, speeds) = args.sweep.prepare(&args.machine)?;
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
     let found = circular::synchronous(rotor, &settings.feedback, &settings.deadband, &speeds)?;
 

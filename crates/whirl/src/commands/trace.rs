@@ -92,19 +92,12 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
     let points =
         usize::try_from(args.points.unwrap_or(POINTS)).map_err(|_| Failure::Usage("too many points".into()))?;
     if !feedback.is_ideal() {
-        if args.campbell {
-            return Err(Failure::Usage(
-                "--campbell knows only the ideal loop: leave it out, or sampling, delay, lags and filters".into(),
-            ));
-        }
         return of_loop(args, &machine, &over.points(points));
     }
     let trace = rotor::trace(rotor, feedback, &over.points(points))?;
     let critical = rotor::critical_speeds(rotor, feedback, over.from, over.to, &ORDERS)?;
     let (table, what, footer) = if args.campbell {
-        let lines =
-            units.pick("1X and 0.5X: |Im| = R and R / 2", "1X and 0.5X: whirl at and at half of the spin speed");
-        (critical_table(&critical, units), "critical speeds", lines.to_owned())
+        (critical_table(&critical, units), "critical speeds", lines_text(units))
     } else if args.format.json {
         // A long table that nobody reads.
         (Table::default(), "poles", String::new())
@@ -124,6 +117,7 @@ struct LoopDocument<'a> {
     min_damping: Vec<Option<f64>>,
     modes: Vec<Vec<Option<PoleDocument>>>,
     modes_null: &'static str,
+    campbell: Campbell,
     #[serde(flatten)]
     units: UnitsDocument,
 }
@@ -131,11 +125,16 @@ struct LoopDocument<'a> {
 /// The trace of a loop with states of its own, a delay or samples.
 fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Failure> {
     let units = machine.units();
-    let branches = machine::trace(&machine.rotor, &machine.settings, speeds)?;
+    let machine::Campbell { branches, critical_speeds } =
+        machine::campbell(&machine.rotor, &machine.settings, speeds, &ORDERS)?;
     let mode = |pole: rotor::C64| Mode { pole, shape: vec![] };
     let least = |at: usize| branches.iter().filter_map(|b| b[at]).map(|pole| mode(pole).damping()).reduce(f64::min);
-    let mut table = Table::new(units.pick(&POLE_COLUMNS, &POLE_COLUMNS_SI));
-    for (at, &speed) in speeds.iter().enumerate() {
+    let mut table = if args.campbell {
+        critical_table(&critical_speeds, units)
+    } else {
+        Table::new(units.pick(&POLE_COLUMNS, &POLE_COLUMNS_SI))
+    };
+    for (at, &speed) in speeds.iter().enumerate().filter(|_| !args.campbell) {
         for (k, branch) in branches.iter().enumerate() {
             if let Some(pole) = branch[at] {
                 table.row(pole_row(speed, k, &mode(pole), units));
@@ -148,13 +147,19 @@ fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Fa
         min_damping: (0..speeds.len()).map(least).collect(),
         modes: branches.iter().map(|b| b.iter().map(|pole| pole.map(|pole| (&mode(pole)).into())).collect()).collect(),
         modes_null: "with a delay there are infinitely many poles: this one is left of the line up to which they are found",
+        campbell: campbell_document(speeds, &critical_speeds),
         units: units.document(),
     };
     let worst = (0..speeds.len()).filter_map(|at| Some((least(at)?, speeds[at]))).min_by(|a, b| a.0.total_cmp(&b.0));
-    let footer = worst.map_or(String::new(), |(zeta, speed)| least_text(zeta, speed, units));
+    let footer = match worst {
+        _ if args.campbell => lines_text(units),
+        Some((zeta, speed)) => least_text(zeta, speed, units),
+        None => String::new(),
+    };
+    let what = if args.campbell { "critical speeds" } else { "poles" };
     let per = units.pick("; per unit of tau = w0 t", "");
     let heading =
-        format!("{}: poles for {}, deadband neglected{per}", machine.rotor.name(), units.range_text(args.over));
+        format!("{}: {what} for {}, deadband neglected{per}", machine.rotor.name(), units.range_text(args.over));
     args.format.print(&document, &heading, &table, &footer)
 }
 
@@ -177,24 +182,33 @@ fn pole_row(speed: f64, branch: usize, mode: &Mode, units: Units) -> [Cell; 8] {
 
 fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed], units: Units) -> Document<'a> {
     let points = 0..trace.speeds.len();
-    let mode = |c: &CriticalSpeed| Mode { pole: c.pole, shape: vec![] };
     Document {
         rotor,
         speeds: &trace.speeds,
         min_damping: trace.min_damping(),
         modes: trace.branches.iter().map(|b| points.clone().map(|at| (&b.mode(at)).into()).collect()).collect(),
-        campbell: Campbell {
-            lines: ORDERS
-                .iter()
-                .map(|&order| Line { order, frequency: trace.speeds.iter().map(|speed| order * speed).collect() })
-                .collect(),
-            critical_speeds: critical
-                .iter()
-                .map(|c| Critical { order: c.order, mode: c.branch, speed: c.speed, pole: (&mode(c)).into() })
-                .collect(),
-        },
+        campbell: campbell_document(&trace.speeds, critical),
         units: units.document(),
     }
+}
+
+fn campbell_document(speeds: &[f64], critical: &[CriticalSpeed]) -> Campbell {
+    let mode = |c: &CriticalSpeed| Mode { pole: c.pole, shape: vec![] };
+    Campbell {
+        lines: ORDERS
+            .iter()
+            .map(|&order| Line { order, frequency: speeds.iter().map(|speed| order * speed).collect() })
+            .collect(),
+        critical_speeds: critical
+            .iter()
+            .map(|c| Critical { order: c.order, mode: c.branch, speed: c.speed, pole: (&mode(c)).into() })
+            .collect(),
+    }
+}
+
+/// What the lines of the Campbell diagram are.
+fn lines_text(units: Units) -> String {
+    units.pick("1X and 0.5X: |Im| = R and R / 2", "1X and 0.5X: whirl at and at half of the spin speed").to_owned()
 }
 
 /// One row a speed and branch: the long form that spreadsheets pivot.

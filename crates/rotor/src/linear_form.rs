@@ -10,7 +10,8 @@
 
 use control::{Feedback, FeedbackError, Law, LinearLoop};
 use nalgebra::DMatrix;
-use rotor::{C64, OperatingPoint, Plant};
+
+use crate::{C64, OperatingPoint, Plant};
 
 /// A machine at one operating point as matrices.
 #[derive(Clone, Debug, PartialEq)]
@@ -47,10 +48,17 @@ impl LinearForm {
     /// Feedback that does not fit the plant.
     pub fn of(plant: &Plant, feedback: &Feedback, at: &OperatingPoint) -> Result<Self, FeedbackError> {
         let stations = plant.stations().len();
-        let LinearLoop { sensors, sensor_lag, sample, law, delay, actuator: [fa, fb, fc, fd] } =
-            LinearLoop::new(feedback, stations, at.speed)?;
-        let bearing = FeedbackError::Bearing { found: feedback.bearing + 1, masses: stations };
-        let column = plant.column(feedback.bearing).ok_or(bearing)?;
+        let around = LinearLoop::new(feedback, stations, at.speed)?;
+        let missing = FeedbackError::Bearing { found: feedback.bearing + 1, masses: stations };
+        Self::joined(plant, feedback.bearing, &around, at).ok_or(missing)
+    }
+
+    /// Joins a plant and a loop that drives its control bearing `bearing`; `None` if there is no such bearing.
+    #[must_use]
+    pub fn joined(plant: &Plant, bearing: usize, around: &LinearLoop, at: &OperatingPoint) -> Option<Self> {
+        let LinearLoop { sensors, sensor_lag, sample, law, delay, actuator: [fa, fb, fc, fd] } = around;
+        let (sensor_lag, sample, delay) = (*sensor_lag, *sample, *delay);
+        let column = plant.column(bearing)?;
         let [damping, stiffness] = plant.linear(at);
         let (n, m) = (plant.order(), sensors.len());
         let lagging = if sensor_lag > 0.0 { 2 * m } else { 0 };
@@ -77,12 +85,12 @@ impl LinearForm {
         }
         let column = DMatrix::from_column_slice(n, 1, column.dense(n).as_slice());
         let order = fa.nrows();
-        a.view_mut((first_actuator, first_actuator), (order, order)).copy_from(&fa);
+        a.view_mut((first_actuator, first_actuator), (order, order)).copy_from(fa);
         a.view_mut((n, first_actuator), (n, order)).copy_from(&(&column * fc));
         let mut b = DMatrix::zeros(width, 1);
         b.view_mut((n, 0), (n, 1)).copy_from(&(&column * fd));
-        b.view_mut((first_actuator, 0), (order, 1)).copy_from(&fb);
-        Ok(Self { coordinates: n, a, b, readings, law, delay, sample })
+        b.view_mut((first_actuator, 0), (order, 1)).copy_from(fb);
+        Some(Self { coordinates: n, a, b, readings, law: law.clone(), delay, sample })
     }
 
     /// `A`, `B` and `C` of `x' = A x + B C x(t - delay)`, the states of a continuous law among `x`; `None` if it is sampled.

@@ -1,0 +1,201 @@
+//! Circular orbits of loops that are more than gains: exact ones against the machine in motion, part by part, and against
+//! the linear machine where it is linear.
+
+use control::{Filter, Parts};
+use machine::{LinearForm, Machine, Program};
+use rotor::circular::{CircularError, End, Orbit, cycles, synchronous};
+use rotor::{C64, Feedback, J, Mass, OperatingPoint, Plant, Rotor, Settings, builtin};
+
+/// The loops: every part alone, and all of them.
+fn loops() -> Vec<(&'static str, Feedback)> {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let individual = builtin::feedback(&rotor, "individual").expect("built in");
+    let with = |parts: Parts, filters: Vec<Filter>| {
+        let mut feedback = individual.clone();
+        (feedback.parts, feedback.filters) = (parts, filters);
+        feedback
+    };
+    let parts = Parts::default();
+    let mut signal = with(parts, vec![]);
+    signal.signals[1].filters = vec![Filter::Lead { zero: 4.0, pole: 20.0 }];
+    vec![
+        ("sensor lag", with(Parts { sensor_lag: 0.02, ..parts }, vec![])),
+        ("actuator lag", with(Parts { lag: 0.03, ..parts }, vec![])),
+        ("actuator of second order", with(Parts { lag: 0.03, lag_damping: 0.7, ..parts }, vec![])),
+        ("delay", with(Parts { delay: 0.05, ..parts }, vec![])),
+        ("low-pass", with(parts, vec![Filter::Lowpass { corner: 30.0, order: 2 }])),
+        ("synchronous notch", with(parts, vec![Filter::SynchronousNotch { width: 0.1 }])),
+        ("filter of a signal", signal),
+        (
+            "all",
+            with(
+                Parts { sensor_lag: 0.01, delay: 0.03, lag: 0.01, ..parts },
+                vec![Filter::Lowpass { corner: 60.0, order: 2 }],
+            ),
+        ),
+    ]
+}
+
+fn settings(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: f64) -> Settings {
+    let mut settings = Settings::new(rotor, speed, feedback.clone());
+    settings.deadband.fill(deadband);
+    settings.trip = 1e9;
+    settings
+}
+
+#[test]
+fn val_the_response_of_every_loop_is_what_the_machine_settles_on() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    for (what, feedback) in loops() {
+        for (speed, deadband) in [(1.3, 0.5), (2.5, 0.2)] {
+            let settings = settings(&rotor, &feedback, speed, deadband);
+            let found = synchronous(&rotor, &feedback, &settings.deadband, &[speed]).expect("converges");
+            let stable: Vec<&Orbit> = found.orbits[0].iter().filter(|o| o.is_stable()).collect();
+            assert!(!found.orbits[0].is_empty(), "{what} at {speed}");
+            if stable.is_empty() {
+                // A notch at the speed leaves the bearing without damping there.
+                assert_eq!((what, speed), ("synchronous notch", 2.5));
+                continue;
+            }
+            let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
+            let mut machine = Machine::new(program);
+            (0..300_000).for_each(|_| assert!(machine.step().is_none()));
+            let sample = machine.sample();
+            let radii: Vec<f64> = sample.displacement.iter().map(|p| p.norm()).collect();
+            let force = sample.output.delivered.norm();
+            let near = |orbit: &&&Orbit| {
+                orbit.radii().iter().zip(&radii).all(|(a, b)| (a - b).abs() < 1e-5 * (1.0 + b))
+                    && (orbit.force - force).abs() < 1e-5 * (1.0 + force)
+            };
+            assert!(
+                stable.iter().any(|o| near(&o)),
+                "{what} at {speed}: simulated {radii:?} {force}, exact {stable:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn val_without_clearance_the_response_of_every_loop_is_that_of_its_matrices() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    for (what, feedback) in loops() {
+        let speed = 2.0;
+        let found = synchronous(&rotor, &feedback, &[0.0; 3], &[speed]).expect("converges");
+        let [orbit] = &found.orbits[0][..] else { panic!("{what}: {:?}", found.orbits) };
+        let form = LinearForm::of(&Plant::of(&rotor), &feedback, &OperatingPoint::at(speed)).expect("fits");
+        let [a, b, c] = form.continuous().expect("continuous");
+        let s = J * speed;
+        let mut m = -(a + b * c * (-s * form.delay).exp());
+        (0..m.nrows()).for_each(|i| m[(i, i)] += s);
+        let mut drive = nalgebra::DVector::zeros(m.nrows());
+        (0..3).for_each(|k| drive[3 + k] = C64::from(rotor.masses()[k].unbalance * speed * speed));
+        let x = m.lu().solve(&drive).expect("no pole there");
+        assert!((0..3).all(|k| (x[k] - orbit.amplitude[k]).norm() < 1e-12), "{what}");
+        // Linear: what becomes of disturbances is told by the poles.
+        let poles = machine::min_damping(&rotor, &settings(&rotor, &feedback, speed, 0.0), speed).expect("converges");
+        assert_eq!(orbit.is_stable(), poles > 0.0, "{what}");
+        let rightmost = machine::MachinePoles::of(&rotor, &settings(&rotor, &feedback, speed, 0.0)).expect("converges");
+        let growth = rightmost.modes.iter().map(|m| m.pole.re).fold(f64::NEG_INFINITY, f64::max);
+        assert!((orbit.growth - growth).abs() < 1e-8, "{what}: {} for {growth}", orbit.growth);
+    }
+}
+
+/// Composite feedback so late that the machine whirls by itself, held by bearings with clearance.
+fn whirling(delay: f64, change: impl Fn(&mut Feedback)) -> (Rotor, Feedback) {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let masses: Vec<Mass> = rotor.masses().iter().map(|m| Mass { unbalance: 0.0, ..*m }).collect();
+    let rotor = Rotor::new("balanced", masses, rotor.shafts().to_vec()).expect("valid");
+    let mut feedback =
+        builtin::feedback(&builtin::rotor("three-mass").expect("built in"), "composite").expect("built in");
+    feedback.parts.delay = delay;
+    change(&mut feedback);
+    (rotor, feedback)
+}
+
+#[test]
+fn val_cycles_of_late_loops_are_what_the_machine_settles_on() {
+    let mut met = 0;
+    for (delay, lag) in [(0.02, 0.0), (0.02, 0.02), (0.0, 0.03)] {
+        let (rotor, feedback) = whirling(delay, |f| f.parts.lag = lag);
+        for speed in [3.0, 4.5, 6.0] {
+            let settings = settings(&rotor, &feedback, speed, 1.0);
+            let found = cycles(&rotor, &feedback, &settings.deadband, &[speed]).expect("converges");
+            for orbit in found.orbits[0].iter().filter(|o| o.is_stable()) {
+                let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
+                let mut machine = Machine::new(program);
+                // Beside the cycle, with nothing under way in the loop.
+                let velocity: Vec<C64> = orbit.amplitude.iter().map(|c| c * J * orbit.frequency).collect();
+                machine.place(&orbit.amplitude, &velocity);
+                (0..150_000).for_each(|_| assert!(machine.step().is_none()));
+                let radii: Vec<f64> = machine.sample().displacement.iter().map(|p| p.norm()).collect();
+                let near = orbit.radii().iter().zip(&radii).all(|(a, b)| (a - b).abs() < 1e-4 * (1.0 + b));
+                assert!(near, "delay {delay}, lag {lag}, R = {speed}: simulated {radii:?}, exact {:?}", orbit.radii());
+                met += 1;
+            }
+        }
+    }
+    assert!(met >= 3, "{met} cycles");
+}
+
+#[test]
+fn a_loop_that_is_almost_ideal_has_the_orbits_of_the_ideal_one() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let ideal = builtin::feedback(&rotor, "composite").expect("built in");
+    for tiny in [Parts { delay: 1e-8, ..Parts::default() }, Parts { lag: 1e-6, ..Parts::default() }] {
+        let late = Feedback { parts: tiny, ..ideal.clone() };
+        for speed in [1.0, 3.0, 6.0] {
+            let of = |feedback: &Feedback| {
+                let forced = synchronous(&rotor, feedback, &[1.0; 3], &[speed]).expect("converges").orbits;
+                let free = cycles(&rotor, feedback, &[1.0; 3], &[speed]).expect("converges").orbits;
+                [forced, free].concat().concat()
+            };
+            let (exact, near) = (of(&ideal), of(&late));
+            assert_eq!(exact.len(), near.len(), "{tiny:?} at {speed}");
+            for (a, b) in exact.iter().zip(&near) {
+                let apart = a.amplitude.iter().zip(&b.amplitude).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+                assert!(apart < 1e-3 * (1.0 + a.largest_radius()), "{tiny:?} at {speed}: {a:?} {b:?}");
+                assert!((a.growth - b.growth).abs() < 1e-3, "{tiny:?} at {speed}: {} {}", a.growth, b.growth);
+            }
+        }
+    }
+}
+
+#[test]
+fn orbits_that_the_actuator_cannot_hold_are_left_out_and_counted() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let speeds: Vec<f64> = (0..=30).map(|i| 0.1 * f64::from(i)).collect();
+    let free = builtin::feedback(&rotor, "individual").expect("built in");
+    let all = synchronous(&rotor, &free, &[0.0; 3], &speeds).expect("converges");
+    let most = all.orbits.iter().flatten().map(|o| o.force).fold(0.0, f64::max);
+    for (key, parts) in [
+        ("limit", Parts { limit: 0.5 * most, ..Parts::default() }),
+        ("slew", Parts { slew: 0.5 * most, ..Parts::default() }),
+    ] {
+        let limited = Feedback { parts, ..free.clone() };
+        let found = synchronous(&rotor, &limited, &[0.0; 3], &speeds).expect("converges");
+        assert!(found.complete.iter().all(|complete| !complete), "{key}");
+        let (mut kept, mut left_out) = (0, 0);
+        for (at, speed) in speeds.iter().enumerate() {
+            let [orbit] = &all.orbits[at][..] else { panic!("one orbit of a linear machine") };
+            let within = orbit.force <= parts.limit && orbit.force * speed <= parts.slew;
+            assert_eq!(
+                (found.orbits[at].len(), found.beyond_limits[at]),
+                if within { (1, 0) } else { (0, 1) },
+                "{key}"
+            );
+            (kept, left_out) = (kept + usize::from(within), left_out + usize::from(!within));
+        }
+        assert!(kept > 3 && left_out > 3, "{key}: {kept} {left_out}");
+        assert!(found.curves.iter().any(|curve| curve.ends.contains(&End::Limit)), "{key}");
+    }
+}
+
+#[test]
+fn orbits_of_a_sampled_loop_are_refused_in_words() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let mut feedback = builtin::feedback(&rotor, "composite").expect("built in");
+    feedback.parts.sample = 0.05;
+    let refused = synchronous(&rotor, &feedback, &[1.0; 3], &[1.0]).expect_err("no circle");
+    assert_eq!(refused, CircularError::Sampled);
+    assert!(refused.to_string().contains("sample=off"), "{refused}");
+}

@@ -1,0 +1,142 @@
+//! The loop around a rotor in circular whirl, where it is more than gains: what it answers to a whirl, and what small
+//! disturbances of an orbit become with everything that it holds.
+//!
+//! On an orbit the sensors see `c exp(j w tau)`, so the whole loop, delay and filters and all, is one complex row `H(j w)`:
+//! no approximation. Only a sampled loop is none of this: its hold leaves a ripple, and the orbit is no circle.
+
+use std::rc::Rc;
+
+use control::LinearLoop;
+use linear::{DelayError, DelaySystem};
+use nalgebra::DMatrix;
+
+use super::stability::PHASE_ZERO;
+use crate::{C64, Feedback, FeedbackError, J, LinearForm, OperatingPoint, Plant};
+
+/// Right of this a pole is looked for first; then four times as far left, until there is one or only echoes are left.
+const FIRST_LINE: f64 = -1.0;
+/// Last places a state that rounding may cost.
+const LAST_PLACES: f64 = 64.0;
+
+/// A loop at one spin speed.
+#[derive(Clone)]
+pub(super) struct Around {
+    plant: Rc<Plant>,
+    bearing: usize,
+    speed: f64,
+    linear: Rc<LinearLoop>,
+}
+
+impl Around {
+    /// The loop of `feedback`.
+    ///
+    /// # Errors
+    /// Feedback that does not fit.
+    pub(super) fn new(plant: &Rc<Plant>, feedback: &Feedback, speed: f64) -> Result<Self, FeedbackError> {
+        let linear = Rc::new(LinearLoop::new(feedback, plant.stations().len(), speed)?);
+        Ok(Self { plant: plant.clone(), bearing: feedback.bearing, speed, linear })
+    }
+
+    /// The mass that carries the bearing, and what it does to it per displacement of each sensor in the whirl `exp(s tau)`,
+    /// with the derivative by `s`: `(mass of the sensor, [value, slope])`.
+    pub(super) fn gains(&self, s: C64) -> impl Iterator<Item = (usize, [C64; 2])> + '_ {
+        // At a pole of the loop there is no orbit: what is not a number is refused by whoever solves with it.
+        let missing = || [const { C64::new(f64::NAN, f64::NAN) }; 2].map(|x| vec![x; self.linear.sensors.len()]);
+        let [value, slope] = self.linear.response(s).unwrap_or_else(missing);
+        self.linear.sensors.iter().copied().zip(value.into_iter().zip(slope).map(|(v, s)| [v, s]))
+    }
+
+    /// The mass that carries the bearing.
+    pub(super) fn bearing(&self) -> usize {
+        self.bearing
+    }
+
+    /// `A`, `B` and `C` of the machine with shares of its bearings' stiffness, and the delay.
+    fn matrices(&self, factors: Vec<f64>) -> Option<[DMatrix<C64>; 3]> {
+        let at = OperatingPoint { speed: self.speed, contact_factors: factors };
+        LinearForm::joined(&self.plant, self.bearing, &self.linear, &at)?.continuous()
+    }
+
+    /// The state matrix, displacements and then velocities first; `None` with a delay.
+    pub(super) fn state_matrix(&self, factors: Vec<f64>) -> Option<DMatrix<C64>> {
+        let [a, b, c] = self.matrices(factors).filter(|_| self.linear.delay == 0.0)?;
+        Some(a + b * c)
+    }
+
+    /// Poles with shares of the bearings' stiffness; with a delay all that are more than its echoes.
+    ///
+    /// # Errors
+    /// Poles that cannot be had.
+    pub(super) fn poles(&self, factors: Vec<f64>) -> Result<Vec<C64>, DelayError> {
+        let Some([a, b, c]) = self.matrices(factors) else { return Ok(Vec::new()) };
+        let system = DelaySystem::new(a, b, c, self.linear.delay)?;
+        Ok(system.roots_right_of(system.echo_line())?.roots)
+    }
+
+    /// The largest real part among the roots of the disturbance `x = (x0 + q) exp(j w tau)` of everything that moves: plant,
+    /// sensors, filters, actuator, and what is under way in the delay,
+    ///
+    /// ```text
+    /// q' = (A - j w) q + B C exp(-j w T) q(tau - T) - K conj(q)
+    /// ```
+    ///
+    /// `factors` are the shares of stiffness that multiply `q` of each mass, `turned` what multiplies `conj(q)`. Zero where
+    /// it is rounding. With a delay and no root right of its echoes the line of those is given: it decays at least as fast.
+    ///
+    /// # Errors
+    /// Roots that cannot be had.
+    pub(super) fn growth(
+        &self,
+        factors: Vec<f64>,
+        turned: &[C64],
+        frequency: f64,
+        free_phase: bool,
+    ) -> Result<f64, DelayError> {
+        let Some([a, b, c]) = self.matrices(factors) else { return Ok(f64::NAN) };
+        let (n, size) = (turned.len(), a.nrows());
+        let delay = self.linear.delay;
+        let late = (-J * frequency * delay).exp();
+        let mut joined = DMatrix::zeros(2 * size, 2 * size);
+        for i in 0..size {
+            for k in 0..size {
+                joined[(i, k)] = a[(i, k)];
+                joined[(size + i, size + k)] = a[(i, k)].conj();
+            }
+            joined[(i, i)] -= J * frequency;
+            joined[(size + i, size + i)] += J * frequency;
+        }
+        for (k, by) in turned.iter().enumerate() {
+            joined[(n + k, size + k)] -= by;
+            joined[(size + n + k, k)] -= by.conj();
+        }
+        let (mut column, mut row) = (DMatrix::zeros(2 * size, 2), DMatrix::zeros(2, 2 * size));
+        for i in 0..size {
+            column[(i, 0)] = b[i] * late;
+            column[(size + i, 1)] = column[(i, 0)].conj();
+            row[(0, i)] = c[i];
+            row[(1, size + i)] = c[i].conj();
+        }
+        let closed = &joined + &column * &row;
+        let rounding = LAST_PLACES * f64::EPSILON * closed.nrows() as f64 * closed.norm();
+        let largest = closed.norm();
+        let system = DelaySystem::new(joined, column, row, delay)?;
+        let end = if delay > 0.0 { system.echo_line() } else { f64::NEG_INFINITY };
+        let mut line = if delay > 0.0 { FIRST_LINE.max(end) } else { end };
+        loop {
+            let mut roots = system.roots_right_of(line)?.roots;
+            if free_phase
+                && let Some(zero) = (0..roots.len()).min_by(|&i, &k| roots[i].norm().total_cmp(&roots[k].norm()))
+                && roots[zero].norm() <= PHASE_ZERO * largest
+            {
+                roots.swap_remove(zero);
+            }
+            if let Some(growth) = roots.iter().map(|root| root.re).reduce(f64::max) {
+                return Ok(if growth.abs() <= rounding { 0.0 } else { growth });
+            }
+            if line <= end {
+                return Ok(end);
+            }
+            line = (4.0 * line).max(end);
+        }
+    }
+}
