@@ -5,6 +5,7 @@ use wire::Moment;
 use wire::message::Health;
 
 use crate::batch::Batch;
+use crate::damage::Damage;
 use crate::error::TapeError;
 use crate::event::{Event, Remark};
 use crate::session::{Gap, Revision, Session};
@@ -37,6 +38,10 @@ pub(crate) struct Contents {
     /// Ascending in steps.
     pub(crate) health: Vec<(Moment, Health)>,
     pub(crate) notices: Vec<String>,
+    /// In the order of the files and of their bytes.
+    pub(crate) damage: Vec<Damage>,
+    /// Whether every message read had a checksum.
+    pub(crate) checksums: bool,
     pub(crate) bytes: u64,
 }
 
@@ -49,6 +54,8 @@ impl Contents {
         self.remarks.extend(part.remarks);
         self.health.extend(part.health);
         self.notices.extend(part.notices);
+        self.damage.extend(part.damage);
+        self.checksums &= part.checksums;
         self.bytes += part.bytes;
     }
 }

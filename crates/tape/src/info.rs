@@ -9,6 +9,7 @@ use serde::Serialize;
 use wire::message::Point;
 use wire::{Happening, Moment};
 
+use crate::damage::Damage;
 use crate::error::TapeError;
 use crate::recording::{Recording, is_tripped};
 use crate::session::Revision;
@@ -70,7 +71,11 @@ pub struct Info {
     pub max_force: Option<Peak>,
     /// The largest radius of any mass; null without steps.
     pub max_radius: Option<Peak>,
-    /// What a reader should know: cut off, steps missing, begun late.
+    /// Whether all that is on file has checksums; without them a changed number is not noticed.
+    pub checksums: bool,
+    /// Where the files are not what was written.
+    pub damage: Vec<Damage>,
+    /// What a reader should know: damaged, steps missing, begun late.
     pub notices: Vec<String>,
 }
 
@@ -249,6 +254,8 @@ impl Info {
             min_damping: damping,
             max_force: force,
             max_radius: radius,
+            checksums: recording.has_checksums(),
+            damage: recording.damage().to_vec(),
             notices: recording.notices(),
         })
     }

@@ -12,6 +12,7 @@
 
 mod batch;
 mod contents;
+mod damage;
 mod document;
 mod error;
 mod event;
@@ -28,8 +29,12 @@ mod rrd;
 pub mod schema;
 mod session;
 mod sink;
+// Files are the business of the feature; that they are gone through rightly is tested without it.
+#[cfg(any(feature = "rerun", test))]
+mod stream;
 
 pub use batch::Batch;
+pub use damage::{Damage, DamageKind, LostSteps};
 pub use error::TapeError;
 pub use event::{Event, Remark, What};
 pub use info::{AlarmInfo, At, Damping, Info, Peak, TripInfo};

@@ -14,6 +14,7 @@ use wire::{Bulletin, Happening, SettingsMessage, State, Text};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
+use crate::damage::Damage;
 use crate::error::TapeError;
 use crate::event::{self, Event, Remark, What};
 use crate::row::Row;
@@ -262,10 +263,23 @@ impl Recording {
         &self.gaps
     }
 
-    /// What a reader should be told: cut off, damaged, steps missing, begun late.
+    /// Where the files are not what was written; in the order of the files and of their bytes.
+    #[must_use]
+    pub fn damage(&self) -> &[Damage] {
+        &self.contents.damage
+    }
+
+    /// Whether all that is on file has checksums; without them a changed number reads as another number.
+    #[must_use]
+    pub fn has_checksums(&self) -> bool {
+        self.contents.checksums
+    }
+
+    /// What a reader should be told: damaged, steps missing, begun late.
     #[must_use]
     pub fn notices(&self) -> Vec<String> {
-        let mut notices = self.contents.notices.clone();
+        let mut notices = Damage::notices(self.damage(), self.paths.len() > 1);
+        notices.extend(self.contents.notices.iter().cloned());
         if let Some(span) = self.span().filter(|span| span.first.seq > 0) {
             notices.push(format!("begins at step {}: the recorder came later than the simulation", span.first.seq));
         }

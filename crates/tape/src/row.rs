@@ -213,6 +213,7 @@ impl Row {
             }
             decoders.push(part.decoder);
             let contents = &mut part.contents;
+            contents.damage.iter_mut().for_each(|damage| damage.file.clone_from(&names[number]));
             contents.stretches.iter_mut().for_each(|stretch| stretch.part = number);
             if names.len() > 1 {
                 let name = &names[number];

@@ -10,6 +10,7 @@ use rerun::external::arrow::datatypes::{DataType, Field, Fields};
 use rerun::log::{Chunk, ChunkError, TimeColumn};
 use rerun::{ComponentDescriptor, TimePoint, Timeline};
 
+use super::fence::Unreadable;
 use crate::batch::Batch;
 use crate::schema;
 use wire::Moment;
@@ -65,6 +66,10 @@ pub(super) fn doubles(values: Vec<f64>, width: usize) -> ListArray {
     )
 }
 
+fn content(what: &str) -> Unreadable {
+    Unreadable::Content(what.to_owned())
+}
+
 /// Steps as a chunk: one struct a row, its fields as [`schema::columns`] names them, then revision and flags.
 pub(super) fn steps(batch: &Batch) -> Result<Chunk, ChunkError> {
     let mut fields = Vec::new();
@@ -86,30 +91,36 @@ pub(super) fn steps(batch: &Batch) -> Result<Chunk, ChunkError> {
 }
 
 /// The steps of a chunk that [`steps`] has made, by whichever version.
-pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, String> {
-    let list = chunk.components().get_array(schema::ROW.into()).ok_or("steps without rows")?;
-    if list.len() != list.values().len() {
-        return Err("not one step a row".into());
+pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadable> {
+    let list = chunk.components().get_array(schema::ROW.into()).ok_or_else(|| content("steps without rows"))?;
+    if list.len() != list.values().len() || list.value_offsets().windows(2).any(|pair| pair[1] != pair[0] + 1) {
+        return Err(content("not one step a row"));
     }
-    let rows = list.values().as_any().downcast_ref::<StructArray>().ok_or("steps of another shape")?;
-    let column = |name: &str| rows.column_by_name(name).ok_or_else(|| format!("steps without the column '{name}'"));
+    let rows = list.values().as_any().downcast_ref::<StructArray>().ok_or_else(|| content("steps of another shape"))?;
+    let column =
+        |name: &str| rows.column_by_name(name).ok_or_else(|| content(&format!("steps without the column '{name}'")));
     let mut batch = Batch::new(masses);
     for (place, wanted) in batch.values.iter_mut().zip(schema::columns(masses)) {
         let found = column(&wanted.name)?.as_any().downcast_ref::<Float64Array>();
-        *place = found.ok_or_else(|| format!("column '{}' holds no doubles", wanted.name))?.values().to_vec();
+        let found = found.ok_or_else(|| content(&format!("column '{}' holds no doubles", wanted.name)));
+        *place = found?.values().to_vec();
     }
-    let revision =
-        column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>().ok_or("revisions of another type")?;
-    batch.revision = revision.values().to_vec();
-    let flags = column(schema::FLAGS)?.as_any().downcast_ref::<UInt32Array>().ok_or("flags of another type")?;
-    batch.flags = flags.values().to_vec();
+    let revision = column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>();
+    batch.revision = revision.ok_or_else(|| content("revisions of another type"))?.values().to_vec();
+    let flags = column(schema::FLAGS)?.as_any().downcast_ref::<UInt32Array>();
+    batch.flags = flags.ok_or_else(|| content("flags of another type"))?.values().to_vec();
     let times = |name: &'static str| {
-        let column =
-            chunk.timelines().get(&name.into()).ok_or_else(|| format!("steps without the timeline '{name}'"))?;
-        Ok::<_, String>(column.times_raw().iter().map(|time| time.cast_unsigned()).collect::<Vec<u64>>())
+        let column = chunk.timelines().get(&name.into());
+        let column = column.ok_or_else(|| content(&format!("steps without the timeline '{name}'")))?;
+        let times = column.times_raw().iter().map(|time| u64::try_from(*time).ok());
+        times.collect::<Option<Vec<u64>>>().ok_or_else(|| content("times before there was time"))
     };
     batch.seq = times(schema::STEP)?;
     batch.wall_ns = times(schema::WALL)?;
+    // Steps are found by their numbers.
+    if batch.seq.len() != batch.revision.len() || !batch.seq.is_sorted_by(|a, b| a < b) {
+        return Err(content("steps out of order"));
+    }
     Ok(batch)
 }
 

@@ -27,7 +27,7 @@ impl Ledger {
     }
 
     /// Takes back all that was written after the first `len` bytes.
-    pub(super) fn cut(&mut self, len: u64) -> io::Result<()> {
+    fn cut(&mut self, len: u64) -> io::Result<()> {
         self.file.set_len(len)?;
         self.file.seek(SeekFrom::Start(len))?;
         self.len = len;

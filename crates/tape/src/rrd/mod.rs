@@ -1,6 +1,9 @@
 //! Everything that knows rerun: the encoder on a file of ours, the store's chunks, the layout for the viewer, the reader.
 
 mod chunks;
+mod encode;
+mod fence;
+mod ipc;
 mod join;
 mod ledger;
 mod read;

@@ -1,74 +1,63 @@
 //! The reader: goes through the messages of a file once, keeps what is small, and notes where the steps are. Needs no
-//! footer, so that a file cut off anywhere is read like a whole one.
+//! footer, so that a file cut off anywhere is read like a whole one; what is damaged is passed over and told.
 
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
 use rerun::archetypes::Scalars;
 use rerun::external::arrow::array::{Array, Float64Array};
-use rerun::external::re_log_encoding::{Decodable, Decoder, MessageHeader, MessageKind, StreamFooter, StreamHeader};
-use rerun::log::{Chunk, LogMsg};
+use rerun::log::Chunk;
 
+use super::fence::{self, Unreadable};
 use super::{chunks, write};
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder as StretchDecoder, Stretch};
+use crate::damage::{Damage, DamageKind, LostSteps};
 use crate::document::event::{EventDocument, Told};
 use crate::document::{self, RevisionDocument, SessionDocument};
 use crate::error::TapeError;
 use crate::schema;
 use crate::session::Gap;
+use crate::stream::{self, Kind, Met, Seal, Walk};
 
-/// A message that claims to be larger than this is not one.
-const MOST_BYTES: u64 = 1 << 31;
+/// The entities that are read; the others are drawings, made of these.
+const READ: [&str; 5] = [schema::SESSION, schema::STEPS, schema::SETTINGS, schema::EVENTS, schema::HEALTH];
 
 /// Opens a recording: what is small in it, and what decodes the rest.
 ///
 /// # Errors
 /// No such file, no recording of ours, or one of a later schema.
 pub(crate) fn open(path: &Path) -> Result<(Contents, Steps), TapeError> {
-    let file = File::open(path).map_err(|error| TapeError::not_ours(path, error.to_string()))?;
-    if !file.metadata().is_ok_and(|found| found.is_file()) {
-        return Err(TapeError::not_ours(path, "is no file: expected an .rrd recording"));
-    }
-    let bytes = file.metadata().map_or(0, |found| found.len());
-    let reader = BufReader::with_capacity(1 << 20, file.try_clone().map_err(|error| TapeError::read(path, error))?);
-    let mut scan = Scan::new(path, reader, bytes);
-    scan.run()?;
-    let header = scan.header.clone();
-    let contents = scan.contents()?;
+    let (file, bytes) = file(path)?;
+    let mut scan = Scan::new(path, Walk::new(&file, bytes, fence::is_message));
+    scan.run(|_| false)?;
+    let contents = scan.contents(bytes)?;
     let masses = contents.rotor.len();
-    Ok((contents, Steps { path: path.to_owned(), file: Some(file), header, masses }))
+    Ok((contents, Steps { path: path.to_owned(), file: Some(file), masses }))
 }
 
 /// The run that a recording of ours is of, from its head alone.
 pub(crate) fn run_of(path: &Path) -> Option<u64> {
-    let file = File::open(path).ok()?;
-    let bytes = file.metadata().ok().filter(std::fs::Metadata::is_file)?.len();
-    let mut scan = Scan::new(path, BufReader::new(file), bytes);
-    scan.head_only = true;
-    scan.run().ok()?;
+    let (file, bytes) = file(path).ok()?;
+    let mut scan = Scan::new(path, Walk::new(&file, bytes, fence::is_message));
+    scan.run(|scan| scan.session.is_some()).ok()?;
     let (session, ..) = scan.session?.read().ok()?;
     Some(session.run_id)
 }
 
-/// Decodes one message, given with its header.
-fn decode(stream_header: &[u8], message: Vec<u8>) -> Result<Option<LogMsg>, String> {
-    let mut decoder = Decoder::<LogMsg>::new();
-    decoder.push_byte_chunk(stream_header.to_vec());
-    decoder.push_byte_chunk(message);
-    decoder.try_read().map_err(|error| error.to_string())
+/// A file and its length.
+pub(super) fn file(path: &Path) -> Result<(File, u64), TapeError> {
+    let file = File::open(path).map_err(|error| TapeError::not_ours(path, error.to_string()))?;
+    match file.metadata() {
+        Ok(found) if found.is_file() => Ok((file, found.len())),
+        _ => Err(TapeError::not_ours(path, "is no file: expected an .rrd recording")),
+    }
 }
 
-/// The chunk in a message of a recording; `None` for layouts and the like.
-fn chunk_of(stream_header: &[u8], message: Vec<u8>) -> Result<Option<Chunk>, String> {
-    match decode(stream_header, message)? {
-        Some(LogMsg::ArrowMsg(store, message)) if !store.is_blueprint() => {
-            Chunk::from_arrow_msg(&message).map(Some).map_err(|error| error.to_string())
-        }
-        _ => Ok(None),
-    }
+/// Whether an entity is one of those that are read. Paths begin with a slash, or not.
+fn is_read(entity: &str) -> bool {
+    READ.contains(&entity.trim_start_matches('/'))
 }
 
 /// Decodes stretches of steps from an open file.
@@ -76,7 +65,6 @@ pub(crate) struct Steps {
     path: PathBuf,
     /// `None` if it is opened whenever it is read.
     file: Option<File>,
-    header: Vec<u8>,
     masses: usize,
 }
 
@@ -88,8 +76,13 @@ impl StretchDecoder for Steps {
         if let Some(file) = self.file.as_ref().or(opened.as_ref()) {
             file.read_exact_at(&mut message, stretch.offset).map_err(failed)?;
         }
-        let chunk = chunk_of(&self.header, message).and_then(|chunk| chunk.ok_or_else(|| "no steps there".to_owned()));
-        let batch = chunk.and_then(|chunk| chunks::read_steps(&chunk, self.masses));
+        // The file may have changed since it was gone through. Steps are never the first message of a stream.
+        let chunk = match stream::check(&message, &[]) {
+            Seal::Broken => Err(Unreadable::Checksum),
+            _ => fence::chunk(&message, is_read),
+        };
+        let no_steps = || Unreadable::Content("no steps there".to_owned());
+        let batch = chunk.and_then(|chunk| chunks::read_steps(&chunk.ok_or_else(no_steps)?, self.masses));
         batch.map_err(|problem| TapeError::read(&self.path, problem))
     }
 
@@ -101,16 +94,14 @@ impl StretchDecoder for Steps {
 /// One pass through a file.
 struct Scan<'a> {
     path: &'a Path,
-    reader: BufReader<File>,
-    bytes: u64,
-    at: u64,
-    header: Vec<u8>,
+    walk: Walk<'a>,
     session: Option<SessionDocument>,
     masses: usize,
+    /// The streams that the file consists of.
+    streams: usize,
+    /// Where the stream begins that we are in, if it is of another recording than the first.
+    other: Option<u64>,
     found: Found,
-    damaged: u64,
-    /// Nothing is read beyond the document about the whole file.
-    head_only: bool,
 }
 
 #[derive(Default)]
@@ -119,184 +110,107 @@ struct Found {
     revisions: Vec<RevisionDocument>,
     told: Vec<Told>,
     health: Vec<(wire::Moment, wire::message::Health)>,
-    notices: Vec<String>,
+    damage: Vec<Damage>,
 }
 
 impl<'a> Scan<'a> {
-    fn new(path: &'a Path, reader: BufReader<File>, bytes: u64) -> Self {
-        Self {
-            path,
-            reader,
-            bytes,
-            at: 0,
-            header: Vec::new(),
-            session: None,
-            masses: 0,
-            found: Found::default(),
-            damaged: 0,
-            head_only: false,
+    fn new(path: &'a Path, walk: Walk<'a>) -> Self {
+        Self { path, walk, session: None, masses: 0, streams: 0, other: None, found: Found::default() }
+    }
+
+    fn run(&mut self, is_enough: impl Fn(&Self) -> bool) -> Result<(), TapeError> {
+        while !is_enough(self) {
+            let met = self.walk.next().map_err(|error| TapeError::read(self.path, error))?;
+            match met {
+                None => break,
+                Some(Met::Stream { at }) => {
+                    self.leave_other(at);
+                    self.streams += 1;
+                }
+                Some(Met::Message { kind: Kind::Chunk, at, bytes }) if self.other.is_none() => {
+                    if let Err(error) = self.message(at, &bytes)? {
+                        tracing::debug!("{}: byte {at}: {error}", self.path.display());
+                        self.found.damage.push(Damage::at(at, bytes.len() as u64, DamageKind::Unreadable));
+                    }
+                }
+                Some(Met::Message { .. }) => {}
+            }
+        }
+        self.leave_other(self.walk.at());
+        Ok(())
+    }
+
+    /// Says what has not been read of a stream that ends here.
+    fn leave_other(&mut self, at: u64) {
+        if let Some(from) = self.other.take() {
+            self.found.damage.push(Damage::at(from, at - from, DamageKind::Other));
         }
     }
 
-    fn left(&self) -> u64 {
-        self.bytes.saturating_sub(self.at)
-    }
-
-    fn take(&mut self, bytes: u64) -> Result<Vec<u8>, TapeError> {
-        let mut taken = vec![0; usize::try_from(bytes).unwrap_or_default()];
-        self.reader.read_exact(&mut taken).map_err(|error| TapeError::read(self.path, error))?;
-        self.at += bytes;
+    /// Takes what is in a message; inside, what is wrong with the message alone.
+    fn message(&mut self, at: u64, message: &[u8]) -> Result<Result<(), Unreadable>, TapeError> {
+        let chunk = match fence::chunk(message, is_read) {
+            Ok(Some(chunk)) => chunk,
+            Ok(None) => return Ok(Ok(())),
+            Err(error) => return Ok(Err(error)),
+        };
+        let entity = chunk.entity_path().to_string();
+        let taken = match entity.trim_start_matches('/') {
+            schema::SESSION => return self.begin(&chunk),
+            schema::STEPS => chunks::read_steps(&chunk, self.masses).map(|batch| self.stretch(at, message, &batch)),
+            schema::SETTINGS => documents(&chunk).map(|read| self.found.revisions.extend(read)),
+            schema::EVENTS => {
+                documents(&chunk).map(|read| self.found.told.extend(read.into_iter().map(EventDocument::read)))
+            }
+            schema::HEALTH => {
+                self.health(&chunk);
+                Ok(())
+            }
+            _ => Ok(()),
+        };
         Ok(taken)
     }
 
-    fn run(&mut self) -> Result<(), TapeError> {
-        self.stream_header()?;
-        while self.left() > 0 && !(self.head_only && self.session.is_some()) {
-            if self.left() < MessageHeader::ENCODED_SIZE_BYTES as u64 {
-                self.cut_off(self.at);
-                break;
-            }
-            let start = self.at;
-            let header = self.take(MessageHeader::ENCODED_SIZE_BYTES as u64)?;
-            let Ok(MessageHeader { kind, len }) = MessageHeader::from_rrd_bytes(&header) else {
-                let notice =
-                    format!("damaged at byte {start}: the {} bytes from there on are not read", self.bytes - start);
-                self.found.notices.push(notice);
-                break;
-            };
-            if len > self.left() || len > MOST_BYTES {
-                self.cut_off(start);
-                break;
-            }
-            match kind {
-                MessageKind::End => {
-                    if !self.skip_end(len)? {
-                        break;
-                    }
-                }
-                MessageKind::ArrowMsg => {
-                    let mut message = header;
-                    message.extend(self.take(len)?);
-                    self.message(start, message)?;
-                }
-                MessageKind::SetStoreInfo | MessageKind::BlueprintActivationCommand => self.skip(len)?,
-            }
-        }
-        if self.damaged > 0 {
-            self.found.notices.push(format!("{} messages are damaged and were passed over", self.damaged));
-        }
-        Ok(())
-    }
-
-    fn stream_header(&mut self) -> Result<(), TapeError> {
-        let expected = "expected an .rrd recording of whirl";
-        if self.left() < StreamHeader::ENCODED_SIZE_BYTES as u64 {
-            return Err(TapeError::not_ours(self.path, format!("{} bytes are too short: {expected}", self.bytes)));
-        }
-        let header = self.take(StreamHeader::ENCODED_SIZE_BYTES as u64)?;
-        StreamHeader::from_rrd_bytes(&header)
-            .and_then(StreamHeader::to_version_and_options)
-            .map_err(|error| TapeError::not_ours(self.path, format!("{error}: {expected}")))?;
-        self.header = header;
-        Ok(())
-    }
-
-    fn skip(&mut self, bytes: u64) -> Result<(), TapeError> {
-        self.at += bytes;
-        self.reader.seek(SeekFrom::Start(self.at)).map(drop).map_err(|error| TapeError::read(self.path, error))
-    }
-
-    fn cut_off(&mut self, from: u64) {
-        let rest = self.bytes - from;
-        self.found.notices.push(format!("cut off: the last {rest} bytes are part of a message that is not whole"));
-    }
-
-    /// Passes over an end. Whether another stream follows it, as when files are put one after the other.
-    fn skip_end(&mut self, len: u64) -> Result<bool, TapeError> {
-        self.skip(len)?;
-        let footer = if len > 0 { StreamFooter::ENCODED_SIZE_BYTES as u64 } else { 0 };
-        if self.left() < footer {
-            self.cut_off(self.at);
-            return Ok(false);
-        }
-        self.skip(footer)?;
-        if self.left() == 0 {
-            return Ok(false);
-        }
-        self.stream_header()?;
-        Ok(true)
-    }
-
-    fn message(&mut self, start: u64, message: Vec<u8>) -> Result<(), TapeError> {
-        let bytes = message.len() as u64;
-        let chunk = match chunk_of(&self.header, message) {
-            Ok(Some(chunk)) => chunk,
-            Ok(None) => return Ok(()),
-            Err(_) => {
-                self.damaged += 1;
-                return Ok(());
-            }
-        };
-        let entity = chunk.entity_path().to_string();
-        match entity.trim_start_matches('/') {
-            schema::SESSION => self.begin(&chunk)?,
-            schema::STEPS => match chunks::read_steps(&chunk, self.masses) {
-                Ok(batch) => self.stretch(start, bytes, &batch),
-                Err(_) => self.damaged += 1,
-            },
-            schema::SETTINGS => {
-                for text in chunks::documents(&chunk) {
-                    match document::parse(&text) {
-                        Ok(revision) => self.found.revisions.push(revision),
-                        Err(_) => self.damaged += 1,
-                    }
-                }
-            }
-            schema::EVENTS => {
-                for text in chunks::documents(&chunk) {
-                    match document::parse::<EventDocument>(&text) {
-                        Ok(event) => self.found.told.push(event.read()),
-                        Err(_) => self.damaged += 1,
-                    }
-                }
-            }
-            schema::HEALTH => self.health(&chunk),
-            _ => {}
-        }
-        Ok(())
-    }
-
-    fn begin(&mut self, chunk: &Chunk) -> Result<(), TapeError> {
+    fn begin(&mut self, chunk: &Chunk) -> Result<Result<(), Unreadable>, TapeError> {
         #[derive(serde::Deserialize)]
         struct Version {
             schema: u32,
         }
         for text in chunks::documents(chunk) {
-            let Version { schema } = document::parse(&text).map_err(|error| self.not_ours(&error.to_string()))?;
+            let parsed = document::parse::<Version>(&text);
+            let Ok(Version { schema }) = parsed else { return Ok(Err(content("a head that is none"))) };
             if schema > schema::VERSION {
                 let newest = schema::VERSION;
                 return Err(self.not_ours(&format!(
                     "recorded by a later whirl (schema {schema}; this one reads up to {newest}): read it with that one"
                 )));
             }
-            let document: SessionDocument =
-                document::parse(&text).map_err(|error| self.not_ours(&error.to_string()))?;
-            self.masses = document.masses();
-            // Every part of a recording that was put together carries it.
-            self.session.get_or_insert(document);
+            let Ok(document) = document::parse::<SessionDocument>(&text) else {
+                return Ok(Err(content("a head that is none")));
+            };
+            match &self.session {
+                None => {
+                    self.masses = document.masses();
+                    self.session = Some(document);
+                }
+                // Every part of a recording that was put together carries it.
+                Some(first) if first.run() == document.run() => {}
+                Some(_) => self.other = Some(self.walk.stream_at()),
+            }
         }
-        Ok(())
+        Ok(Ok(()))
     }
 
     fn not_ours(&self, problem: &str) -> TapeError {
         TapeError::not_ours(self.path, problem)
     }
 
-    fn stretch(&mut self, offset: u64, bytes: u64, batch: &Batch) {
+    fn stretch(&mut self, offset: u64, message: &[u8], batch: &Batch) {
         let Some((first, last)) = batch.span() else { return };
         let pairs = batch.seq.windows(2).filter(|pair| pair[1] > pair[0] + 1);
         let gaps = pairs.map(|pair| Gap { from: pair[0] + 1, count: pair[1] - pair[0] - 1 }).collect();
-        self.found.stretches.push(Stretch { part: 0, offset, bytes, rows: batch.len() as u64, first, last, gaps });
+        let (bytes, rows) = (message.len() as u64, batch.len() as u64);
+        self.found.stretches.push(Stretch { part: 0, offset, bytes, rows, first, last, gaps });
     }
 
     fn health(&mut self, chunk: &Chunk) {
@@ -311,22 +225,18 @@ impl<'a> Scan<'a> {
         }
     }
 
-    fn contents(self) -> Result<Contents, TapeError> {
-        let path = self.path;
-        let Some(session) = self.session else {
-            let notices = self.found.notices.join("; ");
-            let why = if notices.is_empty() { "was not made by whirl".to_owned() } else { notices };
-            return Err(TapeError::not_ours(path, format!("nothing of whirl's is in it ({why})")));
+    fn contents(self, bytes: u64) -> Result<Contents, TapeError> {
+        let Self { path, walk, session, streams, found, .. } = self;
+        let Found { stretches, revisions, told, health, mut damage } = found;
+        damage.extend(walk.damage);
+        let Some(session) = session else {
+            return Err(TapeError::not_ours(path, no_head(streams, bytes, &damage)));
         };
         let (session, rotor, scales) =
             session.read().map_err(|error| TapeError::not_ours(path, format!("its head is damaged: {error}")))?;
-        let Found { mut stretches, revisions, told, health, mut notices } = self.found;
-        stretches.sort_by_key(|s| s.first.seq);
-        let count = revisions.len();
-        let revisions: Vec<_> = revisions.into_iter().filter_map(|r| r.read().ok()).collect();
-        if revisions.len() < count {
-            notices.push(format!("{} settings are damaged and were passed over", count - revisions.len()));
-        }
+        let stretches = in_order(stretches, &mut damage);
+        let told = revisions.len();
+        let revisions: Vec<_> = revisions.into_iter().filter_map(|revision| revision.read().ok()).collect();
         let (mut events, mut remarks) = (Vec::new(), Vec::new());
         for told in told {
             match told {
@@ -334,6 +244,16 @@ impl<'a> Scan<'a> {
                 Told::Remark(remark) => remarks.push(remark),
             }
         }
+        damage.sort_by_key(|damage| damage.byte);
+        lost_steps(&mut damage, &stretches);
+        let mut notices = Vec::new();
+        if streams > 1 {
+            notices.push(format!("{streams} files, one put behind the other"));
+        }
+        if revisions.len() < told {
+            notices.push(format!("{} settings make no sense and were passed over", told - revisions.len()));
+        }
+        let checksums = walk.sealed;
         Ok(Contents {
             session,
             rotor,
@@ -344,7 +264,71 @@ impl<'a> Scan<'a> {
             remarks,
             health,
             notices,
-            bytes: self.bytes,
+            damage,
+            checksums,
+            bytes,
         })
+    }
+}
+
+fn content(what: &str) -> Unreadable {
+    Unreadable::Content(what.to_owned())
+}
+
+/// All documents of a chunk.
+fn documents<D: serde::de::DeserializeOwned>(chunk: &Chunk) -> Result<Vec<D>, Unreadable> {
+    let texts = chunks::documents(chunk);
+    texts.iter().map(|text| document::parse(text).map_err(|error| content(&error.to_string()))).collect()
+}
+
+/// Why a file without the document about the whole of it is not read.
+fn no_head(streams: usize, bytes: u64, damage: &[Damage]) -> String {
+    let expected = "expected an .rrd recording of whirl";
+    if streams == 0 {
+        let shortest = stream::HEADER + 12;
+        return if bytes < shortest { format!("{bytes} bytes are too short: {expected}") } else { expected.to_owned() };
+    }
+    match Damage::notices(damage, false) {
+        none if none.is_empty() => "nothing of whirl's is in it: was not made by whirl".to_owned(),
+        notices => format!("its head is lost, without which nothing of it can be read: {}", notices.join("; ")),
+    }
+}
+
+/// Stretches in the order of their steps, those that hold what others hold already left out.
+fn in_order(mut stretches: Vec<Stretch>, damage: &mut Vec<Damage>) -> Vec<Stretch> {
+    // What is the same stays in the order of the file: the first is taken.
+    stretches.sort_by_key(|stretch| stretch.first.seq);
+    let mut kept: Vec<Stretch> = Vec::with_capacity(stretches.len());
+    let mut repeated: Vec<(u64, u64)> = Vec::new();
+    for stretch in stretches {
+        if kept.last().is_some_and(|last| stretch.first.seq <= last.last.seq) {
+            repeated.push((stretch.offset, stretch.offset + stretch.bytes));
+        } else {
+            kept.push(stretch);
+        }
+    }
+    repeated.sort_unstable();
+    // One place from the first to the last of them.
+    if let (Some((from, _)), Some((_, to))) = (repeated.first(), repeated.last()) {
+        damage.push(Damage::at(*from, to - from, DamageKind::Repeated));
+    }
+    kept
+}
+
+/// Says of damage which steps are missing where it is.
+fn lost_steps(damage: &mut [Damage], stretches: &[Stretch]) {
+    let mut in_file: Vec<&Stretch> = stretches.iter().collect();
+    in_file.sort_by_key(|stretch| stretch.offset);
+    let mut told = None;
+    for damage in damage {
+        let after = in_file.partition_point(|stretch| stretch.offset < damage.byte);
+        let (Some(before), Some(next)) = (after.checked_sub(1).map(|at| in_file[at]), in_file.get(after)) else {
+            continue;
+        };
+        // Of several places between the same steps the first tells of them.
+        if next.first.seq > before.last.seq + 1 && told.replace(after) != Some(after) {
+            let from = before.last.seq + 1;
+            damage.steps = Some(LostSteps { from, count: next.first.seq - from });
+        }
     }
 }

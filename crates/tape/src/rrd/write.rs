@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use alarms::Level;
 use rerun::archetypes::{RecordingInfo, Scalars, SeriesLines, TextLog};
 use rerun::components::TextLogLevel;
-use rerun::external::re_log_encoding::{CrateVersion, EncodeError, Encoder, EncodingOptions, StreamHeader};
+use rerun::external::re_log_encoding::EncodeError;
 use rerun::external::re_log_types::{ApplicationId, SetStoreInfo, StoreId, StoreInfo, StoreSource};
 use rerun::log::{Chunk, ChunkError, LogMsg, RowId};
 use rerun::{AsComponents, EntityPath, StoreKind, TimePoint};
@@ -23,6 +23,7 @@ use crate::schema;
 use crate::session::Revision;
 use crate::sink::{Head, Sink};
 
+use super::encode::Encoder;
 use super::ledger::Ledger;
 
 /// Numbers of [`Health`] that are recorded, by the names of their series.
@@ -43,8 +44,7 @@ pub(crate) struct Writer {
     path: PathBuf,
     store: StoreId,
     /// None once a write has failed: what is on disk then stays as it is.
-    encoder: Option<Encoder<Ledger>>,
-    bytes: u64,
+    encoder: Option<Encoder>,
     rotor: Rotor,
     health: Vec<(Moment, Health)>,
     scene: scene::Scene,
@@ -62,17 +62,16 @@ impl Writer {
         let run = format!("{:016x}", head.session.run_id);
         // Parts of one run share the id: a viewer that is given several puts them together.
         let store = StoreId::new(StoreKind::Recording, ApplicationId::from(schema::APPLICATION), run);
-        let encoder = Encoder::new_eager(CrateVersion::LOCAL, EncodingOptions::PROTOBUF_COMPRESSED, ledger);
+        let encoder = Encoder::begin(ledger);
         let mut writer = Self {
             path: path.to_owned(),
             store,
             encoder: None,
-            bytes: StreamHeader::ENCODED_SIZE_BYTES as u64,
             scene: scene::Scene::new(&rotor),
             rotor,
             health: Vec::new(),
         };
-        writer.encoder = Some(encoder.map_err(|error| writer.stopped(error.to_string()))?);
+        writer.encoder = Some(encoder.map_err(|error| writer.stopped(plain(&error)))?);
         let begun = writer.begin(head);
         if begun.is_err() {
             // A file of which not even the head is whole is worth nothing to anybody.
@@ -111,17 +110,10 @@ impl Writer {
 
     fn append(&mut self, message: &LogMsg) -> Result<(), TapeError> {
         let Some(encoder) = &mut self.encoder else { return Err(self.stopped("writing has failed before".into())) };
-        match encoder.append(message) {
-            Ok(bytes) => {
-                self.bytes += bytes;
-                Ok(())
-            }
-            Err(error) => {
-                // Taken apart, so that it does not try to write an end that nothing precedes.
-                drop(self.encoder.take().map(Encoder::into_inner));
-                Err(self.stopped(plain(&error)))
-            }
-        }
+        encoder.append(message).map_err(|error| {
+            self.encoder = None;
+            self.stopped(plain(&error))
+        })
     }
 
     fn stopped(&self, problem: String) -> TapeError {
@@ -143,7 +135,7 @@ impl Writer {
 }
 
 /// An encoder's error without its own preface where the system has said it.
-fn plain(error: &EncodeError) -> String {
+pub(super) fn plain(error: &EncodeError) -> String {
     match error {
         EncodeError::Write(error) => error.to_string(),
         other => other.to_string(),
@@ -241,22 +233,16 @@ impl Sink for Writer {
     }
 
     fn bytes(&self) -> u64 {
-        self.bytes
+        self.encoder.as_ref().map_or(0, Encoder::len)
     }
 
     fn finish(mut self: Box<Self>) -> Result<u64, TapeError> {
         self.flush_health()?;
-        let Some(mut encoder) = self.encoder.take() else {
+        let Some(encoder) = self.encoder.take() else {
             return Err(self.stopped("writing has failed before".into()));
         };
-        let finished = encoder.finish();
-        let mut ledger = encoder.into_inner().map_err(|error| self.stopped(plain(&error)))?;
-        if let Err(error) = finished {
-            // An end cut in half is worse than none: without it readers go through the messages.
-            let whole = self.bytes;
-            let _ = ledger.cut(whole);
-            return Err(self.stopped(plain(&error)));
-        }
+        // An end that does not fit is taken back whole: without it readers go through the messages.
+        let ledger = encoder.finish().map_err(|error| self.stopped(plain(&error)))?;
         ledger.sync().map_err(|error| self.stopped(error.to_string()))?;
         Ok(ledger.len())
     }
