@@ -235,7 +235,7 @@ impl<'a> Scan<'a> {
         let (session, rotor, scales) =
             session.read().map_err(|error| TapeError::not_ours(path, format!("its head is damaged: {error}")))?;
         let stretches = in_order(stretches, &mut damage);
-        let told = revisions.len();
+        let written = revisions.len();
         let revisions: Vec<_> = revisions.into_iter().filter_map(|revision| revision.read().ok()).collect();
         let (mut events, mut remarks) = (Vec::new(), Vec::new());
         for told in told {
@@ -250,8 +250,8 @@ impl<'a> Scan<'a> {
         if streams > 1 {
             notices.push(format!("{streams} files, one put behind the other"));
         }
-        if revisions.len() < told {
-            notices.push(format!("{} settings make no sense and were passed over", told - revisions.len()));
+        if revisions.len() < written {
+            notices.push(format!("{} settings make no sense and were passed over", written - revisions.len()));
         }
         let checksums = walk.sealed;
         Ok(Contents {
