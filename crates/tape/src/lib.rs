@@ -20,6 +20,8 @@ mod gather;
 mod info;
 mod judge;
 mod offline;
+#[cfg(any(feature = "rerun", test))]
+mod order;
 pub mod recorder;
 mod recording;
 mod reel;

@@ -127,11 +127,6 @@ impl SessionDocument {
         self.rotor.masses.len()
     }
 
-    /// Of which run it is.
-    pub(crate) fn run(&self) -> &str {
-        &self.run_id
-    }
-
     pub(crate) fn read(self) -> Result<(Session, Rotor, Option<Scales>), BadDocument> {
         let mass = |m: &MassDocument| {
             let MassDocument { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } =

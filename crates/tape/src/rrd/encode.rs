@@ -12,7 +12,7 @@ use rerun::external::re_log_encoding::{
     StreamFooter, StreamHeader, ToTransport,
 };
 use rerun::external::re_log_types::StoreId;
-use rerun::log::{Chunk, LogMsg};
+use rerun::log::LogMsg;
 
 use super::ledger::Ledger;
 use crate::stream;
@@ -63,7 +63,7 @@ impl Encoder {
                 start: begins + MessageHeader::ENCODED_SIZE_BYTES as u64,
                 len: (encoded.len() - MessageHeader::ENCODED_SIZE_BYTES) as u64,
             };
-            let batch = Chunk::from_arrow_msg(message)?.to_chunk_batch()?;
+            let batch = re_sorbet::ChunkBatch::try_from(&message.batch)?;
             let manifest = self.manifests.entry(store.clone()).or_default();
             manifest.append(&batch, span, transport.byte_size_uncompressed())?;
         }

@@ -48,29 +48,39 @@ pub(crate) enum Unreadable {
     Checksum,
 }
 
-/// The chunk in an encoded message, which begins with its kind and length; `None` if it is about a layout, or about an
-/// entity that is not wanted.
+/// What a message of rows is about, as far as can be told before they are decoded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct About {
+    /// The recording that it belongs to, by its name in the stream: that of the run.
+    pub(super) recording: String,
+    /// Its entity, with a slash before it or without.
+    pub(super) entity: String,
+}
+
+/// The chunk in an encoded message, which begins with its kind and length; `None` if it is about a layout, or about
+/// something that is not wanted.
 ///
 /// # Errors
 /// Whatever is wrong with it.
-pub(super) fn chunk(message: &[u8], wanted: impl FnOnce(&str) -> bool) -> Result<Option<Chunk>, Unreadable> {
+pub(super) fn chunk(message: &[u8], wanted: impl FnOnce(&About) -> bool) -> Result<Option<(About, Chunk)>, Unreadable> {
     let body = message.get(HEADER as usize..).unwrap_or_default();
     let mut message = ArrowMsg::from_rrd_bytes(body).map_err(|error| Unreadable::Message(error.to_string()))?;
     let Some(store) = &message.store_id else { return Err(Unreadable::Message("no store".to_owned())) };
     let is_layout = store.kind() == StoreKind::Blueprint;
+    let recording = store.recording_id.clone();
     unpack(&mut message)?;
     if is_layout {
         return Ok(None);
     }
-    let entity = ipc::check(&message.payload)?;
-    if entity.is_some_and(|entity| !wanted(&entity)) {
+    let about = About { recording, entity: ipc::check(&message.payload)? };
+    if !wanted(&about) {
         return Ok(None);
     }
     let decoded = quietly(|| {
         let message = message.to_application(()).map_err(|error| Unreadable::Chunk(error.to_string()))?;
         Chunk::from_arrow_msg(&message).map_err(|error| Unreadable::Chunk(error.to_string()))
     });
-    decoded.unwrap_or(Err(Unreadable::Panic)).map(Some)
+    decoded.unwrap_or(Err(Unreadable::Panic)).map(|chunk| Some((about, chunk)))
 }
 
 /// Whether bytes are a message of rows, as far as that can be told without decoding its columns.

@@ -28,7 +28,7 @@ fn ensure(is_so: bool, what: &'static str) -> Checked {
 }
 
 /// Checks a schema and a batch, as arrow's stream writer makes them. Returns the entity that they are about.
-pub(super) fn check(stream: &[u8]) -> Checked<Option<String>> {
+pub(super) fn check(stream: &[u8]) -> Checked<String> {
     let mut rest = stream;
     let (schema, body, after) = message(rest)?;
     let Some(schema) = schema.header_as_schema() else { return wrong("no schema at its beginning") };
@@ -40,7 +40,7 @@ pub(super) fn check(stream: &[u8]) -> Checked<Option<String>> {
     check_batch(batch, body.len())?;
     let metadata = schema.custom_metadata().into_iter().flatten();
     let entity = metadata.filter(|pair| pair.key() == Some(ENTITY)).find_map(|pair| pair.value());
-    Ok(entity.map(str::to_owned))
+    entity.map_or_else(|| wrong("columns of nothing"), |entity| Ok(entity.to_owned()))
 }
 
 /// The first message of `bytes`, its body, and what follows.

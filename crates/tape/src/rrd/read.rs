@@ -2,6 +2,7 @@
 //! footer, so that a file cut off anywhere is read like a whole one; what is damaged is passed over and told.
 
 use std::fs::File;
+use std::ops::Range;
 use std::os::unix::fs::FileExt;
 use std::path::{Path, PathBuf};
 
@@ -9,16 +10,17 @@ use rerun::archetypes::Scalars;
 use rerun::external::arrow::array::{Array, Float64Array};
 use rerun::log::Chunk;
 
-use super::fence::{self, Unreadable};
+use super::fence::{self, About, Unreadable};
 use super::{chunks, write};
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder as StretchDecoder, Stretch};
-use crate::damage::{Damage, DamageKind, LostSteps};
+use crate::damage::{Damage, DamageKind};
 use crate::document::event::{EventDocument, Told};
 use crate::document::{self, RevisionDocument, SessionDocument};
 use crate::error::TapeError;
+use crate::order;
 use crate::schema;
-use crate::session::Gap;
+use crate::session::{Gap, Revision};
 use crate::stream::{self, Kind, Met, Seal, Walk};
 
 /// The entities that are read; the others are drawings, made of these.
@@ -55,9 +57,14 @@ pub(super) fn file(path: &Path) -> Result<(File, u64), TapeError> {
     }
 }
 
-/// Whether an entity is one of those that are read. Paths begin with a slash, or not.
-fn is_read(entity: &str) -> bool {
-    READ.contains(&entity.trim_start_matches('/'))
+/// Whether rows are of one of the entities that are read.
+fn is_read(about: &About) -> bool {
+    READ.contains(&plain(&about.entity))
+}
+
+/// Paths begin with a slash, or not.
+fn plain(entity: &str) -> &str {
+    entity.trim_start_matches('/')
 }
 
 /// Decodes stretches of steps from an open file.
@@ -82,7 +89,10 @@ impl StretchDecoder for Steps {
             _ => fence::chunk(&message, is_read),
         };
         let no_steps = || Unreadable::Content("no steps there".to_owned());
-        let batch = chunk.and_then(|chunk| chunks::read_steps(&chunk.ok_or_else(no_steps)?, self.masses));
+        let batch = chunk.and_then(|chunk| {
+            let (_, chunk) = chunk.ok_or_else(no_steps)?;
+            chunks::read_steps(&chunk, self.masses)
+        });
         batch.map_err(|problem| TapeError::read(&self.path, problem))
     }
 
@@ -97,17 +107,19 @@ struct Scan<'a> {
     walk: Walk<'a>,
     session: Option<SessionDocument>,
     masses: usize,
+    /// The name of the recording in the stream; everything else is of another one.
+    recording: String,
     /// The streams that the file consists of.
     streams: usize,
-    /// Where the stream begins that we are in, if it is of another recording than the first.
-    other: Option<u64>,
+    /// What of another recording is being passed over.
+    other: Option<Range<u64>>,
     found: Found,
 }
 
 #[derive(Default)]
 struct Found {
     stretches: Vec<Stretch>,
-    revisions: Vec<RevisionDocument>,
+    revisions: Vec<Revision>,
     told: Vec<Told>,
     health: Vec<(wire::Moment, wire::message::Health)>,
     damage: Vec<Damage>,
@@ -115,19 +127,16 @@ struct Found {
 
 impl<'a> Scan<'a> {
     fn new(path: &'a Path, walk: Walk<'a>) -> Self {
-        Self { path, walk, session: None, masses: 0, streams: 0, other: None, found: Found::default() }
+        let (recording, found) = (String::new(), Found::default());
+        Self { path, walk, session: None, masses: 0, recording, streams: 0, other: None, found }
     }
 
     fn run(&mut self, is_enough: impl Fn(&Self) -> bool) -> Result<(), TapeError> {
         while !is_enough(self) {
-            let met = self.walk.next().map_err(|error| TapeError::read(self.path, error))?;
-            match met {
+            match self.walk.next().map_err(|error| TapeError::read(self.path, error))? {
                 None => break,
-                Some(Met::Stream { at }) => {
-                    self.leave_other(at);
-                    self.streams += 1;
-                }
-                Some(Met::Message { kind: Kind::Chunk, at, bytes }) if self.other.is_none() => {
+                Some(Met::Stream { .. }) => self.streams += 1,
+                Some(Met::Message { kind: Kind::Chunk, at, bytes }) => {
                     if let Err(error) = self.message(at, &bytes)? {
                         tracing::debug!("{}: byte {at}: {error}", self.path.display());
                         self.found.damage.push(Damage::at(at, bytes.len() as u64, DamageKind::Unreadable));
@@ -136,29 +145,41 @@ impl<'a> Scan<'a> {
                 Some(Met::Message { .. }) => {}
             }
         }
-        self.leave_other(self.walk.at());
+        self.leave_other();
         Ok(())
     }
 
-    /// Says what has not been read of a stream that ends here.
-    fn leave_other(&mut self, at: u64) {
-        if let Some(from) = self.other.take() {
-            self.found.damage.push(Damage::at(from, at - from, DamageKind::Other));
+    /// Notes a message of another recording.
+    fn pass_over_other(&mut self, at: u64, bytes: u64) {
+        let from = self.other.take().map_or(at, |other| other.start);
+        self.other = Some(from..at + bytes);
+    }
+
+    /// Says what has been passed over of another recording, as one place.
+    fn leave_other(&mut self) {
+        if let Some(other) = self.other.take() {
+            self.found.damage.push(Damage::at(other.start, other.end - other.start, DamageKind::Other));
         }
     }
 
     /// Takes what is in a message; inside, what is wrong with the message alone.
     fn message(&mut self, at: u64, message: &[u8]) -> Result<Result<(), Unreadable>, TapeError> {
-        let chunk = match fence::chunk(message, is_read) {
-            Ok(Some(chunk)) => chunk,
+        let (about, chunk) = match fence::chunk(message, is_read) {
+            Ok(Some(read)) => read,
             Ok(None) => return Ok(Ok(())),
             Err(error) => return Ok(Err(error)),
         };
-        let entity = chunk.entity_path().to_string();
-        let taken = match entity.trim_start_matches('/') {
-            schema::SESSION => return self.begin(&chunk),
+        if self.session.is_some() && about.recording != self.recording {
+            self.pass_over_other(at, message.len() as u64);
+            return Ok(Ok(()));
+        }
+        self.leave_other();
+        Ok(match plain(&about.entity) {
+            schema::SESSION => return self.begin(about.recording, &chunk),
+            // Without a head there is no telling what they are of.
+            _ if self.session.is_none() => Err(content("rows before the head")),
             schema::STEPS => chunks::read_steps(&chunk, self.masses).map(|batch| self.stretch(at, message, &batch)),
-            schema::SETTINGS => documents(&chunk).map(|read| self.found.revisions.extend(read)),
+            schema::SETTINGS => settings(&chunk).map(|read| self.found.revisions.extend(read)),
             schema::EVENTS => {
                 documents(&chunk).map(|read| self.found.told.extend(read.into_iter().map(EventDocument::read)))
             }
@@ -167,11 +188,10 @@ impl<'a> Scan<'a> {
                 Ok(())
             }
             _ => Ok(()),
-        };
-        Ok(taken)
+        })
     }
 
-    fn begin(&mut self, chunk: &Chunk) -> Result<Result<(), Unreadable>, TapeError> {
+    fn begin(&mut self, recording: String, chunk: &Chunk) -> Result<Result<(), Unreadable>, TapeError> {
         #[derive(serde::Deserialize)]
         struct Version {
             schema: u32,
@@ -188,14 +208,11 @@ impl<'a> Scan<'a> {
             let Ok(document) = document::parse::<SessionDocument>(&text) else {
                 return Ok(Err(content("a head that is none")));
             };
-            match &self.session {
-                None => {
-                    self.masses = document.masses();
-                    self.session = Some(document);
-                }
-                // Every part of a recording that was put together carries it.
-                Some(first) if first.run() == document.run() => {}
-                Some(_) => self.other = Some(self.walk.stream_at()),
+            // It is there more than once, and in every part of a recording that was put together.
+            if self.session.is_none() {
+                self.masses = document.masses();
+                self.session = Some(document);
+                self.recording.clone_from(&recording);
             }
         }
         Ok(Ok(()))
@@ -234,9 +251,7 @@ impl<'a> Scan<'a> {
         };
         let (session, rotor, scales) =
             session.read().map_err(|error| TapeError::not_ours(path, format!("its head is damaged: {error}")))?;
-        let stretches = in_order(stretches, &mut damage);
-        let written = revisions.len();
-        let revisions: Vec<_> = revisions.into_iter().filter_map(|revision| revision.read().ok()).collect();
+        let stretches = order::in_order(stretches, &mut damage);
         let (mut events, mut remarks) = (Vec::new(), Vec::new());
         for told in told {
             match told {
@@ -245,13 +260,10 @@ impl<'a> Scan<'a> {
             }
         }
         damage.sort_by_key(|damage| damage.byte);
-        lost_steps(&mut damage, &stretches);
+        order::lost_steps(&mut damage, &stretches);
         let mut notices = Vec::new();
         if streams > 1 {
             notices.push(format!("{streams} files, one put behind the other"));
-        }
-        if revisions.len() < written {
-            notices.push(format!("{} settings make no sense and were passed over", written - revisions.len()));
         }
         let checksums = walk.sealed;
         Ok(Contents {
@@ -275,6 +287,12 @@ fn content(what: &str) -> Unreadable {
     Unreadable::Content(what.to_owned())
 }
 
+/// All settings of a chunk.
+fn settings(chunk: &Chunk) -> Result<Vec<Revision>, Unreadable> {
+    let read = |document: RevisionDocument| document.read().map_err(|error| content(&error.to_string()));
+    documents(chunk)?.into_iter().map(read).collect()
+}
+
 /// All documents of a chunk.
 fn documents<D: serde::de::DeserializeOwned>(chunk: &Chunk) -> Result<Vec<D>, Unreadable> {
     let texts = chunks::documents(chunk);
@@ -291,44 +309,5 @@ fn no_head(streams: usize, bytes: u64, damage: &[Damage]) -> String {
     match Damage::notices(damage, false) {
         none if none.is_empty() => "nothing of whirl's is in it: was not made by whirl".to_owned(),
         notices => format!("its head is lost, without which nothing of it can be read: {}", notices.join("; ")),
-    }
-}
-
-/// Stretches in the order of their steps, those that hold what others hold already left out.
-fn in_order(mut stretches: Vec<Stretch>, damage: &mut Vec<Damage>) -> Vec<Stretch> {
-    // What is the same stays in the order of the file: the first is taken.
-    stretches.sort_by_key(|stretch| stretch.first.seq);
-    let mut kept: Vec<Stretch> = Vec::with_capacity(stretches.len());
-    let mut repeated: Vec<(u64, u64)> = Vec::new();
-    for stretch in stretches {
-        if kept.last().is_some_and(|last| stretch.first.seq <= last.last.seq) {
-            repeated.push((stretch.offset, stretch.offset + stretch.bytes));
-        } else {
-            kept.push(stretch);
-        }
-    }
-    repeated.sort_unstable();
-    // One place from the first to the last of them.
-    if let (Some((from, _)), Some((_, to))) = (repeated.first(), repeated.last()) {
-        damage.push(Damage::at(*from, to - from, DamageKind::Repeated));
-    }
-    kept
-}
-
-/// Says of damage which steps are missing where it is.
-fn lost_steps(damage: &mut [Damage], stretches: &[Stretch]) {
-    let mut in_file: Vec<&Stretch> = stretches.iter().collect();
-    in_file.sort_by_key(|stretch| stretch.offset);
-    let mut told = None;
-    for damage in damage {
-        let after = in_file.partition_point(|stretch| stretch.offset < damage.byte);
-        let (Some(before), Some(next)) = (after.checked_sub(1).map(|at| in_file[at]), in_file.get(after)) else {
-            continue;
-        };
-        // Of several places between the same steps the first tells of them.
-        if next.first.seq > before.last.seq + 1 && told.replace(after) != Some(after) {
-            let from = before.last.seq + 1;
-            damage.steps = Some(LostSteps { from, count: next.first.seq - from });
-        }
     }
 }

@@ -89,8 +89,8 @@ impl Writer {
         let properties = Chunk::builder(EntityPath::properties());
         self.put(properties.with_archetype_auto_row(TimePoint::STATIC, &info).build())?;
         let document = SessionDocument::new(&head.session, &self.rotor, head.bulletin.scales());
-        let row = [chunks::document(&document::text(&document))];
-        self.put(Chunk::builder(schema::SESSION).with_row(RowId::new(), TimePoint::STATIC, row).build())?;
+        let about = document::text(&document);
+        self.about(&about)?;
         let names = SeriesLines::new().with_names(HEALTH);
         self.put(Chunk::builder(schema::HEALTH).with_archetype_auto_row(TimePoint::STATIC, &names).build())?;
         for chunk in self.scene.still() {
@@ -99,7 +99,14 @@ impl Writer {
         for message in view::blueprint(&self.rotor, head.session.source) {
             self.append(&message)?;
         }
-        Ok(())
+        // Without it nothing on file can be read: damage in one place shall not cost all others.
+        self.about(&about)
+    }
+
+    /// Puts the document about the whole file into it.
+    fn about(&mut self, document: &str) -> Result<(), TapeError> {
+        let row = [chunks::document(document)];
+        self.put(Chunk::builder(schema::SESSION).with_row(RowId::new(), TimePoint::STATIC, row).build())
     }
 
     /// Puts a chunk into the file.

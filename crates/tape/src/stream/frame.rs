@@ -7,8 +7,10 @@ pub(crate) const STREAM_HEADER: u64 = 12;
 pub(crate) const HEADER: u64 = 16;
 /// Bytes behind the table at an end: where the table is and how long, its checksum, `RRF2FOOT`, and how many there are.
 pub(crate) const FOOTER: u64 = 32;
-/// A message that claims to be larger than this is not one.
-pub(crate) const MOST_BYTES: u64 = 1 << 31;
+/// A message that claims to be larger than this is not one: a hundred times what a recorder puts into one.
+const MOST_BYTES: u64 = 1 << 28;
+/// The table at an end has a line for every message.
+const MOST_TABLE: u64 = 1 << 31;
 
 /// How the checksum of a table begins, as rerun has it.
 const TABLE_SEED: u32 = 7_850_921;
@@ -31,7 +33,7 @@ fn number<const N: usize>(bytes: &[u8], at: usize) -> [u8; N] {
     bytes.get(at..at + N).and_then(|bytes| bytes.try_into().ok()).unwrap_or([0; N])
 }
 
-/// Kind and length of a message from its header; `None` if it is none.
+/// Kind and length of a message from its header; `None` if it is none, or of no length that it can have.
 pub(crate) fn header(bytes: &[u8]) -> Option<(Kind, u64)> {
     let kind = match u64::from_le_bytes(number(bytes, 0)) {
         0 => Kind::End,
@@ -40,7 +42,40 @@ pub(crate) fn header(bytes: &[u8]) -> Option<(Kind, u64)> {
         3 => Kind::Layout,
         _ => return None,
     };
-    Some((kind, u64::from_le_bytes(number(bytes, 8))))
+    let length = u64::from_le_bytes(number(bytes, 8));
+    // Sixteen zeros are no end: ours have a table, even of nothing.
+    let most = if kind == Kind::End { MOST_TABLE } else { MOST_BYTES };
+    (1..=most).contains(&length).then_some((kind, length))
+}
+
+/// Whether bytes can be a message in protobuf: fields, of which the last ends where they end.
+pub(crate) fn is_fields(mut bytes: &[u8]) -> bool {
+    fn varint(bytes: &mut &[u8]) -> Option<u64> {
+        let mut value = 0;
+        for shift in (0..64).step_by(7) {
+            let (byte, rest) = bytes.split_first()?;
+            *bytes = rest;
+            value |= u64::from(byte & 0x7f) << shift;
+            if *byte < 0x80 {
+                return Some(value);
+            }
+        }
+        None
+    }
+    let field = |bytes: &mut &[u8]| {
+        let tag = varint(bytes)?;
+        let length = match tag & 7 {
+            0 => varint(bytes).map(|_| 0)?,
+            1 => 8,
+            2 => usize::try_from(varint(bytes)?).ok()?,
+            5 => 4,
+            _ => return None,
+        };
+        *bytes = bytes.get(length..)?;
+        Some(())
+    };
+    !bytes.is_empty()
+        && std::iter::from_fn(|| (!bytes.is_empty()).then(|| field(&mut bytes))).all(|field| field.is_some())
 }
 
 /// Whether a stream begins with these bytes: compressed or not, as protobuf.

@@ -2,8 +2,10 @@
 //! damaged. Needs nothing of rerun, and decodes nothing.
 
 mod frame;
+mod resync;
 mod seal;
 mod walk;
+mod window;
 
 #[cfg(test)]
 mod tests;

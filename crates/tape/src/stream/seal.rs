@@ -16,7 +16,7 @@ const HEADER: usize = super::frame::HEADER as usize;
 /// Field 7700 of protobuf's wire type 1, 64 bits as they are: 7700 << 3 | 1, seven bits a byte.
 const TAG: [u8; 3] = [0xa1, 0xe1, 0x03];
 /// All that is added to a message.
-const BYTES: usize = TAG.len() + 8;
+pub(super) const BYTES: usize = TAG.len() + 8;
 
 /// What the checksum of a message says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,6 +46,11 @@ pub(crate) fn put(message: &mut Vec<u8>, number: u32, stream_header: &[u8]) {
     message.extend(number.to_le_bytes());
     let crc = crc(stream_header, number, message);
     message.extend(crc.to_le_bytes());
+}
+
+/// Whether the last [`BYTES`] of a message have the mark of a checksum.
+pub(super) fn is_marked(last: &[u8; BYTES]) -> bool {
+    last.starts_with(&TAG)
 }
 
 /// What the checksum of a message says, which begins with its kind and length, in a stream with this header.

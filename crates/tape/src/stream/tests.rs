@@ -6,7 +6,7 @@ use std::os::unix::fs::FileExt;
 use std::path::Path;
 
 use super::frame::{FOOTER, HEADER, STREAM_HEADER};
-use super::{Kind, Met, Walk, put};
+use super::{Met, Walk, put};
 use crate::damage::{Damage, DamageKind};
 
 /// A byte in so many is changed, one after the other; `DAMAGE_EVERY=1` for all of them.
@@ -38,7 +38,7 @@ impl Found {
 }
 
 fn walk(file: &File) -> Found {
-    let mut walk = Walk::new(file, file.metadata().unwrap().len(), |_| false);
+    let mut walk = Walk::new(file, file.metadata().unwrap().len(), |_| true);
     let (mut streams, mut messages) = (0, Vec::new());
     while let Some(met) = walk.next().unwrap() {
         match met {
@@ -218,5 +218,4 @@ fn what_is_no_recording_has_nothing_in_it() {
         let found = patient.with(content);
         assert_eq!((found.streams, found.messages.len()), (0, 0));
     }
-    assert_eq!(Kind::End, super::frame::header(&[0; 16]).unwrap().0);
 }
