@@ -17,9 +17,10 @@ lint:
     cargo clippy --workspace --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
 
-# Files by the thousand that no reader may stumble over: SECONDS for each kind of file, from SEED on
+# Files by the thousand that no reader may stumble over: SECONDS for each kind of file, from SEED on (recordings need rerun: minutes to build)
 fuzz SECONDS="60" SEED="1000":
     WHIRL_FUZZ_SECONDS={{SECONDS}} WHIRL_FUZZ_SEED={{SEED}} cargo test -p promises --test corpus
+    WHIRL_FUZZ_SECONDS={{SECONDS}} WHIRL_FUZZ_SEED={{SEED}} cargo test -p tape -p promises --features promises/rerun --test damage
 
 # The end-to-end tests TIMES times, beside a busy loop for every processor (minutes each)
 shake TIMES="30" *ARGS:
@@ -39,7 +40,7 @@ measure-recorder:
 
 # Recordings: the sink, the reader and the commands, with rerun (minutes to build the first time)
 test-recordings:
-    cargo test -p tape -p promises --features promises/rerun --lib --test files
+    cargo test -p tape -p promises --features promises/rerun --lib --test files --test damage
     cargo test -p tape -p promises --features promises/rerun --test promises -- recordings replay
 
 # The small recording in recordings/, made again

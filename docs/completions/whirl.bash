@@ -329,7 +329,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__export)
-            opts="-h --csv --parquet --out --force --from --to --every --help"
+            opts="-h --csv --parquet --out --force --from --to --every --json --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -114,6 +114,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand export" -l every -d 'Steps w
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l csv -d 'Write FILE.csv beside it'
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l parquet -d 'Write FILE.parquet beside it'
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l json -d 'Print one JSON document about what was written, and where the recording is damaged'
 complete -c whirl -n "__fish_whirl_using_subcommand export" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand tail" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tail" -l every -d 'Print every Nth step' -r

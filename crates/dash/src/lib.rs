@@ -66,3 +66,4 @@ pub use portrait::{Presses, portrait};
 pub use replay::{Past, PastEvent, PastWhat, replay};
 pub use session::run;
 pub use still_file::stamp;
+pub use terminal::restore_on_panic;

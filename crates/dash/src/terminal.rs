@@ -202,8 +202,9 @@ fn wait_for_frame() -> Option<MutexGuard<'static, ()>> {
     }
 }
 
-/// A panic in any thread first gives the terminal back, so that its message can be read.
-fn restore_on_panic() {
+/// A panic in any thread first gives the terminal back, so that its message can be read. A library that catches panics of
+/// its own, and has a hook that keeps silent about them, sets it after this one.
+pub fn restore_on_panic() {
     static SET: Once = Once::new();
     SET.call_once(|| {
         let report = std::panic::take_hook();

@@ -89,3 +89,61 @@ impl Encoder {
         Ok(self.ledger)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use rerun::StoreKind;
+    use rerun::external::arrow::array::Array;
+    use rerun::external::re_log_encoding::{Encoder as Reruns, RawRrdManifest};
+    use wire::State;
+
+    use super::*;
+    use crate::batch::Batch;
+    use crate::rrd::chunks;
+    use crate::stream::{HEADER, Seal, check};
+
+    fn messages() -> Vec<LogMsg> {
+        let store = StoreId::new(StoreKind::Recording, "whirl", "run");
+        let message = |first: u64| {
+            let mut batch = Batch::new(1);
+            (first..first + 10).for_each(|seq| batch.push(&State { seq, count: 1, ..State::default() }));
+            LogMsg::ArrowMsg(store.clone(), chunks::steps(&batch).unwrap().to_arrow_msg().unwrap())
+        };
+        (0..20).map(|number| message(10 * number)).collect()
+    }
+
+    /// What the footer says of a column, as numbers.
+    fn column(manifest: &RawRrdManifest, name: &str) -> Vec<u64> {
+        let column = manifest.data.column_by_name(name).unwrap();
+        let column = column.as_any().downcast_ref::<rerun::external::arrow::array::UInt64Array>();
+        column.unwrap().values().to_vec()
+    }
+
+    /// The footer is the one that rerun's own encoder writes, but for where messages are that a checksum has made longer.
+    #[test]
+    fn val_the_footer_is_that_of_reruns_encoder_and_points_at_our_messages() {
+        let (folder, messages) = (tempfile::tempdir().unwrap(), messages());
+        let path = folder.path().join("a.rrd");
+        let mut encoder = Encoder::begin(Ledger::create(&path).unwrap()).unwrap();
+        messages.iter().for_each(|message| encoder.append(message).unwrap());
+        let length = encoder.finish().unwrap().len();
+        let ours = std::fs::read(&path).unwrap();
+        assert_eq!(ours.len() as u64, length);
+        let theirs = Reruns::encode(messages.iter().cloned().map(Ok)).unwrap();
+        let manifest = |bytes: &[u8]| RawRrdManifest::from_rrd_bytes(bytes).unwrap().remove(0);
+        let (our_manifest, their_manifest) = (manifest(&ours), manifest(&theirs));
+        let (offset, size) = (RawRrdManifest::field_chunk_byte_offset(), RawRrdManifest::field_chunk_byte_size());
+        let (offset, size) = (offset.name(), size.name());
+        for (place, field) in their_manifest.data.schema().fields().iter().enumerate() {
+            if ![offset, size].contains(&field.name()) {
+                assert_eq!(our_manifest.data.column(place), their_manifest.data.column(place), "{}", field.name());
+            }
+        }
+        let sizes = column(&our_manifest, size);
+        assert_eq!(sizes, column(&their_manifest, size).iter().map(|size| size + 11).collect::<Vec<_>>());
+        for (number, (begins, size)) in (0..).zip(column(&our_manifest, offset).into_iter().zip(sizes)) {
+            let message = &ours[(begins - HEADER) as usize..(begins + size) as usize];
+            assert_eq!(check(message, &ours[..12]), Seal::Fits(number));
+        }
+    }
+}

@@ -55,9 +55,11 @@ pub(super) struct About {
     pub(super) recording: String,
     /// Its entity, with a slash before it or without.
     pub(super) entity: String,
+    /// Whether it is about a layout of the viewer.
+    pub(super) is_layout: bool,
 }
 
-/// The chunk in an encoded message, which begins with its kind and length; `None` if it is about a layout, or about
+/// The chunk in an encoded message, which begins with its kind and length; `None` if it is about
 /// something that is not wanted.
 ///
 /// # Errors
@@ -69,10 +71,7 @@ pub(super) fn chunk(message: &[u8], wanted: impl FnOnce(&About) -> bool) -> Resu
     let is_layout = store.kind() == StoreKind::Blueprint;
     let recording = store.recording_id.clone();
     unpack(&mut message)?;
-    if is_layout {
-        return Ok(None);
-    }
-    let about = About { recording, entity: ipc::check(&message.payload)? };
+    let about = About { recording, entity: ipc::check(&message.payload)?, is_layout };
     if !wanted(&about) {
         return Ok(None);
     }
@@ -112,7 +111,8 @@ thread_local! {
     static QUIET: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Runs what may panic, and says nothing of it: the second net, behind the checks.
+/// Runs what may panic, and says nothing of it: the second net, behind the checks. Whoever has a panic hook with effects (a
+/// screen that is given back) sets it before the first recording is opened: this one is then asked first.
 pub(super) fn quietly<T>(work: impl FnOnce() -> T) -> Option<T> {
     static HOOK: Once = Once::new();
     HOOK.call_once(|| {

@@ -78,7 +78,7 @@ fn check_field(field: Field<'_>, depth: usize) -> Checked {
     };
     match field.type_type() {
         Type::Null | Type::Bool | Type::Binary | Type::LargeBinary | Type::Utf8 | Type::LargeUtf8 => {
-            has(children == 0)?
+            has(children == 0)?;
         }
         Type::Int => {
             let width = field.type_as_int().map(|int| int.bitWidth());

@@ -59,7 +59,7 @@ pub(super) fn file(path: &Path) -> Result<(File, u64), TapeError> {
 
 /// Whether rows are of one of the entities that are read.
 fn is_read(about: &About) -> bool {
-    READ.contains(&plain(&about.entity))
+    !about.is_layout && READ.contains(&plain(&about.entity))
 }
 
 /// Paths begin with a slash, or not.
@@ -136,8 +136,8 @@ impl<'a> Scan<'a> {
             match self.walk.next().map_err(|error| TapeError::read(self.path, error))? {
                 None => break,
                 Some(Met::Stream { .. }) => self.streams += 1,
-                Some(Met::Message { kind: Kind::Chunk, at, bytes }) => {
-                    if let Err(error) = self.message(at, &bytes)? {
+                Some(Met::Message { kind: Kind::Chunk, at, bytes, sealed }) => {
+                    if let Err(error) = self.message(at, &bytes, sealed)? {
                         tracing::debug!("{}: byte {at}: {error}", self.path.display());
                         self.found.damage.push(Damage::at(at, bytes.len() as u64, DamageKind::Unreadable));
                     }
@@ -163,10 +163,11 @@ impl<'a> Scan<'a> {
     }
 
     /// Takes what is in a message; inside, what is wrong with the message alone.
-    fn message(&mut self, at: u64, message: &[u8]) -> Result<Result<(), Unreadable>, TapeError> {
-        let (about, chunk) = match fence::chunk(message, is_read) {
-            Ok(Some(read)) => read,
-            Ok(None) => return Ok(Ok(())),
+    fn message(&mut self, at: u64, message: &[u8], sealed: bool) -> Result<Result<(), Unreadable>, TapeError> {
+        // Nobody but its columns vouches for a message without checksum, drawing or not.
+        let (about, chunk) = match fence::chunk(message, |about| !sealed || is_read(about)) {
+            Ok(Some(read)) if is_read(&read.0) => read,
+            Ok(_) => return Ok(Ok(())),
             Err(error) => return Ok(Err(error)),
         };
         if self.session.is_some() && about.recording != self.recording {
@@ -175,7 +176,7 @@ impl<'a> Scan<'a> {
         }
         self.leave_other();
         Ok(match plain(&about.entity) {
-            schema::SESSION => return self.begin(about.recording, &chunk),
+            schema::SESSION => return self.begin(&about.recording, &chunk),
             // Without a head there is no telling what they are of.
             _ if self.session.is_none() => Err(content("rows before the head")),
             schema::STEPS => chunks::read_steps(&chunk, self.masses).map(|batch| self.stretch(at, message, &batch)),
@@ -191,7 +192,7 @@ impl<'a> Scan<'a> {
         })
     }
 
-    fn begin(&mut self, recording: String, chunk: &Chunk) -> Result<Result<(), Unreadable>, TapeError> {
+    fn begin(&mut self, recording: &str, chunk: &Chunk) -> Result<Result<(), Unreadable>, TapeError> {
         #[derive(serde::Deserialize)]
         struct Version {
             schema: u32,
@@ -212,7 +213,7 @@ impl<'a> Scan<'a> {
             if self.session.is_none() {
                 self.masses = document.masses();
                 self.session = Some(document);
-                self.recording.clone_from(&recording);
+                recording.clone_into(&mut self.recording);
             }
         }
         Ok(Ok(()))

@@ -35,6 +35,8 @@ pub(crate) enum Met {
         /// Of which kind.
         kind: Kind,
         bytes: Vec<u8>,
+        /// Whether it has a checksum, which fits.
+        sealed: bool,
     },
 }
 
@@ -202,7 +204,7 @@ impl<'a> Walk<'a> {
             (Seal::Fits(number), _) => {
                 self.count(at, number);
                 self.at = end;
-                return Ok(Some(Met::Message { at, kind, bytes }));
+                return Ok(Some(Met::Message { at, kind, bytes, sealed: true }));
             }
             // What looks like the mark of a checksum is one by chance.
             (_, Seals::Absent) => true,
@@ -212,7 +214,7 @@ impl<'a> Walk<'a> {
         if may_lack && (self.can_go_on(end)? || self.is_message(&bytes)) {
             (self.seals, self.sealed) = (Seals::Absent, false);
             self.at = end;
-            return Ok(Some(Met::Message { at, kind, bytes }));
+            return Ok(Some(Met::Message { at, kind, bytes, sealed: false }));
         }
         let next = if self.surely_goes_on(end)? { end } else { self.search(at + 1)? };
         if next < end || !self.can_go_on(end)? {
@@ -262,6 +264,7 @@ impl<'a> Walk<'a> {
         }
         self.in_stream = false;
         self.stream_header.clear();
+        self.seals = Seals::Unknown;
         self.at = end;
         Ok(true)
     }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use files::FileError;
 use study::table::{Form, FormError, Kind, Table};
-use tape::Recording;
+use tape::{Damage, Recording};
 use wire::State;
 
 use crate::failure::Failure;
@@ -38,6 +38,24 @@ pub(crate) struct ExportArgs {
     /// Steps whose number is a multiple of N
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
+    /// Print one JSON document about what was written, and where the recording is damaged
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was written, and what there was nothing to write of.
+#[derive(Debug, serde::Serialize)]
+struct Written<'a> {
+    /// The table.
+    out: String,
+    /// Its rows.
+    rows: u64,
+    /// Whether all that is on file has checksums; without them a changed number is not noticed.
+    checksums: bool,
+    /// Where the recording is not what was written.
+    damage: &'a [Damage],
+    /// The same and what else a reader should know, in words.
+    notices: Vec<String>,
 }
 
 /// The columns after those of doubles.
@@ -64,6 +82,10 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
     }
     args.force.check(&target)?;
     let mut recording = Recording::open_row(&args.files)?;
+    let notices = recording.notices();
+    for notice in &notices {
+        output::warn(&format!("{}: {notice}", file.display()));
+    }
     interrupt::end_at_once()?;
     let masses = recording.rotor().len();
     let names: Vec<String> = tape::schema::columns(masses).into_iter().map(|column| column.name).collect();
@@ -90,8 +112,9 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         return Err(Failure::Usage(nothing(&recording, args)));
     }
     table.finish()?;
-    for notice in recording.notices() {
-        output::warn(&format!("{}: {notice}", file.display()));
+    if args.json {
+        let (out, checksums) = (target.display().to_string(), recording.has_checksums());
+        return output::print_json(&Written { out, rows, checksums, damage: recording.damage(), notices });
     }
     output::print_text(&format!("{}: {rows} steps\n", target.display()))
 }

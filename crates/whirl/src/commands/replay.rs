@@ -28,6 +28,8 @@ pub(crate) struct ReplayArgs {
 pub(crate) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     tape::available()?;
     let options = args.screen.options_with(Some("replay"))?;
+    // Before the reader's own hook, which keeps panics over damaged columns from this one.
+    dash::restore_on_panic();
     let recording = Recording::open_row(&args.files)?;
     ended(dash::replay(Box::new(Tape::new(recording)), &options)?)
 }
