@@ -965,7 +965,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__tune)
-            opts="-h --over --speed --signal --sensors --bearing --gains --bound --force-limit --robust --delay --vary --measure --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
+            opts="-h --over --speed --signal --sensors --bearing --feedback --set --gains --bound --force-limit --robust --delay --vary --measure --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -988,6 +988,14 @@ _whirl() {
                     return 0
                     ;;
                 --bearing)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

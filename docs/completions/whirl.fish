@@ -230,6 +230,8 @@ complete -c whirl -n "__fish_whirl_using_subcommand tune" -l signal -d 'What dri
 individual\t'Every sensor by itself, with four gains each'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l sensors -d 'The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing\'s and its neighbour\'s]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bearing -d 'The mass that carries the control bearing; or any, to compare all' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l feedback -d 'Search the gains of this feedback: its bearing, signals, filters and loop are taken as they are' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l set -d 'A part of the loop, such as lag=0.02, sample=0.05 or delay=0.02 (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l gains -d 'How gains depend on speed: fixed, linear, or table:N for N values over the range' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bound -d 'The largest magnitude of any gain' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l force-limit -d 'The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)' -r

@@ -330,3 +330,28 @@ fn questions_that_make_no_sense_are_refused_with_the_reason() {
     let ran = run(&["tune", "jeffcott", "--over", "0..2", "--robust", "deadband"]);
     assert_eq!(ran.code, Some(0), "jeffcott has a bearing with stiffness: {}", ran.stderr);
 }
+
+#[test]
+fn a_search_through_the_loop_writes_the_loop_and_tells_what_poles_tells() {
+    let folder = folder();
+    let file = folder.path().join("late.toml");
+    let line = ["tune", "--speed", "5", "--set", "lag=0.02", "--set", "delay=0.02", "--json"];
+    let document = run(&[&line[..], &["--out", text(&file)]].concat()).json();
+    assert_eq!((&document["proven"], &document["stable"]), (&Value::from(false), &Value::from(true)), "{document}");
+    assert!(document["checked"].is_u64() && document["count_right_of"].is_number(), "{document}");
+    let poles = run(&["poles", "--speed", "5", "--feedback", text(&file), "--json"]).json();
+    let [told, found] = [&poles, &document].map(|document| number(document, "min_damping"));
+    assert!((told - found).abs() < 1e-9, "{told} {found}");
+    // The gains of that loop again, from its file.
+    let again = run(&["tune", "--speed", "5", "--feedback", text(&file), "--json"]).json();
+    assert!((number(&again, "min_damping") - found).abs() < 1e-6, "{again}");
+    for (options, why) in [
+        (&["--set", "limit=20"][..], "--set limit: a search takes the linear parts of the loop"),
+        (&["--set", "kd=1"][..], "--set kd: a search takes"),
+        (&["--set", "delay=0.1", "--delay", "0.1"][..], "the loop has a delay already"),
+        (&["--feedback", "composite", "--sensors", "1,2"][..], "cannot be used with"),
+    ] {
+        let refused = run(&[&["tune", "--speed", "5"], options].concat());
+        assert!(refused.code == Some(2) && refused.stderr.contains(why), "{options:?}: {refused:?}");
+    }
+}

@@ -84,6 +84,33 @@ impl LinearLoop {
         Some([value, slope])
     }
 
+    /// What the loop answers to the whirl `exp(j frequency tau)` of its sensors at that same frequency, per displacement of
+    /// each. Of a sampled loop it is the fundamental of the held force, `(1 - exp(-s h)) / (s h)` times what the law makes of
+    /// the samples; the ripple beside it falls on other frequencies, and what of it the samples see again is left out.
+    #[must_use]
+    pub fn fundamental(&self, frequency: f64) -> Option<Vec<C64>> {
+        let s = C64::new(0.0, frequency);
+        if self.sample <= 0.0 {
+            return self.response(s).map(|[value, _]| value);
+        }
+        let Law { a, b, c, d } = &self.law;
+        let turn = s * self.sample;
+        let solve = (DMatrix::identity(a.nrows(), a.nrows()) * turn.exp() - a).lu();
+        let law = if a.is_empty() { d.clone() } else { c * solve.solve(b)? + d };
+        let hold = if turn.norm() < 1e-8 { C64::ONE } else { (C64::ONE - (-turn).exp()) / turn };
+        let ideal = Self {
+            sample: 0.0,
+            law: Law {
+                a: DMatrix::zeros(0, 0),
+                b: DMatrix::zeros(0, law.ncols()),
+                c: DMatrix::zeros(1, 0),
+                d: law * hold,
+            },
+            ..self.clone()
+        };
+        ideal.response(s).map(|[value, _]| value)
+    }
+
     pub(crate) fn of<'a>(
         parts: &Parts,
         sensors: &[usize],

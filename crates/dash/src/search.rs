@@ -186,11 +186,6 @@ impl Drop for Search {
 /// The question: the bearing and signals of the present feedback, their gains constant and no larger than twenty, or than
 /// what they are now.
 fn problem(rotor: &Rotor, feedback: &Feedback, wish: &Wish) -> Result<Problem, String> {
-    if !feedback.is_ideal() {
-        return Err(
-            "the search knows only the ideal loop: take sampling, delay, lags, limits and filters out first".into()
-        );
-    }
     let mut family = Family::new(rotor, wish.from, wish.to).map_err(|error| error.to_string())?;
     if wish.robust {
         family.any_deadband(true).map_err(|error| error.to_string())?;

@@ -4,9 +4,12 @@
 //! nearness, with as many speeds in between as it takes for every match to be beyond doubt. Roots of a sampled loop are
 //! matched as `z`, which does not jump where a frequency passes half the sampling rate.
 
-use rotor::{C64, CriticalSpeed, LinearForm, OperatingPoint, Plant, Rotor, Settings, Stability, Threshold, Whirl};
+use rotor::{
+    C64, Characteristic, CriticalSpeed, LinearForm, OperatingPoint, Plant, Root, Rotor, Settings, Stability, Threshold,
+    Whirl,
+};
 
-use crate::poles::{Characteristic, PolesError, Root};
+use crate::poles::PolesError;
 
 /// A match is beyond doubt if the next root is so many times as far.
 const BEYOND_DOUBT: f64 = 3.0;

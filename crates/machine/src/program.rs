@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use control::{Controller, Feedback, LoopError};
 use rotor::step::{Fastest, StepError};
-use rotor::{C64, ClosedLoop, OperatingPoint, Plant, PoleError, Rotor, Settings, eigenvalues};
+use rotor::{
+    C64, Characteristic, ClosedLoop, LinearForm, OperatingPoint, Plant, PoleError, Rotor, Settings, eigenvalues,
+};
 
 use crate::integrate::Integrator;
 use crate::motion::Leg;
-use crate::poles::{Characteristic, PolesError};
-use rotor::LinearForm;
+use crate::poles::PolesError;
 
 /// Why settings cannot be stepped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

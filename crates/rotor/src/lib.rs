@@ -12,7 +12,7 @@
 //! * [`Plant`]: the rotor without control, independent of speed: a chain, or dense matrices.
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law, from crate `control`.
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
-//! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart.
+//! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart. [`Characteristic`]: its roots.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
 //!   [`Standing`]: what they say.
@@ -23,6 +23,7 @@
 
 mod assign;
 pub mod builtin;
+mod characteristic;
 pub mod circular;
 mod closed_loop;
 mod crossing;
@@ -48,6 +49,7 @@ mod trace;
 pub mod typed;
 
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
+pub use characteristic::{Characteristic, Root};
 pub use closed_loop::ClosedLoop;
 pub use control::{ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal};
 pub use difference::Difference;

@@ -1,5 +1,7 @@
 //! Which conditions a search must look at: a coarse grid to start with, and then whichever turn out to be the worst.
 
+use rayon::prelude::*;
+
 use crate::evaluate::{force_at, worst_at};
 use crate::stop::Stop;
 use crate::{Family, Problem};
@@ -49,12 +51,12 @@ fn lowest_places(
     counts: &[usize],
     most: usize,
     stop: &Stop,
-    value: &dyn Fn(&[f64]) -> f64,
+    value: &(dyn Fn(&[f64]) -> f64 + Sync),
 ) -> Vec<(f64, Vec<f64>)> {
     let points = family.grid(counts);
     // What was not looked at is no minimum.
     let look = |point: &Vec<f64>| if stop.is_set() { f64::INFINITY } else { value(point) };
-    let values: Vec<f64> = points.iter().map(look).collect();
+    let values: Vec<f64> = points.par_iter().map(look).collect();
     let sides: Vec<usize> = (0..counts.len())
         .map(|axis| if family.ends(axis)[0] < family.ends(axis)[1] { counts[axis].max(2) } else { 1 })
         .collect();

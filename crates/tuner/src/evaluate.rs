@@ -1,9 +1,10 @@
 //! The worth of every mode at every condition for given gains, and its slope in each gain.
 
 use linear::DelaySystem;
-use rotor::{C64, ControlRow, MAX_MASSES, Quadratic};
+use rotor::{C64, Characteristic, MAX_MASSES, Quadratic};
 
 use crate::Problem;
+use crate::around::{self, Around};
 use crate::delay;
 use crate::force::Synchronous;
 use crate::stop::Stop;
@@ -20,6 +21,8 @@ pub(crate) struct Operating {
     delay: f64,
     /// Control off.
     open: Quadratic,
+    /// Where the loop is more than gains and a delay.
+    around: Option<Box<Around>>,
     /// Where a force limit is to be kept.
     synchronous: Option<Synchronous>,
 }
@@ -27,24 +30,27 @@ pub(crate) struct Operating {
 impl Operating {
     /// The condition at `point` of the problem's family.
     pub(crate) fn at(problem: &Problem, point: &[f64]) -> Self {
-        let speed = point[0];
         let open = problem.family.open(point);
-        let delay = problem.family.delay(point);
-        let synchronous = problem.force_limit.map(|_| {
-            Synchronous::new(&open, &problem.family.unbalance(point), problem.structure.bearing(), speed, delay)
-        });
-        Self { point: point.to_vec(), speed, delay, open, synchronous }
+        let synchronous = problem.force_limit.map(|_| Synchronous::new(problem, point));
+        let around = Around::at(problem, point).map(Box::new);
+        Self { point: point.to_vec(), speed: point[0], delay: problem.delay(point), open, around, synchronous }
     }
 
     /// The loop closed, with its poles; with a delay those of [`delay::poles`], of which `near` may be near.
-    fn close(&self, row: &ControlRow, near: &[C64]) -> Option<(Closed, Vec<C64>)> {
+    fn close(&self, problem: &Problem, gains: &[f64], near: &[C64]) -> Option<(Closed, Vec<C64>)> {
+        if let Some(around) = &self.around {
+            let closed = around.close(&problem.structure.gains_at(gains, self.speed))?;
+            let (poles, line) = around::poles(&closed, near)?;
+            return Some((Closed::Around(Box::new(closed), line), poles));
+        }
+        let row = problem.structure.row(gains, self.speed);
         if self.delay > 0.0 {
-            let system = delay::late(&self.open, row, self.delay).ok()?;
+            let system = delay::late(&self.open, &row, self.delay).ok()?;
             let found = delay::poles(&system, near).ok().filter(|found| !found.roots.is_empty())?;
             return Some((Closed::Late(Box::new(system), found.right_of), found.roots));
         }
         let mut closed = self.open.clone();
-        closed.control(row);
+        closed.control(&row);
         let poles = closed.poles().ok()?;
         Some((Closed::AtOnce(closed), poles))
     }
@@ -56,6 +62,8 @@ enum Closed {
     AtOnce(Quadratic),
     /// With a delay, and the line right of which every pole was counted.
     Late(Box<DelaySystem>, f64),
+    /// Through filters, lags or samples, and with a delay that line.
+    Around(Box<Characteristic>, Option<f64>),
 }
 
 /// One mode at one condition.
@@ -143,9 +151,8 @@ impl<'p> Evaluator<'p> {
         }
         let operating = &self.conditions[condition];
         self.evaluations += 1;
-        let row = self.problem.structure.row(gains, operating.speed);
         let near = self.before.get(condition).map_or(&[][..], |before| before);
-        let Some((closed, poles)) = operating.close(&row, near) else { return f64::NEG_INFINITY };
+        let Some((closed, poles)) = operating.close(self.problem, gains, near) else { return f64::NEG_INFINITY };
         let mut worst = f64::INFINITY;
         for &pole in &poles {
             let value = self.problem.measure.of(pole);
@@ -173,7 +180,14 @@ impl<'p> Evaluator<'p> {
     pub(crate) fn pole_slope(&mut self, reading: Reading) -> &[C64] {
         let Reading { condition, pole, .. } = reading;
         let operating = &self.conditions[condition];
-        let (n, bearing) = (operating.open.masses(), self.problem.structure.bearing());
+        let structure = &self.problem.structure;
+        if let (Some(around), Some(Some(Closed::Around(closed, _)))) = (&operating.around, self.closed.get(condition)) {
+            let mut by_gain = vec![C64::ZERO; structure.gains()];
+            around.slopes(closed, pole, &mut by_gain);
+            structure.spread(operating.speed, &by_gain, C64::ZERO, &mut self.sensitivities);
+            return &self.sensitivities;
+        }
+        let (n, bearing) = (operating.open.masses(), structure.bearing());
         let mut right = [C64::ZERO; MAX_MASSES];
         // What the pole moves by for a unit of force on the bearing's mass, in the scale of `right`.
         let per_force = match self.closed.get(condition) {
@@ -209,9 +223,7 @@ impl<'p> Evaluator<'p> {
             slope.fill(0.0);
             return 0.0;
         };
-        let structure = &self.problem.structure;
-        let row = structure.row(gains, self.conditions[condition].speed);
-        let force = synchronous.force(structure, &row, slope);
+        let force = synchronous.force(self.problem, gains, slope);
         slope.iter_mut().for_each(|s| *s /= limit);
         force / limit
     }
@@ -259,10 +271,7 @@ impl<'p> Evaluator<'p> {
 
 /// The steady control force at one condition, in `w0^2 e_t`.
 pub(crate) fn force_at(problem: &Problem, gains: &[f64], point: &[f64]) -> f64 {
-    let (family, structure, speed) = (&problem.family, &problem.structure, point[0]);
-    let (open, unbalance) = (family.open(point), family.unbalance(point));
-    let synchronous = Synchronous::new(&open, &unbalance, structure.bearing(), speed, family.delay(point));
-    synchronous.force(structure, &structure.row(gains, speed), &mut [])
+    Synchronous::new(problem, point).force(problem, gains, &mut [])
 }
 
 /// The worst mode at one condition.
@@ -278,18 +287,25 @@ pub(crate) struct Worst {
 
 /// The worst mode at one condition, poles on the axis but for rounding told as on it: a marginal one is worth exactly 0.
 pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Worst {
+    let nothing = Worst { value: f64::NEG_INFINITY, pole: C64::ZERO, right_of: None };
+    if problem.structure.has_loop() {
+        // Put together once, not once per gain.
+        let Some((poles, right_of)) = around::poles_of(problem, gains, point) else { return nothing };
+        let (value, pole) = problem.measure.worst(&poles);
+        return Worst { value, pole, right_of };
+    }
     let operating = Operating {
         point: Vec::new(),
         speed: point[0],
-        delay: problem.family.delay(point),
+        delay: problem.delay(point),
         open: problem.family.open(point),
+        around: None,
         synchronous: None,
     };
+    let Some((closed, mut poles)) = operating.close(problem, gains, &[]) else { return nothing };
     let row = problem.structure.row(gains, point[0]);
-    let Some((closed, mut poles)) = operating.close(&row, &[]) else {
-        return Worst { value: f64::NEG_INFINITY, pole: C64::ZERO, right_of: None };
-    };
     let right_of = match closed {
+        Closed::Around(_, line) => line,
         Closed::AtOnce(closed) => {
             closed.settle(&mut poles);
             None
@@ -321,15 +337,16 @@ mod tests {
     use super::*;
     use crate::{Axis, Family, Quantity, Schedule, Structure};
 
-    fn problem(delay: f64, individual: bool) -> Problem {
+    fn problem(delay: f64, individual: bool, around: impl Fn(&mut rotor::Feedback)) -> Problem {
         let rotor = rotor::builtin::rotor("three-mass").unwrap();
         let mut family = Family::new(&rotor, 0.0, 7.0).unwrap();
         family.any_deadband(true).unwrap();
         if delay > 0.0 {
             family.push(Axis { quantity: Quantity::Delay, from: delay, to: delay }).unwrap();
         }
-        let template =
+        let mut template =
             if individual { Structure::individual(3, 0, &[0, 1]) } else { Structure::composite(3, 0, &[0, 1]) };
+        around(&mut template);
         let structure = Structure::new(&rotor, &template, Schedule::table(0.0, 7.0, 3)).unwrap();
         Problem { force_limit: Some(2.0), ..Problem::new(family, structure, 20.0) }
     }
@@ -389,6 +406,16 @@ mod tests {
         Ok(())
     }
 
+    /// Loops of every kind.
+    fn around(feedback: &mut rotor::Feedback, kind: i32) {
+        match kind {
+            1 => feedback.parts.lag = 0.05,
+            2 => feedback.signals[0].filters = vec![rotor::Filter::Lead { zero: 3.0, pole: 12.0 }],
+            3 => feedback.parts.sample = 0.1,
+            _ => (),
+        }
+    }
+
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(48))]
         #[test]
@@ -398,8 +425,9 @@ mod tests {
             factors in (0.1..1.0f64, 0.1..1.0f64),
             delay in prop_oneof![Just(0.0), 0.01..0.3f64],
             individual in any::<bool>(),
+            kind in 0..4,
         ) {
-            let problem = problem(delay, individual);
+            let problem = problem(delay, individual, |feedback| around(feedback, kind));
             let gains = &seed[..problem.structure.variables()];
             let mut point = vec![speed, factors.0, factors.1];
             if delay > 0.0 {
@@ -412,12 +440,12 @@ mod tests {
     /// Every pole that is judged solves the equation with the delay in it.
     #[test]
     fn val_poles_with_delay_solve_the_transcendental_equation() {
-        let problem = problem(0.2, false);
+        let problem = problem(0.2, false, |_| ());
         let gains: Vec<f64> = (0..problem.structure.variables()).map(|i| 0.3 * (i as f64).cos()).collect();
         let point = [5.0, 1.0, 1.0, 0.2];
         let operating = Operating::at(&problem, &point);
         let row = problem.structure.row(&gains, 5.0);
-        let (_, poles) = operating.close(&row, &[]).unwrap();
+        let (_, poles) = operating.close(&problem, &gains, &[]).unwrap();
         assert!(poles.len() >= 6, "{poles:?}");
         for s in poles {
             let late = (-s * 0.2).exp();

@@ -227,19 +227,23 @@ impl Family {
 
     /// The equations of motion at a point, control off.
     pub(crate) fn open(&self, point: &[f64]) -> Quadratic {
+        let off = Feedback::new(0, Vec::new());
+        Quadratic::of(&ClosedLoop::new(&self.rotor_at(point), &off, point[0], &[]))
+    }
+
+    /// The rotor at a point.
+    pub(crate) fn rotor_at(&self, point: &[f64]) -> Rotor {
         let mut masses = self.rotor.masses().to_vec();
         let mut shafts = self.rotor.shafts().to_vec();
-        let mut speed = 0.0;
         for (axis, &at) in self.axes.iter().zip(point) {
             match &axis.quantity {
-                Quantity::Speed => speed = at,
                 Quantity::Parameter { field, mass } => {
                     let mut values = masses[*mass].values();
                     values[*field] = if axis.quantity.is_inverse() { 1.0 / at } else { at };
                     masses[*mass] = Mass::from_values(values);
                 }
                 Quantity::Shaft(shaft) => shafts[*shaft] = at,
-                Quantity::Stiffness(_) | Quantity::Delay => {}
+                Quantity::Speed | Quantity::Stiffness(_) | Quantity::Delay => {}
             }
         }
         // Factors act on whatever stiffness a parameter has set.
@@ -248,9 +252,7 @@ impl Family {
                 of.iter().for_each(|&i| masses[i].bearing_stiffness *= at);
             }
         }
-        let off = Feedback::new(0, Vec::new());
-        let rotor = Rotor::new(self.rotor.name(), masses, shafts).expect("every value was checked when its range was");
-        Quadratic::of(&ClosedLoop::new(&rotor, &off, speed, &[]))
+        Rotor::new(self.rotor.name(), masses, shafts).expect("every value was checked when its range was")
     }
 
     /// `Re R^2` of each mass at a point: what unbalance drives it with.
@@ -265,10 +267,9 @@ impl Family {
         made.iter().map(|radius| radius * speed * speed).collect()
     }
 
-    /// The delay at a point.
-    pub(crate) fn delay(&self, point: &[f64]) -> f64 {
-        let delay = self.axes.iter().zip(point).find(|(axis, _)| axis.quantity == Quantity::Delay);
-        delay.map_or(0.0, |(_, &at)| at)
+    /// The delay at a point, if it is one of the coordinates.
+    pub(crate) fn delay(&self, point: &[f64]) -> Option<f64> {
+        self.axes.iter().zip(point).find(|(axis, _)| axis.quantity == Quantity::Delay).map(|(_, &at)| at)
     }
 
     /// Whether a grid of `counts` is walked whole: one that is larger than [`MOST_POINTS`] is not.

@@ -15,6 +15,7 @@
 //!
 //! Pure but for a thread pool: no files, no terminal.
 
+mod around;
 mod certify;
 mod conditions;
 mod delay;

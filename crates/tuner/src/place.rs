@@ -18,6 +18,10 @@ pub struct Place {
 pub struct Question<'a> {
     /// The operating conditions.
     pub family: &'a Family,
+    /// What stands around the gains.
+    pub parts: rotor::Parts,
+    /// Feedback whose bearing, signals and filters are taken as they are, whatever place is asked for.
+    pub template: Option<rotor::Feedback>,
     /// Whether the sensors are summed to one signal, as in the report.
     pub composite: bool,
     /// How gains depend on speed.
@@ -39,7 +43,8 @@ impl Question<'_> {
     pub fn at(&self, bearing: usize, sensors: &[usize]) -> Problem {
         let rotor = self.family.rotor();
         let make = if self.composite { Structure::composite } else { Structure::individual };
-        let template = make(rotor.len(), bearing, sensors);
+        let mut template = self.template.clone().unwrap_or_else(|| make(rotor.len(), bearing, sensors));
+        template.parts = self.parts;
         let structure = Structure::new(rotor, &template, self.schedule.clone()).expect("masses that exist");
         Problem {
             family: self.family.clone(),

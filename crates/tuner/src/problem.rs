@@ -47,6 +47,17 @@ impl Problem {
         Self { family, structure, measure: Measure::default(), bound, force_limit: None }
     }
 
+    /// The delay at a point of the family.
+    pub(crate) fn delay(&self, point: &[f64]) -> f64 {
+        self.family.delay(point).unwrap_or(self.structure.delay())
+    }
+
+    /// Whether the loop is gains alone at every condition, without a delay too.
+    #[must_use]
+    pub fn is_ideal(&self) -> bool {
+        !self.structure.has_loop() && !self.family.has_delay() && self.structure.delay() == 0.0
+    }
+
     /// Checks that there is something to search.
     ///
     /// # Errors

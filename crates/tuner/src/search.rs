@@ -144,6 +144,9 @@ pub struct Active {
 pub(crate) const COARSE: usize = 30;
 pub(crate) const FINE: usize = 300;
 const FINEST: usize = 4000;
+/// Of the last scan where the loop is more than gains: its poles take ten to a thousand times as long, and what lies between
+/// two points is walked down to.
+const FINEST_AROUND: usize = 600;
 /// Rounds of adding conditions that turned out to be worse.
 const ROUNDS: usize = 8;
 /// Poles nearer than this, relative to their size, are treated as a merging pair.
@@ -335,7 +338,7 @@ fn prove(
     let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     let family = &problem.family;
     let varies = family.varying().next().is_some();
-    let finest = counts(family, FINEST);
+    let finest = counts(family, if problem.is_ideal() { FINEST } else { FINEST_AROUND });
     if improving && varies && !stop.is_set() {
         exchange(&mut evaluator, &mut points, &mut gains, &finest, options.method, stop);
     }
@@ -353,7 +356,8 @@ fn prove(
         evaluator.evaluations += scanned(&finest, stop);
         let point = known.map_or_else(|| points[0].clone(), |(_, point)| point);
         let budget = if options.prove { certify::BUDGET } else { 0 };
-        let found = certify(problem, &gains, &point, options.tolerance, budget, stop);
+        let mut found = certify(problem, &gains, &point, options.tolerance, budget, stop);
+        found.checked = if stop.is_set() { points.len() as u64 } else { Family::points(&finest) as u64 };
         evaluator.evaluations += found.boxes;
         let before = worst_at(problem, &gains, &point).value;
         let missed = found.value < before - options.tolerance;

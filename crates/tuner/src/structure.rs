@@ -155,6 +155,54 @@ impl Structure {
         gains.flat_map(|gain| speeds.iter().map(|&speed| gain.at(speed))).collect()
     }
 
+    /// Whether the loop is more than gains and a delay: filters, lags, samples.
+    pub(crate) fn has_loop(&self) -> bool {
+        let parts = &self.template.parts;
+        let has_filter =
+            !self.template.filters.is_empty() || self.template.signals.iter().any(|s| !s.filters.is_empty());
+        has_filter || parts.sensor_lag > 0.0 || parts.lag > 0.0 || parts.sample > 0.0
+    }
+
+    /// The delay of the loop, where the family has none of its own.
+    pub(crate) fn delay(&self) -> f64 {
+        self.template.parts.delay
+    }
+
+    /// How many gains there are at one speed.
+    pub(crate) fn gains(&self) -> usize {
+        4 * self.template.signals.len()
+    }
+
+    /// The gains at one speed, signal by signal.
+    pub(crate) fn gains_at(&self, variables: &[f64], speed: f64) -> Vec<f64> {
+        let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
+        variables.chunks_exact(knots).map(|values| near.iter().map(|(k, weight)| values[*k] * weight).sum()).collect()
+    }
+
+    /// Slopes in each variable from those in each gain at one speed.
+    pub(crate) fn spread<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::AddAssign>(
+        &self,
+        speed: f64,
+        by_gain: &[T],
+        zero: T,
+        out: &mut [T],
+    ) {
+        let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
+        out.fill(zero);
+        for (out, slope) in out.chunks_exact_mut(knots).zip(by_gain) {
+            near.iter().for_each(|(k, weight)| out[*k] += *slope * *weight);
+        }
+    }
+
+    /// The feedback with every gain 0, but for gain `only`, which is 1; with this delay.
+    pub(crate) fn unit(&self, only: Option<usize>, delay: f64) -> Feedback {
+        let mut made = self.template.clone();
+        made.parts.delay = delay;
+        let gains = made.signals.iter_mut().flat_map(|signal| &mut signal.gains);
+        gains.enumerate().for_each(|(k, gain)| *gain = Gain::Constant(f64::from(u8::from(Some(k) == only))));
+        made
+    }
+
     /// The control law at one speed, with the gains `variables`.
     pub(crate) fn row(&self, variables: &[f64], speed: f64) -> ControlRow {
         let mut row = ControlRow { bearing: self.template.bearing, ..ControlRow::default() };
@@ -181,22 +229,25 @@ impl Structure {
         let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
         out.fill(C64::ZERO);
         for (signal, out) in self.template.signals.iter().zip(out.chunks_exact_mut(4 * knots)) {
-            let sum = |weights: &[f64]| weights.iter().zip(shape).map(|(w, p)| p * w).sum::<C64>();
-            let displacement = sum(&signal.displacement);
-            let velocity = sum(&signal.velocity) * lambda;
-            let turned = |z: C64| C64::new(z.im, -z.re);
-            for (kind, value) in [
-                (GainKind::Kd, displacement),
-                (GainKind::Cd, velocity),
-                (GainKind::Kc, turned(displacement)),
-                (GainKind::Cc, turned(velocity)),
-            ] {
-                for (knot, weight) in near {
-                    out[kind as usize * knots + knot] += value * weight;
-                }
+            for (own, value) in out.chunks_exact_mut(knots).zip(by_gain(signal, shape, lambda)) {
+                near.iter().for_each(|(knot, weight)| own[*knot] += value * weight);
             }
         }
     }
+
+    /// The same with each gain there.
+    pub(crate) fn gain_sensitivities(&self, shape: &[C64], lambda: C64) -> Vec<C64> {
+        self.template.signals.iter().flat_map(|signal| by_gain(signal, shape, lambda)).collect()
+    }
+}
+
+/// `- d u / d gain` of one signal for whirl `p exp(lambda tau)`, in the order of [`GainKind::ALL`].
+fn by_gain(signal: &Signal, shape: &[C64], lambda: C64) -> [C64; 4] {
+    let sum = |weights: &[f64]| weights.iter().zip(shape).map(|(w, p)| p * w).sum::<C64>();
+    let displacement = sum(&signal.displacement);
+    let velocity = sum(&signal.velocity) * lambda;
+    let turned = |z: C64| C64::new(z.im, -z.re);
+    [displacement, velocity, turned(displacement), turned(velocity)]
 }
 
 #[cfg(test)]

@@ -41,6 +41,8 @@ pub(super) struct Document<'a> {
     proven: bool,
     /// How many boxes of conditions the proof took.
     boxes: u64,
+    /// At how many conditions, spread over all, the worst was looked for.
+    checked: u64,
     feedback: FeedbackDocument<'a>,
     method: tuner::Method,
     evaluations: u64,
@@ -118,6 +120,7 @@ impl<'a> Document<'a> {
             objective: tuned.worst.value,
             tolerance: tuned.worst.tolerance,
             proven: tuned.worst.proven,
+            checked: tuned.worst.checked,
             boxes: tuned.worst.boxes,
             feedback: FeedbackDocument(&tuned.feedback),
             method: options.method,
@@ -211,7 +214,7 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
     let sure = if document.proven {
         format!("proven within {:e} over all conditions ({})", document.tolerance, boxes(document.boxes))
     } else {
-        "the worst of all conditions looked at".to_owned()
+        format!("the worst of {} conditions looked at, not proven between them", document.checked)
     };
     let mut lines = vec![format!(
         "{what} {} at {}{}: {sure}",

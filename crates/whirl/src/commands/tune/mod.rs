@@ -45,6 +45,17 @@ pub(crate) struct TuneArgs {
     /// The mass that carries the control bearing; or any, to compare all
     #[arg(long, value_name = "N|any", default_value = "1", help_heading = "Structure")]
     bearing: Places,
+    /// Search the gains of this feedback: its bearing, signals, filters and loop are taken as they are
+    #[arg(
+        long,
+        value_name = "NAME|FILE",
+        conflicts_with_all = ["signal", "sensors", "bearing"],
+        help_heading = "Structure"
+    )]
+    feedback: Option<String>,
+    /// A part of the loop, such as lag=0.02, sample=0.05 or delay=0.02 (repeatable)
+    #[arg(long, value_name = "KEY=VALUE", help_heading = "Structure")]
+    set: Vec<String>,
     /// How gains depend on speed: fixed, linear, or table:N for N values over the range
     #[arg(long, value_name = "fixed|linear|table:N", default_value = "fixed", help_heading = "Structure")]
     gains: Gains,
@@ -222,6 +233,7 @@ impl Watch {
             let left = progress.left().filter(|left| *left > Duration::from_millis(500));
             let left = left.map_or(String::new(), |left| format!(", {:.0} s left", left.as_secs_f64().ceil()));
             let Progress { done, starts, best, .. } = progress;
+            let left = if done == starts { ", looking between the conditions".to_owned() } else { left };
             // Progress that cannot be shown is not missed.
             let _ = write!(std::io::stderr(), "\r\x1b[K{done} of {starts} starts, best {}{left}", rounded(*best));
         }

@@ -2,8 +2,9 @@
 
 use std::str::FromStr;
 
+use control::{PARTS, Parts};
 use rotor::typed::pair;
-use rotor::{FIELDS, Rotor};
+use rotor::{FIELDS, Feedback, Rotor};
 use tuner::{Axis, Family, FamilyError, Measure, Problem, ProblemError, Quantity, Question, Schedule, choices};
 
 use super::TuneArgs;
@@ -191,6 +192,8 @@ pub(super) struct Asked {
     pub(super) family: Family,
     /// The range as typed, or the speed.
     pub(super) range_text: String,
+    parts: Parts,
+    template: Option<Feedback>,
     composite: bool,
     schedule: Schedule,
     measure: Measure,
@@ -208,7 +211,13 @@ impl Asked {
     /// # Errors
     /// Whatever makes no sense, with what was expected.
     pub(super) fn of(args: &TuneArgs) -> Result<Self, Failure> {
-        let machine = MachineArgs { rotor: args.rotor.clone(), feedback: None, deadband: None, set: vec![] };
+        let machine = MachineArgs {
+            rotor: args.rotor.clone(),
+            feedback: args.feedback.clone(),
+            deadband: None,
+            set: args.set.clone(),
+        };
+        parts_alone(&args.set)?;
         let (machine, from, to, range_text) = match (args.over, args.speed) {
             (Some(over), _) => {
                 let (machine, range) = Machine::open_over(&machine, over)?;
@@ -223,6 +232,10 @@ impl Asked {
             }
         };
         let (rotor, units) = (machine.rotor.clone(), machine.units());
+        let feedback = machine.settings.feedback.clone();
+        if args.delay.is_some() && feedback.parts.delay > 0.0 {
+            return Err(Failure::Usage("--delay: the loop has a delay already: leave one of the two out".into()));
+        }
         let mut family = Family::new(&rotor, from, to)?;
         if let Some(robust) = args.robust {
             family.any_deadband(robust == Robust::Deadband)?;
@@ -263,6 +276,7 @@ impl Asked {
             let bound = args.bound;
             return Err(Failure::Usage(format!("--spread {spread}: expected at most --bound, which is {bound}")));
         }
+        let template = args.feedback.is_some().then(|| feedback.clone());
         let bearings = masses(&args.bearing, &rotor, "bearing")?;
         if bearings.iter().any(|chosen| chosen.len() != 1) {
             return Err(Failure::Usage("--bearing: there is one control bearing: expected one mass, or any".into()));
@@ -270,6 +284,8 @@ impl Asked {
         let mut asked = Self {
             family,
             range_text,
+            parts: feedback.parts,
+            template,
             composite: args.signal == Signal::Composite,
             schedule,
             measure: measure(args)?,
@@ -279,7 +295,9 @@ impl Asked {
             sensors: args.sensors.as_ref().map_or(Ok(Vec::new()), |typed| masses(typed, &rotor, "sensors"))?,
         };
         if let Some(limit) = args.force_limit {
-            let Some(&bearing) = asked.bearings.first().filter(|_| asked.bearings.len() == 1) else {
+            let own = asked.template.as_ref().map(|template| &template.bearing);
+            let only = asked.bearings.first().filter(|_| asked.bearings.len() == 1);
+            let Some(&bearing) = own.or(only) else {
                 return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
             };
             asked.force_limit = Some(limit / units.force(1.0, rotor.masses()[bearing].mass));
@@ -301,6 +319,11 @@ impl Asked {
 
     /// Every choice of bearing and sensors.
     pub(super) fn choices(&self) -> Vec<(usize, Vec<usize>)> {
+        if let Some(template) = &self.template {
+            let is_read =
+                |k: &usize| template.signals.iter().any(|s| s.displacement[*k] != 0.0 || s.velocity[*k] != 0.0);
+            return vec![(template.bearing, (0..self.rotor().len()).filter(is_read).collect())];
+        }
         let of = |&bearing: &usize| {
             let sensors = if self.sensors.is_empty() {
                 vec![neighbours(bearing, self.rotor().len())]
@@ -316,6 +339,8 @@ impl Asked {
     pub(super) fn question(&self) -> Question<'_> {
         Question {
             family: &self.family,
+            parts: self.parts,
+            template: self.template.clone(),
             composite: self.composite,
             schedule: self.schedule.clone(),
             measure: self.measure,
@@ -328,6 +353,23 @@ impl Asked {
     pub(super) fn problem(&self, bearing: usize, sensors: &[usize]) -> Problem {
         self.question().at(bearing, sensors)
     }
+}
+
+/// Settings of a search: numbers of the loop that its poles know.
+fn parts_alone(set: &[String]) -> Result<(), Failure> {
+    const NO_PART: [&str; 5] = ["noise", "quantum", "seed", "limit", "slew"];
+    let names = || PARTS.iter().map(|part| part.name).filter(|name| !NO_PART.contains(name));
+    for typed in set {
+        let key = pair(typed).map_or(typed.as_str(), |(key, _)| key);
+        if !names().any(|name| name == key) {
+            let known: Vec<&str> = names().collect();
+            return Err(Failure::Usage(format!(
+                "--set {key}: a search takes the linear parts of the loop: {}. The gains are what it finds",
+                known.join(", ")
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// The sensors that are taken if none are named: the bearing's own mass and the next.
