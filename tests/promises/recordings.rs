@@ -65,15 +65,15 @@ mod with {
         for line in tail.stdout.lines() {
             let line: Value = serde_json::from_str(line).unwrap();
             let state = &recorded[&line["seq"].as_u64().unwrap()];
-            let [y, z] = state.force_delivered;
-            let mut pairs = vec![("tau", state.tau, &line["tau"]), ("speed", state.speed, &line["speed"])];
+            let [y, z] = state.force_delivered();
+            let mut pairs = vec![("tau", state.tau(), &line["tau"]), ("speed", state.speed(), &line["speed"])];
             pairs.extend([("uy", y, &line["force"]["y"]), ("uz", z, &line["force"]["z"])]);
-            for (point, told) in state.points().iter().zip(line["masses"].as_array().unwrap()) {
+            for (point, told) in state.points().zip(line["masses"].as_array().unwrap()) {
                 let of = [("y", point.y), ("z", point.z), ("vy", point.vy), ("vz", point.vz)];
                 pairs.extend(of.map(|(name, value)| (name, value, &told[name])));
             }
             for (name, value, told) in pairs {
-                assert_eq!(value.to_bits(), told.as_f64().unwrap().to_bits(), "{name} of step {}", state.seq);
+                assert_eq!(value.to_bits(), told.as_f64().unwrap().to_bits(), "{name} of step {}", state.seq());
             }
             compared += 1;
         }
@@ -88,8 +88,8 @@ mod with {
         assert_eq!((changed.why.as_str(), changed.revision), ("to see", 2));
         let revision = recording.settings_at(changed.at.seq).unwrap();
         assert_eq!(revision.settings.feedback.signals[0].gains[0].at(0.0), 0.125);
-        assert_eq!(recorded[&changed.at.seq].revision, 2, "from that step on");
-        assert_eq!(recorded[&(changed.at.seq - 1)].revision, 1);
+        assert_eq!(recorded[&changed.at.seq].revision(), 2, "from that step on");
+        assert_eq!(recorded[&(changed.at.seq - 1)].revision(), 1);
         let info = info(&path);
         assert_eq!((&info["lost"], &info["settings_changes"]), (&0.into(), &2.into()), "{info}");
         assert_eq!(info["trips"][0]["revision"], 3, "{info}");
@@ -98,7 +98,7 @@ mod with {
         let orbit = alarms.iter().find(|alarm| alarm["watch"] == "orbit").unwrap_or_else(|| panic!("{info}"));
         let radius = |step: &Value| {
             let state = &recorded[&step.as_u64().unwrap()];
-            state.points().iter().map(wire::message::Point::radius).fold(0.0, f64::max)
+            state.largest_radius()
         };
         assert!(radius(&orbit["from"]["step"]) > 0.001, "{orbit}");
         assert_eq!((&orbit["level"], &info["alarm_limits"]["orbit"][0]), (&"alarm".into(), &0.001.into()), "{info}");
@@ -124,8 +124,8 @@ mod with {
         for line in lines {
             let fields: Vec<&str> = line.split(',').collect();
             let state = &recorded[&fields[step].parse().unwrap()];
-            assert!((4.0..=6.0).contains(&state.tau) && state.seq.is_multiple_of(10));
-            assert_eq!(fields[y2].parse::<f64>().unwrap().to_bits(), state.masses[1].y.to_bits());
+            assert!((4.0..=6.0).contains(&state.tau()) && state.seq().is_multiple_of(10));
+            assert_eq!(fields[y2].parse::<f64>().unwrap().to_bits(), state.point(1).y.to_bits());
             rows += 1;
         }
         assert!((19..=21).contains(&rows), "{rows}");
@@ -143,11 +143,11 @@ mod with {
         assert_eq!(direct.lines().count() - 1, recorded.len());
         for (line, state) in direct.lines().skip(1).zip(recorded.values()) {
             let fields: Vec<f64> = line.split(',').map(|f| f.parse().unwrap()).collect();
-            assert_eq!((fields[0], fields[5], fields[13]), (state.tau, state.masses[1].y, state.force_delivered[0]));
+            assert_eq!((fields[0], fields[5], fields[13]), (state.tau(), state.point(1).y, state.force_delivered()[0]));
         }
         let event = &Recording::open(&path).unwrap().events()[0].clone();
         assert_eq!((event.happening.name(), event.at.tau), ("impulse", 5.0));
-        let kicked = recorded[&event.at.seq].masses[1].vy - recorded[&(event.at.seq - 1)].masses[1].vy;
+        let kicked = recorded[&event.at.seq].point(1).vy - recorded[&(event.at.seq - 1)].point(1).vy;
         assert!((kicked - 0.5).abs() < 1e-12, "the impulse shows from its step on: {kicked}");
     }
 

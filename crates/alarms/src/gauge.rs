@@ -3,8 +3,8 @@
 
 use std::collections::VecDeque;
 
-use wire::message::{Flags, Point};
-use wire::{Bulletin, Event, Moment, State};
+use wire::message::Flags;
+use wire::{Bulletin, Event, Moment, Step};
 
 use crate::{Reading, Sample, Watch};
 
@@ -41,13 +41,13 @@ struct Counts {
 
 impl Gauge {
     /// Takes in one step. A new run starts anew.
-    pub fn hear(&mut self, state: &State) {
-        self.follow(state.run_id);
+    pub fn hear(&mut self, state: &impl Step) {
+        self.follow(state.run_id());
         self.last = state.into();
         self.steps += 1;
-        self.saturated += u64::from(state.flags.has(Flags::SATURATED));
-        let [y, z] = state.force_delivered;
-        let radius = state.points().iter().map(Point::radius).fold(0.0, f64::max);
+        self.saturated += u64::from(state.flags().has(Flags::SATURATED));
+        let [y, z] = state.force_delivered();
+        let radius = state.largest_radius();
         let at = self.last;
         let worst = |kept: &mut Option<Sample>, value: f64| {
             if kept.is_none_or(|kept| value > kept.value) {
@@ -126,13 +126,13 @@ impl Gauge {
 #[cfg(test)]
 mod tests {
     use wire::message::{Analysis, Trip};
+    use wire::{Channel, Layout, State};
 
     use super::*;
 
     fn state(seq: u64) -> State {
-        let mut state = State { run_id: 7, seq, tau: seq as f64 / 100.0, count: 3, ..State::default() };
-        state.masses[1].y = 2.5;
-        state
+        let state = State::new(Layout::new(3)).with_word(Channel::RunId, 7).with_word(Channel::Seq, seq);
+        state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 1, 2.5)
     }
 
     fn bulletin() -> Box<Bulletin> {
@@ -149,9 +149,8 @@ mod tests {
         for seq in 0..100 {
             let mut state = state(seq);
             if seq == 42 {
-                state.masses[1].y = 900.0;
-                state.force_delivered = [-30.0, 40.0];
-                state.flags = Flags::SATURATED;
+                state = state.with(Channel::Y, 1, 900.0).with_flags(Flags::SATURATED);
+                state.row_mut().set_pair([Channel::ForceY, Channel::ForceZ], 0, [-30.0, 40.0]);
             }
             gauge.hear(&state);
         }
@@ -195,7 +194,7 @@ mod tests {
         let reading = gauge.take();
         assert!(reading.cause.starts_with("orbit of mass 2 reached 1000.5"), "{}", reading.cause);
         assert_eq!(value(&reading, Watch::Trip), Some(1.0));
-        gauge.hear(&State { run_id: 8, ..state(0) });
+        gauge.hear(&state(0).with_word(Channel::RunId, 8));
         assert_eq!(gauge.take().get(Watch::Trip), None);
     }
 

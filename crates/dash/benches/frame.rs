@@ -16,8 +16,8 @@ use ratatui::symbols::Marker;
 use ratatui::widgets::Widget;
 use ratatui::widgets::canvas::{Canvas, Points};
 use rotor::{Settings, Spectrum, builtin};
-use wire::message::{Analysis, Point};
-use wire::{Bulletin, SettingsMessage, State};
+use wire::message::Analysis;
+use wire::{Bulletin, Channel, Point, SettingsMessage, State};
 
 /// The screen of the promises.
 const SIZE: (u16, u16) = (200, 60);
@@ -88,20 +88,18 @@ fn bulletin() -> Box<Bulletin> {
 /// Masses that drift over ellipses, so that no two turns are alike.
 fn state(seq: u64) -> State {
     let tau = seq as f64 * 0.01;
-    let mut state = State {
-        run_id: 7,
-        seq,
-        tau,
-        angle: SPEED * tau,
-        speed: SPEED,
-        revision: 1,
-        count: 3,
-        force_delivered: [tau.cos(), tau.sin()],
-        ..State::default()
-    };
-    for (at, place) in (1_u32..).zip(&mut state.masses[..3]) {
-        let [y, z] = place_of(tau, at);
-        *place = Point { y, z, vy: 0.0, vz: 0.0 };
+    let mut state = State::new(wire::Layout::new(3));
+    let mut row = state.row_mut();
+    row.set_word(Channel::RunId, 7);
+    row.set_word(Channel::Seq, seq);
+    row.set_word(Channel::Revision, 1);
+    row.set(Channel::Tau, 0, tau);
+    row.set(Channel::Angle, 0, SPEED * tau);
+    row.set(Channel::Speed, 0, SPEED);
+    row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [tau.cos(), tau.sin()]);
+    for mass in 0..3 {
+        let [y, z] = place_of(tau, mass + 1);
+        state = state.with_point(mass as usize, Point { y, z, vy: 0.0, vz: 0.0 });
     }
     state
 }

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use alarms::{Gauge, Reading};
 use rotor::{Rotor, Settings};
-use wire::{Bulletin, Event, Happening, RecorderStatus, State};
+use wire::{Bulletin, Event, Happening, RecorderStatus, Step};
 
 use crate::contact::Contact;
 use crate::history::History;
@@ -60,7 +60,7 @@ impl Feed {
     }
 
     /// Takes in one state.
-    pub(crate) fn hear(&mut self, state: &State, now: Instant) {
+    pub(crate) fn hear(&mut self, state: &impl Step, now: Instant) {
         self.history.push(state);
         self.gauge.hear(state);
         self.heard = Some(now);
@@ -81,7 +81,7 @@ impl Feed {
     }
 
     /// Takes in one step of the past: nobody is heard, and no time passes.
-    pub(crate) fn recall(&mut self, state: &State) {
+    pub(crate) fn recall(&mut self, state: &impl Step) {
         self.history.push(state);
         self.changes += 1;
     }
@@ -263,8 +263,8 @@ impl Pace {
 #[cfg(test)]
 pub(crate) mod tests {
     use rotor::{Spectrum, builtin};
-    use wire::SettingsMessage;
-    use wire::message::{Analysis, Point};
+    use wire::message::Analysis;
+    use wire::{Channel, Layout, Point, SettingsMessage, State};
 
     use super::*;
 
@@ -302,20 +302,19 @@ pub(crate) mod tests {
     /// State number `seq` of masses that whirl on circles of radius 1.5, 2.5, 3.5 ... at half the spin speed.
     pub(crate) fn state(masses: usize, seq: u64) -> State {
         let tau = seq as f64 * 0.01;
-        let mut state = State {
-            run_id: 7,
-            seq,
-            tau,
-            angle: 2.5 * tau,
-            speed: 2.5,
-            revision: 1,
-            count: masses as u32,
-            force_delivered: [0.8 * (1.25 * tau).cos(), 0.8 * (1.25 * tau).sin()],
-            ..State::default()
-        };
-        for (i, place) in state.masses[..masses].iter_mut().enumerate() {
-            let radius = 1.5 + i as f64;
-            *place = Point { y: radius * (1.25 * tau).cos(), z: radius * (1.25 * tau).sin(), vy: 0.0, vz: 0.0 };
+        let (sin, cos) = (1.25 * tau).sin_cos();
+        let mut state = State::new(Layout::new(masses));
+        let mut row = state.row_mut();
+        row.set_word(Channel::RunId, 7);
+        row.set_word(Channel::Seq, seq);
+        row.set_word(Channel::Revision, 1);
+        row.set(Channel::Tau, 0, tau);
+        row.set(Channel::Angle, 0, 2.5 * tau);
+        row.set(Channel::Speed, 0, 2.5);
+        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [0.8 * cos, 0.8 * sin]);
+        for mass in 0..masses {
+            let radius = 1.5 + mass as f64;
+            state = state.with_point(mass, Point { y: radius * cos, z: radius * sin, vy: 0.0, vz: 0.0 });
         }
         state
     }
@@ -335,7 +334,7 @@ pub(crate) mod tests {
         assert_eq!((picture.window.clone(), picture.now, picture.behind), (0..3000, Some(2999), 0));
         assert_eq!((picture.masses(), picture.lost, picture.tripped), (3, 0, false));
         assert_eq!((picture.contact.clone(), picture.seconds), (Contact::Live, 1e-3));
-        assert_eq!(picture.track.force(2999), state(3, 2999).force_delivered);
+        assert_eq!(picture.track.force(2999), state(3, 2999).force_delivered());
         assert_eq!(picture.least_damping(&picture.overview), picture.era.as_ref().map(|era| era.min_damping));
     }
 
@@ -348,7 +347,7 @@ pub(crate) mod tests {
         let mut off = bulletin("three-mass", "off");
         off.revision = 2;
         feed.read(off);
-        (70_000..90_000).for_each(|seq| feed.hear(&State { revision: 2, ..state(3, seq) }, now));
+        (70_000..90_000).for_each(|seq| feed.hear(&state(3, seq).with_word(Channel::Revision, 2), now));
         let mut time = ViewTime::default();
         time.at(69_990, &feed.history().places(), feed.seconds());
         let past = feed.picture(&time, now);

@@ -8,7 +8,7 @@ use crossbeam::channel;
 use ratatui::backend::CrosstermBackend;
 use ratatui::layout::Rect;
 use ratatui::{Terminal, TerminalOptions, Viewport};
-use wire::{Bulletin, State};
+use wire::{Bulletin, Step};
 
 use crate::analysis::Desk;
 use crate::app::App;
@@ -38,7 +38,7 @@ impl Headless {
     }
 
     /// Takes in one step.
-    pub fn hear(&mut self, state: &State) {
+    pub fn hear(&mut self, state: &impl Step) {
         lock(&self.feed).hear(state, Instant::now());
     }
 

@@ -107,7 +107,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
                 let _ = wires.news.try_send(News::Event(Box::new(*event)));
                 feed.happen(event);
             })?;
-            listener.drain(|state| feed.hear(state, now))?
+            listener.drain(|step| feed.hear(&step, now))?
         };
         let poll = if wires.idle.load(Ordering::Relaxed) { IDLE_POLL } else { POLL };
         if drained > 0 {

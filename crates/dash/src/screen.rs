@@ -87,6 +87,8 @@ fn parts(area: Rect, has_line_of_time: bool) -> [Rect; 4] {
 
 #[cfg(test)]
 mod tests {
+    use wire::Step;
+
     use super::*;
     use crate::contact::Contact;
     use crate::feed::{Feed, tests};
@@ -160,12 +162,13 @@ mod tests {
         feed.read(bulletin);
         for seq in 0..17_000_u64 {
             let mut state = tests::state(3, seq);
-            for point in &mut state.masses {
-                (point.y, point.z) = (-1.494_96 * point.y, -1.494_96 * point.z);
-                (point.vy, point.vz) = (-12.345_678, -0.001_234_567);
+            for mass in 0..3 {
+                let wire::Point { y, z, .. } = state.point(mass);
+                let (y, z, vy, vz) = (-1.494_96 * y, -1.494_96 * z, -12.345_678, -0.001_234_567);
+                state = state.with_point(mass, wire::Point { y, z, vy, vz });
             }
-            (state.tau, state.angle) = (state.tau + 12_345.678, state.angle + 123_456.789);
-            feed.hear(&state, now);
+            let (tau, angle) = (state.tau() + 12_345.678, state.angle() + 123_456.789);
+            feed.hear(&state.with(wire::Channel::Tau, 0, tau).with(wire::Channel::Angle, 0, angle), now);
         }
         let trip = wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1_234.567_891, limit: 1_000.123_456 };
         let impulse = wire::Happening::Impulse { mass: 1, velocity: rotor::C64::new(-2.512_345_678, 0.25) };

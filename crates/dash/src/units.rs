@@ -4,6 +4,7 @@
 use std::f64::consts::TAU;
 
 use rotor::{Difference, Key, Scales, Settings, SettingsError};
+use wire::Dimension;
 
 use crate::plot::{nice_ceiling, short};
 
@@ -82,6 +83,22 @@ impl Units {
             frequency: Unit { factor: scales.w0 / TAU, name: "Hz" },
             rate: Unit { factor: scales.w0, name: "1/s" },
             speed: Unit { factor: scales.rpm(1.0), name: "rpm" },
+        }
+    }
+
+    /// What a quantity of a step is counted in.
+    pub(crate) fn of_dimension(&self, dimension: Dimension) -> Unit {
+        match dimension {
+            Dimension::Whole | Dimension::Time => Unit { factor: 1.0, name: "" },
+            Dimension::Angle => Unit { factor: 1.0, name: "rad" },
+            Dimension::Speed => self.speed,
+            Dimension::Acceleration => match self.scales {
+                Some(scales) => Unit { factor: self.speed.factor * scales.w0, name: "rpm/s" },
+                None => Unit { factor: 1.0, name: "w0 R" },
+            },
+            Dimension::Length => self.length,
+            Dimension::Velocity => self.velocity,
+            Dimension::Control => self.force,
         }
     }
 

@@ -10,11 +10,12 @@ use crate::program::Program;
 
 /// Why a machine has stopped by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum TripCause {
     /// An orbit grew past the limit.
-    Orbit,
+    Orbit = 1,
     /// The motion left the range of numbers: the last that was finite is kept.
-    NotFinite,
+    NotFinite = 2,
 }
 
 /// A machine that has stopped by itself.
@@ -237,6 +238,14 @@ impl Machine {
         self.program.integrator.controller.readings()
     }
 
+    /// What the loop reads of the displacement at a station, counted from 0, after lag, noise, quantum and hold; where it does not
+    /// look, and where the loop is ideal, that is the displacement itself.
+    #[must_use]
+    pub fn reading(&self, station: usize) -> C64 {
+        let read = if self.is_fused { None } else { self.program.integrator.controller.reading_at(station) };
+        read.or_else(|| self.sample().displacement.get(station).copied()).unwrap_or_default()
+    }
+
     /// One step. Returns the trip if this step caused one; a machine that has tripped stands still.
     pub fn step(&mut self) -> Option<Trip> {
         if self.trip.is_some() {
@@ -452,7 +461,7 @@ impl Machine {
         match self.trip {
             None => words.put(0),
             Some(Trip { cause, station, radius, limit }) => {
-                words.put(1 + cause as u64);
+                words.put(cause as u64);
                 words.put(station as u64);
                 words.put_f64(radius);
                 words.put_f64(limit);

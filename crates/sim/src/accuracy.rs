@@ -2,7 +2,7 @@
 
 use rotor::circular::synchronous;
 use rotor::{C64, J, Rotor, Settings, builtin, poles};
-use wire::{BenchName, State};
+use wire::{BenchName, Layout, State, Step};
 
 use crate::Options;
 use crate::engine::Engine;
@@ -24,8 +24,8 @@ fn shown(rotor: &Rotor, settings: &Settings, dtau: f64, tau: f64) -> State {
     for _ in 0..(tau / dtau).round() as u64 {
         assert_eq!(engine.step(), None);
     }
-    let mut state = State::default();
-    engine.fill(&mut state, 0, false);
+    let mut state = State::new(Layout::of(rotor));
+    engine.fill(&mut state.row_mut(), 0, false);
     state
 }
 
@@ -33,7 +33,8 @@ fn assert_steady(rotor: &Rotor, settings: &Settings, tau: f64) -> (f64, f64) {
     let state = shown(rotor, settings, 0.01, tau);
     let exact = synchronous(rotor, &settings.feedback, &settings.deadband, &[settings.speed]).unwrap();
     let orbit = &exact.orbits[0][0];
-    let (radius, force) = (state.masses[0].radius(), state.force_delivered[0].hypot(state.force_delivered[1]));
+    let [force, other] = state.force_delivered();
+    let (radius, force) = (state.point(0).radius(), force.hypot(other));
     assert!((radius / orbit.radii()[0] - 1.0).abs() < 1e-4, "radius {radius} for {:?}", orbit.radii());
     assert!((force - orbit.force).abs() <= 1e-4 * orbit.force, "force {force} for {}", orbit.force);
     (radius, force)
@@ -76,7 +77,7 @@ fn val_an_unstable_rotor_grows_as_its_pole_says_at_any_step() {
     let first = -forced * (turn - other) / (one - other);
     for (dtau, tau) in [(1.0, 200.0), (1.0, 1200.0), (0.5, 1200.0), (0.01, 200.0)] {
         let exact = first * (one * tau).exp() + (-forced - first) * (other * tau).exp() + forced * (turn * tau).exp();
-        let radius = shown(&rotor, &settings, dtau, tau).masses[0].radius();
+        let radius = shown(&rotor, &settings, dtau, tau).point(0).radius();
         assert!((radius / exact.norm() - 1.0).abs() < 1e-4, "{radius} for {} at {tau} by {dtau}", exact.norm());
     }
 }

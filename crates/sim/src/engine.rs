@@ -3,10 +3,10 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crossbeam::queue::ArrayQueue;
-use machine::{Machine, Program, TripCause};
+use machine::{Machine, Program};
 use rotor::C64;
-use wire::State;
-use wire::message::{Flags, Point, Trip};
+use wire::message::{Flags, Trip};
+use wire::{Channel, Point, RowMut};
 
 use crate::pacer::Wake;
 
@@ -132,16 +132,8 @@ impl Engine {
 
     /// Makes one step, unless the machine has tripped. Returns the trip if this step caused one.
     pub(crate) fn step(&mut self) -> Option<Trip> {
-        self.machine.step().map(|trip| Trip {
-            cause: match trip.cause {
-                TripCause::Orbit => 1,
-                TripCause::NotFinite => 2,
-            },
-            mass: trip.station as u32 + 1,
-            step: self.seq,
-            radius: trip.radius,
-            limit: trip.limit,
-        })
+        let trip = self.machine.step()?;
+        Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
     }
 
     /// Time of the rotor now.
@@ -150,7 +142,7 @@ impl Engine {
     }
 
     /// Writes the present state into the sample that is about to be sent, and counts it.
-    pub(crate) fn fill(&mut self, state: &mut State, due_ns: u64, is_late: bool) {
+    pub(crate) fn fill(&mut self, row: &mut RowMut<'_>, due_ns: u64, is_late: bool) {
         let sample = self.machine.sample();
         let mut flags = Flags::contact(sample.contact);
         for (flag, is_set) in [
@@ -163,19 +155,20 @@ impl Engine {
             }
         }
         let parts = |z: C64| [z.re, z.im];
-        state.run_id = self.run_id;
-        state.seq = self.seq;
-        state.tau = sample.tau;
-        state.angle = sample.angle;
-        state.wall_ns = due_ns;
-        state.speed = sample.speed;
-        state.force_commanded = parts(sample.output.commanded);
-        state.force_delivered = parts(sample.output.delivered);
-        state.revision = self.revision;
-        state.flags = flags;
-        state.count = sample.displacement.len() as u32;
-        for (place, (p, v)) in state.masses.iter_mut().zip(sample.displacement.iter().zip(sample.velocity)) {
-            *place = Point { y: p.re, z: p.im, vy: v.re, vz: v.im };
+        row.set_word(Channel::RunId, self.run_id);
+        row.set_word(Channel::Seq, self.seq);
+        row.set_word(Channel::WallNs, due_ns);
+        row.set_word(Channel::Revision, self.revision);
+        row.set_flags(flags);
+        row.set(Channel::Tau, 0, sample.tau);
+        row.set(Channel::Angle, 0, sample.angle);
+        row.set(Channel::Speed, 0, sample.speed);
+        row.set(Channel::SpeedRate, 0, if self.machine.trip().is_some() { 0.0 } else { sample.acceleration });
+        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, parts(sample.output.commanded));
+        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, parts(sample.output.delivered));
+        for (mass, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
+            row.set_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
+            row.set_pair([Channel::ReadingY, Channel::ReadingZ], mass, parts(self.machine.reading(mass)));
         }
         self.seq += 1;
     }
@@ -184,6 +177,7 @@ impl Engine {
 #[cfg(test)]
 mod tests {
     use rotor::{Rotor, Settings, builtin};
+    use wire::{Layout, State, Step};
 
     use super::*;
 
@@ -199,8 +193,8 @@ mod tests {
     }
 
     fn sent(engine: &mut Engine) -> State {
-        let mut state = State::default();
-        engine.fill(&mut state, 0, false);
+        let mut state = State::new(Layout::new(3));
+        engine.fill(&mut state.row_mut(), 0, false);
         state
     }
 
@@ -216,10 +210,10 @@ mod tests {
         assert_eq!((trip.cause, trip.limit), (1, 1000.0));
         assert!(trip.radius > 1000.0 && trip.radius < 1010.0, "{trip}");
         let held = sent(&mut engine);
-        assert!(held.flags.has(Flags::TRIPPED));
+        assert!(held.flags().has(Flags::TRIPPED));
         assert_eq!(engine.step(), None);
         let later = sent(&mut engine);
-        assert_eq!((later.seq, later.tau, later.masses), (held.seq + 1, held.tau, held.masses));
+        assert_eq!(later, held.with_word(Channel::Seq, held.seq() + 1));
     }
 
     #[test]
@@ -240,8 +234,7 @@ mod tests {
             for _ in 0..2000 {
                 causes.extend(engine.step().map(|trip| trip.cause));
                 let state = sent(&mut engine);
-                let numbers = state.points().iter().flat_map(|p| [p.y, p.z, p.vy, p.vz]);
-                assert!(numbers.chain(state.force_commanded).chain([state.tau, state.angle]).all(f64::is_finite));
+                assert!(state.numbers().all(f64::is_finite), "{state:?}");
             }
             assert_eq!(causes, [cause]);
         }
@@ -266,11 +259,11 @@ mod tests {
         }
         engine.step();
         let state = sent(&mut engine);
-        assert_eq!((state.seq, state.revision, state.speed), (10, 2, 3.0));
-        assert!(state.masses[1].vz > 1.5, "the impulse shows: {:?}", state.masses[1]);
+        assert_eq!((state.seq(), state.revision(), state.speed()), (10, 2, 3.0));
+        assert!(state.point(1).vz > 1.5, "the impulse shows: {:?}", state.point(1));
         exchange.orders.push(Box::new(Order::Restart)).unwrap();
         engine.take_orders(&exchange);
         engine.step();
-        assert_eq!(sent(&mut engine).tau, 0.01);
+        assert_eq!(sent(&mut engine).tau(), 0.01);
     }
 }

@@ -28,7 +28,7 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use machine::{Pace, Program};
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
-use wire::{BenchName, Carrier, Host, MAX_BURST, StateSender, WireError};
+use wire::{BenchName, Carrier, Host, Layout, MAX_BURST, StateSender, WireError};
 
 use crate::engine::{Engine, Exchange};
 use crate::intake::Intake;
@@ -133,7 +133,7 @@ pub fn run<C: Carrier>(
     let program = options.check(rotor, &settings)?;
     let substeps = program.substeps();
     let host = carrier.host(&options.bench)?;
-    let states = host.states()?;
+    let states = host.states(Layout::of(rotor))?;
     ready();
 
     let started = Instant::now();
@@ -198,10 +198,10 @@ fn step_until(
         let mut sent = 0;
         while sent < wake.steps {
             let burst = (wake.steps - sent).min(MAX_BURST as u32);
-            states.send(burst as usize, |place, state| {
+            states.send(burst as usize, |place, row| {
                 let ordered = engine.take_orders(exchange);
                 let tripped = engine.step();
-                engine.fill(state, started_ns + wake.due_ns(sent + place as u32), wake.is_late);
+                engine.fill(row, started_ns + wake.due_ns(sent + place as u32), wake.is_late);
                 if let Some(trip) = tripped {
                     exchange.report_trip(trip, engine.tau());
                 }

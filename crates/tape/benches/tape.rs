@@ -13,8 +13,8 @@ use std::time::Instant;
 use rerun::{RecordingStreamBuilder, Scalars, TimeColumn};
 use rotor::{Settings, Stepper, builtin};
 use tape::{Batch, Head, Recording};
-use wire::message::{Flags, Point};
-use wire::{Bulletin, Moment, SettingsMessage, State};
+use wire::message::Flags;
+use wire::{Bulletin, Channel, Layout, Moment, Point, SettingsMessage, State, Step};
 
 /// Ten minutes at 1000 steps a second.
 const STEPS: usize = 600_000;
@@ -92,22 +92,19 @@ fn session() -> (Head, Vec<State>) {
         stepper.step(0.01);
         let (motion, control) = (stepper.motion(), stepper.control());
         let force = [control.re, control.im];
-        let mut state = State {
-            run_id: 7,
-            seq: seq as u64,
-            tau: motion.tau,
-            angle: motion.angle,
-            wall_ns: 1_700_000_000_000_000_000 + seq as u64 * 1_000_000,
-            speed: 2.5,
-            force_commanded: force,
-            force_delivered: force,
-            revision: 1,
-            flags: Flags::contact(stepper.contact()),
-            count: 3,
-            ..State::default()
-        };
-        for (place, (p, v)) in state.masses.iter_mut().zip(motion.displacement.iter().zip(motion.velocity)) {
-            *place = Point { y: p.re, z: p.im, vy: v.re, vz: v.im };
+        let mut state = State::new(Layout::new(3)).with_flags(Flags::contact(stepper.contact()));
+        let mut row = state.row_mut();
+        row.set_word(Channel::RunId, 7);
+        row.set_word(Channel::Seq, seq as u64);
+        row.set_word(Channel::WallNs, 1_700_000_000_000_000_000 + seq as u64 * 1_000_000);
+        row.set_word(Channel::Revision, 1);
+        row.set(Channel::Tau, 0, motion.tau);
+        row.set(Channel::Angle, 0, motion.angle);
+        row.set(Channel::Speed, 0, 2.5);
+        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, force);
+        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, force);
+        for (mass, (p, v)) in motion.displacement.iter().zip(motion.velocity).enumerate() {
+            state = state.with_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
         }
         state
     };
@@ -130,15 +127,11 @@ fn peer_writes(path: &Path, states: &[State]) {
     let stream = RecordingStreamBuilder::new("peer").enabled(true).save(path).unwrap();
     for states in states.chunks(PEER_ROWS) {
         let times = [
-            TimeColumn::new_sequence("step", states.iter().map(|s| s.seq as i64)),
-            TimeColumn::new_duration_nanos("tau", states.iter().map(|s| (s.tau * 1e9).round() as i64)),
-            TimeColumn::new_timestamp_nanos_since_epoch("wall", states.iter().map(|s| s.wall_ns as i64)),
+            TimeColumn::new_sequence("step", states.iter().map(|s| s.seq() as i64)),
+            TimeColumn::new_duration_nanos("tau", states.iter().map(|s| (s.tau() * 1e9).round() as i64)),
+            TimeColumn::new_timestamp_nanos_since_epoch("wall", states.iter().map(|s| s.wall_ns() as i64)),
         ];
-        let row = |s: &State| {
-            let ([cy, cz], [dy, dz]) = (s.force_commanded, s.force_delivered);
-            let head = [s.tau, s.angle, s.speed, cy, cz, dy, dz, s.revision as f64, f64::from(s.flags.0)];
-            head.into_iter().chain(s.points().iter().flat_map(|p| [p.y, p.z, p.vy, p.vz])).collect::<Vec<_>>()
-        };
+        let row = |s: &State| s.numbers().chain([s.revision() as f64, f64::from(s.flags().0)]).collect::<Vec<_>>();
         let values: Vec<f64> = states.iter().flat_map(row).collect();
         let width = values.len() / states.len();
         let columns = Scalars::new(values).columns(std::iter::repeat_n(width, states.len())).unwrap();

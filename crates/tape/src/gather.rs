@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use wire::{Bulletin, Event, Moment, State};
+use wire::{Bulletin, Event, Moment, Step};
 
 use crate::batch::Batch;
 use crate::event::{Remark, What};
@@ -68,18 +68,18 @@ impl Gatherer {
     }
 
     /// Takes in one step.
-    pub(crate) fn state(&mut self, state: &State, now: Instant) {
-        if self.run_id != Some(state.run_id) {
+    pub(crate) fn state(&mut self, state: &impl Step, now: Instant) {
+        if self.run_id != Some(state.run_id()) {
             self.begin_run(state);
         }
         if self.rows_out + self.batch.len() >= Self::MOST_ROWS {
             return;
         }
         if let Some(last) = self.last {
-            if state.seq <= last.seq {
+            if state.seq() <= last.seq {
                 return;
             }
-            let missing = state.seq - last.seq - 1;
+            let missing = state.seq() - last.seq - 1;
             if missing > 0 {
                 self.close_batch();
                 self.lost += missing;
@@ -148,14 +148,14 @@ impl Gatherer {
         self.out.push_front(item);
     }
 
-    fn begin_run(&mut self, state: &State) {
+    fn begin_run(&mut self, state: &impl Step) {
         self.close_batch();
         // Steps of a run that ended before it had said what it is: nobody can make sense of them.
         self.rows_out -= self.held.drain(..).map(|item| rows(&item)).sum::<usize>();
-        self.run_id = Some(state.run_id);
+        self.run_id = Some(state.run_id());
         self.begun = false;
         self.last = None;
-        self.batch = Batch::new(state.points().len());
+        self.batch = Batch::new(state.masses());
     }
 
     /// Begins the tape of a run once both a step and a bulletin of it have come.
@@ -195,14 +195,13 @@ fn rows(item: &Item) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use wire::message::Point;
+    use wire::{Channel, Layout, State};
 
     use super::*;
 
     fn state(run_id: u64, seq: u64) -> State {
-        let mut state = State { run_id, seq, tau: seq as f64 / 100.0, count: 1, ..State::default() };
-        state.masses[0] = Point { y: seq as f64, ..Point::default() };
-        state
+        let state = State::new(Layout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
+        state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 0, seq as f64)
     }
 
     fn bulletin(run_id: u64) -> Box<Bulletin> {

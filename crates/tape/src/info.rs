@@ -6,8 +6,7 @@ use std::ops::ControlFlow;
 use alarms::{Alarms, Entry, Limits, Watch};
 use serde::Serialize;
 
-use wire::message::Point;
-use wire::{Happening, Moment};
+use wire::{Happening, Moment, Step};
 
 use crate::damage::Damage;
 use crate::error::TapeError;
@@ -184,8 +183,8 @@ impl Info {
         let mut alarms: Vec<Entry> = recalled.entries().filter(|entry| entry.watch != Watch::Trip).cloned().collect();
         alarms.reverse();
         recording.visit(0..u64::MAX, 1, |state| {
-            let at = At { step: state.seq, tau: state.tau, wall_ns: state.wall_ns };
-            if let Some(least) = least.filter(|least| damping.is_none() && least.from <= state.seq) {
+            let at = At { step: state.seq(), tau: state.tau(), wall_ns: state.wall_ns() };
+            if let Some(least) = least.filter(|least| damping.is_none() && least.from <= state.seq()) {
                 damping = Some(Damping { value: least.min_damping, at, revision: least.revision });
             }
             // A machine that is held repeats the step that tripped it.
@@ -193,18 +192,18 @@ impl Info {
             if is_held {
                 return ControlFlow::Continue(());
             }
-            let [y, z] = state.force_delivered;
+            let [y, z] = state.force_delivered();
             // A turn tells the worst until then: that of an alarm that never ended is for us to find.
-            for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.rose.seq <= state.seq) {
+            for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.rose.seq <= state.seq()) {
                 let value = match entry.watch {
-                    Watch::Orbit => state.points().iter().map(Point::radius).fold(0.0, f64::max),
+                    Watch::Orbit => state.largest_radius(),
                     Watch::Force => y.hypot(z),
                     _ => continue,
                 };
                 entry.worst = entry.worst.max(value);
             }
             larger(&mut force, Peak { value: y.hypot(z), at, mass: None });
-            for (mass, point) in state.points().iter().enumerate() {
+            for (mass, point) in state.points().enumerate() {
                 larger(&mut radius, Peak { value: point.radius(), at, mass: Some(mass + 1) });
             }
             ControlFlow::Continue(())

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use alarms::{Alarms, Gauge, Limits, Turn, Watch};
-use wire::{Bulletin, Event, State};
+use wire::{Bulletin, Event, Step};
 
 /// How often what has come in is held against the limits. Peaks keep their own steps, however long that is.
 const LOOK: Duration = Duration::from_millis(100);
@@ -23,8 +23,8 @@ impl Judge {
     }
 
     /// Takes in one step. A new run knows nothing of the alarms of the one before it.
-    pub(crate) fn state(&mut self, state: &State) {
-        if self.run_id.replace(state.run_id).is_some_and(|before| before != state.run_id) {
+    pub(crate) fn state(&mut self, state: &impl Step) {
+        if self.run_id.replace(state.run_id()).is_some_and(|before| before != state.run_id()) {
             self.alarms = Alarms::new(self.alarms.limits().clone());
         }
         self.gauge.hear(state);
@@ -59,13 +59,13 @@ impl Judge {
 mod tests {
     use alarms::Level;
     use wire::message::Trip;
+    use wire::{Channel, Layout, State};
 
     use super::*;
 
     fn state(run_id: u64, seq: u64, radius: f64) -> State {
-        let mut state = State { run_id, seq, tau: seq as f64 / 100.0, count: 1, ..State::default() };
-        state.masses[0].y = radius;
-        state
+        let state = State::new(Layout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
+        state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 0, radius)
     }
 
     #[test]

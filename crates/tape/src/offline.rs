@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 
 use files::Existing;
 use rotor::{C64, Motion, Rotor, Settings};
-use wire::message::{Flags, Point};
-use wire::{Bulletin, Happening, Moment, SettingsMessage, State, Text};
+use wire::message::Flags;
+use wire::{Bulletin, Channel, Happening, Layout, Moment, Point, SettingsMessage, State, Text};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
@@ -117,21 +117,19 @@ impl OfflineTape {
             return Ok(());
         }
         let force = [control.re, control.im];
-        let mut state = State {
-            seq,
-            tau: motion.tau,
-            angle: motion.angle,
-            wall_ns: wall_ns(motion.tau),
-            speed: self.settings.speed,
-            force_commanded: force,
-            force_delivered: force,
-            revision: 1,
-            flags: Flags::contact(contact),
-            count: motion.displacement.len() as u32,
-            ..State::default()
-        };
-        for (place, (p, v)) in state.masses.iter_mut().zip(motion.displacement.iter().zip(motion.velocity)) {
-            *place = Point { y: p.re, z: p.im, vy: v.re, vz: v.im };
+        let mut state = State::new(Layout::new(motion.displacement.len()));
+        let mut row = state.row_mut();
+        row.set_word(Channel::Seq, seq);
+        row.set_word(Channel::WallNs, wall_ns(motion.tau));
+        row.set_word(Channel::Revision, 1);
+        row.set_flags(Flags::contact(contact));
+        row.set(Channel::Tau, 0, motion.tau);
+        row.set(Channel::Angle, 0, motion.angle);
+        row.set(Channel::Speed, 0, self.settings.speed);
+        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, force);
+        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, force);
+        for (mass, (p, v)) in motion.displacement.iter().zip(motion.velocity).enumerate() {
+            state = state.with_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
         }
         self.batch.push(&state);
         if self.batch.len() >= Gatherer::BATCH_ROWS { self.flush().map_err(io::Error::other) } else { Ok(()) }

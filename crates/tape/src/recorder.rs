@@ -143,8 +143,8 @@ fn listen(
     let why = loop {
         let now = Instant::now();
         let states = listener.drain(|state| {
-            gatherer.state(state, now);
-            judge.state(state);
+            gatherer.state(&state, now);
+            judge.state(&state);
         })?;
         // Events before the bulletin: it must not be news what an event has told already.
         listener.events(|event| {

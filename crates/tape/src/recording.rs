@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use alarms::Turn;
 use rotor::{Rotor, Scales};
 use wire::message::{Analysis, Flags, Trip};
-use wire::{Bulletin, Happening, SettingsMessage, State, Text};
+use wire::{Bulletin, Channel, Happening, SettingsMessage, State, Step, Text};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
@@ -180,7 +180,7 @@ impl Recording {
                 continue;
             }
             let batch = self.stretch(index)?;
-            let times = &batch.values[0];
+            let times = batch.column(Channel::Tau, 0);
             let found = (0..batch.len()).rev().find(|row| {
                 let next_is_later = times.get(row + 1).is_none_or(|next| *next > tau || *next < times[*row]);
                 times[*row] <= tau && next_is_later
@@ -401,5 +401,5 @@ fn trips(events: &[Event]) -> Vec<(u64, Trip)> {
 /// Whether a step was made by a machine that is held.
 #[must_use]
 pub(crate) fn is_tripped(state: &State) -> bool {
-    state.flags.has(Flags::TRIPPED)
+    state.flags().has(Flags::TRIPPED)
 }

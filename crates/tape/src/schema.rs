@@ -10,7 +10,7 @@
 //! | `/health` | how the simulation and the recorder keep up, as often as bulletins come |
 //! | `/orbits/massN` | curves for the eye, thinned out; `/orbits/massN/deadband`, the clearance in force |
 
-use rotor::MAX_MASSES;
+use wire::Layout;
 
 /// Version of what recordings hold. Raised when a reader of the older version would misread; never lowered.
 pub const VERSION: u32 = 1;
@@ -56,35 +56,16 @@ pub struct Column {
     pub unit: &'static str,
 }
 
-/// Columns before those of the masses.
-pub const HEAD: usize = 7;
-/// Columns a mass has.
-pub const PER_MASS: usize = 4;
-
-/// The columns of doubles for a rotor of `masses` masses, in order: time, angle, speed, control, then `y z vy vz` a mass.
-/// The columns `revision` (64 bits) and `flags` (32 bits) follow them.
+/// The columns of doubles for a rotor of `masses` masses, in order: those of the table of channels ([`wire::CHANNELS`]). The
+/// columns `revision` (64 bits) and `flags` (32 bits) follow them.
 #[must_use]
 pub fn columns(masses: usize) -> Vec<Column> {
-    let column = |name: &str, meaning: &str, unit| Column { name: name.into(), meaning: meaning.into(), unit };
-    let head: [Column; HEAD] = [
-        column("tau", "time since the rotor was last at rest", "1/w0"),
-        column("angle", "spin angle, unwrapped", "rad"),
-        column("speed", "spin speed R", "w0"),
-        column("uy_commanded", "control that the feedback asks for, y", "w0^2 e_t"),
-        column("uz_commanded", "control that the feedback asks for, z", "w0^2 e_t"),
-        column("uy", "control that the bearing delivers, y", "w0^2 e_t"),
-        column("uz", "control that the bearing delivers, z", "w0^2 e_t"),
-    ];
-    let per_mass = (1..=masses.min(MAX_MASSES)).flat_map(|k| {
-        [
-            ("y", "displacement", "e_t"),
-            ("z", "displacement", "e_t"),
-            ("vy", "velocity", "w0 e_t"),
-            ("vz", "velocity", "w0 e_t"),
-        ]
-        .map(|(name, meaning, unit)| column(&format!("{name}{k}"), &format!("{meaning} of mass {k}"), unit))
-    });
-    head.into_iter().chain(per_mass).collect()
+    let described = |column: wire::Column| Column {
+        name: column.name(),
+        meaning: column.meaning(),
+        unit: column.channel.row().dimension.unit(),
+    };
+    Layout::new(masses).number_columns().map(described).collect()
 }
 
 /// Settings revision of a step.
@@ -94,13 +75,15 @@ pub const FLAGS: &str = "flags";
 
 #[cfg(test)]
 mod tests {
+    use rotor::MAX_MASSES;
+
     use super::*;
 
     #[test]
     fn names_are_unique_and_counted() {
         for masses in [1, 3, MAX_MASSES] {
             let columns = columns(masses);
-            assert_eq!(columns.len(), HEAD + PER_MASS * masses);
+            assert_eq!(columns.len(), Layout::new(masses).numbers());
             let mut names: Vec<_> = columns.iter().map(|c| c.name.as_str()).chain([REVISION, FLAGS]).collect();
             names.sort_unstable();
             let count = names.len();

@@ -20,7 +20,7 @@ use common::{RUN, at, batch, bulletin, state, states};
 use rustix::time::{ClockId, clock_gettime};
 use tape::{DamageKind, Event, Head, Info, LostSteps, Recording, Remark, What};
 use wire::message::Trip;
-use wire::{Happening, State, Text};
+use wire::{Happening, State, Step, Text};
 
 /// Steps in a message of the recording that is damaged.
 const ROWS: u64 = 40;
@@ -165,8 +165,8 @@ impl Patient {
 
     /// Whether every step that was read is one that was recorded, number for number.
     fn are_ours(&self, states: &[State]) -> bool {
-        let of = |seq: u64| self.states.binary_search_by_key(&seq, |state| state.seq).map(|at| &self.states[at]);
-        states.iter().all(|state| of(state.seq) == Ok(state))
+        let of = |seq: u64| self.states.binary_search_by_key(&seq, |state| state.seq()).map(|at| &self.states[at]);
+        states.iter().all(|state| of(state.seq()) == Ok(state))
     }
 }
 
@@ -203,7 +203,7 @@ fn regress_a_changed_byte_is_told_and_costs_the_message_that_it_is_in() {
         let lost = patient.states.len() - read.states.len();
         assert!(lost == 0 || lost == ROWS as usize, "{lost} steps are lost");
         // At either end nothing tells which there were.
-        let is_inside = read.states[0].seq == 0 && read.states.last().unwrap().seq == BATCHES * ROWS - 1;
+        let is_inside = read.states[0].seq() == 0 && read.states.last().unwrap().seq() == BATCHES * ROWS - 1;
         assert!(!is_inside || read.lost() == lost as u64, "{:?}", read.info.damage);
     });
 }
@@ -350,11 +350,14 @@ fn val_files_from_before_checksums_are_read_as_ever() {
         let patient = Patient::old(name);
         let mut crc = crc32fast::Hasher::new();
         for state in &patient.states {
-            let mut doubles = vec![state.tau, state.angle, state.speed];
-            doubles.extend(state.force_commanded.iter().chain(&state.force_delivered));
-            doubles.extend(state.points().iter().flat_map(|point| [point.y, point.z, point.vy, point.vz]));
+            let mut doubles = vec![state.tau(), state.angle(), state.speed()];
+            doubles.extend(state.force_commanded().iter().chain(&state.force_delivered()));
+            doubles.extend(state.points().flat_map(|point| [point.y, point.z, point.vy, point.vz]));
+            // What was not told then is what it was.
+            assert_eq!(state.speed_rate(), 0.0);
+            assert!((0..3).all(|mass| state.reading(mass) == [state.point(mass).y, state.point(mass).z]));
             doubles.iter().for_each(|value| crc.update(&value.to_le_bytes()));
-            [state.revision, state.flags.0.into(), state.seq, state.wall_ns]
+            [state.revision(), state.flags().0.into(), state.seq(), state.wall_ns()]
                 .iter()
                 .for_each(|v| crc.update(&v.to_le_bytes()));
         }

@@ -11,8 +11,8 @@ use alarms::{Level, Limit, Limits, Turn, Watch};
 use common::{RUN, at, batch, bulletin, state, states};
 use rotor::builtin;
 use tape::{Event, Head, Info, Recording, Remark, What};
-use wire::message::{Point, Trip};
-use wire::{Happening, SettingsMessage, State, Text};
+use wire::message::Trip;
+use wire::{Happening, SettingsMessage, State, Step, Text};
 
 /// A recording of steps 100 to 5100 with 50 missing, a change of settings and a trip.
 fn write(path: &Path) -> Vec<u64> {
@@ -83,14 +83,14 @@ fn what_is_written_is_what_is_read() {
     let expected: Vec<State> = (100..2100).chain(2150..5150).map(state).collect();
     let read = states(&mut recording);
     assert_eq!(read, expected);
-    assert!(read.iter().all(|s| s.masses[0].vy.is_sign_negative()), "even the sign of zero");
+    assert!(read.iter().all(|s| s.point(0).vy.is_sign_negative()), "even the sign of zero");
     assert_eq!(recording.rows(), expected.len() as u64);
     assert_eq!(recording.gaps(), [tape::Gap { from: 2100, count: 50 }]);
 
     let mut some = Vec::new();
     recording
         .visit(590..610, 5, |s| {
-            some.push(s.seq);
+            some.push(s.seq());
             ControlFlow::Continue(())
         })
         .unwrap();
@@ -136,7 +136,7 @@ fn alarms_are_in_the_page_about_it() {
     assert_eq!(told, [("orbit", "warning", 2200, Some(2210)), ("orbit", "alarm", 3000, None)]);
     assert_eq!((info.alarms[0].worst, info.alarms[0].limit), (0.5, 1.0 / 3.0));
     // The second one never ended: the steps tell how far it went.
-    let radius = |seq: u64| state(seq).points().iter().map(Point::radius).fold(0.0, f64::max);
+    let radius = |seq: u64| state(seq).largest_radius();
     assert_eq!(info.alarms[1].worst, (3000..5150).map(radius).fold(0.9, f64::max));
     let pairs = info.alarm_limits.unwrap();
     assert_eq!((pairs["orbit"], pairs["damping"]), (Some([1.0 / 3.0, 0.5]), None));
@@ -164,7 +164,7 @@ fn a_file_cut_off_anywhere_reads_up_to_there() {
             Ok(mut recording) => {
                 let read = states(&mut recording);
                 assert!(read.len() as u64 == expected || read.len() as u64 == expected + 500, "{at}: {}", read.len());
-                assert!(read.iter().all(|s| *s == state(s.seq)));
+                assert!(read.iter().all(|s| *s == state(s.seq())));
                 let is_whole = at == whole.len() as u64;
                 assert!(is_whole || !recording.notices().is_empty());
             }
@@ -259,6 +259,6 @@ fn is_a_run_up_that_was_saved(path: &Path) -> Recording {
     let after = recording.revisions().last().unwrap();
     assert!(after.min_damping > 0.0 && after.settings.speed == 3.2);
     let last = read.last().unwrap();
-    assert!(last.points().iter().all(|p| p.radius() < 5.0) && last.flags.names().iter().all(|n| n != "tripped"));
+    assert!(last.points().all(|p| p.radius() < 5.0) && last.flags().names().iter().all(|n| n != "tripped"));
     recording
 }

@@ -19,7 +19,7 @@ pub const EVENTS_KEPT: usize = 64;
 #[type_name("whirl.Event")]
 #[repr(C)]
 pub struct Event {
-    /// Which run of which process: as in [`crate::State::run_id`].
+    /// Which run of which process: as in the steps.
     pub run_id: u64,
     /// Number of this event in its run: 1 is the start, and each further one is up by 1.
     pub number: u64,

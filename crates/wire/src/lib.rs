@@ -8,7 +8,7 @@
 //!
 //! | service | pattern | what |
 //! |---|---|---|
-//! | `whirl/NAME/state` | publish-subscribe of slices of [`State`] | every step, in order; those that fall due together in one message, up to [`MAX_BURST`]; oldest dropped if a reader sleeps |
+//! | `whirl/NAME/state` | publish-subscribe of slices of 64-bit words | every step, in order, a row of [`CHANNELS`] each; those that fall due together in one message, up to [`MAX_BURST`]; oldest dropped if a reader sleeps |
 //! | `whirl/NAME/bulletin` | publish-subscribe of [`Bulletin`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
 //! | `whirl/NAME/event` | publish-subscribe of [`Event`] | what happens, numbered, with the settings in force after it; the last [`EVENTS_KEPT`] reach late readers |
 //! | `whirl/NAME/recorder` | publish-subscribe of [`RecorderStatus`] | from the recorder, if there is one: file, size, losses; at least once a second |
@@ -17,6 +17,7 @@
 
 mod bench_name;
 mod census;
+mod channels;
 mod error;
 mod event;
 mod faults;
@@ -35,15 +36,17 @@ mod shared_glance;
 mod shared_memory;
 mod shared_news;
 mod short_path;
+mod step;
 mod text;
 
 pub use bench_name::BenchName;
 pub use census::{BenchEntry, Party, clean};
+pub use channels::{CHANNELS, Channel, ChannelRow, Dimension, OnceWas, PAIRS, Pair, Scope, WHOLES, channels_of};
 pub use error::WireError;
 pub use event::{EVENTS_KEPT, Event, Happening};
 pub use iceoryx::MAX_READERS;
 pub use memory::Memory;
-pub use message::{Answer, Bulletin, Flags, Request, SCHEMA, State};
+pub use message::{Answer, Bulletin, Flags, Request, SCHEMA};
 pub use moment::Moment;
 pub use ports::{
     BulletinSender, Carrier, Change, Commander, EventSender, Glance, Host, HostState, Inbox, Listener, MAX_BURST,
@@ -55,4 +58,5 @@ pub use settings_message::{MAX_KNOTS, SettingsMessage};
 pub use shared_glance::SharedGlance;
 pub use shared_memory::{SharedListener, SharedMemory};
 pub use shared_news::SharedRecorder;
+pub use step::{Column, Layout, MAX_WIDTH, Point, Row, RowMut, State, Step};
 pub use text::Text;

@@ -9,7 +9,8 @@ use crate::message::Request;
 use crate::ports::check_burst;
 use crate::{
     Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, EVENTS_KEPT, Event, EventSender, Glance, Host,
-    HostState, Inbox, Listener, MAX_READERS, RecorderSender, RecorderStatus, State, StateSender, WireError,
+    HostState, Inbox, Layout, Listener, MAX_READERS, RecorderSender, RecorderStatus, Row, RowMut, State, StateSender,
+    Step, WireError,
 };
 
 /// How many states a sleeping listener keeps if nobody says more: the oldest are dropped beyond that.
@@ -149,8 +150,8 @@ impl Host for MemoryHost {
     type Events = MemoryEvents;
     type Inbox = MemoryInbox;
 
-    fn states(&self) -> Result<MemoryStates, WireError> {
-        Ok(MemoryStates { bench: self.bench.clone(), _claim: self.claim.clone() })
+    fn states(&self, layout: Layout) -> Result<MemoryStates, WireError> {
+        Ok(MemoryStates { layout, bench: self.bench.clone(), _claim: self.claim.clone() })
     }
 
     fn bulletins(&self) -> Result<MemoryBulletins, WireError> {
@@ -175,15 +176,16 @@ impl Host for MemoryHost {
 /// See [`Memory`].
 #[derive(Debug)]
 pub struct MemoryStates {
+    layout: Layout,
     bench: Arc<Bench>,
     _claim: Arc<()>,
 }
 
 impl StateSender for MemoryStates {
-    fn send(&mut self, count: usize, mut fill: impl FnMut(usize, &mut State)) -> Result<(), WireError> {
+    fn send(&mut self, count: usize, mut fill: impl FnMut(usize, &mut RowMut<'_>)) -> Result<(), WireError> {
         check_burst(count)?;
-        let mut states = vec![State::default(); count];
-        states.iter_mut().enumerate().for_each(|(place, state)| fill(place, state));
+        let mut states = vec![State::new(self.layout); count];
+        states.iter_mut().enumerate().for_each(|(place, state)| fill(place, &mut state.row_mut()));
         let room = self.bench.room.unwrap_or(STATES_KEPT);
         lock(&self.bench.mailboxes).retain(|mailbox| {
             let Some(mailbox) = mailbox.upgrade() else { return false };
@@ -335,9 +337,9 @@ impl Glance for MemoryListener {
 }
 
 impl Listener for MemoryListener {
-    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError> {
+    fn drain(&mut self, mut visit: impl FnMut(Row<'_>)) -> Result<usize, WireError> {
         let arrived = std::mem::take(&mut *lock(&self.mailbox));
-        arrived.iter().for_each(visit);
+        arrived.iter().flat_map(|state| Row::all(state.words())).for_each(&mut visit);
         Ok(arrived.len())
     }
 

@@ -14,70 +14,8 @@ use crate::{SettingsMessage, Text};
 /// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
 pub const SCHEMA: u32 = 4;
 
-/// One step of the simulation. Every step is sent, one after the other in slices of those that fell due together.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[type_name("whirl.State")]
-#[repr(C)]
-pub struct State {
-    /// Which run of which process: changes when the simulation process starts anew.
-    pub run_id: u64,
-    /// Number of the step since the process started: rises by 1 from message to message, also while tripped.
-    pub seq: u64,
-    /// Dimensionless time since the rotor was last at rest, `w0 t`. Stands still while tripped.
-    pub tau: f64,
-    /// Spin angle in radians, unwrapped: the unbalance points along it.
-    pub angle: f64,
-    /// Wall clock when the step was due to be sent, nanoseconds since 1970.
-    pub wall_ns: u64,
-    /// Spin speed `R`.
-    pub speed: f64,
-    /// Control `u` that the feedback asks for, `[y, z]`.
-    pub force_commanded: [f64; 2],
-    /// Control that the bearing delivers, `[y, z]`; the same as commanded while the loop is ideal.
-    pub force_delivered: [f64; 2],
-    /// Revision of the settings that this step was made with.
-    pub revision: u64,
-    /// See [`Flags`].
-    pub flags: Flags,
-    /// How many of `masses` are used.
-    pub count: u32,
-    /// Position and velocity per mass.
-    pub masses: [Point; MAX_MASSES],
-}
-
-impl State {
-    /// The masses that the rotor has.
-    #[must_use]
-    pub fn points(&self) -> &[Point] {
-        &self.masses[..(self.count as usize).min(MAX_MASSES)]
-    }
-}
-
-/// Where one mass is and how it moves.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[repr(C)]
-pub struct Point {
-    /// Displacement along y.
-    pub y: f64,
-    /// Displacement along z.
-    pub z: f64,
-    /// Velocity along y.
-    pub vy: f64,
-    /// Velocity along z.
-    pub vz: f64,
-}
-
-impl Point {
-    /// Distance from the centre.
-    #[must_use]
-    pub fn radius(&self) -> f64 {
-        self.y.hypot(self.z)
-    }
-}
-
 /// What is special about a step: bits 0 to 15 are contact of mass 1 to 16 with its support bearing.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ZeroCopySend)]
-#[repr(C)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags(pub u32);
 
 impl Flags {
@@ -134,7 +72,7 @@ impl std::ops::BitOrAssign for Flags {
 #[type_name("whirl.Bulletin")]
 #[repr(C)]
 pub struct Bulletin {
-    /// Which run of which process: as in [`State::run_id`].
+    /// Which run of which process: as in the steps.
     pub run_id: u64,
     /// Number of this bulletin in its run: rises by 1.
     pub number: u64,
@@ -312,14 +250,18 @@ pub struct Trip {
 }
 
 impl Trip {
+    /// A trip with this step, of a cause as above; the mass is counted from 0 here.
+    #[must_use]
+    pub fn new(step: u64, cause: u32, mass: usize, [radius, limit]: [f64; 2]) -> Self {
+        Self { cause, mass: mass as u32 + 1, step, radius, limit }
+    }
+
     /// Whether the machine has tripped.
     #[must_use]
     pub fn is_tripped(&self) -> bool {
         self.cause != 0
     }
-}
 
-impl Trip {
     /// In words, with lengths in metres where the rotor has scales, else in `e_t`.
     #[must_use]
     pub fn told(&self, scales: Option<Scales>) -> String {

@@ -1,6 +1,6 @@
 //! A point of a session.
 
-use crate::{Event, State};
+use crate::{Event, Step};
 
 /// A point of a session, on its three time scales.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -13,9 +13,9 @@ pub struct Moment {
     pub wall_ns: u64,
 }
 
-impl From<&State> for Moment {
-    fn from(state: &State) -> Self {
-        Self { seq: state.seq, tau: state.tau, wall_ns: state.wall_ns }
+impl<S: Step> From<&S> for Moment {
+    fn from(step: &S) -> Self {
+        Self { seq: step.seq(), tau: step.tau(), wall_ns: step.wall_ns() }
     }
 }
 

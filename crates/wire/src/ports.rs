@@ -7,7 +7,9 @@ use std::time::Duration;
 use rotor::{C64, Settings};
 
 use crate::message::Request;
-use crate::{Answer, BenchName, Bulletin, Event, RecorderStatus, SettingsMessage, State, Text, WireError};
+use crate::{
+    Answer, BenchName, Bulletin, Event, Layout, RecorderStatus, Row, RowMut, SettingsMessage, Text, WireError,
+};
 
 /// A way to carry messages between a simulation and its readers.
 pub trait Carrier: Clone + Send + Sync + 'static {
@@ -64,11 +66,11 @@ pub trait Host: Send + Sync {
     /// See [`Inbox`].
     type Inbox: Inbox;
 
-    /// The port for states; there is one.
+    /// The port for states of this layout; there is one.
     ///
     /// # Errors
     /// Another simulation holds it, or it cannot be made.
-    fn states(&self) -> Result<Self::States, WireError>;
+    fn states(&self, layout: Layout) -> Result<Self::States, WireError>;
 
     /// The port for bulletins; there is one.
     ///
@@ -105,7 +107,7 @@ pub trait StateSender {
     ///
     /// # Errors
     /// There is no memory for them, there are none or too many, or the carrier fails.
-    fn send(&mut self, count: usize, fill: impl FnMut(usize, &mut State)) -> Result<(), WireError>;
+    fn send(&mut self, count: usize, fill: impl FnMut(usize, &mut RowMut<'_>)) -> Result<(), WireError>;
 }
 
 /// Sends bulletins. The last one also reaches readers that come later.
@@ -191,7 +193,7 @@ pub trait Listener: Glance {
     ///
     /// # Errors
     /// The carrier fails.
-    fn drain(&mut self, visit: impl FnMut(&State)) -> Result<usize, WireError>;
+    fn drain(&mut self, visit: impl FnMut(Row<'_>)) -> Result<usize, WireError>;
 
     /// Visits every event that has arrived, oldest first; the first call after attaching, or soon after it, has those
     /// that happened before. Returns how many there were.

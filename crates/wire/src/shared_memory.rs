@@ -20,8 +20,8 @@ use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
 use crate::shared_glance::{self, BulletinService, SharedGlance};
 use crate::shared_news::{self, EventService, RECORDER_ROLE, SharedEvents, SharedRecorder};
 use crate::{
-    BenchName, Bulletin, BulletinSender, Carrier, Event, Glance, Host, HostState, Listener, MAX_BURST, RecorderStatus,
-    Root, SCHEMA, State, StateSender, WireError,
+    BenchName, Bulletin, BulletinSender, Carrier, Event, Glance, Host, HostState, Layout, Listener, MAX_BURST,
+    RecorderStatus, Root, Row, RowMut, SCHEMA, StateSender, WireError,
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
@@ -75,7 +75,7 @@ impl SharedMemory {
     fn attach(&self, bench: &BenchName) -> Result<(Node<Ipc>, StateService), WireError> {
         let node = self.node(&self.role)?;
         let states: StateService = opened(bench, || {
-            Ok(service(&node, bench, "state")?.publish_subscribe::<[State]>().open_with_attributes(&required_schema()?))
+            Ok(service(&node, bench, "state")?.publish_subscribe::<[u64]>().open_with_attributes(&required_schema()?))
         })?;
         if host_of(&states) == HostState::Gone {
             return Err(WireError::NoBench(bench.clone()));
@@ -84,7 +84,7 @@ impl SharedMemory {
     }
 }
 
-type StateService = publish_subscribe::PortFactory<Ipc, [State], ()>;
+type StateService = publish_subscribe::PortFactory<Ipc, [u64], ()>;
 
 fn required_schema() -> Result<AttributeVerifier, WireError> {
     let key = "whirl.schema".try_into().map_err(internal)?;
@@ -124,7 +124,7 @@ impl Carrier for SharedMemory {
         let node = self.node(HOST_ROLE)?;
         let states: StateService = opened(bench, || {
             Ok(service(&node, bench, "state")?
-                .publish_subscribe::<[State]>()
+                .publish_subscribe::<[u64]>()
                 .enable_safe_overflow(true)
                 .history_size(0)
                 .subscriber_max_buffer_size(BURSTS_BUFFERED)
@@ -195,10 +195,11 @@ impl Host for SharedHost {
     type Events = SharedEvents;
     type Inbox = SharedInbox;
 
-    fn states(&self) -> Result<SharedStates, WireError> {
-        let builder = self.states.publisher_builder().max_loaned_samples(1).initial_max_slice_len(MAX_BURST);
+    fn states(&self, layout: Layout) -> Result<SharedStates, WireError> {
+        let words = MAX_BURST * layout.width();
+        let builder = self.states.publisher_builder().max_loaned_samples(1).initial_max_slice_len(words);
         let taken = |error| port(&error, || WireError::Taken(self.bench.clone()));
-        Ok(SharedStates { publisher: builder.create().map_err(taken)?, _name: self.name.clone() })
+        Ok(SharedStates { layout, publisher: builder.create().map_err(taken)?, _name: self.name.clone() })
     }
 
     fn bulletins(&self) -> Result<SharedBulletins, WireError> {
@@ -222,15 +223,19 @@ impl Host for SharedHost {
 /// See [`StateSender`].
 #[derive(Debug)]
 pub struct SharedStates {
-    publisher: Publisher<Ipc, [State], ()>,
+    layout: Layout,
+    publisher: Publisher<Ipc, [u64], ()>,
     _name: NameLock,
 }
 
 impl StateSender for SharedStates {
-    fn send(&mut self, count: usize, mut fill: impl FnMut(usize, &mut State)) -> Result<(), WireError> {
+    fn send(&mut self, count: usize, mut fill: impl FnMut(usize, &mut RowMut<'_>)) -> Result<(), WireError> {
         check_burst(count)?;
-        let mut sample = self.publisher.loan_slice(count).map_err(internal)?;
-        sample.payload_mut().iter_mut().enumerate().for_each(|(place, state)| fill(place, state));
+        let width = self.layout.width();
+        let mut sample = self.publisher.loan_slice(count * width).map_err(internal)?;
+        let rows = sample.payload_mut().chunks_exact_mut(width);
+        let rows = rows.filter_map(|words| RowMut::new(self.layout, words));
+        rows.enumerate().for_each(|(place, mut row)| fill(place, &mut row));
         sample.send().map_err(internal)?;
         Ok(())
     }
@@ -255,7 +260,7 @@ impl BulletinSender for SharedBulletins {
 /// See [`Listener`].
 #[derive(Debug)]
 pub struct SharedListener {
-    states: Subscriber<Ipc, [State], ()>,
+    states: Subscriber<Ipc, [u64], ()>,
     events: Subscriber<Ipc, Event, ()>,
     state_service: StateService,
     // Last, because it has the lease.
@@ -273,11 +278,13 @@ impl Glance for SharedListener {
 }
 
 impl Listener for SharedListener {
-    fn drain(&mut self, mut visit: impl FnMut(&State)) -> Result<usize, WireError> {
+    fn drain(&mut self, mut visit: impl FnMut(Row<'_>)) -> Result<usize, WireError> {
         let mut count = 0;
         while let Some(sample) = self.states.receive().map_err(internal)? {
-            sample.payload().iter().for_each(&mut visit);
-            count += sample.payload().len();
+            for row in Row::all(sample.payload()) {
+                visit(row);
+                count += 1;
+            }
         }
         Ok(count)
     }

@@ -10,10 +10,13 @@ use std::time::{Duration, Instant};
 
 use rotor::{C64, Settings, builtin};
 use wire::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Commander, EVENTS_KEPT, EventSender, Glance,
-    Happening, Host, HostState, Inbox, Keeping, Listener, MAX_BURST, MAX_READERS, RecorderSender, RecorderState,
-    RecorderStatus, State, StateSender, WireError,
+    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Channel, Commander, EVENTS_KEPT, EventSender, Glance,
+    Happening, Host, HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, RecorderSender,
+    RecorderState, RecorderStatus, Row, RowMut, StateSender, Step, WireError,
 };
+
+/// A rotor of three masses.
+const LAYOUT: Layout = Layout::new(3);
 
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -22,10 +25,11 @@ fn bench(name: &str) -> BenchName {
 }
 
 /// States numbered from `first` on.
-fn number(first: u64) -> impl FnMut(usize, &mut State) {
-    move |place, state| {
-        state.seq = first + place as u64;
-        state.tau = state.seq as f64 * 0.5;
+fn number(first: u64) -> impl FnMut(usize, &mut RowMut<'_>) {
+    move |place, row| {
+        let seq = first + place as u64;
+        row.set_word(Channel::Seq, seq);
+        row.set(Channel::Tau, 0, seq as f64 * 0.5);
     }
 }
 
@@ -34,8 +38,8 @@ fn drained(listener: &mut impl Listener) -> Vec<u64> {
     let mut seen = Vec::new();
     listener
         .drain(|state| {
-            assert_eq!(state.tau, state.seq as f64 * 0.5);
-            seen.push(state.seq);
+            assert_eq!(state.tau(), state.seq() as f64 * 0.5);
+            seen.push(state.seq());
         })
         .unwrap();
     seen
@@ -84,7 +88,7 @@ fn nobody_home(carrier: &impl Carrier) {
 fn one_simulation_a_name(carrier: &impl Carrier) {
     let name = bench("mine");
     let first = carrier.host(&name).unwrap();
-    let states = first.states().unwrap();
+    let states = first.states(LAYOUT).unwrap();
     assert_eq!(carrier.host(&name).err(), Some(WireError::Taken(name.clone())));
     // Another name is another bench.
     drop(carrier.host(&bench("other")).unwrap());
@@ -100,7 +104,7 @@ fn of_six_that_start_together_one_has_the_name_and_the_others_are_told_so(carrie
         let told = thread::scope(|scope| {
             let ask = || {
                 start.wait();
-                let got = carrier.host(&name).and_then(|host| Ok((host.states()?, host.inbox()?, host)));
+                let got = carrier.host(&name).and_then(|host| Ok((host.states(LAYOUT)?, host.inbox()?, host)));
                 // Who has it keeps it until all have asked.
                 end.wait();
                 got.err()
@@ -116,7 +120,7 @@ fn of_six_that_start_together_one_has_the_name_and_the_others_are_told_so(carrie
 fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
     let name = bench("full");
     let host = carrier.host(&name).unwrap();
-    let (_states, mut bulletins) = (host.states().unwrap(), host.bulletins().unwrap());
+    let (_states, mut bulletins) = (host.states(LAYOUT).unwrap(), host.bulletins().unwrap());
     let mut readers: Vec<_> = (0..MAX_READERS).map(|_| carrier.listen(&name).unwrap()).collect();
     // Each of them a dashboard, which asks too.
     let _asking: Vec<_> = readers.iter().map(|_| carrier.command(&name).unwrap()).collect();
@@ -148,7 +152,7 @@ fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
 fn every_state_in_order(carrier: &impl Carrier) {
     let name = bench("order");
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     let mut early = carrier.listen(&name).unwrap();
     assert_eq!(host.listeners(), 1);
     (0..600).for_each(|seq| states.send(1, number(seq)).unwrap());
@@ -164,7 +168,7 @@ fn every_state_in_order(carrier: &impl Carrier) {
 fn states_that_are_sent_together_arrive_one_by_one(carrier: &impl Carrier) {
     let name = bench("bursts");
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     let mut sent = 0;
     for count in [1, 20, 1, MAX_BURST, 3] {
@@ -190,7 +194,7 @@ fn states_that_are_sent_together_arrive_one_by_one(carrier: &impl Carrier) {
 fn a_sleeping_reader_loses_the_oldest_and_holds_nobody_up(carrier: &impl Carrier) {
     let name = bench("sleeper");
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     let mut sleeper = carrier.listen(&name).unwrap();
     let sent = 20_000;
     (0..sent).for_each(|seq| states.send(1, number(seq)).unwrap());
@@ -222,7 +226,7 @@ fn the_last_bulletin_reaches_who_comes_later(carrier: &impl Carrier) {
 fn every_event_in_order_and_the_last_ones_for_who_comes_later(carrier: &impl Carrier) {
     let name = bench("events");
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let mut sender = host.events().unwrap();
     let mut early = carrier.listen(&name).unwrap();
     let kept = EVENTS_KEPT as u64;
@@ -244,13 +248,13 @@ fn every_event_in_order_and_the_last_ones_for_who_comes_later(carrier: &impl Car
 fn the_events_of_the_last_run_are_not_told_in_the_next(carrier: &impl Carrier) {
     let name = bench("runs");
     let host = carrier.host(&name).unwrap();
-    let states = host.states().unwrap();
+    let states = host.states(LAYOUT).unwrap();
     let mut sender = host.events().unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     tell(&mut sender, 1);
     drop((sender, states, host));
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let mut sender = host.events().unwrap();
     tell(&mut sender, 7);
     let mut late = carrier.listen(&name).unwrap();
@@ -262,7 +266,7 @@ fn the_events_of_the_last_run_are_not_told_in_the_next(carrier: &impl Carrier) {
 fn one_recorder_a_bench_and_its_latest_status_for_all(carrier: &impl Carrier) {
     let name = bench("recorded");
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let mut early = carrier.listen(&name).unwrap();
     assert_eq!(early.recorder().unwrap(), None);
     let mut recorder = carrier.recorder(&name).unwrap();
@@ -294,7 +298,7 @@ fn one_recorder_a_bench_and_its_latest_status_for_all(carrier: &impl Carrier) {
 fn a_recorder_that_goes_without_a_word_has_died(carrier: &impl Carrier) {
     let name = bench("lost");
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     let mut recorder = carrier.recorder(&name).unwrap();
     let mut status = RecorderStatus::default();
@@ -315,7 +319,7 @@ fn a_recorder_that_goes_without_a_word_has_died(carrier: &impl Carrier) {
 fn requests_are_answered(carrier: &impl Carrier) {
     let name = bench("answers");
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let settings = Settings::new(
         &builtin::rotor("three-mass").unwrap(),
         2.5,
@@ -365,7 +369,7 @@ fn requests_are_answered(carrier: &impl Carrier) {
 fn a_silent_simulation_does_not_hang_its_readers(carrier: &impl Carrier) {
     let name = bench("silent");
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let _inbox = host.inbox().unwrap();
     let mut commander = carrier.command(&name).unwrap();
     let request = Change::Restart.request("me", "why not").unwrap();
@@ -379,7 +383,7 @@ fn a_silent_simulation_does_not_hang_its_readers(carrier: &impl Carrier) {
 fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
     let name = bench("again");
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     let mut commander = carrier.command(&name).unwrap();
     states.send(1, number(5)).unwrap();
@@ -388,7 +392,7 @@ fn a_listener_hears_the_next_simulation_of_the_name(carrier: &impl Carrier) {
     wait_for("the end", || (listener.host() == HostState::Gone).then_some(()));
     assert!(commander.ask(&Change::Restart.request("me", "why not").unwrap(), Duration::from_millis(20)).is_err());
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     assert_eq!(listener.host(), HostState::Alive);
     states.send(1, number(0)).unwrap();
     assert_eq!(drained(&mut listener), [5, 0]);
@@ -481,7 +485,7 @@ fn a_killed_recorder_has_died_and_the_next_one_takes_its_place() {
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
     let name = bench("killed");
     let host = carrier.host(&name).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     let mut child = std::process::Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "recorder_to_be_killed"])
@@ -499,6 +503,11 @@ fn a_killed_recorder_has_died_and_the_next_one_takes_its_place() {
     let mut late = carrier.listen(&name).unwrap();
     assert_eq!(late.recorder().unwrap(), None);
     carrier.recorder(&name).unwrap();
+}
+
+/// The number of the first step of a message.
+fn first_seq(words: &[u64]) -> u64 {
+    Row::all(words).next().unwrap().seq()
 }
 
 /// iceoryx2 as a program in another language would set it up: it knows the folder and the prefix, and has no lease.
@@ -524,7 +533,7 @@ fn a_bench_of_another_version_is_told_so_in_words() {
     let node = NodeBuilder::new().name(&"sim".try_into().unwrap()).config(&config).create::<ipc::Service>().unwrap();
     let _other = node
         .service_builder(&"whirl/other/state".try_into().unwrap())
-        .publish_subscribe::<[State]>()
+        .publish_subscribe::<[u64]>()
         .create_with_attributes(
             &AttributeSpecifier::new().define(&"whirl.schema".try_into().unwrap(), &"0".try_into().unwrap()).unwrap(),
         )
@@ -542,7 +551,7 @@ fn nothing_is_left_when_the_last_one_goes() {
     let witness = root.prefix().to_owned();
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
     let host = carrier.host(&bench("brief")).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     states.send(1, number(1)).unwrap();
     assert!(in_shared_memory(&root) > 0);
     drop((states, host, carrier, root));
@@ -559,7 +568,7 @@ fn benches_are_listed_with_who_is_attached() {
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
     assert_eq!(carrier.benches().unwrap(), []);
     let host = carrier.host(&bench("b")).unwrap();
-    let _states = host.states().unwrap();
+    let _states = host.states(LAYOUT).unwrap();
     let other = carrier.host(&bench("a")).unwrap();
     let _listener = carrier.listen(&bench("b"));
     let benches = carrier.benches().unwrap();
@@ -578,7 +587,7 @@ fn works_under(path: &Path) {
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
     let name = bench("here");
     let host = carrier.host(&name).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    let (mut states, _inbox) = (host.states().unwrap(), host.inbox().unwrap());
+    let (mut states, _inbox) = (host.states(LAYOUT).unwrap(), host.inbox().unwrap());
     let mut listener = carrier.listen(&name).unwrap();
     let _commander = carrier.command(&name).unwrap();
     states.send(1, number(3)).unwrap();
@@ -635,10 +644,10 @@ fn a_reader_that_holds_no_lease_keeps_its_services_when_the_last_of_ours_goes() 
     let carrier = wire::SharedMemory::new(&root, "test").unwrap();
     let name = bench("shared");
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     let node = NodeBuilder::new().config(&config).create::<ipc::Service>().unwrap();
     let service = node.service_builder(&"whirl/shared/state".try_into().unwrap());
-    let subscriber = service.publish_subscribe::<[State]>().open().unwrap().subscriber_builder().create().unwrap();
+    let subscriber = service.publish_subscribe::<[u64]>().open().unwrap().subscriber_builder().create().unwrap();
     states.send(1, number(1)).unwrap();
     drop((states, host, carrier, root));
 
@@ -647,10 +656,11 @@ fn a_reader_that_holds_no_lease_keeps_its_services_when_the_last_of_ours_goes() 
     // Asked to clean up, we leave it alone too.
     assert_eq!(wire::clean(&carrier).unwrap(), 0);
     let host = carrier.host(&name).unwrap();
-    let mut states = host.states().unwrap();
+    let mut states = host.states(LAYOUT).unwrap();
     assert_eq!(host.listeners(), 1);
     states.send(1, number(2)).unwrap();
-    let heard: Vec<u64> = std::iter::from_fn(|| subscriber.receive().unwrap()).map(|s| s.payload()[0].seq).collect();
+    let heard: Vec<u64> =
+        std::iter::from_fn(|| subscriber.receive().unwrap()).map(|s| first_seq(s.payload())).collect();
     assert_eq!(heard, [1, 2], "it hears the next simulation of the name");
     drop((states, host, carrier, subscriber, node));
     drop(root);

@@ -77,7 +77,7 @@ pub(super) fn steps(path: &Path) -> BTreeMap<u64, wire::State> {
     Recording::open(path)
         .unwrap()
         .visit(0..u64::MAX, 1, |state| {
-            steps.insert(state.seq, *state);
+            steps.insert(state.seq(), *state);
             ControlFlow::Continue(())
         })
         .unwrap();

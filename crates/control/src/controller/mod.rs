@@ -208,6 +208,13 @@ impl Controller {
         &self.reading[0]
     }
 
+    /// What it read last of the displacement at a station, counted from 0; `None` where it has no sensor.
+    #[must_use]
+    pub fn reading_at(&self, station: usize) -> Option<C64> {
+        let sensor = self.sensors.binary_search(&station).ok()?;
+        self.reading[0].get(sensor).copied()
+    }
+
     /// What it puts out at the end of the last stretch.
     #[must_use]
     pub fn output(&self) -> Output {

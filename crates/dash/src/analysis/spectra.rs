@@ -198,7 +198,7 @@ fn row(fall: &Fall, end: usize, welch: &mut Welch) -> Option<Row> {
 mod tests {
     use std::time::Instant;
 
-    use wire::State;
+    use wire::{Point, Step};
 
     use super::*;
     use crate::feed::{Feed, tests};
@@ -211,10 +211,10 @@ mod tests {
         let mut feed = Feed::new("");
         feed.read(tests::bulletin("three-mass", "composite"));
         for seq in 0..steps {
-            let mut state = tests::state(3, seq);
-            let (p, q) = (C64::from_polar(2.0, 2.5 * state.tau), C64::from_polar(0.5, -1.25 * state.tau));
-            (state.masses[0].y, state.masses[0].z, state.speed) = ((p + q).re, (p + q).im, speed(seq));
-            feed.hear(&state, now);
+            let state = tests::state(3, seq);
+            let p = C64::from_polar(2.0, 2.5 * state.tau()) + C64::from_polar(0.5, -1.25 * state.tau());
+            let state = state.with_point(0, Point { y: p.re, z: p.im, ..Point::default() });
+            feed.hear(&state.with(wire::Channel::Speed, 0, speed(seq)), now);
         }
         feed.picture(&ViewTime::LIVE, now)
     }
@@ -238,7 +238,7 @@ mod tests {
         let now = Instant::now();
         let mut feed = Feed::new("");
         (0..5000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
-        (5000..6000).for_each(|seq| feed.hear(&State { seq, ..tests::state(3, seq - 5000) }, now));
+        (5000..6000).for_each(|seq| feed.hear(&tests::state(3, seq - 5000).with_word(wire::Channel::Seq, seq), now));
         let picture = feed.picture(&ViewTime::LIVE, now);
         let found = spectrum(&picture);
         assert!((found.tau - 10.0).abs() < 0.2, "{}", found.tau);

@@ -3,6 +3,8 @@
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
 use ratatui::buffer::Buffer;
 
+use wire::Channel;
+
 use super::*;
 use crate::feed::tests::{bulletin, state};
 
@@ -115,13 +117,15 @@ fn play(events: u64, seed: u64) {
                 let mut feed = lock(&app.feed);
                 for _ in 0..dice.below(40) {
                     seq += 1 + dice.below(50) / 49;
-                    let mut one = wire::State { run_id: run, revision, ..state(masses, seq) };
+                    let mut one =
+                        state(masses, seq).with_word(Channel::RunId, run).with_word(Channel::Revision, revision);
                     if dice.below(50) == 0 {
-                        one.flags = wire::Flags::TRIPPED;
+                        one = one.with_flags(wire::Flags::TRIPPED);
                     }
                     if dice.below(2000) == 0 {
-                        one.masses[0].y = f64::INFINITY;
-                        one.force_delivered = [f64::NAN; 2];
+                        let mut row = one.row_mut();
+                        row.set(Channel::Y, 0, f64::INFINITY);
+                        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [f64::NAN; 2]);
                     }
                     feed.hear(&one, Instant::now());
                 }

@@ -82,6 +82,7 @@ mod tests {
     use crate::options::Options;
     use crate::replay::Past as _;
     use crate::replay::tests::session;
+    use wire::Step;
 
     /// A dashboard on a recording after some keys.
     fn played(keys: &[KeyCode]) -> App<'static> {
@@ -162,10 +163,10 @@ mod tests {
         assert_eq!(app.player.as_ref().unwrap().seq(), 100);
         app.press(KeyEvent::new(Char('>'), KeyModifiers::NONE));
         assert_eq!(app.player.as_ref().unwrap().seq(), 101);
-        let tau = session().states[57].tau;
+        let tau = session().states[57].tau();
         app.look_when(0, tau);
         let stands = app.player.as_ref().unwrap().seq();
-        assert!((session().states[stands as usize].tau - tau).abs() < 0.0101);
+        assert!((session().states[stands as usize].tau() - tau).abs() < 0.0101);
     }
 
     #[test]
@@ -173,7 +174,7 @@ mod tests {
         // tau rises by 0.01 a step, from 0.01 on; the last stretch that reaches 0.5 is that after the last restart.
         let (there, ..) = pressed(&[Char('g'), Char('0'), Char('.'), Char('5'), Char('7'), Backspace, Enter]);
         let session = session();
-        assert!((session.states[there as usize].tau - 0.5).abs() < 0.0101);
+        assert!((session.states[there as usize].tau() - 0.5).abs() < 0.0101);
         assert_eq!(pressed(&[Char('g'), Char('5'), Esc]).0, 0);
         assert!(
             matches!(pressed(&[Char('g'), Char('-'), Enter]).2, Message::Bad(words) if words == "go '-': expected a number")

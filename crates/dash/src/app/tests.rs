@@ -589,7 +589,7 @@ fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
         (3000..6000).for_each(|seq| {
             // The event below is at 50 602 s.
             let wall_ns = 50_600_000_000_000 + (seq - 3000) * 1_000_000;
-            feed.hear(&wire::State { wall_ns, ..tests::state(3, seq) }, Instant::now());
+            feed.hear(&tests::state(3, seq).with_word(wire::Channel::WallNs, wall_ns), Instant::now());
         });
         let note = wire::Happening::Note("here it hums".into());
         feed.happen(&crate::journal::tests::event(2, &note, &settings));

@@ -1,7 +1,7 @@
 //! A run of consecutive steps in columns, with the range of every column over groups of them: drawing a million steps
 //! then looks at thousands of ranges.
 
-use wire::State;
+use wire::{Channel as Told, Layout, PAIRS, Pair, Step};
 
 /// Steps in a block.
 pub(crate) const STEPS: usize = 1024;
@@ -11,72 +11,75 @@ const GROUP: usize = 64;
 /// One quantity of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Channel {
-    /// Dimensionless time.
-    Tau,
-    /// Spin angle in radians, unwrapped.
-    Angle,
-    /// Spin speed `R`.
-    Speed,
-    /// Control delivered along y.
-    ForceY,
-    /// Control delivered along z.
-    ForceZ,
-    /// Control asked for along y.
-    CommandY,
-    /// Control asked for along z.
-    CommandZ,
-    /// Displacement of a mass along y.
-    Y(usize),
-    /// Displacement of a mass along z.
-    Z(usize),
-    /// Velocity of a mass along y.
-    Vy(usize),
-    /// Velocity of a mass along z.
-    Vz(usize),
-    /// Magnitude of the control delivered.
-    Force,
-    /// Magnitude of the control asked for.
-    Command,
-    /// Distance of a mass from the centre.
-    Radius(usize),
-}
-
-/// Columns before those of the masses.
-const HEAD: usize = 7;
-/// Columns of a mass.
-const OF_MASS: usize = 4;
-
-/// Columns that are kept for `masses` masses.
-const fn kept(masses: usize) -> usize {
-    HEAD + OF_MASS * masses
-}
-
-/// Columns whose ranges are kept: those, and the magnitudes.
-const fn ranged(masses: usize) -> usize {
-    kept(masses) + 2 + masses
+    /// A number that is told, of a mass or sensor counted from 0; of what occurs once, 0.
+    Of(Told, usize),
+    /// The size of a pair of [`PAIRS`], by its place in the table, of a mass or sensor.
+    Size(usize, usize),
 }
 
 impl Channel {
-    /// Its place among the columns, for a rotor of `masses` masses.
-    fn column(self, masses: usize) -> usize {
-        let of_mass = |mass: usize, which: usize| HEAD + OF_MASS * mass + which;
+    /// Dimensionless time.
+    pub(crate) const TAU: Self = Self::Of(Told::Tau, 0);
+    /// Spin angle in radians, unwrapped.
+    pub(crate) const ANGLE: Self = Self::Of(Told::Angle, 0);
+    /// Spin speed `R`.
+    pub(crate) const SPEED: Self = Self::Of(Told::Speed, 0);
+    /// Control delivered along y.
+    pub(crate) const FORCE_Y: Self = Self::Of(Told::ForceY, 0);
+    /// Control delivered along z.
+    pub(crate) const FORCE_Z: Self = Self::Of(Told::ForceZ, 0);
+    /// Control asked for along y.
+    pub(crate) const COMMAND_Y: Self = Self::Of(Told::CommandY, 0);
+    /// Control asked for along z.
+    pub(crate) const COMMAND_Z: Self = Self::Of(Told::CommandZ, 0);
+    /// Magnitude of the control delivered.
+    pub(crate) const FORCE: Self = Self::size(Told::ForceY, 0);
+
+    /// Displacement of a mass along y.
+    pub(crate) const fn y(mass: usize) -> Self {
+        Self::Of(Told::Y, mass)
+    }
+
+    /// Displacement of a mass along z.
+    pub(crate) const fn z(mass: usize) -> Self {
+        Self::Of(Told::Z, mass)
+    }
+
+    /// Distance of a mass from the centre.
+    pub(crate) const fn radius(mass: usize) -> Self {
+        Self::size(Told::Y, mass)
+    }
+
+    /// The size of the pair that begins with `y`.
+    pub(crate) const fn size(y: Told, index: usize) -> Self {
+        let mut pair = 0;
+        while PAIRS[pair].channels[0] as usize != y as usize {
+            pair += 1;
+        }
+        Self::Size(pair, index)
+    }
+
+    /// Its place among the columns, of those whose ranges are kept.
+    fn column(self, layout: Layout) -> usize {
         match self {
-            Self::Tau => 0,
-            Self::Angle => 1,
-            Self::Speed => 2,
-            Self::ForceY => 3,
-            Self::ForceZ => 4,
-            Self::CommandY => 5,
-            Self::CommandZ => 6,
-            Self::Y(mass) => of_mass(mass, 0),
-            Self::Z(mass) => of_mass(mass, 1),
-            Self::Vy(mass) => of_mass(mass, 2),
-            Self::Vz(mass) => of_mass(mass, 3),
-            Self::Force => kept(masses),
-            Self::Command => kept(masses) + 1,
-            Self::Radius(mass) => kept(masses) + 2 + mass,
+            Self::Of(channel, index) => layout.place(channel, index) - wire::WHOLES,
+            Self::Size(pair, index) => layout.numbers() + sizes(layout, pair) + index,
         }
     }
+}
+
+/// Sizes that come before those of pair `pair`.
+fn sizes(layout: Layout, pair: usize) -> usize {
+    PAIRS[..pair].iter().map(|pair| layout.count(scope_of(pair))).sum()
+}
+
+fn scope_of(pair: &Pair) -> wire::Scope {
+    pair.channels[0].row().scope
+}
+
+/// Columns whose ranges are kept: the numbers of a step, and the sizes of its pairs.
+fn ranged(layout: Layout) -> usize {
+    layout.numbers() + sizes(layout, PAIRS.len())
 }
 
 /// No values yet: whatever is added becomes the range.
@@ -89,7 +92,9 @@ fn widen(range: &mut [f64; 2], other: [f64; 2]) {
 /// Up to [`STEPS`] steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    masses: usize,
+    layout: Layout,
+    /// Columns whose ranges are kept.
+    ranged: usize,
     len: usize,
     /// Column after column, [`STEPS`] values each.
     values: Box<[f64]>,
@@ -102,22 +107,24 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// An empty block for a rotor of `masses` masses.
-    pub(crate) fn new(masses: usize) -> Self {
+    /// An empty block for steps of this layout.
+    pub(crate) fn new(layout: Layout) -> Self {
+        let ranged = ranged(layout);
         Self {
-            masses,
+            layout,
+            ranged,
             len: 0,
-            values: vec![0.0; STEPS * kept(masses)].into(),
-            groups: vec![NOTHING; STEPS / GROUP * ranged(masses)].into(),
-            whole: vec![NOTHING; ranged(masses)].into(),
+            values: vec![0.0; STEPS * layout.numbers()].into(),
+            groups: vec![NOTHING; STEPS / GROUP * ranged].into(),
+            whole: vec![NOTHING; ranged].into(),
             wall_ns: vec![0; STEPS].into(),
             flags: vec![0; STEPS].into(),
         }
     }
 
-    /// Bytes of a block for `masses` masses.
-    pub(crate) const fn bytes(masses: usize) -> usize {
-        size_of::<Self>() + STEPS * (8 * kept(masses) + 8 + 4) + 16 * (STEPS / GROUP + 1) * ranged(masses)
+    /// Bytes of a block for steps of this layout.
+    pub(crate) fn bytes(layout: Layout) -> usize {
+        size_of::<Self>() + STEPS * (8 * layout.numbers() + 8 + 4) + 16 * (STEPS / GROUP + 1) * ranged(layout)
     }
 
     /// How many steps it holds.
@@ -125,48 +132,45 @@ impl Block {
         self.len
     }
 
-    /// Takes in one step of a rotor of as many masses. The block must not be full.
-    pub(crate) fn push(&mut self, state: &State) {
+    /// Takes in one step of the same layout. The block must not be full.
+    pub(crate) fn push(&mut self, step: &impl Step) {
         let at = self.len;
-        self.wall_ns[at] = state.wall_ns;
-        self.flags[at] = state.flags.0;
-        let group = at / GROUP * ranged(self.masses);
-        let mut place = |column: usize, value: f64| {
+        self.wall_ns[at] = step.wall_ns();
+        self.flags[at] = step.flags().0;
+        let group = at / GROUP * self.ranged;
+        let mut range = |column: usize, value: f64| {
             widen(&mut self.groups[group + column], [value; 2]);
             widen(&mut self.whole[column], [value; 2]);
-            if let Some(place) = self.values.get_mut(column * STEPS + at) {
-                *place = value;
-            }
         };
-        let ([u_y, u_z], [c_y, c_z]) = (state.force_delivered, state.force_commanded);
-        let head = [state.tau, state.angle, state.speed, u_y, u_z, c_y, c_z];
-        head.into_iter().enumerate().for_each(|(column, value)| place(column, value));
-        for (mass, point) in state.points().iter().enumerate() {
-            place(Channel::Y(mass).column(self.masses), point.y);
-            place(Channel::Z(mass).column(self.masses), point.z);
-            place(Channel::Vy(mass).column(self.masses), point.vy);
-            place(Channel::Vz(mass).column(self.masses), point.vz);
-            place(Channel::Radius(mass).column(self.masses), point.radius());
+        for (column, value) in step.numbers().enumerate() {
+            range(column, value);
+            self.values[column * STEPS + at] = value;
         }
-        place(Channel::Force.column(self.masses), u_y.hypot(u_z));
-        place(Channel::Command.column(self.masses), c_y.hypot(c_z));
+        let mut column = self.layout.numbers();
+        for pair in &PAIRS {
+            for index in 0..self.layout.count(scope_of(pair)) {
+                let [y, z] = pair.channels.map(|channel| step.number(channel, index));
+                range(column, y.hypot(z));
+                column += 1;
+            }
+        }
         self.len += 1;
     }
 
     /// A quantity at step `at`.
     pub(crate) fn value(&self, channel: Channel, at: usize) -> f64 {
-        let of = |channel: Channel| self.values[channel.column(self.masses) * STEPS + at];
         match channel {
-            Channel::Force => of(Channel::ForceY).hypot(of(Channel::ForceZ)),
-            Channel::Command => of(Channel::CommandY).hypot(of(Channel::CommandZ)),
-            Channel::Radius(mass) => of(Channel::Y(mass)).hypot(of(Channel::Z(mass))),
-            channel => of(channel),
+            Channel::Of(..) => self.values[channel.column(self.layout) * STEPS + at],
+            Channel::Size(pair, index) => {
+                let [y, z] = PAIRS[pair].channels.map(|part| self.value(Channel::Of(part, index), at));
+                y.hypot(z)
+            }
         }
     }
 
     /// A quantity of its own, over all steps that there is room for.
     pub(crate) fn values(&self, channel: Channel) -> &[f64] {
-        let column = channel.column(self.masses);
+        let column = channel.column(self.layout);
         &self.values[column * STEPS..(column + 1) * STEPS]
     }
 
@@ -182,7 +186,7 @@ impl Block {
 
     /// Widens `range` by the values of a quantity over the steps `from..to` of this block.
     pub(crate) fn widen(&self, range: &mut [f64; 2], channel: Channel, from: usize, to: usize) {
-        let column = channel.column(self.masses);
+        let column = channel.column(self.layout);
         if from == 0 && to == self.len {
             widen(range, self.whole[column]);
             return;
@@ -191,7 +195,7 @@ impl Block {
         while at < to {
             let group_ends = (at / GROUP + 1) * GROUP;
             if at.is_multiple_of(GROUP) && group_ends <= to {
-                widen(range, self.groups[at / GROUP * ranged(self.masses) + column]);
+                widen(range, self.groups[at / GROUP * self.ranged + column]);
             } else {
                 let steps = at..group_ends.min(to);
                 match self.values.get(column * STEPS..(column + 1) * STEPS) {

@@ -13,15 +13,15 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use wire::message::Flags;
-use wire::{Bulletin, State};
+use wire::{Bulletin, Layout, Step};
 
 pub(crate) use block::Channel;
 use block::{Block, STEPS};
 pub(crate) use era::{Era, Mark};
 pub(crate) use track::Track;
 
-/// Bytes that steps may take unless somebody says otherwise: 12 minutes of a rotor with three masses at 1000 steps a second.
-pub(crate) const BOUND: usize = 128_000_000;
+/// Bytes that steps may take unless somebody says otherwise: 10 minutes of a rotor with three masses at 1000 steps a second.
+pub(crate) const BOUND: usize = 145_000_000;
 /// Eras and marks that are kept of each: a key that repeats through the whole history makes no more.
 const NOTES_KEPT: usize = 4096;
 
@@ -30,7 +30,7 @@ const NOTES_KEPT: usize = 4096;
 pub(crate) struct History {
     /// Bytes that steps may take.
     bound: usize,
-    masses: usize,
+    layout: Layout,
     /// Full blocks.
     blocks: VecDeque<Arc<Block>>,
     /// The block that is being filled, once there is a step.
@@ -54,7 +54,7 @@ impl History {
     pub(crate) fn new(bound: usize) -> Self {
         Self {
             bound,
-            masses: 0,
+            layout: Layout::default(),
             blocks: VecDeque::new(),
             open: None,
             first: 0,
@@ -78,38 +78,38 @@ impl History {
 
     /// How many steps of a rotor of `masses` masses there is room for.
     pub(crate) fn room_for(&self, masses: usize) -> u64 {
-        ((self.bound / Block::bytes(masses)).saturating_sub(1).max(8) * STEPS) as u64
+        ((self.bound / Block::bytes(Layout::new(masses))).saturating_sub(1).max(8) * STEPS) as u64
     }
 
     /// Takes in one step. A rotor of another number of masses starts the history anew; a gap in the numbers is a loss.
-    pub(crate) fn push(&mut self, state: &State) {
-        let masses = state.points().len();
-        if masses != self.masses {
+    pub(crate) fn push(&mut self, state: &impl Step) {
+        let layout = state.layout();
+        if layout != self.layout {
             *self = Self { first: self.end(), eras: std::mem::take(&mut self.eras), ..Self::new(self.bound) };
-            self.masses = masses;
+            self.layout = layout;
         }
-        let is_new_run = state.run_id != self.run_id;
-        let tripped = state.flags.has(Flags::TRIPPED);
+        let is_new_run = state.run_id() != self.run_id;
+        let tripped = state.flags().has(Flags::TRIPPED);
         if is_new_run {
             if !self.is_empty() {
                 self.mark(Mark::NewRun);
             }
-            self.run_id = state.run_id;
+            self.run_id = state.run_id();
             self.lost = 0;
         } else {
-            let lost = state.seq.saturating_sub(self.last_seq + 1);
+            let lost = state.seq().saturating_sub(self.last_seq + 1);
             self.lost += lost;
             if lost > 0 && !(tripped && self.tripped) {
                 self.mark(Mark::Lost(lost));
             }
         }
-        self.last_seq = state.seq;
+        self.last_seq = state.seq();
         let is_new_revision = self.pass(state);
         // A machine that is held would push what tripped it out of the picture.
         if tripped && self.tripped && !is_new_run {
             return;
         }
-        let restarted = !is_new_run && !self.is_empty() && state.tau < self.last_tau;
+        let restarted = !is_new_run && !self.is_empty() && state.tau() < self.last_tau;
         if restarted {
             self.mark(Mark::Restart);
         }
@@ -120,23 +120,23 @@ impl History {
             self.peak_force = 0.0;
         }
         self.tripped = tripped;
-        self.last_tau = state.tau;
-        let [u_y, u_z] = state.force_delivered;
+        self.last_tau = state.tau();
+        let [u_y, u_z] = state.force_delivered();
         self.peak_force = self.peak_force.max(u_y.hypot(u_z));
         self.keep(state);
     }
 
     /// Puts a step behind the others, and lets go of the oldest if there is no more room.
-    fn keep(&mut self, state: &State) {
-        let open = self.open.get_or_insert_with(|| Block::new(self.masses));
+    fn keep(&mut self, state: &impl Step) {
+        let open = self.open.get_or_insert_with(|| Block::new(self.layout));
         open.push(state);
         if open.len() < STEPS {
             return;
         }
-        let full = std::mem::replace(open, Block::new(self.masses));
+        let full = std::mem::replace(open, Block::new(self.layout));
         self.blocks.push_back(Arc::new(full));
         // The open block counts too, and the latest motion always stays.
-        let most = (self.bound / Block::bytes(self.masses)).saturating_sub(1).max(8);
+        let most = (self.bound / Block::bytes(self.layout)).saturating_sub(1).max(8);
         while self.blocks.len() > most {
             self.blocks.pop_front();
             self.first += STEPS as u64;
@@ -156,10 +156,10 @@ impl History {
     }
 
     /// Notes which settings a step was made with. Returns whether they are others than before, in the same run.
-    fn pass(&mut self, state: &State) -> bool {
+    fn pass(&mut self, state: &impl Step) -> bool {
         let place = self.end();
         let last = self.passages.back().map(|(_, run, revision)| (*run, *revision));
-        if last == Some((state.run_id, state.revision)) {
+        if last == Some((state.run_id(), state.revision())) {
             return false;
         }
         // Several changes while the machine is held: only the last was ever used.
@@ -169,10 +169,10 @@ impl History {
         if self.passages.len() == NOTES_KEPT {
             self.passages.pop_front();
         }
-        self.passages.push_back((place, state.run_id, state.revision));
-        let is_change = last.is_some_and(|(run, _)| run == state.run_id);
+        self.passages.push_back((place, state.run_id(), state.revision()));
+        let is_change = last.is_some_and(|(run, _)| run == state.run_id());
         if is_change {
-            self.mark(Mark::Settings(state.revision));
+            self.mark(Mark::Settings(state.revision()));
         }
         is_change
     }
@@ -252,7 +252,7 @@ impl History {
         let since = self.marks.iter().take(before).rev().find(|(_, mark)| mark.starts_anew());
         let since = since.map_or(self.first, |(at, _)| *at);
         self.track(&(since..place + 1))
-            .range(Channel::Force, 0..(place + 1 - since) as usize)
+            .range(Channel::FORCE, 0..(place + 1 - since) as usize)
             .map_or(0.0, |[_, most]| most)
     }
 
@@ -281,7 +281,7 @@ impl History {
         if to > self.blocks.len() {
             blocks.extend(self.open.clone().map(Arc::new));
         }
-        Track::new(self.masses, blocks, start, ((start - self.first) as usize) % STEPS, (end - start) as usize)
+        Track::new(self.layout, blocks, start, ((start - self.first) as usize) % STEPS, (end - start) as usize)
     }
 
     /// Steps of this run that were sent and did not reach us.
@@ -315,7 +315,7 @@ impl History {
     /// How many steps there is room for.
     #[cfg(test)]
     pub(crate) fn room(&self) -> usize {
-        self.bound / Block::bytes(self.masses) * STEPS
+        self.bound / Block::bytes(self.layout) * STEPS
     }
 }
 

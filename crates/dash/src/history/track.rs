@@ -3,6 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use wire::Layout;
 use wire::message::Flags;
 
 use super::block::{Block, Channel, STEPS};
@@ -10,7 +11,7 @@ use super::block::{Block, Channel, STEPS};
 /// Consecutive steps, shared with the history; the first has the index 0.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Track {
-    masses: usize,
+    layout: Layout,
     blocks: Vec<Arc<Block>>,
     first: u64,
     /// Index within the first block of the first step.
@@ -20,13 +21,18 @@ pub(crate) struct Track {
 
 impl Track {
     /// `len` steps from the one that is `skipped` steps into the first block; its place in the history is `first`.
-    pub(crate) fn new(masses: usize, blocks: Vec<Arc<Block>>, first: u64, skipped: usize, len: usize) -> Self {
-        Self { masses, blocks, first, skipped, len }
+    pub(crate) fn new(layout: Layout, blocks: Vec<Arc<Block>>, first: u64, skipped: usize, len: usize) -> Self {
+        Self { layout, blocks, first, skipped, len }
     }
 
     /// How many masses the rotor of these steps has; 0 before the first.
     pub(crate) fn masses(&self) -> usize {
-        self.masses
+        self.layout.masses()
+    }
+
+    /// What is told of a step.
+    pub(crate) fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// How many steps there are.
@@ -46,7 +52,7 @@ impl Track {
         blocks.flat_map(move |at| {
             let within = from.max(at * STEPS) - at * STEPS..to.min((at + 1) * STEPS) - at * STEPS;
             let block = &self.blocks[at];
-            let [y, z] = [Channel::Y(mass), Channel::Z(mass)].map(|channel| &block.values(channel)[within.clone()]);
+            let [y, z] = [Channel::y(mass), Channel::z(mass)].map(|channel| &block.values(channel)[within.clone()]);
             y.iter().zip(z).map(|(y, z)| [*y, *z])
         })
     }
@@ -82,37 +88,37 @@ impl Track {
 
     /// Dimensionless time of step `step`.
     pub(crate) fn tau(&self, step: usize) -> f64 {
-        self.value(Channel::Tau, step)
+        self.value(Channel::TAU, step)
     }
 
     /// Spin angle at step `step`, in radians.
     pub(crate) fn angle(&self, step: usize) -> f64 {
-        self.value(Channel::Angle, step)
+        self.value(Channel::ANGLE, step)
     }
 
     /// Spin speed `R` at step `step`.
     pub(crate) fn speed(&self, step: usize) -> f64 {
-        self.value(Channel::Speed, step)
+        self.value(Channel::SPEED, step)
     }
 
     /// Control `[y, z]` delivered at step `step`.
     pub(crate) fn force(&self, step: usize) -> [f64; 2] {
-        [self.value(Channel::ForceY, step), self.value(Channel::ForceZ, step)]
+        [self.value(Channel::FORCE_Y, step), self.value(Channel::FORCE_Z, step)]
     }
 
     /// Control `[y, z]` asked for at step `step`.
     pub(crate) fn commanded(&self, step: usize) -> [f64; 2] {
-        [self.value(Channel::CommandY, step), self.value(Channel::CommandZ, step)]
+        [self.value(Channel::COMMAND_Y, step), self.value(Channel::COMMAND_Z, step)]
     }
 
     /// Displacement `[y, z]` of a mass at step `step`.
     pub(crate) fn place(&self, step: usize, mass: usize) -> [f64; 2] {
-        [self.value(Channel::Y(mass), step), self.value(Channel::Z(mass), step)]
+        [self.value(Channel::y(mass), step), self.value(Channel::z(mass), step)]
     }
 
     /// Velocity `[y, z]` of a mass at step `step`.
     pub(crate) fn velocity(&self, step: usize, mass: usize) -> [f64; 2] {
-        [self.value(Channel::Vy(mass), step), self.value(Channel::Vz(mass), step)]
+        [self.value(Channel::Of(wire::Channel::Vy, mass), step), self.value(Channel::Of(wire::Channel::Vz, mass), step)]
     }
 
     /// When step `step` was due to be sent, nanoseconds since 1970.

@@ -87,7 +87,8 @@ fn problems_name_line_and_column() {
         assert_eq!(wrong(text), problem, "{text}");
     }
     assert!(
-        wrong("[[screen]]\nstrips = 'y foo'\npicture = 'strips'").starts_with("2:13: 'foo': expected y, z, radius")
+        wrong("[[screen]]\nstrips = 'y foo'\npicture = 'strips'")
+            .starts_with("2:13: 'foo': expected tau, angle, speed")
     );
     assert!(wrong("[[screen]]\npicture = 'pole'").starts_with("2:12: no panel 'pole': expected one of poles, damping"));
     assert!(

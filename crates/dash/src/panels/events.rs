@@ -158,7 +158,7 @@ mod tests {
         // Steps a second apart, as the events are.
         for seq in 0..100 {
             feed.hear(
-                &wire::State { wall_ns: (50_600 + seq) * 1_000_000_000, ..tests::state(3, seq) },
+                &tests::state(3, seq).with_word(wire::Channel::WallNs, (50_600 + seq) * 1_000_000_000),
                 std::time::Instant::now(),
             );
         }

@@ -99,7 +99,7 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     // A zero has no sign.
     let [y, z] = track.force(now).map(|part| part * factor + 0.0);
     let most = picture.peak_force * factor;
-    let within = track.range(Channel::Force, picture.window.clone()).map_or(0.0, |[_, high]| high * factor);
+    let within = track.range(Channel::FORCE, picture.window.clone()).map_or(0.0, |[_, high]| high * factor);
     let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * factor);
     let [_, full] = axis.over([0.0, limit.unwrap_or(most).max(f64::MIN_POSITIVE)]);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
@@ -186,7 +186,7 @@ mod tests {
             let mut state = tests::state(3, 0);
             let (mut p, mut v) = ([C64::ZERO; 3], [C64::ZERO; 3]);
             for (mass, q) in at.chunks(4).enumerate() {
-                state.masses[mass] = wire::message::Point { y: q[0], z: q[1], vy: q[2], vz: q[3] };
+                state = state.with_point(mass, wire::Point { y: q[0], z: q[1], vy: q[2], vz: q[3] });
                 (p[mass], v[mass]) = (C64::new(q[0], q[1]), C64::new(q[2], q[3]));
             }
             let now = std::time::Instant::now();

@@ -57,7 +57,7 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let track = &picture.track;
     let shown = shown_steps(track, picture.now);
-    let furthest = |mass| track.range(Channel::Radius(mass), shown.clone()).map_or(0.0, |[_, furthest]| furthest);
+    let furthest = |mass| track.range(Channel::radius(mass), shown.clone()).map_or(0.0, |[_, furthest]| furthest);
     let reach = (0..picture.masses()).map(furthest).fold(0.0, f64::max);
     let beside = view.replay.as_ref().and_then(|replay| replay.beside);
     let other = |step| (0..picture.masses()).filter_map(move |mass| beside?.place(step, mass)).map(radius);
@@ -269,7 +269,7 @@ mod tests {
         (0..500).for_each(|seq| feed.hear(&tests::state(3, seq), now));
         (500..600).for_each(|seq| {
             let fresh = tests::state(3, seq - 500);
-            feed.hear(&wire::State { seq, ..fresh }, now);
+            feed.hear(&fresh.with_word(wire::Channel::Seq, seq), now);
         });
         let picture = feed.picture(&ViewTime::LIVE, now);
         assert_eq!(shown_steps(&picture.track, picture.now), 500..600);

@@ -2,12 +2,13 @@
 //!
 //! ```text
 //! ┌ step at tau 29.99 ────────────────────────┐
-//! │ R 2.5   angle 74.975 rad   turn 11         │
+//! │ R 2.5  rate 0  angle 74.975 rad  turn 11   │
 //! │ mass               y         z        vy        vz    radius │
 //! │   1           1.2345   -0.5432 ...         │
 //! │ u delivered   0.8000   -0.0123                        0.8001 │
 //! │ u commanded   0.8000   -0.0123                        0.8001 │
 //! │ flags contact.1                            │
+//! │ reads 1       1.2345   -0.5432                        1.3487 │
 //! └────────────────────────────────────────────┘
 //! ```
 
@@ -16,9 +17,12 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::Line;
 
+use wire::{Channel as Told, Dimension};
+
 use super::list::{List, mark, passes, told};
 use super::panel::Panel;
 use super::{framed, write};
+use crate::history::Channel;
 use crate::plot::short;
 use crate::theme;
 use crate::view::View;
@@ -57,15 +61,18 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         Some(_) => units.speed.told(track.speed(now), DIGITS),
         None => format!("R {}", short(track.speed(now), DIGITS)),
     };
+    let rate = track.value(Channel::Of(Told::SpeedRate, 0), now);
+    let rate = units.of_dimension(Dimension::Acceleration).told(rate, DIGITS);
     // Words go before numbers.
     let is_wide = usize::from(area.width.saturating_sub(2)) >= NAME + 5 * WIDTH;
     let widths = if is_wide { (NAME, WIDTH) } else { NARROW };
     let [delivered, commanded] = if is_wide { ["u delivered", "u commanded"] } else { ["u", "u cmd"] };
+    let reads = if is_wide { "reads " } else { "rd " };
     let row = |name: &str, cells: [String; 5]| row(widths, name, &cells);
     let (angle, plain) = (track.angle(now), Style::new());
     let turns = (angle / std::f64::consts::TAU).floor();
     let mut lines = vec![
-        (format!("{speed}  angle {} rad  turn {turns}", short(angle, 8)), plain),
+        (format!("{speed}  rate {rate}  angle {} rad  turn {turns}", short(angle, 8)), plain),
         (row("mass", ["y", "z", "vy", "vz", "radius"].map(str::to_owned)), theme::quiet()),
     ];
     for mass in 0..view.picture.masses() {
@@ -85,6 +92,11 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     lines.push((force(commanded, [cy, cz]), plain));
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
+    for sensor in 0..track.layout().sensors() {
+        let [y, z] = [Told::ReadingY, Told::ReadingZ].map(|of| track.value(Channel::Of(of, sensor), now));
+        let [y, z, size] = [y, z, y.hypot(z)].map(|value| units.length.short(value, DIGITS));
+        lines.push((row(&format!("{reads}{}", sensor + 1), [y, z, String::new(), String::new(), size]), plain));
+    }
     let all = lines.len();
     lines.retain(|(line, _)| passes(view.filter, line));
     let names = [units.length, units.velocity, units.force].map(|unit| unit.name).join("  ");
@@ -106,6 +118,8 @@ fn row((first, width): (usize, usize), name: &str, cells: &[String; 5]) -> Strin
 
 #[cfg(test)]
 mod tests {
+    use wire::Step;
+
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::tests::drawn;
@@ -128,15 +142,33 @@ mod tests {
     #[test]
     fn every_number_of_the_step_is_there() {
         let picture = tests::picture();
-        let frame = drawn(64, 10, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
+        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
         insta::assert_snapshot!("raw", frame);
         let last = tests::state(3, 2999);
-        for (mass, point) in last.points().iter().enumerate() {
+        for (mass, point) in last.points().enumerate() {
             for value in [point.y, point.z, point.radius()] {
                 assert!(frame.contains(&short(value, DIGITS)), "mass {mass}: {value}\n{frame}");
             }
         }
         assert!(frame.contains("tau 29.99") && frame.contains("flags none"), "{frame}");
+    }
+
+    #[test]
+    fn every_channel_of_the_table_that_is_a_number_is_shown() {
+        // A value of its own for each, of three digits so that no other number has it.
+        let mut state = tests::state(3, 0);
+        let columns: Vec<_> = state.layout().number_columns().collect();
+        for (at, column) in columns.iter().enumerate() {
+            state = state.with(column.channel, column.index, 1000.0 + 7.0 * at as f64);
+        }
+        let mut feed = Feed::new("");
+        let now = std::time::Instant::now();
+        feed.hear(&state, now);
+        let picture = feed.picture(&ViewTime::LIVE, now);
+        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
+        for (at, column) in columns.iter().enumerate() {
+            assert!(frame.contains(&format!(" {}", 1000 + 7 * at)), "{}:\n{frame}", column.name());
+        }
     }
 
     #[test]
@@ -146,9 +178,9 @@ mod tests {
         let empty = feed.picture(&ViewTime::LIVE, now);
         drawn(64, 10, |area, buffer| Raw::default().draw(&view(&empty), area, buffer));
         let flags = wire::message::Flags::contact(0b10) | wire::message::Flags::SATURATED;
-        feed.hear(&wire::State { flags, ..tests::state(3, 0) }, now);
+        feed.hear(&tests::state(3, 0).with_flags(flags), now);
         let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(64, 10, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
+        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
         assert!(frame.contains("flags contact.2 saturated"), "{frame}");
     }
 }

@@ -235,10 +235,8 @@ mod tests {
         feed.read(bulletin);
         let settings = tests::bulletin("three-mass", "composite").settings.unpack();
         for seq in (0..17_000).filter(|seq| *seq % 4001 != 4000) {
-            let mut state = tests::state(3, seq);
-            state.wall_ns = 50_000_000_000_000 + seq * 1_000_000;
-            state.masses[1].vy = 1.5;
-            feed.hear(&state, now);
+            let state = tests::state(3, seq).with(wire::Channel::Vy, 1, 1.5);
+            feed.hear(&state.with_word(wire::Channel::WallNs, 50_000_000_000_000 + seq * 1_000_000), now);
         }
         let told = [
             wire::Happening::Started,

@@ -6,67 +6,83 @@ use std::ops::Range;
 
 use ratatui::style::Color;
 
+use wire::{CHANNELS, Dimension, PAIRS, Scope};
+
 use crate::history::Channel;
 use crate::picture::Picture;
 use crate::theme;
 use crate::units::{Unit, Units};
 
-/// What a series counts.
+/// Where the values of a series come from: every number of the table of channels and the size of every pair of them is a
+/// series by its name there.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    Length,
-    Velocity,
-    Force,
-    Speed,
-    Ratio,
-}
-
-/// Where the values of a series come from.
-#[derive(Clone, Copy, Debug)]
 enum Source {
-    /// One for each mass.
-    Masses(fn(usize) -> Channel),
-    /// The same for all.
-    One(Channel),
+    /// A channel.
+    Told(wire::Channel),
+    /// The size of a pair, by its place in the table.
+    Size(usize),
     /// The minimum damping of the settings in force.
     Damping,
+    /// Both components of the control delivered.
+    Control,
 }
 
-/// A name that series go by.
-struct Name {
-    name: &'static str,
-    source: Source,
-    quantity: Quantity,
+impl Source {
+    fn all() -> impl Iterator<Item = Self> {
+        let told = CHANNELS.iter().map(|row| row.channel).filter(|channel| channel.is_number()).map(Self::Told);
+        told.chain((0..PAIRS.len()).map(Self::Size)).chain([Self::Damping, Self::Control])
+    }
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Told(channel) => channel.row().label,
+            Self::Size(pair) => PAIRS[pair].label,
+            Self::Damping => "damping",
+            Self::Control => "u",
+        }
+    }
+
+    /// The channel that says what it counts; none for a ratio.
+    fn kind(self) -> Option<wire::Channel> {
+        match self {
+            Self::Told(channel) => Some(channel),
+            Self::Size(pair) => Some(PAIRS[pair].channels[0]),
+            Self::Damping => None,
+            Self::Control => Some(wire::Channel::ForceY),
+        }
+    }
+
+    fn dimension(self) -> Option<Dimension> {
+        self.kind().map(|channel| channel.row().dimension)
+    }
+
+    /// Whether there is one for each mass.
+    fn is_of_masses(self) -> bool {
+        self.kind().is_some_and(|channel| channel.row().scope != Scope::Once)
+    }
+
     /// Whether it is never negative.
-    is_size: bool,
-}
+    fn is_size(self) -> bool {
+        match self {
+            Self::Told(_) => self.dimension() == Some(Dimension::Speed),
+            Self::Size(_) | Self::Damping => true,
+            Self::Control => false,
+        }
+    }
 
-const fn name(name: &'static str, source: Source, quantity: Quantity, is_size: bool) -> Name {
-    Name { name, source, quantity, is_size }
+    /// What it shows of a mass, or at all.
+    fn channel(self, mass: usize) -> Option<Channel> {
+        match self {
+            Self::Told(channel) => Some(Channel::Of(channel, mass)),
+            Self::Size(pair) => Some(Channel::Size(pair, mass)),
+            Self::Damping | Self::Control => None,
+        }
+    }
 }
-
-/// Every name.
-const NAMES: [Name; 14] = [
-    name("y", Source::Masses(Channel::Y), Quantity::Length, false),
-    name("z", Source::Masses(Channel::Z), Quantity::Length, false),
-    name("radius", Source::Masses(Channel::Radius), Quantity::Length, true),
-    name("vy", Source::Masses(Channel::Vy), Quantity::Velocity, false),
-    name("vz", Source::Masses(Channel::Vz), Quantity::Velocity, false),
-    name("u.y", Source::One(Channel::ForceY), Quantity::Force, false),
-    name("u.z", Source::One(Channel::ForceZ), Quantity::Force, false),
-    name("force", Source::One(Channel::Force), Quantity::Force, true),
-    name("command.y", Source::One(Channel::CommandY), Quantity::Force, false),
-    name("command.z", Source::One(Channel::CommandZ), Quantity::Force, false),
-    name("command", Source::One(Channel::Command), Quantity::Force, true),
-    name("speed", Source::One(Channel::Speed), Quantity::Speed, true),
-    name("damping", Source::Damping, Quantity::Ratio, true),
-    // Both of its components.
-    name("u", Source::One(Channel::Force), Quantity::Force, false),
-];
 
 /// Every name that can be typed for a series.
 pub(crate) fn names() -> impl Iterator<Item = &'static str> {
-    NAMES.iter().map(|name| name.name)
+    Source::all().map(Source::name)
 }
 
 /// One strip: what it is called, and its series.
@@ -74,8 +90,8 @@ pub(crate) fn names() -> impl Iterator<Item = &'static str> {
 pub(crate) struct Strip {
     /// As it was typed.
     pub(crate) name: String,
-    /// Rows of [`NAMES`], and the mass that each is of, counted from 0.
-    parts: Vec<(usize, Option<usize>)>,
+    /// Its series, and the mass that each is of, counted from 0.
+    parts: Vec<(Source, Option<usize>)>,
 }
 
 /// One line of a strip.
@@ -130,10 +146,10 @@ impl Strip {
         if (1..parts.len()).any(|i| parts[..i].contains(&parts[i])) {
             return Err(format!("'{word}': expected each series once"));
         }
-        let quantity = NAMES[parts[0].0].quantity;
-        match parts.iter().find(|(row, _)| NAMES[*row].quantity != quantity) {
-            Some((row, _)) => {
-                Err(format!("'{word}': expected series of one unit, and {} has another", NAMES[*row].name))
+        let dimension = parts[0].0.dimension();
+        match parts.iter().find(|(source, _)| source.dimension() != dimension) {
+            Some((source, _)) => {
+                Err(format!("'{word}': expected series of one unit, and {} has another", source.name()))
             }
             None => Ok(Self { name: word.to_owned(), parts }),
         }
@@ -141,61 +157,49 @@ impl Strip {
 
     /// The unit of its values.
     pub(crate) fn unit(&self, units: &Units) -> Unit {
-        match NAMES[self.parts[0].0].quantity {
-            Quantity::Length => units.length,
-            Quantity::Velocity => units.velocity,
-            Quantity::Force => units.force,
-            Quantity::Speed => units.speed,
-            Quantity::Ratio => Unit { factor: 1.0, name: "" },
-        }
+        self.parts[0].0.dimension().map_or(Unit { factor: 1.0, name: "" }, |dimension| units.of_dimension(dimension))
     }
 
     /// Whether its values are sizes, which begin at zero.
     pub(crate) fn is_size(&self) -> bool {
-        self.parts.iter().all(|(row, _)| NAMES[*row].is_size)
+        self.parts.iter().all(|(source, _)| source.is_size())
     }
 
     /// Whether it shows a series of every mass: then the masses need telling apart, not the series.
     pub(crate) fn is_of_every_mass(&self) -> bool {
-        self.parts.len() == 1 && self.parts[0].1.is_none() && matches!(NAMES[self.parts[0].0].source, Source::Masses(_))
+        self.parts.len() == 1 && self.parts[0].1.is_none() && self.parts[0].0.is_of_masses()
     }
 
     /// Its lines on a rotor of `masses` masses. A strip of more masses than colours would be a tangle: the first few
     /// stand for all.
     pub(crate) fn traces(&self, masses: usize) -> Vec<Trace> {
         let mut traces = Vec::new();
-        for (row, mass) in &self.parts {
-            let Name { name, source, .. } = &NAMES[*row];
-            let colors = theme::TRACES;
-            match (source, mass) {
-                (Source::Masses(of), mass) => {
+        for (source, mass) in &self.parts {
+            let (name, colors) = (source.name(), theme::TRACES);
+            let alone = |label: &str, color, channel| Trace {
+                label: label.to_owned(),
+                mark: label.rsplit('.').next().and_then(|part| part.chars().next()).unwrap_or('?'),
+                color,
+                channel,
+            };
+            match source {
+                source if source.is_of_masses() => {
                     let chosen = mass.map_or(0..masses.min(colors.len()), |mass| mass..(mass + 1).min(masses));
                     traces.extend(chosen.map(|mass| Trace {
                         label: format!("{name}.{}", mass + 1),
                         mark: char::from_digit((mass as u32 + 1) % 36, 36).unwrap_or('?'),
                         color: colors[mass % colors.len()],
-                        channel: Some(of(mass)),
+                        channel: source.channel(mass),
                     }));
                 }
-                (Source::One(_), _) if *name == "u" => {
-                    let of = |label: &str, mark, color, channel| Trace {
-                        label: label.into(),
-                        mark,
-                        color,
-                        channel: Some(channel),
-                    };
-                    traces.push(of("u.y", 'y', theme::FORCE, Channel::ForceY));
-                    traces.push(of("u.z", 'z', theme::BACKWARD, Channel::ForceZ));
+                Source::Control => {
+                    traces.push(alone("u.y", theme::FORCE, Some(Channel::FORCE_Y)));
+                    traces.push(alone("u.z", theme::BACKWARD, Some(Channel::FORCE_Z)));
                 }
-                (Source::One(channel), _) => traces.push(Trace {
-                    label: (*name).to_owned(),
-                    mark: name.rsplit('.').next().and_then(|part| part.chars().next()).unwrap_or('?'),
-                    color: if name.ends_with('z') { theme::BACKWARD } else { theme::FORCE },
-                    channel: Some(*channel),
-                }),
-                (Source::Damping, _) => {
-                    let label = "damping".to_owned();
-                    traces.push(Trace { label, mark: 'd', color: theme::GOOD, channel: None });
+                Source::Damping => traces.push(alone(name, theme::GOOD, None)),
+                source => {
+                    let color = if name.ends_with('z') { theme::BACKWARD } else { theme::FORCE };
+                    traces.push(alone(name, color, source.channel(0)));
                 }
             }
         }
@@ -226,14 +230,14 @@ fn tell_apart(traces: &mut [Trace]) {
 }
 
 /// `y`, `y.2`, `u.z`.
-fn part(word: &str) -> Result<(usize, Option<usize>), String> {
-    let row = |wanted: &str| NAMES.iter().position(|name| name.name == wanted);
-    if let Some(row) = row(word) {
-        return Ok((row, None));
+fn part(word: &str) -> Result<(Source, Option<usize>), String> {
+    let source = |wanted: &str| Source::all().find(|source| source.name() == wanted);
+    if let Some(source) = source(word) {
+        return Ok((source, None));
     }
     let indexed = word.rsplit_once('.').and_then(|(name, mass)| {
-        let row = row(name).filter(|row| matches!(NAMES[*row].source, Source::Masses(_)))?;
-        Some((row, Some(mass.parse::<usize>().ok()?.checked_sub(1)?)))
+        let source = source(name).filter(|source| source.is_of_masses())?;
+        Some((source, Some(mass.parse::<usize>().ok()?.checked_sub(1)?)))
     });
     indexed.ok_or_else(|| format!("'{word}': expected {}", known()))
 }
@@ -260,11 +264,11 @@ mod tests {
         assert_eq!(labels("force+command"), ["force", "command"]);
         assert_eq!(labels("y.7"), [""; 0], "a mass that this rotor does not have");
         for (word, wrong) in [
-            ("x", "'x': expected y, z, radius"),
-            ("y.0", "'y.0': expected y"),
-            ("speed.1", "'speed.1': expected y"),
+            ("x", "'x': expected tau, angle, speed"),
+            ("y.0", "'y.0': expected tau"),
+            ("speed.1", "'speed.1': expected tau"),
             ("y.1+force", "'y.1+force': expected series of one unit, and force has another"),
-            ("y.1+", "'': expected y"),
+            ("y.1+", "'': expected tau"),
         ] {
             let told = Strip::read(word).unwrap_err();
             assert!(told.starts_with(wrong), "{told}");
@@ -283,6 +287,15 @@ mod tests {
                 );
             }
         }
+    }
+
+    #[test]
+    fn every_number_that_is_told_of_a_step_and_every_size_is_a_series() {
+        let told = CHANNELS.iter().filter(|row| row.channel.is_number()).map(|row| row.label);
+        let expected: Vec<&str> = told.chain(PAIRS.map(|pair| pair.label)).chain(["damping", "u"]).collect();
+        assert_eq!(names().collect::<Vec<_>>(), expected);
+        assert_eq!(labels("reading.y"), ["reading.y.1", "reading.y.2", "reading.y.3"]);
+        assert_eq!(labels("reading.2"), ["reading.2"]);
     }
 
     #[test]

@@ -179,6 +179,8 @@ mod tests {
 
     use rotor::C64;
 
+    use wire::{Point, Step};
+
     use super::*;
     use crate::axis::Scaling;
     use crate::feed::{Feed, tests};
@@ -195,10 +197,9 @@ mod tests {
         let mut feed = Feed::new("");
         feed.read(tests::bulletin("three-mass", "composite"));
         for seq in 0..17_000 {
-            let mut state = tests::state(3, seq);
-            let p = C64::from_polar(2.0, 2.5 * state.tau) + C64::from_polar(0.05, -1.25 * state.tau);
-            (state.masses[0].y, state.masses[0].z) = (p.re, p.im);
-            feed.hear(&state, now);
+            let state = tests::state(3, seq);
+            let p = C64::from_polar(2.0, 2.5 * state.tau()) + C64::from_polar(0.05, -1.25 * state.tau());
+            feed.hear(&state.with_point(0, Point { y: p.re, z: p.im, ..Point::default() }), now);
         }
         feed.picture(&ViewTime::LIVE, now)
     }

@@ -20,6 +20,8 @@ use super::series::{Strip, Trace};
 use super::{framed, look_at, wheel_times, write, write_right};
 use crate::axis::{Axis, Scaling};
 use crate::fit::width;
+use wire::Channel as Told;
+
 use crate::history::{Channel, Mark};
 use crate::plot::{Plot, Window, neat, nice_ceiling, short};
 use crate::replay::Beside;
@@ -298,12 +300,12 @@ fn beside_columns(
 ) -> Vec<Column> {
     let size = |[y, z]: [f64; 2]| y.hypot(z);
     let value = |step| match channel {
-        Channel::Y(mass) => beside.place(step, mass).map(|[y, _]| y),
-        Channel::Z(mass) => beside.place(step, mass).map(|[_, z]| z),
-        Channel::Radius(mass) => beside.place(step, mass).map(size),
-        Channel::ForceY => beside.force(step).map(|[y, _]| y),
-        Channel::ForceZ => beside.force(step).map(|[_, z]| z),
-        Channel::Force => beside.force(step).map(size),
+        Channel::Of(Told::Y, mass) => beside.place(step, mass).map(|[y, _]| y),
+        Channel::Of(Told::Z, mass) => beside.place(step, mass).map(|[_, z]| z),
+        Channel::FORCE_Y => beside.force(step).map(|[y, _]| y),
+        Channel::FORCE_Z => beside.force(step).map(|[_, z]| z),
+        Channel::FORCE => beside.force(step).map(size),
+        Channel::Size(_, mass) if channel == Channel::radius(mass) => beside.place(step, mass).map(size),
         _ => None,
     };
     let of = |steps: Range<usize>| {
@@ -316,6 +318,8 @@ fn beside_columns(
 
 #[cfg(test)]
 mod tests {
+    use wire::Step;
+
     use super::*;
     use crate::feed::tests;
     use crate::panels::tests::drawn;
@@ -344,7 +348,7 @@ mod tests {
         let seen = View { time: &time, ..view(&picture) };
         let frame = drawn(60, 11, |area, buffer| Strips::default().draw(&seen, area, buffer));
         let at = tests::state(3, 1000);
-        for value in [at.masses[0].y, at.masses[2].z, at.force_delivered[0]] {
+        for value in [at.point(0).y, at.point(2).z, at.force_delivered()[0]] {
             assert!(frame.contains(&short(value, 4)), "{value}:\n{frame}");
         }
         insta::assert_snapshot!("strips_with_cursor", frame);
@@ -388,9 +392,8 @@ mod tests {
         let now = std::time::Instant::now();
         let mut feed = crate::feed::Feed::new("");
         for seq in 0..4000 {
-            let mut state = tests::state(1, seq);
-            state.masses[0].y = if seq == 2222 { 4.9 } else { 0.0 };
-            feed.hear(&state, now);
+            let y = if seq == 2222 { 4.9 } else { 0.0 };
+            feed.hear(&tests::state(1, seq).with(Told::Y, 0, y), now);
         }
         let picture = feed.picture(&ViewTime::LIVE, now);
         let frame = drawn(40, 14, |area, buffer| Strips::default().draw(&view(&picture), area, buffer));

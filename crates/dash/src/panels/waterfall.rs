@@ -182,6 +182,8 @@ fn draw_row(row: &Row, (reach, range): (f64, [f64; 2]), [least, most]: [f64; 2],
 mod tests {
     use std::time::Instant;
 
+    use wire::{Channel, Point, Step};
+
     use super::*;
     use crate::feed::{Feed, tests};
     use crate::panels::panel::Panel;
@@ -196,11 +198,11 @@ mod tests {
         let mut feed = Feed::new("");
         feed.read(tests::bulletin("three-mass", "composite"));
         for seq in 0..40_000_u64 {
-            let mut state = tests::state(3, seq);
-            state.speed = 1.0 + state.tau / 200.0;
-            let angle = state.tau + state.tau * state.tau / 400.0;
-            (state.masses[0].y, state.masses[0].z) = (angle.cos(), angle.sin());
-            feed.hear(&state, now);
+            let state = tests::state(3, seq);
+            let tau = state.tau();
+            let (sin, cos) = (tau + tau * tau / 400.0).sin_cos();
+            let state = state.with_point(0, Point { y: cos, z: sin, ..Point::default() });
+            feed.hear(&state.with(Channel::Speed, 0, 1.0 + tau / 200.0), now);
         }
         feed.picture(&ViewTime::LIVE, now)
     }

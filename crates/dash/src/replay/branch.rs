@@ -12,6 +12,7 @@ use std::ops::Range;
 
 use machine::ProgramError;
 use rotor::Settings;
+use wire::Step;
 use wire::message::Trip;
 
 use super::machine::{Act, Machine, Root};
@@ -74,12 +75,12 @@ impl Branch {
 
     /// Its time where it begins.
     pub(crate) fn tau(&self) -> f64 {
-        self.root.state.tau
+        self.root.state.tau()
     }
 
     /// The step it begins after.
     pub(crate) fn from(&self) -> u64 {
-        self.root.state.seq
+        self.root.state.seq()
     }
 
     /// The settings in force in it.

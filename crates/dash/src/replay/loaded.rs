@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use wire::Step;
+
 use super::Past;
 use crate::feed::Feed;
 
@@ -53,8 +55,8 @@ impl Loaded {
                 return;
             }
             let expected = runs.last().map(|(at, seq)| seq + (place - at));
-            if expected != Some(state.seq) {
-                runs.push((place, state.seq));
+            if expected != Some(state.seq()) {
+                runs.push((place, state.seq()));
             }
         })?;
         self.range.end = self.range.end.max(end);

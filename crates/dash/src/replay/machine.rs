@@ -1,9 +1,9 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
-use machine::{Output, Pace, Program, ProgramError, TripCause};
+use machine::{Output, Pace, Program, ProgramError};
 use rotor::{C64, Rotor, Settings};
-use wire::State;
 use wire::message::Trip;
+use wire::{State, Step};
 
 use crate::what_if::WhatIf;
 
@@ -81,22 +81,21 @@ impl Machine {
         let (wanted, substeps) =
             root.substeps_from_here(wanted).map_or((&root.settings, root.substeps), |substeps| (wanted, substeps));
         let program = |settings: &Settings, substeps| Program::in_substeps(&root.rotor, settings, root.dtau, substeps);
-        let points = root.state.points();
         let [displacement, velocity]: [Vec<C64>; 2] = [
-            points.iter().map(|point| C64::new(point.y, point.z)).collect(),
-            points.iter().map(|point| C64::new(point.vy, point.vz)).collect(),
+            root.state.points().map(|point| C64::new(point.y, point.z)).collect(),
+            root.state.points().map(|point| C64::new(point.vy, point.vz)).collect(),
         ];
         let force = |[y, z]: [f64; 2]| C64::new(y, z);
         let output = Output {
-            commanded: force(root.state.force_commanded),
-            delivered: force(root.state.force_delivered),
-            saturated: root.state.flags.has(wire::Flags::SATURATED),
+            commanded: force(root.state.force_commanded()),
+            delivered: force(root.state.force_delivered()),
+            saturated: root.state.flags().has(wire::Flags::SATURATED),
         };
         let before = program(&root.settings, root.substeps)?;
         let at = [&displacement[..], &velocity[..]];
-        let mut machine = machine::Machine::resumed(before, root.line, root.state.speed, at, output);
+        let mut machine = machine::Machine::resumed(before, root.line, root.state.speed(), at, output);
         machine.load(&mut Box::new(program(wanted, substeps)?));
-        let held = root.state.flags.has(wire::Flags::TRIPPED);
+        let held = root.state.flags().has(wire::Flags::TRIPPED);
         if held {
             machine.hold();
         }
@@ -105,7 +104,7 @@ impl Machine {
             substeps,
             settings: wanted.clone(),
             judged: WhatIf::of(&root.rotor, wanted.clone()),
-            seq: root.state.seq,
+            seq: root.state.seq(),
             trip: held.then(Trip::default),
         })
     }
@@ -133,16 +132,7 @@ impl Machine {
     pub(super) fn step(&mut self) {
         self.seq += 1;
         if let Some(trip) = self.machine.step() {
-            self.trip = Some(Trip {
-                cause: match trip.cause {
-                    TripCause::Orbit => 1,
-                    TripCause::NotFinite => 2,
-                },
-                mass: trip.station as u32 + 1,
-                step: self.seq,
-                radius: trip.radius,
-                limit: trip.limit,
-            });
+            self.trip = Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]));
         }
     }
 

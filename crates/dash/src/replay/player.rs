@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use alarms::{Alarms, Level, Limits, Turn, Watch};
 use rotor::Settings;
-use wire::{Bulletin, Happening, SettingsMessage, State};
+use wire::{Bulletin, Happening, SettingsMessage, State, Step};
 
 use super::branch::Branch;
 use super::loaded::Loaded;
@@ -430,7 +430,7 @@ impl Player {
         let place = self.loaded.place_of(seq).ok_or("no step to run on from")?;
         let at = self.state(seq)?.map_or_else(|| self.state(self.loaded.seq_of(place)), |state| Ok(Some(state)))?;
         let state = at.ok_or("the step to run on from is missing")?;
-        let bulletin = self.past.bulletin_at(state.seq);
+        let bulletin = self.past.bulletin_at(state.seq());
         let rotor = bulletin.rotor().map_err(|error| error.to_string())?;
         let settings = bulletin.settings.unpack();
         settings.check(&rotor).map_err(|error| error.to_string())?;
@@ -452,32 +452,33 @@ impl Player {
             .events
             .iter()
             .rev()
-            .find(|event| event.happening() == Some(&Happening::Restarted) && event.at.seq <= state.seq);
+            .find(|event| event.happening() == Some(&Happening::Restarted) && event.at.seq <= state.seq());
         // Before its first step a machine is at rest.
         let rest = restart.map_or(0, |event| event.at.seq);
         let changes = self.past.changes();
-        let faster = changes.into_iter().rev().take_while(|from| *from > rest).filter(|from| *from <= state.seq);
+        let faster = changes.into_iter().rev().take_while(|from| *from > rest).filter(|from| *from <= state.seq());
         let turned = faster.into_iter().find(|from| {
             let [before, after] = [from - 1, *from].map(|seq| self.past.bulletin_at(seq));
             before.settings.speed != after.settings.speed || before.substeps.max(1) != after.substeps.max(1)
         });
         let made = |steps: u64| steps * u64::from(substeps);
         let line = match turned {
-            None => Some(Line { tau: 0.0, angle: 0.0, steps: made(state.seq + 1 - rest) }),
+            None => Some(Line { tau: 0.0, angle: 0.0, steps: made(state.seq() + 1 - rest) }),
             Some(from) => self.state(from - 1)?.map(|before| Line {
-                tau: before.tau,
-                angle: before.angle,
-                steps: made(state.seq + 1 - from),
+                tau: before.tau(),
+                angle: before.angle(),
+                steps: made(state.seq() + 1 - from),
             }),
         };
-        let here = Line { tau: state.tau, angle: state.angle, steps: 0 };
+        let here = Line { tau: state.tau(), angle: state.angle(), steps: 0 };
         let first = self.state(self.ends[0])?;
-        let begun = first.map(|first| Line { tau: first.tau, angle: first.angle, steps: made(state.seq - first.seq) });
-        let dtau = self.past.bulletin_at(state.seq).dtau / f64::from(substeps);
+        let begun =
+            first.map(|first| Line { tau: first.tau(), angle: first.angle(), steps: made(state.seq() - first.seq()) });
+        let dtau = self.past.bulletin_at(state.seq()).dtau / f64::from(substeps);
         // Whichever arrives at the time and the angle that were recorded.
         let arrives = |line: &Line| {
             let passed = line.steps as f64 * dtau;
-            line.tau + passed == state.tau && line.angle + settings.speed * passed == state.angle
+            line.tau + passed == state.tau() && line.angle + settings.speed * passed == state.angle()
         };
         Ok(line.filter(arrives).or(begun.filter(arrives)).unwrap_or(here))
     }

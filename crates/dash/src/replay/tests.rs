@@ -11,7 +11,8 @@ use ratatui::layout::Rect;
 use rotor::{C64, Key, Settings, Spectrum, builtin};
 use wire::message::{Analysis, Flags, Trip};
 use wire::{
-    BenchName, Bulletin, Carrier, Change, Commander, Event, Glance, Happening, Listener, Memory, Moment, State,
+    BenchName, Bulletin, Carrier, Change, Channel, Commander, Event, Glance, Happening, Listener, Memory, Moment,
+    State, Step,
 };
 
 use super::*;
@@ -54,8 +55,8 @@ impl Past for Session {
     }
 
     fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
-        let from = self.states.partition_point(|state| state.seq < range.start);
-        self.states[from..].iter().take_while(|state| state.seq < range.end).for_each(each);
+        let from = self.states.partition_point(|state| state.seq() < range.start);
+        self.states[from..].iter().take_while(|state| state.seq() < range.end).for_each(each);
         Ok(())
     }
 
@@ -114,7 +115,7 @@ impl Past for Session {
     }
 
     fn missing(&self) -> Vec<std::ops::Range<u64>> {
-        let gaps = self.states.windows(2).map(|pair| pair[0].seq + 1..pair[1].seq);
+        let gaps = self.states.windows(2).map(|pair| pair[0].seq() + 1..pair[1].seq());
         gaps.filter(|gap| !gap.is_empty()).collect()
     }
 
@@ -124,8 +125,8 @@ impl Past for Session {
     }
 
     fn at_tau(&mut self, tau: f64) -> Result<u64, String> {
-        let found = self.states.iter().rev().find(|state| state.tau <= tau);
-        found.or(self.states.first()).map(|state| state.seq).ok_or_else(|| "empty".into())
+        let found = self.states.iter().rev().find(|state| state.tau() <= tau);
+        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| "empty".into())
     }
 }
 
@@ -171,7 +172,7 @@ fn simulated(dtau: f64) -> Session {
         let mut wait_for = |count: usize| {
             let target = states.len() + count;
             while states.len() < target {
-                listener.drain(|state| states.push(*state)).unwrap();
+                listener.drain(|state| states.push(State::of(&state))).unwrap();
                 listener.events(|event| events.push(*event)).unwrap();
                 bulletin = listener.bulletin().unwrap().or(bulletin.take());
                 assert!(start.elapsed() < Duration::from_secs(60), "{} steps only", states.len());
@@ -211,7 +212,7 @@ fn simulated(dtau: f64) -> Session {
         wait_for(200);
         stop.store(true, Ordering::Relaxed);
         simulation.join().unwrap().unwrap();
-        listener.drain(|state| states.push(*state)).unwrap();
+        listener.drain(|state| states.push(State::of(&state))).unwrap();
         listener.events(|event| events.push(*event)).unwrap();
         events.retain(|event| !matches!(event.happening(), Some(Happening::Late { .. })));
         Session { bulletin: bulletin.unwrap(), states, events }
@@ -226,7 +227,7 @@ pub(crate) fn session() -> Session {
 
 /// Whole from the first step on: a machine that was too busy to hear every step tries again.
 fn whole(dtau: f64) -> Session {
-    let is_whole = |session: &Session| session.states[0].seq == 0 && session.missing().is_empty();
+    let is_whole = |session: &Session| session.states[0].seq() == 0 && session.missing().is_empty();
     (0..20).map(|_| simulated(dtau)).find(is_whole).expect("a session without a gap")
 }
 
@@ -323,7 +324,7 @@ fn playing_takes_the_time_it_took_and_ends_at_the_end() {
     (0..99).for_each(|_| stage.player.change_speed(-1));
     assert_eq!((stage.player.speed(), tick(&mut stage, 200)), (0.1, (true, 220)));
     (0..99).for_each(|_| stage.player.change_speed(1));
-    let last = session.states[session.states.len() - 1].seq;
+    let last = session.states[session.states.len() - 1].seq();
     assert_eq!((tick(&mut stage, 2000), stage.player.is_playing()), ((true, last), false));
     assert_eq!(tick(&mut stage, 9000), (false, last));
     // From there it begins again.
@@ -349,7 +350,7 @@ fn a_loop_is_not_left() {
     assert!(seen.windows(2).filter(|pair| pair[1] < pair[0]).count() > 10);
     assert_eq!(stage.player.mark_loop(), "no loop");
     // A loop that ends with the recording turns there.
-    let last = session.states[session.states.len() - 1].seq;
+    let last = session.states[session.states.len() - 1].seq();
     stage.go(last - 50);
     stage.player.mark_loop();
     stage.go(last);
@@ -383,8 +384,8 @@ fn what_if_refuses_what_the_bench_would() {
 }
 
 fn repeats(session: &Session) {
-    let last = session.states[session.states.len() - 1].seq;
-    let tripped = session.states.iter().find(|state| state.flags.has(Flags::TRIPPED)).expect("a trip").seq;
+    let last = session.states[session.states.len() - 1].seq();
+    let tripped = session.states.iter().find(|state| state.flags().has(Flags::TRIPPED)).expect("a trip").seq();
     for from in [0, 1, 149, 150, 151, 200, 333, 480, 700, 703, 810, tripped - 1, tripped, tripped + 5, last - 100] {
         let mut stage = Stage::of(session);
         stage.go(from);
@@ -392,14 +393,14 @@ fn repeats(session: &Session) {
         stage.edit(&Edit::Undo).unwrap();
         stage.go(last);
         let branch = stage.player.branch.as_ref().unwrap();
-        for state in session.states.iter().filter(|state| state.seq >= from) {
-            for (mass, point) in state.points().iter().enumerate() {
-                let beside = branch.place(state.seq, mass).map(|place| place.map(f64::to_bits));
+        for state in session.states.iter().filter(|state| state.seq() >= from) {
+            for (mass, point) in state.points().enumerate() {
+                let beside = branch.place(state.seq(), mass).map(|place| place.map(f64::to_bits));
                 let happened = Some([point.y.to_bits(), point.z.to_bits()]);
-                assert_eq!(beside, happened, "mass {mass} at step {} from {from} on", state.seq);
+                assert_eq!(beside, happened, "mass {mass} at step {} from {from} on", state.seq());
             }
-            let force = branch.force(state.seq).map(|force| force.map(f64::to_bits));
-            assert_eq!(force, Some(state.force_delivered.map(f64::to_bits)), "step {} from {from} on", state.seq);
+            let force = branch.force(state.seq()).map(|force| force.map(f64::to_bits));
+            assert_eq!(force, Some(state.force_delivered().map(f64::to_bits)), "step {} from {from} on", state.seq());
         }
     }
 }
@@ -407,15 +408,15 @@ fn repeats(session: &Session) {
 #[test]
 fn a_recording_that_begins_late_is_run_on_from_up_to_rounding() {
     let mut session = session();
-    session.states.retain(|state| state.seq >= 60);
+    session.states.retain(|state| state.seq() >= 60);
     let mut stage = Stage::of(&session);
     stage.go(100);
     stage.edit(&Edit::Set(vec![(key("speed"), 2.5)])).unwrap();
     stage.go(300);
     let branch = stage.player.branch.as_ref().unwrap();
-    let there = session.states.iter().find(|state| state.seq == 300).unwrap();
+    let there = session.states.iter().find(|state| state.seq() == 300).unwrap();
     let [y, z] = branch.place(300, 1).unwrap();
-    assert!((y - there.masses[1].y).abs() < 1e-12 && (z - there.masses[1].z).abs() < 1e-12);
+    assert!((y - there.point(1).y).abs() < 1e-12 && (z - there.point(1).z).abs() < 1e-12);
 }
 
 #[test]
@@ -433,7 +434,7 @@ fn other_gains_are_run_on_beside_what_happened_until_they_are_dropped() {
     assert!(frame.contains("TRIPS") && frame.contains('◆'), "{frame}");
     let branch = stage.player.branch.as_ref().unwrap();
     let there = &session.states[330];
-    assert_ne!(branch.place(330, 0), Some([there.masses[0].y, there.masses[0].z]));
+    assert_ne!(branch.place(330, 0), Some([there.point(0).y, there.point(0).z]));
     assert_eq!(branch.place(99, 0), None);
     // What is edited is what is run on with; what was changed later in the recording is changed here too.
     assert_eq!(stage.feed.settings().unwrap().trip, 1.5);
@@ -458,7 +459,7 @@ fn what_was_alarmed_then_is_alarmed_there() {
     let turns = session.turns();
     let rise = turns.iter().find(|turn| turn.level == Level::Alarm).expect("an orbit past its limit");
     let there = &session.states[rise.at.seq as usize];
-    let radius = there.points().iter().map(wire::message::Point::radius).fold(0.0, f64::max);
+    let radius = there.largest_radius();
     assert_eq!((radius, rise.watch), (rise.value, Watch::Orbit));
     let mut stage = Stage::of(&session);
     let operator = |stage: &Stage| stage.frame_of("operator", 200, 60);
@@ -524,7 +525,8 @@ impl Past for Long {
     }
 
     fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
-        let made = |seq: u64| State { seq, tau: (seq + 1) as f64 * 0.01, ..self.0.states[0] };
+        let first = self.0.states[0];
+        let made = |seq: u64| first.with_word(Channel::Seq, seq).with(Channel::Tau, 0, (seq + 1) as f64 * 0.01);
         (range.start..range.end.min(2_000_000)).for_each(|seq| each(&made(seq)));
         Ok(())
     }
@@ -616,7 +618,7 @@ fn events_are_gone_to_in_order_and_back() {
     }
     assert!(back.windows(2).all(|pair| pair[1] < pair[0]) && back.len() + 1 >= words.len());
     stage.player.go_to_tau(1.0, &mut stage.feed, &mut stage.time).unwrap();
-    let tau = session.states[stage.player.seq() as usize].tau;
+    let tau = session.states[stage.player.seq() as usize].tau();
     assert!(tau <= 1.0 && tau > 0.98, "{tau}");
     // A trip is shown as it was then.
     stage.go(trip.seq);
@@ -628,7 +630,7 @@ fn events_are_gone_to_in_order_and_back() {
 #[test]
 fn what_is_missing_is_passed_over_and_said() {
     let mut session = session();
-    session.states.retain(|state| !(200..600).contains(&state.seq) && state.seq != 700);
+    session.states.retain(|state| !(200..600).contains(&state.seq()) && state.seq() != 700);
     let mut stage = Stage::of(&session);
     stage.go(190);
     (0..15).for_each(|_| stage.play(1.0));
@@ -640,8 +642,8 @@ fn what_is_missing_is_passed_over_and_said() {
     for seq in [199, 200, 599, 600, 699, 700, 701] {
         let place = stage.go(seq).player.loaded.place_of(seq).unwrap();
         let there = stage.player.loaded.seq_of(place);
-        let before = session.states.iter().rev().find(|state| state.seq <= seq).unwrap();
-        assert_eq!(there, before.seq);
+        let before = session.states.iter().rev().find(|state| state.seq() <= seq).unwrap();
+        assert_eq!(there, before.seq());
     }
 }
 
@@ -675,8 +677,10 @@ fn a_recording_longer_than_what_is_kept_is_played_all_the_same() {
     long.states = (0..60_000_u64)
         .map(|seq| {
             let tau = (seq + 1) as f64 * 0.01;
-            let mut state = State { seq, tau, angle: 2.5 * tau, speed: 2.5, revision: 1, ..session.states[0] };
-            state.masses[0].y = seq as f64;
+            let state = session.states[0].with_word(Channel::Seq, seq).with_word(Channel::Revision, 1);
+            let state =
+                state.with(Channel::Tau, 0, tau).with(Channel::Angle, 0, 2.5 * tau).with(Channel::Speed, 0, 2.5);
+            let state = state.with(Channel::Y, 0, seq as f64);
             state
         })
         .collect();

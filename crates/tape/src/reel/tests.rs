@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use alarms::{Level, Turn, Watch};
 use files::Existing;
 use wire::message::Trip;
-use wire::{SettingsMessage, State};
+use wire::{Channel, Layout, SettingsMessage, State};
 
 use super::*;
 use crate::batch::Batch;
@@ -87,7 +87,8 @@ impl Bench {
         let mut batch = Batch::new(3);
         for seq in 10 * second..10 * (second + 1) {
             let wall_ns = 1_000_000_000_000 + seq * 100_000_000;
-            batch.push(&State { run_id: 1, seq, wall_ns, count: 3, ..State::default() });
+            let state = State::new(Layout::new(3)).with_word(Channel::RunId, 1).with_word(Channel::Seq, seq);
+            batch.push(&state.with_word(Channel::WallNs, wall_ns));
         }
         self.reel.take(Item::Steps(batch)).unwrap();
     }

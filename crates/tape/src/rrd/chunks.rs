@@ -13,7 +13,7 @@ use rerun::{ComponentDescriptor, TimePoint, Timeline};
 use super::fence::Unreadable;
 use crate::batch::Batch;
 use crate::schema;
-use wire::Moment;
+use wire::{Column, Layout, Moment, OnceWas};
 
 /// `tau` on its timeline, where 1 is a second.
 fn nanos(tau: f64) -> i64 {
@@ -100,10 +100,17 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadab
     let column =
         |name: &str| rows.column_by_name(name).ok_or_else(|| content(&format!("steps without the column '{name}'")));
     let mut batch = Batch::new(masses);
-    for (place, wanted) in batch.values.iter_mut().zip(schema::columns(masses)) {
-        let found = column(&wanted.name)?.as_any().downcast_ref::<Float64Array>();
-        let found = found.ok_or_else(|| content(&format!("column '{}' holds no doubles", wanted.name)));
-        *place = found?.values().to_vec();
+    for (place, wanted) in batch.values.iter_mut().zip(Layout::new(masses).number_columns()) {
+        let name = wanted.name();
+        *place = match (rows.column_by_name(&name), wanted.channel.once_was()) {
+            (Some(found), _) => doubles_of(found, &name)?,
+            (None, OnceWas::Zero) => vec![0.0; rows.len()],
+            (None, OnceWas::Channel(channel)) => {
+                let name = Column { channel, ..wanted }.name();
+                doubles_of(column(&name)?, &name)?
+            }
+            (None, OnceWas::Never) => return Err(content(&format!("steps without the column '{name}'"))),
+        };
     }
     let revision = column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>();
     batch.revision = revision.ok_or_else(|| content("revisions of another type"))?.values().to_vec();
@@ -124,6 +131,11 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadab
     Ok(batch)
 }
 
+fn doubles_of(column: &ArrayRef, name: &str) -> Result<Vec<f64>, Unreadable> {
+    let found = column.as_any().downcast_ref::<Float64Array>();
+    Ok(found.ok_or_else(|| content(&format!("column '{name}' holds no doubles")))?.values().to_vec())
+}
+
 /// The moments of the rows of a chunk.
 pub(super) fn moments(chunk: &Chunk) -> Vec<Moment> {
     let times = |name: &'static str| chunk.timelines().get(&name.into()).map_or(&[] as &[i64], TimeColumn::times_raw);
@@ -136,25 +148,25 @@ pub(super) fn moments(chunk: &Chunk) -> Vec<Moment> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
+    use wire::{Channel, Step};
 
     use super::*;
-    use crate::batch::tests::{any_state, bits};
+    use crate::batch::tests::any_state;
 
     proptest! {
         #[test]
         fn steps_come_back_from_a_chunk_bit_for_bit(
             states in (1usize..=16).prop_flat_map(|n| proptest::collection::vec(any_state(n), 1..20))
         ) {
-            let mut batch = Batch::new(states[0].points().len());
-            for (i, mut state) in states.into_iter().enumerate() {
-                state.seq = 7 + 3 * i as u64;
-                state.wall_ns >>= 1;
-                batch.push(&state);
+            let mut batch = Batch::new(states[0].masses());
+            for (i, state) in states.into_iter().enumerate() {
+                let state = state.with_word(Channel::Seq, 7 + 3 * i as u64);
+                batch.push(&state.with_word(Channel::WallNs, state.wall_ns() >> 1));
             }
             let read = read_steps(&steps(&batch).unwrap(), batch.masses()).unwrap();
             prop_assert_eq!(read.len(), batch.len());
             for row in 0..batch.len() {
-                prop_assert_eq!(bits(&read.state(row, 1)), bits(&batch.state(row, 1)));
+                prop_assert_eq!(read.state(row, 1), batch.state(row, 1));
             }
         }
     }

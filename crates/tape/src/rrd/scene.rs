@@ -10,6 +10,7 @@ use rerun::log::{Chunk, ChunkError};
 use rerun::{AsComponents, Color, TimePoint};
 use rotor::file::write_feedback;
 use rotor::{C64, Rotor, Settings};
+use wire::Channel;
 
 use super::chunks;
 use crate::batch::Batch;
@@ -70,8 +71,7 @@ impl Scene {
         self.curved_ns = last.wall_ns;
         let stride = self.stride(batch);
         let curve = |mass: usize| {
-            let column = schema::HEAD + schema::PER_MASS * mass;
-            let (y, z) = (&batch.values[column], &batch.values[column + 1]);
+            let (y, z) = (batch.column(Channel::Y, mass), batch.column(Channel::Z, mass));
             // From the end backwards, so that the curve ends where the rotor is.
             let rows = (0..batch.len()).rev().step_by(stride).take(MOST_POINTS);
             let points: Vec<[f32; 2]> = rows.map(|row| upright(y[row], z[row])).collect();
@@ -83,7 +83,8 @@ impl Scene {
 
     /// Every how many steps a curve needs a point.
     fn stride(&self, batch: &Batch) -> usize {
-        let (Some(first), Some(last)) = (batch.values[0].first(), batch.values[0].last()) else { return 1 };
+        let tau = batch.column(Channel::Tau, 0);
+        let (Some(first), Some(last)) = (tau.first(), tau.last()) else { return 1 };
         let dtau = (last - first) / batch.len().max(2) as f64;
         let between = TAU / (self.fastest * POINTS_A_TURN);
         if dtau > 0.0 && between.is_finite() { (between / dtau).floor().clamp(1.0, 1e6) as usize } else { 1 }

@@ -3,8 +3,8 @@
 
 use rotor::{Settings, builtin};
 use tape::{Batch, Recording};
-use wire::message::{Flags, Point};
-use wire::{Bulletin, Moment, SettingsMessage, State, Text};
+use wire::message::Flags;
+use wire::{Bulletin, Channel, Layout, Moment, Point, SettingsMessage, State, Step, Text};
 
 pub(crate) const RUN: u64 = 0xfeed_beef_0123_4567;
 
@@ -23,23 +23,22 @@ pub(crate) fn bulletin() -> Box<Bulletin> {
 }
 
 pub(crate) fn state(seq: u64) -> State {
-    let mut state = State {
-        run_id: RUN,
-        seq,
-        tau: seq as f64 * 0.01 + 1e-13,
-        angle: seq as f64 * 0.025,
-        wall_ns: 1_700_000_000_000_000_000 + seq * 1_000_000,
-        speed: 2.5,
-        force_commanded: [0.1 * seq as f64, -1.0 / 3.0],
-        force_delivered: [0.05 * seq as f64, f64::MIN_POSITIVE],
-        revision: 3,
-        flags: Flags::contact((seq % 8) as u32),
-        count: 3,
-        ..State::default()
-    };
-    for (i, place) in state.masses.iter_mut().take(3).enumerate() {
-        let x = seq as f64 + i as f64 / 7.0;
-        *place = Point { y: x.sin(), z: x.cos(), vy: -0.0, vz: x.sqrt() };
+    let mut state = State::new(Layout::new(3)).with_flags(Flags::contact((seq % 8) as u32));
+    let mut row = state.row_mut();
+    row.set_word(Channel::RunId, RUN);
+    row.set_word(Channel::Seq, seq);
+    row.set_word(Channel::WallNs, 1_700_000_000_000_000_000 + seq * 1_000_000);
+    row.set_word(Channel::Revision, 3);
+    row.set(Channel::Tau, 0, seq as f64 * 0.01 + 1e-13);
+    row.set(Channel::Angle, 0, seq as f64 * 0.025);
+    row.set(Channel::Speed, 0, 2.5);
+    row.set(Channel::SpeedRate, 0, 0.125 * seq as f64);
+    row.set_pair([Channel::CommandY, Channel::CommandZ], 0, [0.1 * seq as f64, -1.0 / 3.0]);
+    row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [0.05 * seq as f64, f64::MIN_POSITIVE]);
+    for mass in 0..3 {
+        let x = seq as f64 + mass as f64 / 7.0;
+        row.set_point(mass, Point { y: x.sin(), z: x.cos(), vy: -0.0, vz: x.sqrt() });
+        row.set_pair([Channel::ReadingY, Channel::ReadingZ], mass, [x.sin() + 0.001, x.cos() - 0.002]);
     }
     state
 }
@@ -52,7 +51,7 @@ pub(crate) fn batch(range: std::ops::Range<u64>) -> Batch {
 
 pub(crate) fn at(seq: u64) -> Moment {
     let state = state(seq);
-    Moment { seq, tau: state.tau, wall_ns: state.wall_ns }
+    Moment { seq, tau: state.tau(), wall_ns: state.wall_ns() }
 }
 
 /// Every step of a recording.

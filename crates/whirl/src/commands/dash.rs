@@ -45,7 +45,7 @@ fn size(typed: &str) -> Result<(u16, u16), String> {
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ScreenArgs {
     /// Megabytes that the steps kept for looking back may take
-    #[arg(long, value_name = "MB", default_value = "128", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "MB", default_value = "145", value_parser = clap::value_parser!(u32).range(1..=65_536))]
     history: u32,
     /// The layout to start with: a name (`whirl layout list`), or a TOML file
     #[arg(long, value_name = "NAME|FILE")]

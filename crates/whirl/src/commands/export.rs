@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use files::FileError;
 use study::table::{Form, FormError, Kind, Table};
 use tape::{Damage, Recording};
-use wire::State;
+use wire::Step;
 
 use crate::failure::Failure;
 use crate::place::Force;
@@ -92,12 +92,12 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
     let mut table = Table::create(&target, form, &names, &WHOLES, args.force.existing())?;
     let (mut rows, mut failed) = (0_u64, None);
     recording.visit(0..u64::MAX, args.every, |state| {
-        if !(from..=to).contains(&state.tau) {
+        if !(from..=to).contains(&state.tau()) {
             return ControlFlow::Continue(());
         }
         rows += 1;
-        let wholes = [state.seq, state.wall_ns, state.revision, state.flags.0.into()];
-        match table.row(&row(state), &wholes) {
+        let wholes = [state.seq(), state.wall_ns(), state.revision(), state.flags().0.into()];
+        match table.row(&state.numbers().collect::<Vec<f64>>(), &wholes) {
             Ok(()) => ControlFlow::Continue(()),
             Err(error) => {
                 failed = Some(error);
@@ -132,11 +132,4 @@ fn nothing(recording: &Recording, args: &ExportArgs) -> String {
     let every = if args.every > 1 { format!(", one in {}", args.every) } else { String::new() };
     let (first, last) = (span.first.tau, span.last.tau);
     format!("'{file}': no step {asked}{every}: it goes from tau {first} to {last}; nothing was written")
-}
-
-/// The doubles of a step, as [`tape::schema::columns`] orders them.
-fn row(state: &State) -> Vec<f64> {
-    let head = [state.tau, state.angle, state.speed].into_iter();
-    let points = state.points().iter().flat_map(|p| [p.y, p.z, p.vy, p.vz]);
-    head.chain(state.force_commanded).chain(state.force_delivered).chain(points).collect()
 }

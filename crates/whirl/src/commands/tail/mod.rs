@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use wire::message::Flags;
-use wire::{HostState, Listener, SharedListener, State, WireError};
+use wire::{HostState, Listener, SharedListener, Step, WireError};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -71,18 +71,18 @@ struct Force {
 }
 
 impl Line {
-    fn new(state: &State, lost: u64) -> Self {
-        let [y, z] = state.force_delivered;
+    fn new(state: &impl Step, lost: u64) -> Self {
+        let [y, z] = state.force_delivered();
         Self {
-            seq: state.seq,
+            seq: state.seq(),
             lost,
-            tau: state.tau,
-            speed: state.speed,
-            masses: state.points().iter().map(|p| Place { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
+            tau: state.tau(),
+            speed: state.speed(),
+            masses: state.points().map(|p| Place { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
             force: Force { y, z },
-            revision: state.revision,
-            flags: state.flags.names(),
-            run_id: format!("{:016x}", state.run_id),
+            revision: state.revision(),
+            flags: state.flags().names(),
+            run_id: format!("{:016x}", state.run_id()),
         }
     }
 }
@@ -93,16 +93,16 @@ pub(super) fn gap(lost: u64, what: &str) -> String {
 }
 
 /// The same for people: step, time, where the masses are, control, and what is special.
-fn for_people(state: &State, lost: u64) -> String {
+fn for_people(state: &impl Step, lost: u64) -> String {
     let mut line = gap(lost, "steps");
-    let _ = write!(line, "{:>9}  tau {:>10.3}", state.seq, state.tau);
-    for (i, p) in state.points().iter().enumerate() {
+    let _ = write!(line, "{:>9}  tau {:>10.3}", state.seq(), state.tau());
+    for (i, p) in state.points().enumerate() {
         let _ = write!(line, "  {}: {:>10} {:>10}", i + 1, rounded(p.y), rounded(p.z));
     }
-    let [y, z] = state.force_delivered;
+    let [y, z] = state.force_delivered();
     let _ = write!(line, "  u: {:>10} {:>10}", rounded(y), rounded(z));
     for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE] {
-        if state.flags.has(flag) {
+        if state.flags().has(flag) {
             let _ = write!(line, "  {}", flag.names().concat());
         }
     }
@@ -174,21 +174,21 @@ impl Printer for Steps {
     fn print(&mut self, listener: &mut SharedListener, left: &mut u64, lines: &mut String) -> Result<bool, WireError> {
         let drained = listener.drain(|state| {
             if let Some((run_id, seq)) = self.last
-                && run_id == state.run_id
+                && run_id == state.run_id()
             {
-                let lost = state.seq.saturating_sub(seq + 1);
+                let lost = state.seq().saturating_sub(seq + 1);
                 self.untold += lost;
                 self.lost += lost;
             }
-            self.last = Some((state.run_id, state.seq));
-            if *left > 0 && state.seq % self.every == 0 {
+            self.last = Some((state.run_id(), state.seq()));
+            if *left > 0 && state.seq() % self.every == 0 {
                 *left -= 1;
                 let untold = std::mem::take(&mut self.untold);
                 if self.json {
                     // A line of plain numbers and words always serialises.
-                    *lines += &serde_json::to_string(&Line::new(state, untold)).unwrap_or_default();
+                    *lines += &serde_json::to_string(&Line::new(&state, untold)).unwrap_or_default();
                 } else {
-                    *lines += &for_people(state, untold);
+                    *lines += &for_people(&state, untold);
                 }
                 lines.push('\n');
             }
