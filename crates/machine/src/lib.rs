@@ -8,6 +8,7 @@
 
 mod integrate;
 mod machine;
+mod margins;
 mod motion;
 mod over_speed;
 mod poles;
@@ -16,6 +17,7 @@ mod stability_loss;
 
 pub use control::{Output, Words};
 pub use machine::{Line, Machine, Sample, Trip, TripCause};
+pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
 pub use motion::{Leg, MAX_LEGS};
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
 pub use poles::{MachinePoles, PolesError, min_damping};
