@@ -83,9 +83,9 @@ impl LoopGain {
                 return here;
             }
             if (value > 0.0) == rises {
-                high = w
+                high = w;
             } else {
-                low = w
+                low = w;
             }
             let newton = w - value / slope;
             let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };

@@ -84,10 +84,10 @@ impl LoopGain {
             gain_up: None,
             gain_down: None,
             phase: None,
-            forward: self.peak(curve.iter().filter(|p| p.frequency >= 0.0), &sensitivity),
-            backward: self.peak(curve.iter().filter(|p| p.frequency <= 0.0), &sensitivity),
+            forward: self.peak(curve.iter().filter(|p| p.frequency >= 0.0), &sensitivity, 1.0),
+            backward: self.peak(curve.iter().filter(|p| p.frequency <= 0.0), &sensitivity, 1.0),
             axis: self.axis_peak(&curve),
-            complementary: self.peak(curve.iter(), &complementary),
+            complementary: self.peak(curve.iter(), &complementary, 0.0),
             curve: Vec::new(),
         };
         for [a, b] in changes(&curve, |p| p.value.norm_sqr() - 1.0) {
@@ -120,8 +120,8 @@ impl LoopGain {
         margins
     }
 
-    /// The largest amplitude on a curve, of `[ln amplitude^2, its slope]`.
-    fn peak<'a>(&self, curve: impl Iterator<Item = &'a Gain>, of: &dyn Fn(&Gain) -> [f64; 2]) -> Peak {
+    /// The largest amplitude on a curve, of `[ln amplitude^2, its slope]`, that far out comes to `far`.
+    fn peak<'a>(&self, curve: impl Iterator<Item = &'a Gain>, of: &dyn Fn(&Gain) -> [f64; 2], far: f64) -> Peak {
         let points: Vec<&Gain> = curve.collect();
         let mut best: (f64, Option<f64>) = (f64::NEG_INFINITY, None);
         for p in &points {
@@ -142,9 +142,16 @@ impl LoopGain {
                 }
             }
         }
-        let ends = [points.first(), points.last()].map(|p| p.map(|p| p.frequency));
-        let is_end = best.1.is_some_and(|w| ends.contains(&Some(w)) && w != 0.0) && self.period() == 0.0;
-        Peak { amplitude: (0.5 * best.0).exp(), frequency: best.1.filter(|_| !is_end) }
+        self.told(best, far)
+    }
+
+    /// A peak of `ln amplitude^2`, or what is approached far out.
+    fn told(&self, (value, frequency): (f64, Option<f64>), far: f64) -> Peak {
+        let amplitude = (0.5 * value).exp();
+        if self.period() == 0.0 && amplitude <= far {
+            return Peak { amplitude: far, frequency: None };
+        }
+        Peak { amplitude, frequency }
     }
 
     /// The peak of one real axis.
@@ -184,8 +191,7 @@ impl LoopGain {
                 }
             }
         }
-        let is_end = best.1 == at.last().copied() && self.period() == 0.0;
-        Peak { amplitude: (0.5 * best.0).exp(), frequency: best.1.filter(|_| !is_end) }
+        self.told(best, 1.0)
     }
 }
 

@@ -10,6 +10,7 @@ pub(crate) mod force;
 pub(crate) mod info;
 pub(crate) mod layout;
 mod linear;
+pub(crate) mod margin;
 pub(crate) mod modes;
 pub(crate) mod note;
 mod orbits;
