@@ -190,7 +190,7 @@ impl Machine {
     #[must_use]
     pub fn sample(&self) -> Sample<'_> {
         let tau = self.tau();
-        let rates = (self.motion.speed_at(tau), self.motion.acceleration());
+        let rates = (self.motion.speed_at(tau), self.motion.acceleration_at(tau));
         let (speed, acceleration) = rates;
         let output = self.output;
         match &self.fused {
