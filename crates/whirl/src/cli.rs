@@ -70,6 +70,8 @@ pub(crate) enum Command {
     Margin(commands::margin::MarginArgs),
     /// Simulate offline, as fast as it can
     Run(commands::run::RunArgs),
+    /// Run up or coast down through the critical speeds, offline
+    Runup(commands::runup::RunupArgs),
     /// Print the largest steady control force over speed
     Force(commands::force::ForceArgs),
     /// Print the exact synchronous response, branch by branch

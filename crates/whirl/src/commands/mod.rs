@@ -21,6 +21,7 @@ pub(crate) mod report;
 pub(crate) mod response;
 pub(crate) mod rotor;
 pub(crate) mod run;
+pub(crate) mod runup;
 pub(crate) mod set;
 pub(crate) mod sim;
 pub(crate) mod status;
