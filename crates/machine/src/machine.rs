@@ -103,11 +103,16 @@ impl std::fmt::Debug for Machine {
 }
 
 impl Machine {
-    /// A machine at rest at `tau` = 0, spinning at the speed at which its program ends.
+    /// A machine at rest at `tau` = 0, spinning at the speed at which its program ends; or begins, if that follows a profile.
     #[must_use]
     pub fn new(program: Program) -> Self {
-        let speed = program.speed();
-        Self::spinning(program, speed).settled()
+        match program.begins {
+            Some(speed) => Self::spinning(program, speed),
+            None => {
+                let speed = program.speed();
+                Self::spinning(program, speed).settled()
+            }
+        }
     }
 
     /// A machine at rest at `tau` = 0, spinning at `speed`, that follows its program from there.
@@ -448,9 +453,9 @@ impl Machine {
         }
     }
 
-    /// Back to rest at `tau` = 0, at the speed that its program ends at; a trip is over.
+    /// Back to rest at `tau` = 0, at the speed that it has, or at which its profile begins; a trip is over.
     pub fn restart(&mut self) {
-        let speed = self.motion.speed_at(self.tau());
+        let speed = self.program.begins.unwrap_or_else(|| self.motion.speed_at(self.tau()));
         self.program.integrator.rest();
         if let Some(fused) = &mut self.fused {
             fused.rest();

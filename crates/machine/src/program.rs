@@ -62,6 +62,8 @@ pub struct Program {
     clearances: Vec<f64>,
     /// Where the speed goes.
     pub(crate) legs: Vec<Leg>,
+    /// The speed that a machine has at first, and again when it restarts; none for the speed that it has then.
+    pub(crate) begins: Option<f64>,
     /// The largest orbit before the machine trips, in `e_t`.
     pub(crate) trip_limit: f64,
     /// Steps of integration in a step.
@@ -85,8 +87,8 @@ impl Program {
         Self::in_substeps(rotor, settings, pace.dtau, substeps)
     }
 
-    /// Settings whose speed follows a profile, to be stepped in as many parts as they need at all of its speeds. Whose machine is
-    /// [`spinning`](crate::Machine::spinning) at `profile.from` then.
+    /// Settings whose speed follows a profile, to be stepped in as many parts as they need at all of its speeds. A machine that is made
+    /// of it spins at `profile.from`, and does again when it restarts.
     ///
     /// # Errors
     /// As for [`Program::compile`], with the leg whose speed is to blame, if one is.
@@ -105,7 +107,8 @@ impl Program {
             substeps = substeps.max(needed);
         }
         let program = Self::in_substeps(rotor, settings, pace.dtau, substeps);
-        Ok(program.map_err(|error| ProfileError { at: None, error })?.following(profile.legs.clone()))
+        let program = program.map_err(|error| ProfileError { at: None, error })?;
+        Ok(Self { begins: Some(profile.from), ..program.following(profile.legs.clone()) })
     }
 
     /// The same in so many parts a step, whatever they need: as a recording was made.
@@ -128,6 +131,7 @@ impl Program {
             feedback: feedback.clone(),
             clearances: settings.deadband.clone(),
             legs: vec![Leg::To { speed: settings.speed, rate: settings.ramp }],
+            begins: None,
             trip_limit: settings.trip,
             substeps,
             dtau,

@@ -84,6 +84,12 @@ impl Profile {
         self.course().last().map_or(0.0, |(tau, _)| *tau)
     }
 
+    /// The speed that it ends at.
+    #[must_use]
+    pub fn ends_at(&self) -> f64 {
+        self.course().last().map_or(self.from, |(_, speed)| *speed)
+    }
+
     /// The lowest and the highest speed of it.
     #[must_use]
     pub fn speeds(&self) -> [f64; 2] {

@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use machine::{MachinePoles, Pace, Program};
+use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
 use wire::message::{Analysis, Health, Request, Trip};
 use wire::{
@@ -25,6 +26,8 @@ const HANDOVER: Duration = Duration::from_secs(1);
 pub(crate) struct Intake<'a> {
     rotor: &'a Rotor,
     settings: Settings,
+    /// What the speed follows until it is set to something else.
+    profile: Option<Profile>,
     bulletin: Box<Bulletin>,
     exchange: &'a Exchange,
     gauge: Gauge,
@@ -63,6 +66,7 @@ impl<'a> Intake<'a> {
         Self {
             rotor,
             settings,
+            profile: options.profile.clone(),
             bulletin,
             exchange,
             gauge: Gauge::new(),
@@ -158,6 +162,9 @@ impl<'a> Intake<'a> {
                 // What has been unpacked from one message fits into another.
                 self.bulletin.settings = request.settings;
                 self.bulletin.substeps = substeps;
+                if self.leaves_profile(&settings) {
+                    self.profile = None;
+                }
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
                 self.bulletin.applied_at_step = when.step;
@@ -184,9 +191,18 @@ impl<'a> Intake<'a> {
         let order = match &change {
             Change::Settings { settings, .. } => {
                 let Bulletin { dtau, rate_hz, .. } = *self.bulletin;
-                // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
-                let program = Program::compile(self.rotor, settings, self.settings.speed, Pace { dtau, rate_hz });
-                let program = Box::new(program.map_err(|error| error.to_string())?);
+                let pace = Pace { dtau, rate_hz };
+                let program = match &self.profile {
+                    Some(profile) if !self.leaves_profile(settings) => {
+                        Program::compile_profile(self.rotor, settings, profile, pace).map_err(|error| error.to_string())
+                    }
+                    profile => {
+                        // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
+                        let from = profile.as_ref().map_or(self.settings.speed, |profile| profile.speeds()[1]);
+                        Program::compile(self.rotor, settings, from, pace).map_err(|error| error.to_string())
+                    }
+                };
+                let program = Box::new(program?);
                 Order::Settings { program, revision: self.bulletin.revision + 1 }
             }
             Change::Impulse { mass, velocity } => {
@@ -204,6 +220,11 @@ impl<'a> Intake<'a> {
             Change::Note { .. } => Order::Mark,
         };
         Ok((change, order))
+    }
+
+    /// Whether these settings give the speed another aim than its profile has.
+    fn leaves_profile(&self, settings: &Settings) -> bool {
+        settings.speed != self.settings.speed || settings.ramp != self.settings.ramp
     }
 
     /// Hands an order to the stepping thread and waits until it has been carried out. Says when that was.

@@ -47,7 +47,7 @@ fn val_trajectories_at_changing_speeds_agree_with_dop853() {
         let dtau = 0.001;
         let pace = Pace { dtau, rate_hz: 0.0 };
         let program = Program::compile_profile(&rotor, &settings, &profile, pace).expect("can be stepped");
-        let mut machine = Machine::spinning(program, from);
+        let mut machine = Machine::new(program);
         let mut steps = 0;
         for (k, tau) in numbers(&case["tau"]).into_iter().enumerate() {
             while steps < (tau / dtau).round() as u64 {
@@ -133,7 +133,7 @@ fn val_a_slow_run_up_shows_the_steady_critical_speeds() {
         off.windows(2).all(|pair| pair[1].0 < pair[0].0 && pair[1].1 < pair[0].1 && pair[1].2 < pair[0].2),
         "{off:?}"
     );
-    assert!(off[2].0 < 0.01 && off[2].1 < 0.01 && off[2].2 < 0.1, "{off:?}");
+    assert!(off[2].0 < 0.01 && off[2].1 < 0.02 && off[2].2 < 0.1, "{off:?}");
 }
 
 #[test]

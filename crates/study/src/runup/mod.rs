@@ -117,15 +117,14 @@ impl RunUpPlan {
         let Self { rotor, settings, profile, dtau, .. } = self;
         let duration = profile.duration();
         let steps = (duration / dtau).ceil();
-        if !(steps <= MOST_STEPS) {
+        if steps.is_nan() || steps > MOST_STEPS {
             return Err(RunUpError::TooLong(steps));
         }
         // An even step ends with the profile.
         let dtau = duration / steps.max(1.0);
-        let ends =
-            Settings { speed: profile.course().last().map_or(profile.from, |(_, speed)| *speed), ..settings.clone() };
+        let ends = Settings { speed: profile.ends_at(), ..settings.clone() };
         let program = Program::compile_profile(rotor, &ends, profile, Pace { dtau, rate_hz: 0.0 })?;
-        let mut machine = Machine::spinning(program, profile.from);
+        let mut machine = Machine::new(program);
         let orbit = steady_orbit(rotor, settings, profile.from);
         if let Some(orbit) = &orbit {
             let velocity: Vec<C64> = orbit.amplitude.iter().map(|c| J * profile.from * c).collect();
