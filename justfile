@@ -72,6 +72,10 @@ manual:
     rm -rf docs/man docs/completions
     cargo run -p promises --example manual -- docs
 
+# The C header of the messages, made from their tables (a test compares)
+header:
+    cargo run -p wire --example header -- crates/wire/whirl.h
+
 # The README's pictures, of a real bench, into docs/pictures
 screenshots:
     docs/pictures/make

@@ -18,7 +18,6 @@ mod recordings;
 mod replay;
 mod report;
 mod run;
-mod speeds;
 mod tune;
 mod typed;
 mod units;

@@ -7,8 +7,6 @@
 mod parts;
 #[cfg(feature = "rerun")]
 mod recorder;
-#[cfg(feature = "rerun")]
-mod snapshots;
 
 use promises::run;
 
@@ -38,7 +36,6 @@ mod with {
     use rustix::process::{Pid, Signal, kill_process};
     use serde_json::Value;
     use tape::Recording;
-    use wire::Step;
 
     use super::recorder::{Recorder, configure, info, steps, text, wait};
     use super::run;

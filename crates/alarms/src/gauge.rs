@@ -136,7 +136,10 @@ mod tests {
     }
 
     fn bulletin() -> Box<Bulletin> {
-        Box::new(Bulletin { run_id: 7, ..Bulletin::default() })
+        Box::new(Bulletin::from(wire::message::BulletinMessage {
+            run_id: 7,
+            ..wire::message::BulletinMessage::default()
+        }))
     }
 
     fn value(reading: &Reading, watch: Watch) -> Option<f64> {
@@ -206,8 +209,20 @@ mod tests {
         bulletin.analysis = Analysis { revision: 3, count: 6, min_damping: 0.05, ..Analysis::default() };
         gauge.learn(&bulletin, 0);
         assert_eq!(gauge.take().get(Watch::Damping), Some(Sample { value: 0.05, at: (&state(500)).into() }));
-        gauge.happen(&Event { run_id: 7, seq: 510, tau: 5.1, revision: 4, ..Event::default() });
-        gauge.happen(&Event { run_id: 7, seq: 530, tau: 5.3, revision: 4, ..Event::default() });
+        gauge.happen(&Event::from(wire::EventMessage {
+            run_id: 7,
+            seq: 510,
+            tau: 5.1,
+            revision: 4,
+            ..wire::EventMessage::default()
+        }));
+        gauge.happen(&Event::from(wire::EventMessage {
+            run_id: 7,
+            seq: 530,
+            tau: 5.3,
+            revision: 4,
+            ..wire::EventMessage::default()
+        }));
         gauge.hear(&state(560));
         bulletin.analysis = Analysis { revision: 4, count: 6, min_damping: -0.01, ..Analysis::default() };
         gauge.learn(&bulletin, 0);

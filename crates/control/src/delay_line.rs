@@ -108,6 +108,11 @@ impl DelayLine {
         }
     }
 
+    /// Words that it saves at most.
+    pub(crate) fn words_at_most(&self) -> usize {
+        3 + 10 * self.ring.len()
+    }
+
     /// `None` if the words do not fit.
     pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
         let count = usize::try_from(words.take()?).ok().filter(|count| *count <= self.ring.len())?;

@@ -16,6 +16,18 @@ impl Words {
         Self { words, read: 0 }
     }
 
+    /// None yet, and room for so many without allocating.
+    #[must_use]
+    pub fn with_room(room: usize) -> Self {
+        Self { words: Vec::with_capacity(room), read: 0 }
+    }
+
+    /// How many there is room for without allocating.
+    #[must_use]
+    pub fn room(&self) -> usize {
+        self.words.capacity()
+    }
+
     /// All of them.
     #[must_use]
     pub fn as_slice(&self) -> &[u64] {

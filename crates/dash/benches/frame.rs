@@ -17,7 +17,7 @@ use ratatui::widgets::Widget;
 use ratatui::widgets::canvas::{Canvas, Points};
 use rotor::{Settings, Spectrum, builtin};
 use wire::message::Analysis;
-use wire::{Bulletin, Channel, Point, SettingsMessage, State};
+use wire::{Bulletin, Channel, Point, SettingsDocument, State};
 
 /// The screen of the promises.
 const SIZE: (u16, u16) = (200, 60);
@@ -78,10 +78,17 @@ fn bulletin() -> Box<Bulletin> {
     for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
         *place = [mode.pole.re, mode.pole.im];
     }
-    let settings = SettingsMessage::pack(&settings).expect("fits");
-    let mut bulletin =
-        Bulletin { run_id: 7, rate_hz: 1000.0, dtau: 0.01, revision: 1, settings, analysis, ..Bulletin::default() };
+    let settings = SettingsDocument::of(&settings);
+    let mut bulletin = Bulletin::from(wire::message::BulletinMessage {
+        run_id: 7,
+        rate_hz: 1000.0,
+        dtau: 0.01,
+        revision: 1,
+        analysis,
+        ..wire::message::BulletinMessage::default()
+    });
     bulletin.set_rotor(&rotor);
+    bulletin.settings = settings;
     Box::new(bulletin)
 }
 

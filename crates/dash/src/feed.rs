@@ -161,7 +161,7 @@ impl Feed {
 
     /// The settings in force, once they are known.
     pub(crate) fn settings(&self) -> Option<Settings> {
-        self.bulletin.as_ref().map(|bulletin| bulletin.settings.unpack())
+        self.bulletin.as_ref().map(|bulletin| bulletin.settings.get().clone())
     }
 
     /// The rotor, once it is known.
@@ -264,7 +264,7 @@ impl Pace {
 pub(crate) mod tests {
     use rotor::{Spectrum, builtin};
     use wire::message::Analysis;
-    use wire::{Channel, Layout, Point, SettingsMessage, State};
+    use wire::{Channel, Layout, Point, SettingsDocument, State};
 
     use super::*;
 
@@ -283,17 +283,17 @@ pub(crate) mod tests {
         for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
             *place = [mode.pole.re, mode.pole.im];
         }
-        let mut bulletin = Box::new(Bulletin {
+        let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
             run_id: 7,
             pid: 1234,
             rate_hz: 1000.0,
             dtau: 0.01,
             revision: 1,
-            settings: SettingsMessage::pack(&settings).unwrap(),
             analysis,
-            ..Bulletin::default()
-        });
+            ..wire::message::BulletinMessage::default()
+        }));
         bulletin.set_rotor(&rotor);
+        bulletin.settings = SettingsDocument::of(&settings);
         bulletin.health.lateness_p50_us = 50.0;
         bulletin.health.lateness_p99_us = 120.0;
         bulletin

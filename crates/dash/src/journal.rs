@@ -48,7 +48,7 @@ impl Journal {
             return false;
         }
         self.newest = (event.run_id, event.number);
-        let before = self.settings.replace(event.settings.unpack()).filter(|_| event.run_id == run);
+        let before = self.settings.replace(event.settings.get().clone()).filter(|_| event.run_id == run);
         let Some(happening) = event.happening() else { return false };
         let difference = match (&happening, &before, &self.settings) {
             (Happening::Settings, Some(before), Some(after)) => units.difference(before, after),
@@ -96,7 +96,7 @@ impl Journal {
 
 #[cfg(test)]
 pub(crate) mod tests {
-    use wire::{SettingsMessage, Text};
+    use wire::{SettingsDocument, Text};
 
     use super::*;
     use crate::feed::tests::bulletin;
@@ -106,13 +106,13 @@ pub(crate) mod tests {
         let mut event = happening.event();
         (event.run_id, event.number, event.wall_ns) = (7, number, (50_600 + number) * 1_000_000_000);
         (event.who, event.tau) = (Text::new("dash:812"), number as f64);
-        event.settings = SettingsMessage::pack(settings).unwrap();
+        event.settings = SettingsDocument::of(settings);
         event
     }
 
     #[test]
     fn changes_are_told_in_words_and_once() {
-        let mut settings = bulletin("three-mass", "composite").settings.unpack();
+        let mut settings = bulletin("three-mass", "composite").settings.get().clone();
         let mut journal = Journal::default();
         assert!(journal.hear(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
@@ -130,7 +130,7 @@ pub(crate) mod tests {
 
     #[test]
     fn another_run_is_news_and_the_newest_stay() {
-        let settings = bulletin("three-mass", "composite").settings.unpack();
+        let settings = bulletin("three-mass", "composite").settings.get().clone();
         let mut journal = Journal::default();
         for number in 1..=KEPT as u64 + 5 {
             journal.hear(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);

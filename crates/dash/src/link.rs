@@ -93,7 +93,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
             let mut feed = lock(feed);
             if let Some(bulletin) = bulletin {
                 // If the clerk is behind it has a newer one coming.
-                let _ = wires.news.try_send(News::Bulletin(Arc::new(*bulletin)));
+                let _ = wires.news.try_send(News::Bulletin(Arc::new((*bulletin).clone())));
                 let news = (bulletin.revision, bulletin.trip.is_tripped());
                 if news != told {
                     told = news;
@@ -104,7 +104,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
             }
             listener.events(|event| {
                 // What does not fit there shows by its revision.
-                let _ = wires.news.try_send(News::Event(Box::new(*event)));
+                let _ = wires.news.try_send(News::Event(Box::new(event.clone())));
                 feed.happen(event);
             })?;
             listener.drain(|step| feed.hear(&step, now))?

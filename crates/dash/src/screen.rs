@@ -146,7 +146,7 @@ mod tests {
         let mut feed = Feed::new("");
         let mut bulletin = tests::bulletin("three-mass", "composite");
         bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
-        let mut settings = bulletin.settings.unpack();
+        let mut settings = bulletin.settings.get().clone();
         for (key, value) in [
             ("speed", 2.345_678_901_234),
             ("kd", -0.587_912_345_678),
@@ -156,7 +156,7 @@ mod tests {
         ] {
             settings.set(key.parse().unwrap(), value).unwrap();
         }
-        bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
+        bulletin.settings = wire::SettingsDocument::of(&settings);
         (bulletin.health.steps, bulletin.health.missed) = (123_456_789, 12_345);
         (bulletin.health.lateness_p50_us, bulletin.health.lateness_p99_us) = (12_345.0, 123_456.0);
         feed.read(bulletin);
@@ -267,7 +267,7 @@ mod tests {
             let mut bulletin = tests::bulletin("jeffcott", "cancel");
             bulletin.set_rotor(&rotor);
             let settings = rotor::Settings::new(&rotor, 1.0, rotor::builtin::feedback(&rotor, "off").unwrap());
-            bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
+            bulletin.settings = wire::SettingsDocument::of(&settings);
             feed.read(bulletin);
             (0..300).for_each(|seq| feed.hear(&tests::state(masses, seq), now));
             let drawn = frame(&feed.picture(&ViewTime::LIVE, now), 160, 50, false);

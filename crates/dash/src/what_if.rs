@@ -49,7 +49,7 @@ mod tests {
     fn the_candidate_is_what_the_simulation_would_say_of_it() {
         let rotor = builtin::rotor("three-mass").unwrap();
         let bulletin = crate::feed::tests::bulletin("three-mass", "composite");
-        let settings = bulletin.settings.unpack();
+        let settings = bulletin.settings.get().clone();
         let same = WhatIf::of(&rotor, settings.clone()).unwrap();
         let told: Vec<C64> = bulletin.analysis.poles().collect();
         assert!(same.poles.iter().zip(&told).all(|(a, b)| (a - b).norm() < 1e-12), "{same:?}");

@@ -232,6 +232,11 @@ impl Integrator {
         state[2 * n..].copy_from_slice(&spare[2 * n..]);
     }
 
+    /// Words that it saves at most.
+    pub(crate) fn words_at_most(&self) -> usize {
+        1 + 2 * self.state.len() + self.controller.words_at_most()
+    }
+
     pub(crate) fn save(&self, words: &mut Words) {
         words.put(self.state.len() as u64);
         self.state.iter().for_each(|z| words.put_c64(*z));

@@ -1,6 +1,6 @@
 //! What the stepping thread of a bench does to a machine allocates nothing and frees nothing, whatever the loop.
 
-use control::{Filter, Parts};
+use control::{Filter, Parts, Words};
 use machine::{Machine, Program};
 use rotor::{C64, Feedback, Settings, builtin};
 
@@ -48,11 +48,20 @@ fn steps_orders_and_new_programs_allocate_nothing() {
             for ramp in [f64::INFINITY, 0.5] {
                 let mut machine = Machine::new(program(first, 3.0, f64::INFINITY));
                 let mut next = Box::new(program(second, 4.0, ramp));
+                let most = machine.words_at_most().max(next.words_at_most());
+                let mut words = Words::with_room(most);
+                let mut save = |machine: &Machine| {
+                    words.clear();
+                    machine.save(&mut words);
+                };
                 let used = allocation_counter::measure(|| {
                     step(&mut machine, 500);
+                    save(&machine);
                     machine.kick(1, C64::new(0.1, 0.0));
                     machine.load(&mut next);
+                    save(&machine);
                     step(&mut machine, 500);
+                    save(&machine);
                     machine.restart();
                     step(&mut machine, 10);
                 });

@@ -38,7 +38,6 @@ mod marginal;
 mod modes;
 mod params;
 mod plant;
-pub mod profile;
 mod quadratic;
 pub mod report_form;
 mod settings;

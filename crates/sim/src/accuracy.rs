@@ -15,12 +15,12 @@ fn jeffcott(feedback: &str, speed: f64, deadband: f64) -> (Rotor, Settings) {
 }
 
 fn options(dtau: f64) -> Options {
-    Options { bench: BenchName::default(), rate_hz: Options::DEFAULT_RATE_HZ, dtau, profile: None }
+    Options { bench: BenchName::default(), rate_hz: Options::DEFAULT_RATE_HZ, dtau }
 }
 
 /// The state after `tau`, from rest.
 fn shown(rotor: &Rotor, settings: &Settings, dtau: f64, tau: f64) -> State {
-    let mut engine = Engine::new(options(dtau).check(rotor, settings).unwrap(), 7);
+    let mut engine = Engine::new(options(dtau).check(rotor, settings).unwrap(), 7, 1000);
     for _ in 0..(tau / dtau).round() as u64 {
         assert_eq!(engine.step(), None);
     }

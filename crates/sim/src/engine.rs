@@ -3,10 +3,10 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crossbeam::queue::ArrayQueue;
-use machine::{Machine, Program};
+use machine::{Machine, Program, Words};
 use rotor::C64;
 use wire::message::{Flags, Trip};
-use wire::{Channel, Point, RowMut};
+use wire::{Channel, MAX_SNAPSHOT, Point, RowMut, SnapshotHead};
 
 use crate::pacer::Wake;
 
@@ -42,12 +42,33 @@ pub(crate) struct Measure {
     pub(crate) cost_ns: u64,
 }
 
+/// A snapshot on its way, in a buffer that comes back.
+#[derive(Debug)]
+pub(crate) struct Saved {
+    /// Whether it is one: else it comes back because it has not room enough.
+    pub(crate) is_taken: bool,
+    pub(crate) head: SnapshotHead,
+    pub(crate) words: Words,
+}
+
+impl Saved {
+    pub(crate) fn with_room(room: usize) -> Box<Self> {
+        Box::new(Self { is_taken: false, head: SnapshotHead::default(), words: Words::with_room(room) })
+    }
+}
+
+/// Buffers for snapshots: one at every change, and the intake looks ten times a second.
+const SAVES: usize = 4;
+
 /// The queues between the two threads: bounded and lock-free.
 #[derive(Debug)]
 pub(crate) struct Exchange {
     pub(crate) orders: ArrayQueue<Box<Order>>,
     pub(crate) notices: ArrayQueue<Notice>,
     pub(crate) measures: ArrayQueue<Measure>,
+    /// Snapshots that were taken, and buffers for the next.
+    pub(crate) saved: ArrayQueue<Box<Saved>>,
+    pub(crate) blank: ArrayQueue<Box<Saved>>,
     pub(crate) counters: Counters,
 }
 
@@ -71,9 +92,31 @@ impl Counters {
     }
 }
 
+impl Exchange {
+    /// For a program whose snapshots have at most so many words.
+    pub(crate) fn new(words: usize) -> Self {
+        let made = Self::default();
+        for _ in 0..SAVES {
+            let _ = made.blank.push(Saved::with_room(words.min(MAX_SNAPSHOT)));
+        }
+        made
+    }
+
+    /// Gives the buffers that are not in use room for so many words. On the intake's thread: this allocates.
+    pub(crate) fn make_room(&self, words: usize) {
+        for _ in 0..self.blank.len() {
+            let Some(blank) = self.blank.pop() else { return };
+            let is_small = blank.words.room() < words.min(MAX_SNAPSHOT);
+            let _ = self.blank.push(if is_small { Saved::with_room(words.min(MAX_SNAPSHOT)) } else { blank });
+        }
+    }
+}
+
 impl Default for Exchange {
     fn default() -> Self {
         Self {
+            saved: ArrayQueue::new(SAVES),
+            blank: ArrayQueue::new(SAVES),
             orders: ArrayQueue::new(MAX_PENDING_CHANGES),
             // Every order that can be under way, and the trips that those orders can lead to.
             notices: ArrayQueue::new(4 * MAX_PENDING_CHANGES),
@@ -103,11 +146,46 @@ pub(crate) struct Engine {
     /// The number of the next step.
     seq: u64,
     revision: u64,
+    /// Steps from one snapshot to the next where nothing happens.
+    save_every: u64,
+    /// The step before which the next one is due.
+    save_at: u64,
 }
 
 impl Engine {
-    pub(crate) fn new(program: Program, run_id: u64) -> Self {
-        Self { machine: Machine::new(program), run_id, seq: 0, revision: 1 }
+    /// A machine at rest, of which a snapshot is taken every so many steps at least.
+    pub(crate) fn new(program: Program, run_id: u64, save_every: u64) -> Self {
+        Self { machine: Machine::new(program), run_id, seq: 0, revision: 1, save_every, save_at: 0 }
+    }
+
+    /// Takes a snapshot of the machine before its next step, if one is due: because something was `done` to it, because it has
+    /// tripped, or because the last one is old. Waits for a buffer that is free and large enough.
+    pub(crate) fn save(&mut self, done: bool, exchange: &Exchange) {
+        if done {
+            self.save_at = self.seq;
+        }
+        if self.seq < self.save_at {
+            return;
+        }
+        let room = self.machine.words_at_most();
+        if room > MAX_SNAPSHOT {
+            self.save_at = self.seq + self.save_every;
+            return;
+        }
+        let Some(mut saved) = exchange.blank.pop() else { return };
+        saved.is_taken = saved.words.room() >= room;
+        if !saved.is_taken {
+            // The intake gives it more.
+            let _ = exchange.saved.push(saved);
+            return;
+        }
+        saved.words.clear();
+        self.machine.save(&mut saved.words);
+        saved.head =
+            SnapshotHead { run_id: self.run_id, seq: self.seq, revision: self.revision, tau: self.machine.tau() };
+        // There is room: there are no more buffers than it holds.
+        let _ = exchange.saved.push(saved);
+        self.save_at = self.seq + self.save_every;
     }
 
     /// Carries out what the intake has ordered. Returns whether there was anything.
@@ -133,6 +211,8 @@ impl Engine {
     /// Makes one step, unless the machine has tripped. Returns the trip if this step caused one.
     pub(crate) fn step(&mut self) -> Option<Trip> {
         let trip = self.machine.step()?;
+        // A snapshot of the machine as it is held.
+        self.save_at = self.seq + 1;
         Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
     }
 
@@ -188,7 +268,7 @@ mod tests {
     fn engine(feedback: &str, speed: f64, dtau: f64) -> (Rotor, Settings, Engine) {
         let rotor = builtin::rotor("three-mass").unwrap();
         let settings = Settings::new(&rotor, speed, builtin::feedback(&rotor, feedback).unwrap());
-        let engine = Engine::new(program(&rotor, &settings, dtau), 7);
+        let engine = Engine::new(program(&rotor, &settings, dtau), 7, 1000);
         (rotor, settings, engine)
     }
 
@@ -226,7 +306,7 @@ mod tests {
         }
         for cause in [1, 2] {
             // A kick beyond which the next step leaves the range of numbers at once.
-            let mut engine = Engine::new(program(&rotor, &settings, 1.0), 7);
+            let mut engine = Engine::new(program(&rotor, &settings, 1.0), 7, 1000);
             if cause == 2 {
                 engine.machine.kick(0, C64::new(1e300, 0.0));
             }
@@ -265,5 +345,37 @@ mod tests {
         engine.take_orders(&exchange);
         engine.step();
         assert_eq!(sent(&mut engine).tau(), 0.01);
+    }
+    #[test]
+    fn snapshots_are_taken_at_every_change_and_every_so_often_and_wait_for_room() {
+        let (rotor, mut settings, mut engine) = engine("composite", 2.5, 0.01);
+        let exchange = Exchange::new(engine.machine.words_at_most());
+        let taken = |engine: &mut Engine, steps: u64| {
+            let mut taken = Vec::new();
+            for _ in 0..steps {
+                let done = engine.take_orders(&exchange);
+                engine.save(done, &exchange);
+                while let Some(saved) = exchange.saved.pop() {
+                    taken.extend(saved.is_taken.then(|| (saved.head.seq, saved.words.as_slice().len())));
+                    exchange.blank.push(saved).unwrap();
+                }
+                engine.step();
+                sent(engine);
+            }
+            taken
+        };
+        let seqs = |taken: Vec<(u64, usize)>| taken.into_iter().map(|(seq, _)| seq).collect::<Vec<_>>();
+        assert_eq!(seqs(taken(&mut engine, 2500)), [0, 1000, 2000]);
+        exchange.orders.push(Box::new(Order::Impulse { mass: 0, velocity: C64::new(0.1, 0.0) })).unwrap();
+        assert_eq!(seqs(taken(&mut engine, 1500)), [2500, 3500]);
+        // A loop that remembers needs more room than there is: what was given back comes back as it was until there is.
+        settings.assign("delay", "0.5").unwrap();
+        let program = Box::new(program(&rotor, &settings, 0.01));
+        let needed = program.words_at_most();
+        exchange.orders.push(Box::new(Order::Settings { program, revision: 2 })).unwrap();
+        assert_eq!(taken(&mut engine, 1), []);
+        exchange.make_room(needed);
+        let large = taken(&mut engine, 100);
+        assert_eq!((large.len(), large[0].0), (1, 4001), "{large:?}");
     }
 }

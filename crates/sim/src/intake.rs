@@ -4,12 +4,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use machine::{MachinePoles, Pace, Program};
-use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
-use wire::message::{Analysis, Health, Request, Trip};
-use wire::{
-    Answer, Bulletin, BulletinSender, Change, EventSender, Happening, Host, Inbox, SettingsMessage, Text, WireError,
-};
+use wire::message::{Analysis, BulletinMessage, Health, Trip};
+use wire::{Answer, Bulletin, Change, Happening, Host, Inbox, NewsSender, Request, SettingsDocument, Text, WireError};
 
 use crate::Options;
 use crate::engine::{Exchange, Notice, Order};
@@ -26,14 +23,14 @@ const HANDOVER: Duration = Duration::from_secs(1);
 pub(crate) struct Intake<'a> {
     rotor: &'a Rotor,
     settings: Settings,
-    /// What the speed follows until it is set to something else.
-    profile: Option<Profile>,
     bulletin: Box<Bulletin>,
     exchange: &'a Exchange,
     gauge: Gauge,
     log: Log,
     lateness: Lateness,
     period: Duration,
+    /// Words of a snapshot under the settings in force, at most.
+    snapshot_words: usize,
     /// When the settings in force were taken.
     applied: When,
     /// Something has changed that readers have not been told.
@@ -49,7 +46,7 @@ impl<'a> Intake<'a> {
         (run_id, started_ns): (u64, u64),
         exchange: &'a Exchange,
     ) -> Self {
-        let mut bulletin = Box::new(Bulletin {
+        let mut bulletin = Box::new(Bulletin::from(BulletinMessage {
             run_id,
             started_ns,
             pid: std::process::id(),
@@ -59,20 +56,20 @@ impl<'a> Intake<'a> {
             substeps,
             revision: 1,
             changed_by: Text::new("start"),
-            ..Bulletin::default()
-        });
+            ..BulletinMessage::default()
+        }));
         bulletin.set_rotor(rotor);
         let period = Duration::from_secs_f64(1.0 / options.rate_hz);
         Self {
             rotor,
             settings,
-            profile: options.profile.clone(),
             bulletin,
             exchange,
             gauge: Gauge::new(),
             log: Log::default(),
             lateness: Lateness::new(period),
             period,
+            snapshot_words: 0,
             applied: When { step: 0, tau: 0.0 },
             news: true,
         }
@@ -81,21 +78,21 @@ impl<'a> Intake<'a> {
     /// Serves until `stop`, and returns how the run went.
     pub(crate) fn run<H: Host>(mut self, host: &H, stop: &AtomicBool) -> Result<(Health, Trip), WireError> {
         let mut inbox = host.inbox()?;
-        let mut bulletins = host.bulletins()?;
-        let mut events = host.events()?;
-        self.bulletin.settings = SettingsMessage::pack(&self.settings)?;
+        let mut news = host.news()?;
+        self.bulletin.settings = SettingsDocument::of(&self.settings);
         self.analyse();
         self.log.note(&Happening::Started, When { step: 0, tau: 0.0 }, &self.bulletin);
         let mut beat = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
                 self.gauge.gather(self.exchange);
-                self.publish(&mut bulletins, host.listeners())?;
-                events.welcome()?;
+                news.welcome()?;
+                self.publish(&mut news, host.listeners())?;
                 self.watch_pace();
                 beat = Instant::now();
             }
-            self.log.send(&mut events)?;
+            self.log.send(&mut news)?;
+            self.send_snapshots(&mut news)?;
             let patience = HEARTBEAT.saturating_sub(beat.elapsed());
             inbox.serve(patience, |request| self.answer(request))?;
             while let Some(notice) = self.exchange.notices.pop() {
@@ -104,16 +101,28 @@ impl<'a> Intake<'a> {
         }
         self.gauge.gather(self.exchange);
         self.log.note(&Happening::Ended, When::now(self.exchange), &self.bulletin);
-        self.log.send(&mut events)?;
+        self.log.send(&mut news)?;
         Ok((self.gauge.health(self.exchange, host.listeners()), self.bulletin.trip))
     }
 
-    fn publish(&mut self, bulletins: &mut impl BulletinSender, listeners: usize) -> Result<(), WireError> {
+    fn publish(&mut self, news: &mut impl NewsSender, listeners: usize) -> Result<(), WireError> {
         self.bulletin.number += 1;
         self.bulletin.wall_ns = crate::wall_ns();
         self.bulletin.health = self.gauge.health(self.exchange, listeners);
         self.news = false;
-        bulletins.send(&self.bulletin)
+        news.bulletin(&self.bulletin)
+    }
+
+    /// Sends the snapshots that the stepping thread has taken, and gives it their buffers back, with the room that it needs.
+    fn send_snapshots(&mut self, news: &mut impl NewsSender) -> Result<(), WireError> {
+        while let Some(saved) = self.exchange.saved.pop() {
+            if saved.is_taken {
+                news.snapshot(&saved.head, saved.words.as_slice())?;
+            }
+            let _ = self.exchange.blank.push(saved);
+        }
+        self.exchange.make_room(self.snapshot_words);
+        Ok(())
     }
 
     /// Notes that the simulation has fallen behind, if it has.
@@ -135,13 +144,15 @@ impl<'a> Intake<'a> {
                 self.bulletin.changed_by.as_str(),
                 request.base_revision
             );
-            return Answer { outdated: 1, ..Answer::refused(revision, &why) };
+            return Answer { outdated: 1, settings: self.bulletin.settings.hash(), ..Answer::refused(revision, &why) };
         }
         let before = self.bulletin.substeps;
-        if request.asks_for_settings() && request.settings.unpack() == self.settings {
+        if request.asks_for_settings()
+            && Change::of(request).is_ok_and(|change| change.settings() == Some(&self.settings))
+        {
             // In force already: nothing happens, and nobody's undo is in the way of it.
             let done = Answer::accepted(revision, self.applied.step, self.applied.tau);
-            return Answer { substeps: [before; 2], ..done };
+            return Answer { substeps: [before; 2], settings: self.bulletin.settings.hash(), ..done };
         }
         let carried = self.order(request).and_then(|(change, order)| {
             let behind = || String::from("the simulation is too far behind to take changes");
@@ -151,7 +162,8 @@ impl<'a> Intake<'a> {
         let (change, substeps, when) = match carried {
             Ok(done) => done,
             Err(reason) => {
-                let answer = Answer { substeps: [before; 2], ..Answer::refused(revision, &reason) };
+                let settings = self.bulletin.settings.hash();
+                let answer = Answer { substeps: [before; 2], settings, ..Answer::refused(revision, &reason) };
                 let refused = Happening::Refused { asked: Change::kind_name(request.kind), reason };
                 self.log.note_request(&refused, When::now(self.exchange), &self.bulletin, request);
                 return answer;
@@ -159,12 +171,8 @@ impl<'a> Intake<'a> {
         };
         let happened = match change {
             Change::Settings { settings, .. } => {
-                // What has been unpacked from one message fits into another.
-                self.bulletin.settings = request.settings;
+                self.bulletin.settings = SettingsDocument::of(&settings);
                 self.bulletin.substeps = substeps;
-                if self.leaves_profile(&settings) {
-                    self.profile = None;
-                }
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
                 self.bulletin.applied_at_step = when.step;
@@ -182,27 +190,26 @@ impl<'a> Intake<'a> {
         };
         self.log.note_request(&happened, when, &self.bulletin, request);
         self.news = true;
-        Answer { substeps: [substeps, before], ..Answer::accepted(self.bulletin.revision, when.step, when.tau) }
+        let settings = self.bulletin.settings.hash();
+        Answer {
+            substeps: [substeps, before],
+            settings,
+            ..Answer::accepted(self.bulletin.revision, when.step, when.tau)
+        }
     }
 
     /// Checks a request, and makes the order that carries it out; or says why not.
-    fn order(&self, request: &Request) -> Result<(Change, Order), String> {
-        let change = Change::of(request).ok_or_else(|| format!("unknown request {}", request.kind))?;
+    fn order(&mut self, request: &Request) -> Result<(Change, Order), String> {
+        let change = Change::of(request).map_err(|error| error.to_string())?;
         let order = match &change {
             Change::Settings { settings, .. } => {
-                let Bulletin { dtau, rate_hz, .. } = *self.bulletin;
-                let pace = Pace { dtau, rate_hz };
-                let program = match &self.profile {
-                    Some(profile) if !self.leaves_profile(settings) => {
-                        Program::compile_profile(self.rotor, settings, profile, pace).map_err(|error| error.to_string())
-                    }
-                    profile => {
-                        // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
-                        let from = profile.as_ref().map_or(self.settings.speed, |profile| profile.speeds()[1]);
-                        Program::compile(self.rotor, settings, from, pace).map_err(|error| error.to_string())
-                    }
-                };
-                let program = Box::new(program?);
+                let BulletinMessage { dtau, rate_hz, .. } = **self.bulletin;
+                // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
+                let program = Program::compile(self.rotor, settings, self.settings.speed, Pace { dtau, rate_hz });
+                let program = Box::new(program.map_err(|error| error.to_string())?);
+                // Before it is at work, so that the snapshot of the change is taken with it.
+                self.snapshot_words = program.words_at_most();
+                self.exchange.make_room(self.snapshot_words);
                 Order::Settings { program, revision: self.bulletin.revision + 1 }
             }
             Change::Impulse { mass, velocity } => {
@@ -220,11 +227,6 @@ impl<'a> Intake<'a> {
             Change::Note { .. } => Order::Mark,
         };
         Ok((change, order))
-    }
-
-    /// Whether these settings give the speed another aim than its profile has.
-    fn leaves_profile(&self, settings: &Settings) -> bool {
-        settings.speed != self.settings.speed || settings.ramp != self.settings.ramp
     }
 
     /// Hands an order to the stepping thread and waits until it has been carried out. Says when that was.

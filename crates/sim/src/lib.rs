@@ -26,7 +26,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use machine::{Pace, Program};
-use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
 use wire::{BenchName, Carrier, Host, Layout, MAX_BURST, StateSender, WireError};
@@ -44,8 +43,6 @@ pub struct Options {
     pub rate_hz: f64,
     /// Advance of `tau` per published step, more than 0 and at most 1.
     pub dtau: f64,
-    /// What the speed does from the start on, until somebody sets it; the settings have the speed at which it ends.
-    pub profile: Option<Profile>,
 }
 
 impl Options {
@@ -66,10 +63,7 @@ impl Options {
             return Err(SimError::Step(self.dtau));
         }
         let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
-        Ok(match &self.profile {
-            Some(profile) => Program::compile_profile(rotor, settings, profile, pace)?,
-            None => Program::compile(rotor, settings, settings.speed, pace)?,
-        })
+        Ok(Program::compile(rotor, settings, settings.speed, pace)?)
     }
 }
 
@@ -85,9 +79,6 @@ pub enum SimError {
     /// The settings do not fit the rotor, or cannot be stepped at this pace.
     #[error(transparent)]
     Program(#[from] machine::ProgramError),
-    /// The profile cannot be stepped at this pace.
-    #[error(transparent)]
-    Profile(#[from] machine::ProfileError),
     /// The bench's name is taken, or its ports fail.
     #[error(transparent)]
     Wire(#[from] WireError),
@@ -149,8 +140,9 @@ pub fn run<C: Carrier>(
     let started_ns = wall_ns();
     // Two processes started in the same nanosecond would still differ by their id.
     let run_id = started_ns.rotate_left(20) ^ u64::from(std::process::id());
-    let exchange = Exchange::default();
-    let engine = Engine::new(program, run_id);
+    let exchange = Exchange::new(program.words_at_most());
+    // A snapshot a second.
+    let engine = Engine::new(program, run_id, options.rate_hz.ceil() as u64);
     let intake = Intake::new(rotor, settings, substeps, options, (run_id, started_ns), &exchange);
 
     std::thread::scope(|scope| {
@@ -209,6 +201,7 @@ fn step_until(
             let burst = (wake.steps - sent).min(MAX_BURST as u32);
             states.send(burst as usize, |place, row| {
                 let ordered = engine.take_orders(exchange);
+                engine.save(ordered, exchange);
                 let tripped = engine.step();
                 engine.fill(row, started_ns + wake.due_ns(sent + place as u32), wake.is_late);
                 if let Some(trip) = tripped {

@@ -3,8 +3,7 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use wire::message::Request;
-use wire::{Bulletin, Event, EventSender, Happening, Text, WireError};
+use wire::{Bulletin, Event, Happening, NewsSender, Request, Text, WireError};
 
 use crate::engine::Exchange;
 
@@ -59,15 +58,15 @@ impl Log {
         event.tau = when.tau;
         event.wall_ns = crate::wall_ns();
         event.revision = bulletin.revision;
-        event.settings = bulletin.settings;
+        event.settings = bulletin.settings.clone();
         event.substeps = bulletin.substeps;
         sign(&mut event);
         self.waiting.push(event);
     }
 
     /// Sends what has been noted.
-    pub(crate) fn send(&mut self, events: &mut impl EventSender) -> Result<(), WireError> {
-        self.waiting.drain(..).try_for_each(|event| events.send(&event))
+    pub(crate) fn send(&mut self, news: &mut impl NewsSender) -> Result<(), WireError> {
+        self.waiting.drain(..).try_for_each(|event| news.event(&event))
     }
 }
 

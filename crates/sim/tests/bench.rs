@@ -53,9 +53,9 @@ impl Bench {
         let start = Instant::now();
         loop {
             let events = &mut self.events;
-            self.listener.events(|event| events.push(*event)).unwrap();
+            self.listener.events(|event| events.push(event.clone())).unwrap();
             let told: Vec<Event> =
-                events.iter().filter(|e| !matches!(e.happening(), Some(Happening::Late { .. }))).copied().collect();
+                events.iter().filter(|e| !matches!(e.happening(), Some(Happening::Late { .. }))).cloned().collect();
             if told.len() >= count {
                 return told;
             }
@@ -79,7 +79,7 @@ fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) 
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
     let carrier = Memory::with_room(ROOM);
-    let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01, profile: None };
+    let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01 };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let simulation = scope.spawn(|| sim::run(&carrier, &rotor, settings.clone(), &options, &stop, || ()));
@@ -130,10 +130,10 @@ fn every_step_is_sent_once_and_in_order() {
 #[test]
 fn the_bulletin_tells_the_rotor_the_settings_and_the_poles() {
     beside("composite", 1000.0, |bench, settings| {
-        let bulletin = bench.wait("poles", |b, _| (b.analysis.revision == 1).then(|| Box::new(*b)));
+        let bulletin = bench.wait("poles", |b, _| (b.analysis.revision == 1).then(|| Box::new(b.clone())));
         let rotor = bulletin.rotor().unwrap();
         assert_eq!(rotor, builtin::rotor("three-mass").unwrap());
-        assert_eq!(bulletin.settings.unpack(), settings);
+        assert_eq!(bulletin.settings.get().clone(), settings);
         let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).unwrap();
         assert_eq!(bulletin.analysis.min_damping, spectrum.min_damping());
         let poles: Vec<C64> = bulletin.analysis.poles().collect();
@@ -152,8 +152,8 @@ fn a_change_of_settings_is_answered_with_the_step_that_took_it() {
         let first = bench.wait("the new speed", |_, states| states.iter().position(|s| s.speed() == 3.0));
         let (before, after) = (bench.states[first - 1], bench.states[first]);
         assert_eq!((after.seq(), after.revision(), before.revision()), (answer.applied_at_step, 2, 1));
-        let bulletin = bench.wait("its poles", |b, _| (b.analysis.revision == 2).then(|| Box::new(*b)));
-        assert_eq!(bulletin.settings.unpack(), settings);
+        let bulletin = bench.wait("its poles", |b, _| (b.analysis.revision == 2).then(|| Box::new(b.clone())));
+        assert_eq!(bulletin.settings.get().clone(), settings);
         assert_eq!(bulletin.changed_by.as_str(), "test");
         // Based on a revision that is no longer in force: refused, and told why.
         let answer = bench.ask(&Change::Settings { base_revision: 1, settings });
@@ -264,8 +264,8 @@ fn what_happens_is_told_in_order_with_who_and_why_and_the_settings_after_it() {
             assert!(event == 6 || before.is_none_or(|before| before.tau() == answer.tau), "{before:?}, {answer:?}");
         }
         assert_eq!(restarted.tau, 0.0);
-        assert_eq!(told[0].settings.unpack(), settings);
-        assert!(told[1..].iter().all(|event| event.settings.unpack() == faster && event.revision == 2));
+        assert_eq!(told[0].settings.get().clone(), settings);
+        assert!(told[1..].iter().all(|event| event.settings.get().clone() == faster && event.revision == 2));
         assert!(told.windows(2).all(|pair| pair[1].wall_ns >= pair[0].wall_ns && pair[1].seq >= pair[0].seq));
     });
 }
@@ -290,7 +290,7 @@ fn a_trip_is_told_with_its_cause_and_who_comes_late_hears_of_it() {
         let numbers = |events: &[Event]| events.iter().map(|event| event.number).collect::<Vec<_>>();
         let mut listener = bench.again();
         let mut heard = Vec::new();
-        listener.events(|event| heard.push(*event)).unwrap();
+        listener.events(|event| heard.push(event.clone())).unwrap();
         assert_eq!(numbers(&heard[..5]), numbers(&bench.events[..5]));
         late = Some(listener);
     });
@@ -335,7 +335,7 @@ fn wrong_options_and_taken_names_are_refused() {
     let told = |options: Options, settings: Settings| {
         sim::run(&carrier, &rotor, settings, &options, &never, || unreachable!("never ready")).unwrap_err().to_string()
     };
-    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01, profile: None };
+    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01 };
     let slow = Options { rate_hz: 0.0, ..options.clone() };
     assert_eq!(told(slow, settings.clone()), "rate = 0: expected 1 to 100000 steps a second");
     let coarse = Options { dtau: f64::NAN, ..options.clone() };
@@ -344,4 +344,54 @@ fn wrong_options_and_taken_names_are_refused() {
     assert_eq!(told(options.clone(), fast), "speed = -1: expected a number from 0 to 1000");
     let _holder = carrier.host(&options.bench).unwrap();
     assert_eq!(told(options.clone(), settings), WireError::Taken(options.bench).to_string());
+}
+
+#[test]
+fn a_snapshot_goes_on_to_the_last_bit_as_the_bench_did() {
+    beside("individual", 1000.0, |bench, mut settings| {
+        // A loop with states of its own, noise among them.
+        for (key, value) in [("delay", "0.055"), ("noise", "0.001"), ("lag", "0.02"), ("sensor_lag", "0.01")] {
+            settings.assign(key, value).unwrap();
+        }
+        let answer = bench.ask(&Change::Settings { base_revision: 1, settings: settings.clone() });
+        assert!(answer.is_accepted(), "{answer:?}");
+        assert!(bench.ask(&Change::Impulse { mass: 1, velocity: C64::new(0.5, 0.25) }).is_accepted());
+        let start = Instant::now();
+        let mut heard = Vec::new();
+        let taken = loop {
+            bench.listener.snapshots(|head, words| heard.push((*head, words.to_vec()))).unwrap();
+            if let Some(taken) = heard.iter().find(|(head, _)| head.revision == 2) {
+                break taken.clone();
+            }
+            assert!(start.elapsed() < PATIENCE, "no snapshot came");
+            thread::sleep(Duration::from_millis(1));
+        };
+        assert_eq!(taken.0.seq, answer.applied_at_step, "it is taken with the change itself");
+        // The last one, after the impulse: nothing is done to the machine from there on.
+        let start = Instant::now();
+        while !heard.iter().any(|(head, _)| head.seq > answer.applied_at_step) {
+            bench.listener.snapshots(|head, words| heard.push((*head, words.to_vec()))).unwrap();
+            assert!(start.elapsed() < PATIENCE, "no snapshot came");
+            thread::sleep(Duration::from_millis(1));
+        }
+        let (head, words) = heard.pop().unwrap();
+        bench.wait("a second of steps", |_, states| {
+            states.last().is_some_and(|state| state.seq() > head.seq + 1000).then_some(())
+        });
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let pace = machine::Pace { dtau: 0.01, rate_hz: 1000.0 };
+        let program = machine::Program::compile(&rotor, &settings, settings.speed, pace).unwrap();
+        let mut machine = machine::Machine::new(program);
+        assert!(machine.restore(&mut machine::Words::from_saved(words)));
+        assert_eq!(machine.tau(), head.tau);
+        for state in bench.states.iter().filter(|state| (head.seq..head.seq + 1000).contains(&state.seq())) {
+            assert_eq!(machine.step(), None);
+            let sample = machine.sample();
+            let numbers = sample.displacement.iter().chain(sample.velocity).flat_map(|z| [z.re, z.im]);
+            let told = state.points().flat_map(|p| [p.y, p.z]).chain(state.points().flat_map(|p| [p.vy, p.vz]));
+            assert!(numbers.map(f64::to_bits).eq(told.map(f64::to_bits)), "step {} from {}", state.seq(), head.seq);
+            let read = (0..3).map(|mass| machine.reading(mass)).flat_map(|z| [z.re, z.im]);
+            assert!(read.eq((0..3).flat_map(|mass| state.reading(mass))), "step {}", state.seq());
+        }
+    });
 }

@@ -2,8 +2,7 @@
 
 use std::io;
 
-use machine::Machine;
-use rotor::C64;
+use rotor::{C64, Motion};
 pub use spectrum::{Peak, Spectrum, SpectrumError, segment_length, welch};
 
 use crate::run::Observer;
@@ -45,8 +44,7 @@ impl Collector {
 }
 
 impl Observer for Collector {
-    fn sample(&mut self, machine: &Machine) -> io::Result<()> {
-        let motion = machine.motion();
+    fn sample(&mut self, motion: &Motion<'_>, _: C64, _: u32) -> io::Result<()> {
         if motion.tau < self.from - 1e-9 {
             return Ok(());
         }

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut settings = Settings::new(&rotor, 1.0, builtin::feedback(&rotor, "off").ok_or("built in")?);
     settings.deadband.fill(1.0);
     settings.trip = 20.0;
-    let options = sim::Options { bench: bench.clone(), rate_hz: RATE_HZ, dtau: DTAU, profile: None };
+    let options = sim::Options { bench: bench.clone(), rate_hz: RATE_HZ, dtau: DTAU };
     let keep = Keep { min_free: 0, ..Keep::default() };
     // Of the rotor, and not of the machine that it is made on.
     let mut limits = Limits::default();
@@ -70,7 +70,7 @@ fn play(carrier: &Memory, bench: &BenchName, rotor: &rotor::Rotor) -> Result<(),
     };
     let mut edit = |listener: &mut <Memory as Carrier>::Listener, why: &str, change: &dyn Fn(&mut Settings)| {
         let bulletin = newest(listener)?;
-        let mut settings = bulletin.settings.unpack();
+        let mut settings = bulletin.settings.get().clone();
         change(&mut settings);
         ask(&Change::Settings { base_revision: bulletin.revision, settings }, why)
     };
@@ -92,7 +92,7 @@ fn play(carrier: &Memory, bench: &BenchName, rotor: &rotor::Rotor) -> Result<(),
     for speed in [2.4, 2.8, 3.2] {
         std::thread::sleep(Duration::from_millis(900));
         let bulletin = newest(&mut listener)?;
-        let mut settings = bulletin.settings.unpack();
+        let mut settings = bulletin.settings.get().clone();
         settings.speed = speed;
         ask(&Change::Settings { base_revision: bulletin.revision, settings })?;
     }

@@ -113,9 +113,9 @@ impl Gatherer {
         if self.begun && self.run_id == Some(event.run_id) {
             // What happened stands in the file before the steps that it made.
             self.close_batch();
-            self.out.push_back(Item::Event(Box::new(*event)));
+            self.out.push_back(Item::Event(Box::new(event.clone())));
         } else {
-            self.events.push(Box::new(*event));
+            self.events.push(Box::new(event.clone()));
         }
     }
 
@@ -205,7 +205,7 @@ mod tests {
     }
 
     fn bulletin(run_id: u64) -> Box<Bulletin> {
-        Box::new(Bulletin { run_id, ..Bulletin::default() })
+        Box::new(Bulletin::from(wire::message::BulletinMessage { run_id, ..wire::message::BulletinMessage::default() }))
     }
 
     /// What comes out, as words.
@@ -226,13 +226,13 @@ mod tests {
     fn steps_wait_for_the_head_and_losses_stand_where_they_happened() {
         let mut gatherer = Gatherer::new();
         let now = Instant::now();
-        gatherer.event(&Event { run_id: 1, number: 4, ..Event::default() });
+        gatherer.event(&Event::from(wire::EventMessage { run_id: 1, number: 4, ..wire::EventMessage::default() }));
         for seq in [5, 6, 9, 9, 10] {
             gatherer.state(&state(1, seq), now);
         }
         assert!(told(&mut gatherer).is_empty(), "no head yet");
         gatherer.bulletin(bulletin(1));
-        gatherer.event(&Event { run_id: 1, number: 5, ..Event::default() });
+        gatherer.event(&Event::from(wire::EventMessage { run_id: 1, number: 5, ..wire::EventMessage::default() }));
         assert_eq!(told(&mut gatherer), ["run 1 at 10", "event 4", "[5, 6]", "2 steps lost", "[9, 10]", "event 5"]);
         assert_eq!(gatherer.lost(), 2);
     }
@@ -244,7 +244,7 @@ mod tests {
         gatherer.bulletin(bulletin(1));
         gatherer.state(&state(1, 7), now);
         gatherer.state(&state(2, 0), now);
-        gatherer.event(&Event { run_id: 2, number: 1, ..Event::default() });
+        gatherer.event(&Event::from(wire::EventMessage { run_id: 2, number: 1, ..wire::EventMessage::default() }));
         assert_eq!(told(&mut gatherer), ["run 1 at 7", "[7]"]);
         gatherer.bulletin(bulletin(2));
         assert_eq!(told(&mut gatherer), ["run 2 at 0", "event 1", "[0]"]);

@@ -94,7 +94,10 @@ mod tests {
     fn a_trip_is_an_event_and_not_told_twice() {
         let mut judge = Judge::new(Limits::none());
         let trip = Trip { cause: 1, mass: 1, step: 5, radius: 7.0, limit: 6.0 };
-        judge.bulletin(&Bulletin { trip, ..Bulletin::default() }, 0);
+        judge.bulletin(
+            &Bulletin::from(wire::message::BulletinMessage { trip, ..wire::message::BulletinMessage::default() }),
+            0,
+        );
         assert!(judge.turns(None).is_empty());
     }
 }

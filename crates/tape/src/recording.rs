@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use alarms::Turn;
 use rotor::{Rotor, Scales};
 use wire::message::{Analysis, Flags, Trip};
-use wire::{Bulletin, Channel, Happening, SettingsMessage, State, Step, Text};
+use wire::{Bulletin, Channel, Happening, SettingsDocument, State, Step, Text};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
@@ -19,7 +19,6 @@ use crate::error::TapeError;
 use crate::event::{self, Event, Remark, What};
 use crate::row::Row;
 use crate::session::{Gap, Revision, Session, Span};
-use crate::snapshot::Snapshot;
 
 /// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
 const KEPT: usize = 6;
@@ -63,8 +62,6 @@ impl Recording {
         contents.remarks.sort_by_key(|r| r.at.seq);
         once(&mut contents.remarks);
         contents.health.sort_by_key(|(at, _)| at.seq);
-        contents.snapshots.sort_by_key(|place| place.next);
-        contents.snapshots.dedup_by_key(|place| place.next);
         let gaps = gaps(&contents.stretches);
         let trips = trips(&contents.events);
         Self { paths, contents, gaps, trips, decoder, at_hand: Vec::new() }
@@ -202,34 +199,6 @@ impl Recording {
         self.contents.revisions.get(after.max(1) - 1)
     }
 
-    /// How many snapshots of the machine are on file.
-    #[must_use]
-    pub fn snapshots(&self) -> usize {
-        self.contents.snapshots.len()
-    }
-
-    /// The last snapshot from which step `seq` is reached; `None` if there is none.
-    ///
-    /// # Errors
-    /// As [`Recording::steps`].
-    pub fn snapshot_before(&mut self, seq: u64) -> Result<Option<Snapshot>, TapeError> {
-        let after = self.contents.snapshots.partition_point(|place| place.next <= seq);
-        let place = after.checked_sub(1).map(|at| self.contents.snapshots[at]);
-        place.map(|place| self.decoder.snapshot(&place)).transpose()
-    }
-
-    /// From which step on steps are how long, in `tau`, as far as snapshots tell.
-    #[must_use]
-    pub fn paces(&self) -> Vec<(u64, f64)> {
-        let mut paces: Vec<(u64, f64)> = Vec::new();
-        for place in &self.contents.snapshots {
-            if paces.last().is_none_or(|(_, dtau)| *dtau != place.dtau) {
-                paces.push((place.next, place.dtau));
-            }
-        }
-        paces
-    }
-
     /// Every settings on file, in order.
     #[must_use]
     pub fn revisions(&self) -> &[Revision] {
@@ -255,8 +224,8 @@ impl Recording {
         message.who = Text::new(&event.who);
         message.why = Text::new(&event.why);
         let revision = self.contents.revisions.iter().find(|r| r.revision == event.revision);
-        if let Some(settings) = revision.and_then(|r| SettingsMessage::pack(&r.settings).ok()) {
-            message.settings = settings;
+        if let Some(revision) = revision {
+            message.settings = SettingsDocument::of(&revision.settings);
         }
         message
     }
@@ -338,7 +307,7 @@ impl Recording {
         bulletin.rate_hz = session.rate_hz;
         bulletin.dtau = session.dtau;
         if let Some(revision) = self.settings_at(seq) {
-            bulletin.settings = SettingsMessage::pack(&revision.settings).unwrap_or_default();
+            bulletin.settings = SettingsDocument::of(&revision.settings);
             bulletin.revision = revision.revision;
             bulletin.substeps = revision.substeps;
             bulletin.applied_at_step = revision.from;

@@ -12,7 +12,6 @@ use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
 use crate::schema;
 use crate::session::{Revision, Session, Source};
-use crate::snapshot::Snapshot;
 
 /// One thing to be put on tape, in the order in which it came.
 #[derive(Clone, Debug)]
@@ -71,12 +70,6 @@ pub trait Sink: Send {
     /// # Errors
     /// As [`Sink::steps`].
     fn health(&mut self, bulletin: &Bulletin, at: Moment) -> Result<(), TapeError>;
-
-    /// Puts all of the machine on tape, as it is before the step of that moment. May wait for the next steps.
-    ///
-    /// # Errors
-    /// As [`Sink::steps`].
-    fn snapshot(&mut self, snapshot: Snapshot, at: Moment) -> Result<(), TapeError>;
 
     /// Bytes written so far.
     fn bytes(&self) -> u64;
@@ -174,7 +167,7 @@ impl Head {
             return None;
         }
         let (who, why) = (event.who.as_str(), event.why.as_str());
-        let (settings, substeps) = (event.settings.unpack(), event.substeps);
+        let (settings, substeps) = (event.settings.get().clone(), event.substeps);
         let rotor = bulletin.rotor().ok();
         Some(revision_of(rotor.as_ref(), event.revision, event.seq, (who, why), settings, substeps))
     }
@@ -185,13 +178,13 @@ impl Head {
         if event.run_id != bulletin.run_id || event.revision <= bulletin.revision {
             return None;
         }
-        bulletin.settings = event.settings;
+        bulletin.settings = event.settings.clone();
         bulletin.substeps = event.substeps;
         bulletin.revision = event.revision;
         bulletin.applied_at_step = event.seq;
         bulletin.changed_by = event.who;
         let (who, why) = (event.who.as_str(), event.why.as_str());
-        let (settings, substeps) = (event.settings.unpack(), event.substeps);
+        let (settings, substeps) = (event.settings.get().clone(), event.substeps);
         let rotor = bulletin.rotor().ok();
         Some(revision_of(rotor.as_ref(), event.revision, event.seq, (who, why), settings, substeps))
     }
@@ -200,7 +193,7 @@ impl Head {
     #[must_use]
     pub fn revision(&self) -> Revision {
         let bulletin = &self.bulletin;
-        let (who, settings) = (bulletin.changed_by.as_str(), bulletin.settings.unpack());
+        let (who, settings) = (bulletin.changed_by.as_str(), bulletin.settings.get().clone());
         let (from, substeps) = (bulletin.applied_at_step, bulletin.substeps);
         revision_of(bulletin.rotor().ok().as_ref(), bulletin.revision, from, (who, ""), settings, substeps)
     }

@@ -12,7 +12,7 @@ use common::{RUN, at, batch, bulletin, state, states};
 use rotor::builtin;
 use tape::{Event, Head, Info, Recording, Remark, What};
 use wire::message::Trip;
-use wire::{Happening, SettingsMessage, State, Step, Text};
+use wire::{Happening, SettingsDocument, State, Step, Text};
 
 /// A recording of steps 100 to 5100 with 50 missing, a change of settings and a trip.
 fn write(path: &Path) -> Vec<u64> {
@@ -26,9 +26,9 @@ fn write(path: &Path) -> Vec<u64> {
         ends.push(sink.bytes());
     }
     let mut event = Happening::Settings.event();
-    let mut settings = bulletin().settings.unpack();
+    let mut settings = bulletin().settings.get().clone();
     settings.assign("kd", "-0.125").unwrap();
-    event.settings = SettingsMessage::pack(&settings).unwrap();
+    event.settings = SettingsDocument::of(&settings);
     (event.run_id, event.number, event.seq, event.tau, event.revision) = (RUN, 9, 2100, 21.0, 4);
     (event.who, event.why) = (Text::new("dash:7"), Text::new("typed"));
     let told = Event::from(&*event);
@@ -104,7 +104,7 @@ fn what_is_written_is_what_is_read() {
     assert_eq!((changed.revision, changed.settings.feedback.signals[0].gains[0].at(2.5)), (4, -0.125));
     let before = recording.bulletin_at(2000);
     assert_eq!((before.revision, before.changed_by.as_str(), before.trip.is_tripped()), (3, "set:1", false));
-    assert_eq!(before.settings.unpack(), bulletin().settings.unpack());
+    assert_eq!(before.settings.get().clone(), bulletin().settings.get().clone());
     assert_eq!(before.analysis.count, 6);
     assert!(recording.bulletin_at(5000).trip.is_tripped());
     let events = recording.events();
@@ -116,7 +116,7 @@ fn what_is_written_is_what_is_read() {
     assert_eq!((told, tripped.watch, tripped.at.seq), (turns(), Watch::Trip, 5000), "each once, and the trip");
     let events = recording.events();
     let sent = recording.wire_event(&events[0]);
-    assert_eq!(sent.settings.unpack().feedback.signals[0].gains[0].at(2.5), -0.125);
+    assert_eq!(sent.settings.get().clone().feedback.signals[0].gains[0].at(2.5), -0.125);
     let notices = recording.notices();
     assert_eq!(notices.len(), 2, "{notices:?}");
     assert!(notices[0].starts_with("begins at step 100") && notices[1].starts_with("50 steps are missing"));

@@ -1,59 +1,102 @@
 //! What happens on a bench, one message each: who changed what and why, trips, notes, restarts, lost pace.
 //!
 //! Events are numbered, so that a loss shows, and the last [`EVENTS_KEPT`] of them reach readers that come later. Each
-//! carries the whole settings in force after it: whoever reads them can put any earlier ones back.
+//! names the settings in force after it, whose document is sent before it: whoever reads them can put any earlier ones back.
 
 use std::fmt;
+use std::ops::{Deref, DerefMut};
 
-use iceoryx2::prelude::ZeroCopySend;
 use rotor::{C64, Scales};
 
+use crate::document::SettingsDocument;
 use crate::message::Trip;
-use crate::{Change, SettingsMessage, Text};
+use crate::wire_struct::message;
+use crate::{Change, Text};
+use iceoryx2::prelude::ZeroCopySend;
 
 /// How many events a reader that comes late is told, and how many wait for one that sleeps.
 pub const EVENTS_KEPT: usize = 64;
 
-/// Something that has happened, with the settings in force after it. [`Event::happening`] says what.
-#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
-#[type_name("whirl.Event")]
-#[repr(C)]
+message! {
+    "whirl.Event"
+    /// Something that has happened. [`EventMessage::happening`] says what; [`Event`] is it with the settings in force after it.
+    pub struct EventMessage {
+        /// Which run of which process: as in the steps.
+        pub run_id: u64,
+        /// Number of this event in its run: 1 is the start, and each further one is up by 1.
+        pub number: u64,
+        /// The first step made with it; for a trip the step that tripped; for what is no order (a refusal, lost pace, the
+        /// end) the next step to be made when it was noticed.
+        pub seq: u64,
+        /// Time of the rotor when it happened: for an order that of the step before `seq`, 0 after a restart.
+        pub tau: f64,
+        /// Wall clock when it was noted, nanoseconds since 1970.
+        pub wall_ns: u64,
+        /// Revision of the settings in force after it.
+        pub revision: u64,
+        /// Hash of the document of those settings.
+        pub settings: u64,
+        /// 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended.
+        pub kind: u32,
+        /// Impulse: the mass, counted from 0. Refused: the kind of the request (see [`crate::message::RequestMessage::kind`]).
+        pub detail: u32,
+        /// Runge-Kutta steps that make one step under `settings`, as [`crate::message::BulletinMessage::substeps`].
+        pub substeps: u32,
+        /// Always 0.
+        pub reserved: u32,
+        /// Impulse: change of velocity `[vy, vz]`.
+        pub impulse: [f64; 2],
+        /// Tripped: what tripped.
+        pub trip: Trip,
+        /// Late: steps sent late, and deadlines given up, since the last such event.
+        pub late: [u64; 2],
+        /// Who did it; `sim` for what the simulation did by itself.
+        pub who: Text<32>,
+        /// Why, in the words of who asked: `undo`, `typed`, or a reason that a person gave. May be empty.
+        pub why: Text<120>,
+        /// Note: what it says. Refused: the reason.
+        pub text: Text<240>,
+    }
+}
+
+/// An event as it is read: the message, with the settings that it names.
+#[derive(Clone, Debug, Default)]
 pub struct Event {
-    /// Which run of which process: as in the steps.
-    pub run_id: u64,
-    /// Number of this event in its run: 1 is the start, and each further one is up by 1.
-    pub number: u64,
-    /// The first step made with it; for a trip the step that tripped; for what is no order (a refusal, lost pace, the
-    /// end) the next step to be made when it was noticed.
-    pub seq: u64,
-    /// Time of the rotor when it happened: for an order that of the step before `seq`, 0 after a restart.
-    pub tau: f64,
-    /// Wall clock when it was noted, nanoseconds since 1970.
-    pub wall_ns: u64,
-    /// Revision of `settings`.
-    pub revision: u64,
-    /// 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended.
-    pub kind: u32,
-    /// Impulse: the mass, counted from 0. Refused: the kind of the request (see [`crate::Request::kind`]).
-    pub detail: u32,
-    /// Runge-Kutta steps that make one step under `settings`, as [`crate::Bulletin::substeps`].
-    pub substeps: u32,
-    /// Always 0.
-    pub reserved: u32,
-    /// Impulse: change of velocity `[vy, vz]`.
-    pub impulse: [f64; 2],
-    /// Tripped: what tripped.
-    pub trip: Trip,
-    /// Late: steps sent late, and deadlines given up, since the last such event.
-    pub late: [u64; 2],
-    /// Who did it; `sim` for what the simulation did by itself.
-    pub who: Text<32>,
-    /// Why, in the words of who asked: `undo`, `typed`, or a reason that a person gave. May be empty.
-    pub why: Text<120>,
-    /// Note: what it says. Refused: the reason.
-    pub text: Text<240>,
+    message: EventMessage,
     /// The settings in force after it.
-    pub settings: SettingsMessage,
+    pub settings: SettingsDocument,
+}
+
+impl Event {
+    pub(crate) fn resolved(message: EventMessage, settings: SettingsDocument) -> Self {
+        Self { message, settings }
+    }
+
+    /// The message, which names the settings.
+    #[must_use]
+    pub fn message(&self) -> EventMessage {
+        EventMessage { settings: self.settings.hash(), ..self.message }
+    }
+}
+
+impl From<EventMessage> for Event {
+    fn from(message: EventMessage) -> Self {
+        Self { message, settings: SettingsDocument::default() }
+    }
+}
+
+impl Deref for Event {
+    type Target = EventMessage;
+
+    fn deref(&self) -> &EventMessage {
+        &self.message
+    }
+}
+
+impl DerefMut for Event {
+    fn deref_mut(&mut self) -> &mut EventMessage {
+        &mut self.message
+    }
 }
 
 /// What has happened, as people think of it; [`Happening::event`] packs it.
@@ -94,7 +137,7 @@ pub enum Happening {
     Ended,
 }
 
-impl Event {
+impl EventMessage {
     /// What has happened; `None` for a kind that this version does not know.
     #[must_use]
     pub fn happening(&self) -> Option<Happening> {
@@ -231,7 +274,7 @@ mod tests {
             assert_eq!(event.happening().as_ref(), Some(&happening));
         }
         assert_eq!(kinds, (1..=9).collect::<Vec<_>>());
-        let foreign = |kind| Event { kind, ..Event::default() }.happening();
+        let foreign = |kind| EventMessage { kind, ..EventMessage::default() }.happening();
         assert_eq!((foreign(0), foreign(10)), (None, None));
     }
 }

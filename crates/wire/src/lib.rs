@@ -4,59 +4,71 @@
 //! field by field in [`message`]; the ports are traits ([`Carrier`] and its family) with two implementations under one
 //! contract suite: [`SharedMemory`], which is iceoryx2, and [`Memory`], which is a map of queues for tests.
 //!
-//! A bench called `NAME` is six iceoryx2 services:
+//! A bench called `NAME` is eight iceoryx2 services:
 //!
 //! | service | pattern | what |
 //! |---|---|---|
 //! | `whirl/NAME/state` | publish-subscribe of slices of 64-bit words | every step, in order, a row of [`CHANNELS`] each; those that fall due together in one message, up to [`MAX_BURST`]; oldest dropped if a reader sleeps |
-//! | `whirl/NAME/bulletin` | publish-subscribe of [`Bulletin`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
-//! | `whirl/NAME/event` | publish-subscribe of [`Event`] | what happens, numbered, with the settings in force after it; the last [`EVENTS_KEPT`] reach late readers |
+//! | `whirl/NAME/document` | publish-subscribe of slices of bytes, with a [`DocumentHead`] | rotor and settings as text, before the first message that names them by hash; those that can still be named reach late readers |
+//! | `whirl/NAME/bulletin` | publish-subscribe of [`message::BulletinMessage`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
+//! | `whirl/NAME/event` | publish-subscribe of [`EventMessage`] | what happens, numbered, with the settings in force after it; the last [`EVENTS_KEPT`] reach late readers |
+//! | `whirl/NAME/snapshot` | publish-subscribe of slices of 64-bit words, with a [`SnapshotHead`] | all that decides how the machine goes on, at every change and once a second |
 //! | `whirl/NAME/recorder` | publish-subscribe of [`RecorderStatus`] | from the recorder, if there is one: file, size, losses; at least once a second |
-//! | `whirl/NAME/command` | request-response of [`Request`] and [`Answer`] | changes, answered with the step that took them |
+//! | `whirl/NAME/command` | request-response of slices of bytes (the new settings' document, or nothing) with a [`message::RequestMessage`], and [`Answer`] | changes, answered with the step that took them |
 //! | `whirl/NAME/wake` | event | tells the simulation that a request waits |
 
 mod bench_name;
+mod bulletin;
 mod census;
 mod channels;
+mod document;
 mod error;
 mod event;
 mod faults;
-mod filter_message;
+pub mod header;
 mod iceoryx;
 mod memory;
 pub mod message;
 mod moment;
 mod name_lock;
+mod outbox;
 mod ports;
 mod recorder;
+mod request;
 mod root;
-mod settings_message;
 mod shared_commands;
 mod shared_glance;
 mod shared_memory;
 mod shared_news;
 mod short_path;
+mod snapshot;
 mod step;
 mod text;
+mod wire_struct;
 
 pub use bench_name::BenchName;
+pub use bulletin::Bulletin;
 pub use census::{BenchEntry, Party, clean};
 pub use channels::{CHANNELS, Channel, ChannelRow, Dimension, OnceWas, PAIRS, Pair, Scope, WHOLES, channels_of};
+pub use document::{
+    Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, MAX_DOCUMENT, RotorDocument, SettingsDocument,
+};
 pub use error::WireError;
-pub use event::{EVENTS_KEPT, Event, Happening};
+pub use event::{EVENTS_KEPT, Event, EventMessage, Happening};
 pub use iceoryx::MAX_READERS;
 pub use memory::Memory;
-pub use message::{Answer, Bulletin, Flags, Request, SCHEMA};
+pub use message::{Answer, Flags, SCHEMA};
 pub use moment::Moment;
 pub use ports::{
-    BulletinSender, Carrier, Change, Commander, EventSender, Glance, Host, HostState, Inbox, Listener, MAX_BURST,
-    RecorderSender, StateSender,
+    Carrier, Commander, Glance, Host, HostState, Inbox, Listener, MAX_BURST, NewsSender, RecorderSender, StateSender,
 };
 pub use recorder::{Keeping, RecorderState, RecorderStatus};
+pub use request::{Change, Request, RequestError};
 pub use root::Root;
-pub use settings_message::{MAX_KNOTS, SettingsMessage};
 pub use shared_glance::SharedGlance;
 pub use shared_memory::{SharedListener, SharedMemory};
-pub use shared_news::SharedRecorder;
+pub use shared_news::{SharedNews, SharedRecorder};
+pub use snapshot::{MAX_SNAPSHOT, SnapshotHead};
 pub use step::{Column, Layout, MAX_WIDTH, Point, Row, RowMut, State, Step};
 pub use text::Text;
+pub use wire_struct::{Field, Message, MessageTable};

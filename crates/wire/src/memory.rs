@@ -5,12 +5,15 @@ use std::sync::mpsc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
-use crate::message::Request;
-use crate::ports::check_burst;
+use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead};
+use crate::message::BulletinMessage;
+use crate::outbox::{Outbox, Shelf};
+use crate::ports::{check_burst, check_document, check_snapshot};
+use crate::snapshot::{SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Commander, EVENTS_KEPT, Event, EventSender, Glance, Host,
-    HostState, Inbox, Layout, Listener, MAX_READERS, RecorderSender, RecorderStatus, Row, RowMut, State, StateSender,
-    Step, WireError,
+    Answer, BenchName, Bulletin, Carrier, Commander, EVENTS_KEPT, Event, EventMessage, Glance, Host, HostState, Inbox,
+    Layout, Listener, MAX_READERS, NewsSender, RecorderSender, RecorderStatus, Request, Row, RowMut, State,
+    StateSender, Step, WireError,
 };
 
 /// How many states a sleeping listener keeps if nobody says more: the oldest are dropped beyond that.
@@ -24,7 +27,8 @@ pub struct Memory {
 }
 
 type Mailbox = Mutex<VecDeque<State>>;
-type EventBox = Mutex<VecDeque<Arc<Event>>>;
+type EventBox = Mutex<VecDeque<EventMessage>>;
+type SnapshotBox = Mutex<VecDeque<(SnapshotHead, Arc<[u64]>)>>;
 type Envelope = (Box<Request>, mpsc::Sender<Answer>);
 
 /// What outlives a host, so that listeners hear the next one.
@@ -34,8 +38,11 @@ struct Bench {
     room: Option<usize>,
     host: Mutex<Weak<()>>,
     mailboxes: Mutex<Vec<Weak<Mailbox>>>,
-    bulletin: Mutex<(u64, Box<Bulletin>)>,
+    bulletin: Mutex<(u64, BulletinMessage)>,
+    documents: Mutex<VecDeque<(DocumentHead, Arc<str>)>>,
     events: Mutex<EventLog>,
+    snapshots: Mutex<Vec<Weak<SnapshotBox>>>,
+    last_snapshot: Mutex<Option<(SnapshotHead, Arc<[u64]>)>>,
     recorder: Mutex<Weak<()>>,
     recorder_status: Mutex<(u64, Box<RecorderStatus>)>,
     requests: Mutex<Option<mpsc::Sender<Envelope>>>,
@@ -44,16 +51,16 @@ struct Bench {
 /// The last events, and the readers of further ones.
 #[derive(Debug, Default)]
 struct EventLog {
-    kept: VecDeque<Arc<Event>>,
+    kept: VecDeque<EventMessage>,
     mailboxes: Vec<Weak<EventBox>>,
 }
 
 /// Adds to a queue of events, whose oldest one goes if it is full.
-fn keep(queue: &mut VecDeque<Arc<Event>>, event: &Arc<Event>) {
+fn keep(queue: &mut VecDeque<EventMessage>, event: EventMessage) {
     if queue.len() == EVENTS_KEPT {
         queue.pop_front();
     }
-    queue.push_back(event.clone());
+    queue.push_back(event);
 }
 
 /// A poisoned lock means a test has already failed elsewhere: the data is still whole.
@@ -96,6 +103,7 @@ impl Carrier for Memory {
         drop(holder);
         lock(&bench.bulletin).0 = 0;
         lock(&bench.events).kept.clear();
+        *lock(&bench.last_snapshot) = None;
         Ok(MemoryHost { bench, claim })
     }
 
@@ -113,7 +121,9 @@ impl Carrier for Memory {
         let events = Arc::new(EventBox::new(log.kept.clone()));
         log.mailboxes.push(Arc::downgrade(&events));
         drop(log);
-        Ok(MemoryListener { mailbox, events, glance: MemoryGlance::of(bench) })
+        let snapshots = Arc::new(SnapshotBox::new(lock(&bench.last_snapshot).iter().cloned().collect()));
+        lock(&bench.snapshots).push(Arc::downgrade(&snapshots));
+        Ok(MemoryListener { mailbox, events, snapshots, glance: MemoryGlance::of(bench) })
     }
 
     fn glance(&self, name: &BenchName) -> Result<MemoryGlance, WireError> {
@@ -146,20 +156,15 @@ pub struct MemoryHost {
 
 impl Host for MemoryHost {
     type States = MemoryStates;
-    type Bulletins = MemoryBulletins;
-    type Events = MemoryEvents;
+    type News = MemoryNews;
     type Inbox = MemoryInbox;
 
     fn states(&self, layout: Layout) -> Result<MemoryStates, WireError> {
         Ok(MemoryStates { layout, bench: self.bench.clone(), _claim: self.claim.clone() })
     }
 
-    fn bulletins(&self) -> Result<MemoryBulletins, WireError> {
-        Ok(MemoryBulletins { bench: self.bench.clone(), _claim: self.claim.clone() })
-    }
-
-    fn events(&self) -> Result<MemoryEvents, WireError> {
-        Ok(MemoryEvents { bench: self.bench.clone(), _claim: self.claim.clone() })
+    fn news(&self) -> Result<MemoryNews, WireError> {
+        Ok(MemoryNews { bench: self.bench.clone(), outbox: Outbox::default(), _claim: self.claim.clone() })
     }
 
     fn inbox(&self) -> Result<MemoryInbox, WireError> {
@@ -201,35 +206,60 @@ impl StateSender for MemoryStates {
 
 /// See [`Memory`].
 #[derive(Debug)]
-pub struct MemoryBulletins {
+pub struct MemoryNews {
     bench: Arc<Bench>,
+    outbox: Outbox,
     _claim: Arc<()>,
 }
 
-impl BulletinSender for MemoryBulletins {
-    fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
-        let mut last = lock(&self.bench.bulletin);
-        last.0 += 1;
-        *last.1 = *bulletin;
+impl MemoryNews {
+    fn document<T: Content>(&mut self, document: &Document<T>) -> Result<(), WireError> {
+        check_document(document.text())?;
+        if self.outbox.is_due(document.hash()) {
+            let mut kept = lock(&self.bench.documents);
+            if kept.len() == DOCUMENTS_KEPT {
+                kept.pop_front();
+            }
+            kept.push_back((document.head(), document.text().into()));
+        }
         Ok(())
     }
 }
 
-/// See [`Memory`].
-#[derive(Debug)]
-pub struct MemoryEvents {
-    bench: Arc<Bench>,
-    _claim: Arc<()>,
-}
+impl NewsSender for MemoryNews {
+    fn bulletin(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
+        bulletin.rotor_document().map_or(Ok(()), |rotor| self.document(rotor))?;
+        self.document(&bulletin.settings)?;
+        let mut last = lock(&self.bench.bulletin);
+        last.0 += 1;
+        last.1 = bulletin.message();
+        Ok(())
+    }
 
-impl EventSender for MemoryEvents {
-    fn send(&mut self, event: &Event) -> Result<(), WireError> {
-        let event = Arc::new(*event);
+    fn event(&mut self, event: &Event) -> Result<(), WireError> {
+        self.document(&event.settings)?;
+        let event = event.message();
         let mut log = lock(&self.bench.events);
-        keep(&mut log.kept, &event);
+        keep(&mut log.kept, event);
         log.mailboxes.retain(|mailbox| {
             let Some(mailbox) = mailbox.upgrade() else { return false };
-            keep(&mut lock(&mailbox), &event);
+            keep(&mut lock(&mailbox), event);
+            true
+        });
+        Ok(())
+    }
+
+    fn snapshot(&mut self, head: &SnapshotHead, words: &[u64]) -> Result<(), WireError> {
+        check_snapshot(words)?;
+        let sent = (*head, Arc::<[u64]>::from(words));
+        *lock(&self.bench.last_snapshot) = Some(sent.clone());
+        lock(&self.bench.snapshots).retain(|mailbox| {
+            let Some(mailbox) = mailbox.upgrade() else { return false };
+            let mut mailbox = lock(&mailbox);
+            if mailbox.len() == SNAPSHOTS_BUFFERED {
+                mailbox.pop_front();
+            }
+            mailbox.push_back(sent.clone());
             true
         });
         Ok(())
@@ -283,6 +313,7 @@ impl Inbox for MemoryInbox {
 #[derive(Debug)]
 pub struct MemoryGlance {
     bench: Arc<Bench>,
+    shelf: Shelf,
     seen: u64,
     /// The number of the recorder's last status that we know, and that status.
     heard: u64,
@@ -294,16 +325,26 @@ impl MemoryGlance {
         // The last word of a recorder that has left before us is not told.
         let recorded = lock(&bench.recorder).strong_count() > 0;
         let heard = if recorded { 0 } else { lock(&bench.recorder_status).0 };
-        Self { bench, seen: 0, heard, recorder: None }
+        Self { bench, shelf: Shelf::default(), seen: 0, heard, recorder: None }
+    }
+
+    /// Takes in what documents there are.
+    fn read_documents(&mut self) {
+        for (head, text) in lock(&self.bench.documents).iter() {
+            self.shelf.put(*head, text.as_bytes());
+        }
     }
 }
 
 impl Glance for MemoryGlance {
     fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        let last = lock(&self.bench.bulletin);
-        let fresh = last.0 != self.seen && last.0 > 0;
-        self.seen = last.0;
-        Ok(fresh.then(|| last.1.clone()))
+        let (number, message) = *lock(&self.bench.bulletin);
+        if number != self.seen && number > 0 {
+            self.shelf.hold_bulletin(message);
+        }
+        self.seen = number;
+        self.read_documents();
+        Ok(self.shelf.bulletin())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
@@ -323,6 +364,7 @@ impl Glance for MemoryGlance {
 pub struct MemoryListener {
     mailbox: Arc<Mailbox>,
     events: Arc<EventBox>,
+    snapshots: Arc<SnapshotBox>,
     glance: MemoryGlance,
 }
 
@@ -345,7 +387,19 @@ impl Listener for MemoryListener {
 
     fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
         let arrived = std::mem::take(&mut *lock(&self.events));
-        arrived.iter().for_each(|event| visit(event));
+        arrived.into_iter().for_each(|event| self.glance.shelf.hold_event(event));
+        self.glance.read_documents();
+        let mut count = 0;
+        while let Some(event) = self.glance.shelf.event() {
+            visit(&event);
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    fn snapshots(&mut self, mut visit: impl FnMut(&SnapshotHead, &[u64])) -> Result<usize, WireError> {
+        let arrived = std::mem::take(&mut *lock(&self.snapshots));
+        arrived.iter().for_each(|(head, words)| visit(head, words));
         Ok(arrived.len())
     }
 
@@ -366,7 +420,7 @@ impl Commander for MemoryCommander {
         let silent = || WireError::NoAnswer(self.name.clone());
         let deadline = Instant::now() + patience;
         let (reply, answer) = mpsc::channel();
-        let mut envelope = (Box::new(*request), reply);
+        let mut envelope = (Box::new(request.clone()), reply);
         // Like shared memory, a request waits for an inbox that opens in time.
         loop {
             let inbox = lock(&self.bench.requests).clone();

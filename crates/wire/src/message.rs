@@ -6,10 +6,12 @@
 
 use std::fmt;
 
-use iceoryx2::prelude::ZeroCopySend;
-use rotor::{C64, MAX_MASSES, Mass, Rotor, RotorError, Scales};
+use rotor::{C64, MAX_MASSES, Scales};
 
-use crate::{SettingsMessage, Text};
+use crate::Text;
+use iceoryx2::prelude::ZeroCopySend;
+
+use crate::wire_struct::message;
 
 /// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
 pub const SCHEMA: u32 = 4;
@@ -67,137 +69,80 @@ impl std::ops::BitOrAssign for Flags {
     }
 }
 
-/// The whole slow picture of a bench in one message, so that its parts always fit together.
-#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
-#[type_name("whirl.Bulletin")]
-#[repr(C)]
-pub struct Bulletin {
-    /// Which run of which process: as in the steps.
-    pub run_id: u64,
-    /// Number of this bulletin in its run: rises by 1.
-    pub number: u64,
-    /// Wall clock when it was made, nanoseconds since 1970.
-    pub wall_ns: u64,
-    /// Wall clock when the process started, nanoseconds since 1970.
-    pub started_ns: u64,
-    /// Process id of the simulation.
-    pub pid: u32,
-    /// How many masses `rotor` has.
-    pub masses: u32,
-    /// Version of the program that simulates.
-    pub version: Text<16>,
-    /// The rotor's name.
-    pub rotor_name: Text<64>,
-    /// The rotor's masses.
-    pub rotor: [MassMessage; MAX_MASSES],
-    /// Stiffness ratios of its shafts; one fewer than masses.
-    pub shafts: [f64; MAX_MASSES],
-    /// Scales of an SI rotor: `w0` in rad/s, `K_t` in N/m, `M_t` in kg, `e_t` in m; all zero for a dimensionless one.
-    pub scales: [f64; 4],
-    /// Steps a second that it paces itself to.
-    pub rate_hz: f64,
-    /// Advance of `tau` per step.
-    pub dtau: f64,
-    /// Runge-Kutta steps that make one step under the settings in force, at least 1: see [`rotor::step`].
-    pub substeps: u32,
-    /// Always 0.
-    pub reserved: u32,
-    /// The settings in force.
-    pub settings: SettingsMessage,
-    /// Their revision: 1 at the start, up by 1 with each change.
-    pub revision: u64,
-    /// The first step made with them.
-    pub applied_at_step: u64,
-    /// Who made the last change.
-    pub changed_by: Text<32>,
-    /// Poles under the settings in force.
-    pub analysis: Analysis,
-    /// How well the process keeps its pace.
-    pub health: Health,
-    /// What tripped the machine.
-    pub trip: Trip,
+message! {
+    "whirl.Bulletin"
+    /// The whole slow picture of a bench in one message, so that its parts always fit together. [`crate::Bulletin`] is it with
+    /// the documents that it names.
+    pub struct BulletinMessage {
+        /// Which run of which process: as in the steps.
+        pub run_id: u64,
+        /// Number of this bulletin in its run: rises by 1.
+        pub number: u64,
+        /// Wall clock when it was made, nanoseconds since 1970.
+        pub wall_ns: u64,
+        /// Wall clock when the process started, nanoseconds since 1970.
+        pub started_ns: u64,
+        /// Process id of the simulation.
+        pub pid: u32,
+        /// How many masses the rotor has, and sensors: what a step's words are laid out for in this run.
+        pub masses: u32,
+        /// Version of the program that simulates.
+        pub version: Text<16>,
+        /// The rotor's name.
+        pub rotor_name: Text<64>,
+        /// Hash of the rotor's document.
+        pub rotor: u64,
+        /// Hash of the document of the settings in force.
+        pub settings: u64,
+        /// Scales of an SI rotor: `w0` in rad/s, `K_t` in N/m, `M_t` in kg, `e_t` in m; all zero for a dimensionless one.
+        pub scales: [f64; 4],
+        /// Steps a second that it paces itself to.
+        pub rate_hz: f64,
+        /// Advance of `tau` per step.
+        pub dtau: f64,
+        /// Runge-Kutta steps that make one step under the settings in force, at least 1: see [`rotor::step`].
+        pub substeps: u32,
+        /// Always 0.
+        pub reserved: u32,
+        /// Revision of the settings: 1 at the start, up by 1 with each change.
+        pub revision: u64,
+        /// The first step made with them.
+        pub applied_at_step: u64,
+        /// Who made the last change.
+        pub changed_by: Text<32>,
+        /// Poles under the settings in force.
+        pub analysis: Analysis,
+        /// How well the process keeps its pace.
+        pub health: Health,
+        /// What tripped the machine.
+        pub trip: Trip,
+    }
 }
 
-impl Bulletin {
-    /// The rotor that is simulated.
-    ///
-    /// # Errors
-    /// Parameters that are not a rotor, which only a foreign writer can send.
-    pub fn rotor(&self) -> Result<Rotor, RotorError> {
-        let count = (self.masses as usize).min(MAX_MASSES);
-        let masses = self.rotor[..count].iter().map(Mass::from).collect();
-        Rotor::new(self.rotor_name.as_str(), masses, self.shafts[..count.saturating_sub(1)].to_vec())
-    }
-
+impl BulletinMessage {
     /// The scales of an SI rotor; everything else in the messages is dimensionless.
     #[must_use]
     pub fn scales(&self) -> Option<Scales> {
         let [w0, k_t, m_t, e_t] = self.scales;
         (w0 > 0.0).then_some(Scales { w0, k_t, m_t, e_t })
     }
+}
 
-    /// Writes a rotor into it.
-    pub fn set_rotor(&mut self, rotor: &Rotor) {
-        self.rotor_name = Text::new(rotor.name());
-        self.masses = rotor.len() as u32;
-        self.scales = rotor.scales().map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
-        for (place, mass) in self.rotor.iter_mut().zip(rotor.masses()) {
-            *place = MassMessage::from(mass);
-        }
-        for (place, shaft) in self.shafts.iter_mut().zip(rotor.shafts()) {
-            *place = *shaft;
-        }
+message! {
+    "whirl.Analysis"
+    /// The poles of the linear rotor, deadband neglected.
+    pub struct Analysis {
+        /// The revision of the settings that it is for; 0 while there is none.
+        pub revision: u64,
+        /// How many of `poles` are used: `2n`, or 0 if the eigenvalues did not converge.
+        pub count: u32,
+        /// Always 0.
+        pub reserved: u32,
+        /// The smallest damping ratio; 0 if there are no poles.
+        pub min_damping: f64,
+        /// The poles `[re, im]`, least damped first.
+        pub poles: [[f64; 2]; 2 * MAX_MASSES],
     }
-}
-
-/// The parameters of one mass: [`rotor::Mass`], field by field.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[repr(C)]
-pub struct MassMessage {
-    /// `Rm`.
-    pub mass: f64,
-    /// `zeta`.
-    pub damping: f64,
-    /// `zeta_q`.
-    pub cross_damping: f64,
-    /// `Rb`, the part of the support stiffness with deadband.
-    pub bearing_stiffness: f64,
-    /// `Rs`.
-    pub seal_stiffness: f64,
-    /// `Re`.
-    pub unbalance: f64,
-    /// Deadband of the rotor as it was described, in `e_t`; the one in force is in the settings.
-    pub deadband: f64,
-}
-
-impl From<&Mass> for MassMessage {
-    fn from(m: &Mass) -> Self {
-        let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = m.values();
-        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
-    }
-}
-
-impl From<&MassMessage> for Mass {
-    fn from(m: &MassMessage) -> Self {
-        let MassMessage { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } = *m;
-        Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
-    }
-}
-
-/// The poles of the linear rotor, deadband neglected.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[repr(C)]
-pub struct Analysis {
-    /// The revision of the settings that it is for; 0 while there is none.
-    pub revision: u64,
-    /// How many of `poles` are used: `2n`, or 0 if the eigenvalues did not converge.
-    pub count: u32,
-    /// Always 0.
-    pub reserved: u32,
-    /// The smallest damping ratio; 0 if there are no poles.
-    pub min_damping: f64,
-    /// The poles `[re, im]`, least damped first.
-    pub poles: [[f64; 2]; 2 * MAX_MASSES],
 }
 
 impl Analysis {
@@ -207,46 +152,48 @@ impl Analysis {
     }
 }
 
-/// How well the simulation keeps its pace. Counts are since the process started; percentiles too.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[repr(C)]
-pub struct Health {
-    /// Steps sent.
-    pub steps: u64,
-    /// Steps sent more than one step period after they were due.
-    pub late: u64,
-    /// Deadlines given up because the process was too far behind to catch up.
-    pub missed: u64,
-    /// How long after its deadline a wake-up came, microseconds: median.
-    pub lateness_p50_us: f64,
-    /// The same, 99th percentile.
-    pub lateness_p99_us: f64,
-    /// The same, the worst.
-    pub lateness_max_us: f64,
-    /// What a step costs (step, fill and send), microseconds: median.
-    pub cost_p50_us: f64,
-    /// The same, 99th percentile.
-    pub cost_p99_us: f64,
-    /// How many readers of the state there are.
-    pub subscribers: u32,
-    /// Always 0.
-    pub reserved: u32,
+message! {
+    "whirl.Health"
+    /// How well the simulation keeps its pace. Counts are since the process started; percentiles too.
+    pub struct Health {
+        /// Steps sent.
+        pub steps: u64,
+        /// Steps sent more than one step period after they were due.
+        pub late: u64,
+        /// Deadlines given up because the process was too far behind to catch up.
+        pub missed: u64,
+        /// How long after its deadline a wake-up came, microseconds: median.
+        pub lateness_p50_us: f64,
+        /// The same, 99th percentile.
+        pub lateness_p99_us: f64,
+        /// The same, the worst.
+        pub lateness_max_us: f64,
+        /// What a step costs (step, fill and send), microseconds: median.
+        pub cost_p50_us: f64,
+        /// The same, 99th percentile.
+        pub cost_p99_us: f64,
+        /// How many readers of the state there are.
+        pub subscribers: u32,
+        /// Always 0.
+        pub reserved: u32,
+    }
 }
 
-/// What tripped the machine; all zero while it runs.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[repr(C)]
-pub struct Trip {
-    /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers.
-    pub cause: u32,
-    /// The mass with the largest orbit, counted from 1.
-    pub mass: u32,
-    /// The step at which it happened.
-    pub step: u64,
-    /// Its radius then, in `e_t`; the last finite one.
-    pub radius: f64,
-    /// The limit then in force, in `e_t`.
-    pub limit: f64,
+message! {
+    "whirl.Trip"
+    /// What tripped the machine; all zero while it runs.
+    pub struct Trip {
+        /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers.
+        pub cause: u32,
+        /// The mass with the largest orbit, counted from 1.
+        pub mass: u32,
+        /// The step at which it happened.
+        pub step: u64,
+        /// Its radius then, in `e_t`; the last finite one.
+        pub radius: f64,
+        /// The limit then in force, in `e_t`.
+        pub limit: f64,
+    }
 }
 
 impl Trip {
@@ -292,30 +239,30 @@ impl fmt::Display for Trip {
     }
 }
 
-/// A change that a reader asks for.
-#[derive(Clone, Copy, Debug, Default, ZeroCopySend)]
-#[type_name("whirl.Request")]
-#[repr(C)]
-pub struct Request {
-    /// 1 settings, 2 impulse, 3 restart, 4 note.
-    pub kind: u32,
-    /// Impulse: the mass, counted from 0.
-    pub mass: u32,
-    /// Settings: the revision they are based on; refused if it is no longer in force.
-    pub base_revision: u64,
-    /// Who asks.
-    pub who: Text<32>,
-    /// Why, as it shall stand in the log: `undo`, `typed`, a reason that a person gave; may be empty.
-    pub why: Text<120>,
-    /// Note: what it says.
-    pub text: Text<240>,
-    /// Impulse: change of velocity `[vy, vz]`.
-    pub impulse: [f64; 2],
-    /// Settings: the new ones, whole.
-    pub settings: SettingsMessage,
+message! {
+    "whirl.Request"
+    /// A change that a reader asks for. The document of the settings that it names comes with it; [`crate::Request`] is both.
+    pub struct RequestMessage {
+        /// 1 settings, 2 impulse, 3 restart, 4 note.
+        pub kind: u32,
+        /// Impulse: the mass, counted from 0.
+        pub mass: u32,
+        /// Settings: the revision they are based on; refused if it is no longer in force.
+        pub base_revision: u64,
+        /// Settings: hash of the document of the new ones.
+        pub settings: u64,
+        /// Impulse: change of velocity `[vy, vz]`.
+        pub impulse: [f64; 2],
+        /// Who asks.
+        pub who: Text<32>,
+        /// Why, as it shall stand in the log: `undo`, `typed`, a reason that a person gave; may be empty.
+        pub why: Text<120>,
+        /// Note: what it says.
+        pub text: Text<240>,
+    }
 }
 
-impl Request {
+impl RequestMessage {
     /// Whether it asks for new settings.
     #[must_use]
     pub fn asks_for_settings(&self) -> bool {
@@ -323,25 +270,27 @@ impl Request {
     }
 }
 
-/// What became of a request.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[type_name("whirl.Answer")]
-#[repr(C)]
-pub struct Answer {
-    /// 1 accepted, 0 refused.
-    pub accepted: u32,
-    /// 1 if it was refused because the settings had changed meanwhile: look again and ask again.
-    pub outdated: u32,
-    /// Runge-Kutta steps that make one step, as [`Bulletin::substeps`], now and before the request.
-    pub substeps: [u32; 2],
-    /// The revision now in force.
-    pub revision: u64,
-    /// Accepted: the first step made with the change.
-    pub applied_at_step: u64,
-    /// Accepted: time of the rotor when it took effect, as in [`crate::Event::tau`].
-    pub tau: f64,
-    /// Refused: why.
-    pub reason: Text<240>,
+message! {
+    "whirl.Answer"
+    /// What became of a request.
+    pub struct Answer {
+        /// 1 accepted, 0 refused.
+        pub accepted: u32,
+        /// 1 if it was refused because the settings had changed meanwhile: look again and ask again.
+        pub outdated: u32,
+        /// Runge-Kutta steps that make one step, as [`BulletinMessage::substeps`], now and before the request.
+        pub substeps: [u32; 2],
+        /// The revision now in force.
+        pub revision: u64,
+        /// Hash of the document of the settings now in force.
+        pub settings: u64,
+        /// Accepted: the first step made with the change.
+        pub applied_at_step: u64,
+        /// Accepted: time of the rotor when it took effect, as in [`crate::Event::tau`].
+        pub tau: f64,
+        /// Refused: why.
+        pub reason: Text<240>,
+    }
 }
 
 impl Answer {
@@ -373,16 +322,5 @@ mod tests {
         let flags = Flags::contact(0b101) | Flags::LATE | Flags::TRIPPED;
         assert_eq!(flags.names(), ["contact.1", "contact.3", "tripped", "late"]);
         assert!(flags.in_contact(2) && !flags.in_contact(1) && !flags.in_contact(18));
-    }
-
-    #[test]
-    fn a_rotor_survives_the_journey() {
-        for name in rotor::builtin::ROTORS {
-            let rotor = rotor::builtin::rotor(name).unwrap();
-            let mut bulletin = Bulletin::default();
-            bulletin.set_rotor(&rotor);
-            assert_eq!(bulletin.rotor().unwrap(), rotor);
-        }
-        assert!(Bulletin::default().rotor().is_err());
     }
 }

@@ -4,11 +4,10 @@
 
 use std::time::Duration;
 
-use rotor::{C64, Settings};
-
-use crate::message::Request;
+use crate::document::MAX_DOCUMENT;
 use crate::{
-    Answer, BenchName, Bulletin, Event, Layout, RecorderStatus, Row, RowMut, SettingsMessage, Text, WireError,
+    Answer, BenchName, Bulletin, Event, Layout, MAX_SNAPSHOT, RecorderStatus, Request, Row, RowMut, SnapshotHead,
+    WireError,
 };
 
 /// A way to carry messages between a simulation and its readers.
@@ -59,10 +58,8 @@ pub trait Carrier: Clone + Send + Sync + 'static {
 pub trait Host: Send + Sync {
     /// See [`StateSender`].
     type States: StateSender;
-    /// See [`BulletinSender`].
-    type Bulletins: BulletinSender;
-    /// See [`EventSender`].
-    type Events: EventSender;
+    /// See [`NewsSender`].
+    type News: NewsSender;
     /// See [`Inbox`].
     type Inbox: Inbox;
 
@@ -72,17 +69,11 @@ pub trait Host: Send + Sync {
     /// Another simulation holds it, or it cannot be made.
     fn states(&self, layout: Layout) -> Result<Self::States, WireError>;
 
-    /// The port for bulletins; there is one.
+    /// The port for bulletins, events and the documents that they name; there is one.
     ///
     /// # Errors
     /// It cannot be made.
-    fn bulletins(&self) -> Result<Self::Bulletins, WireError>;
-
-    /// The port for events; there is one.
-    ///
-    /// # Errors
-    /// It cannot be made.
-    fn events(&self) -> Result<Self::Events, WireError>;
+    fn news(&self) -> Result<Self::News, WireError>;
 
     /// The port for requests; there is one.
     ///
@@ -110,24 +101,29 @@ pub trait StateSender {
     fn send(&mut self, count: usize, fill: impl FnMut(usize, &mut RowMut<'_>)) -> Result<(), WireError>;
 }
 
-/// Sends bulletins. The last one also reaches readers that come later.
-pub trait BulletinSender {
-    /// Sends `bulletin`.
+/// Sends bulletins and events, and before them the documents that they name, unless readers have those already.
+pub trait NewsSender {
+    /// Sends a bulletin. The last one also reaches readers that come later.
     ///
     /// # Errors
-    /// There is no memory for it, or the carrier fails.
-    fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError>;
-}
+    /// There is no memory for it, a document is too large, or the carrier fails.
+    fn bulletin(&mut self, bulletin: &Bulletin) -> Result<(), WireError>;
 
-/// Sends events. The last [`crate::EVENTS_KEPT`] also reach readers that come later.
-pub trait EventSender {
-    /// Sends `event`.
+    /// Sends an event. The last [`crate::EVENTS_KEPT`] also reach readers that come later.
     ///
     /// # Errors
-    /// There is no memory for it, or the carrier fails.
-    fn send(&mut self, event: &Event) -> Result<(), WireError>;
+    /// As for a bulletin.
+    fn event(&mut self, event: &Event) -> Result<(), WireError>;
 
-    /// Tells readers that have come since the last call what they have missed; to be called a few times a second.
+    /// Sends a snapshot: the words of `machine::Machine::save`, at most [`crate::MAX_SNAPSHOT`]. The last one also reaches
+    /// readers that come later.
+    ///
+    /// # Errors
+    /// There is no memory for it, it is too large, or the carrier fails.
+    fn snapshot(&mut self, head: &SnapshotHead, words: &[u64]) -> Result<(), WireError>;
+
+    /// Tells readers that have come since the last call what they have missed; to be called a few times a second, before
+    /// the bulletin.
     ///
     /// # Errors
     /// The carrier fails.
@@ -142,6 +138,22 @@ pub trait RecorderSender {
     /// # Errors
     /// There is no memory for it, or the carrier fails.
     fn send(&mut self, status: &mut RecorderStatus) -> Result<(), WireError>;
+}
+
+/// Refuses a document that is too large.
+pub(crate) fn check_document(text: &str) -> Result<(), WireError> {
+    if text.len() <= MAX_DOCUMENT {
+        return Ok(());
+    }
+    Err(WireError::DoesNotFit(format!("a document of {} bytes: expected at most {MAX_DOCUMENT}", text.len())))
+}
+
+/// Refuses a snapshot that is too large.
+pub(crate) fn check_snapshot(words: &[u64]) -> Result<(), WireError> {
+    if words.len() <= MAX_SNAPSHOT {
+        return Ok(());
+    }
+    Err(WireError::DoesNotFit(format!("a snapshot of {} words: expected at most {MAX_SNAPSHOT}", words.len())))
 }
 
 /// Refuses what no burst can be.
@@ -202,6 +214,13 @@ pub trait Listener: Glance {
     /// The carrier fails.
     fn events(&mut self, visit: impl FnMut(&Event)) -> Result<usize, WireError>;
 
+    /// Visits every snapshot that has arrived, oldest first: its head, and the words to give to `machine::Machine::restore`.
+    /// A reader that sleeps loses the oldest. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn snapshots(&mut self, visit: impl FnMut(&SnapshotHead, &[u64])) -> Result<usize, WireError>;
+
     /// Whether the simulation is there. Takes up to a millisecond: not for every turn of a loop.
     fn host(&self) -> HostState;
 }
@@ -213,94 +232,4 @@ pub trait Commander {
     /// # Errors
     /// No answer in time, a request that does not fit, or a carrier that fails.
     fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError>;
-}
-
-/// A change as people think of it; [`Change::request`] packs it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Change {
-    /// New settings, whole, based on the revision that was looked at.
-    Settings {
-        /// The revision that was looked at.
-        base_revision: u64,
-        /// What shall be in force.
-        settings: Settings,
-    },
-    /// A change of velocity of one mass.
-    Impulse {
-        /// The mass, counted from 0.
-        mass: usize,
-        /// The change, in `e_t` per unit of `tau`.
-        velocity: C64,
-    },
-    /// Back to rest at `tau = 0`; a trip is reset.
-    Restart,
-    /// A marker with a note: it changes nothing, and stands in the log of events.
-    Note {
-        /// What it says: one line, at most [`Change::MAX_NOTE`] bytes.
-        text: String,
-    },
-}
-
-/// The kinds of [`Request::kind`] by name, from 1.
-const KINDS: [&str; 4] = ["settings", "impulse", "restart", "note"];
-
-impl Change {
-    /// The longest note, in bytes.
-    pub const MAX_NOTE: usize = 240;
-
-    /// The message that asks for this, in the name of `who`, for the reason `why`, which may be empty.
-    ///
-    /// # Errors
-    /// Settings, or a note, that do not fit in a message.
-    pub fn request(&self, who: &str, why: &str) -> Result<Box<Request>, WireError> {
-        let mut request = Box::new(Request { who: Text::new(who), why: Text::new(why), ..Request::default() });
-        match self {
-            Self::Settings { base_revision, settings } => {
-                request.kind = 1;
-                request.base_revision = *base_revision;
-                request.settings = SettingsMessage::pack(settings)?;
-            }
-            Self::Impulse { mass, velocity } => {
-                request.kind = 2;
-                request.mass = *mass as u32;
-                request.impulse = [velocity.re, velocity.im];
-            }
-            Self::Restart => request.kind = 3,
-            Self::Note { text } => {
-                if text.len() > Self::MAX_NOTE {
-                    let told = format!("a note of {} bytes: expected at most {}", text.len(), Self::MAX_NOTE);
-                    return Err(WireError::DoesNotFit(told));
-                }
-                request.kind = 4;
-                request.text = Text::new(text);
-            }
-        }
-        Ok(request)
-    }
-
-    /// What a message asks for; `None` for a kind that this version does not know.
-    #[must_use]
-    pub fn of(request: &Request) -> Option<Self> {
-        match request.kind {
-            1 => Some(Self::Settings { base_revision: request.base_revision, settings: request.settings.unpack() }),
-            2 => Some(Self::Impulse {
-                mass: request.mass as usize,
-                velocity: C64::new(request.impulse[0], request.impulse[1]),
-            }),
-            3 => Some(Self::Restart),
-            4 => Some(Self::Note { text: request.text.as_str().to_owned() }),
-            _ => None,
-        }
-    }
-
-    /// What a request of this kind asks for, in a word.
-    #[must_use]
-    pub fn kind_name(kind: u32) -> &'static str {
-        (kind as usize).checked_sub(1).and_then(|at| KINDS.get(at)).copied().unwrap_or("unknown request")
-    }
-
-    /// The kind that has this name; 0 if none has.
-    pub(crate) fn kind_of_name(name: &str) -> u32 {
-        KINDS.iter().position(|kind| *kind == name).map_or(0, |at| at as u32 + 1)
-    }
 }

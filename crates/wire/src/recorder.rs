@@ -2,42 +2,43 @@
 
 use std::time::{SystemTime, UNIX_EPOCH};
 
+use crate::Text;
 use iceoryx2::prelude::ZeroCopySend;
 
-use crate::Text;
+use crate::wire_struct::message;
 
-/// How a recorder stands. It sends this at least once a second; the latest reaches readers that come later.
-#[derive(Clone, Copy, Debug, Default, PartialEq, ZeroCopySend)]
-#[type_name("whirl.RecorderStatus")]
-#[repr(C)]
-pub struct RecorderStatus {
-    /// Which run it records: as in [`crate::State::run_id`].
-    pub run_id: u64,
-    /// Wall clock when this was sent, nanoseconds since 1970.
-    pub wall_ns: u64,
-    /// Wall clock when it began, nanoseconds since 1970.
-    pub started_ns: u64,
-    /// Bytes written, all parts together.
-    pub bytes: u64,
-    /// Steps written.
-    pub rows: u64,
-    /// Steps that were sent and did not reach the file.
-    pub lost: u64,
-    /// 1 recording, 2 stopped in good order, 3 failed, 4 died. A recorder sends 1 to 3; readers make 4 of a 1 whose
-    /// process has gone.
-    pub state: u32,
-    /// The part that is being written, counted from 1, when a recording is split.
-    pub part: u32,
-    /// 0 keeps everything, 1 keeps the last `window_s` seconds, 2 holds them in memory and writes on a trip.
-    pub mode: u32,
-    /// Process id of the recorder.
-    pub pid: u32,
-    /// Modes 1 and 2: how many seconds; else 0.
-    pub window_s: f64,
-    /// The file.
-    pub path: Text<1024>,
-    /// Failed: why.
-    pub error: Text<240>,
+message! {
+    "whirl.RecorderStatus"
+    /// How a recorder stands. It sends this at least once a second; the latest reaches readers that come later.
+    pub struct RecorderStatus {
+        /// Which run it records: as in the steps.
+        pub run_id: u64,
+        /// Wall clock when this was sent, nanoseconds since 1970.
+        pub wall_ns: u64,
+        /// Wall clock when it began, nanoseconds since 1970.
+        pub started_ns: u64,
+        /// Bytes written, all parts together.
+        pub bytes: u64,
+        /// Steps written.
+        pub rows: u64,
+        /// Steps that were sent and did not reach the file.
+        pub lost: u64,
+        /// 1 recording, 2 stopped in good order, 3 failed, 4 died. A recorder sends 1 to 3; readers make 4 of a 1 whose
+        /// process has gone.
+        pub state: u32,
+        /// The part that is being written, counted from 1, when a recording is split.
+        pub part: u32,
+        /// 0 keeps everything, 1 keeps the last `window_s` seconds, 2 holds them in memory and writes on a trip.
+        pub mode: u32,
+        /// Process id of the recorder.
+        pub pid: u32,
+        /// Modes 1 and 2: how many seconds; else 0.
+        pub window_s: f64,
+        /// The file.
+        pub path: Text<1024>,
+        /// Failed: why.
+        pub error: Text<240>,
+    }
 }
 
 /// Whether a recorder is at work.

@@ -12,6 +12,7 @@ use std::sync::Arc;
 
 use rustix::fs::{FlockOperation, Mode, OFlags};
 
+use crate::document::hash_of;
 use crate::short_path::ShortPath;
 use crate::{WireError, census, iceoryx};
 
@@ -78,7 +79,7 @@ impl Root {
             .map_err(|error| refuse(format!("cannot be locked: {error}")))?;
         // Two spellings of one folder must not become two name spaces.
         let canonical = fs::canonicalize(path).map_err(|error| refuse(format!("cannot be followed: {error}")))?;
-        let hash = fnv1a(canonical.as_os_str().as_encoded_bytes());
+        let hash = hash_of(canonical.as_os_str().as_encoded_bytes());
         // After the lock: the last one out removes a short name, and must have gone before it is made anew.
         let short = ShortPath::of(&canonical, OURS, hash).map_err(|error| refuse(error.to_string()))?;
         let prefix = format!("whirl_{hash:016x}_");
@@ -156,11 +157,6 @@ impl Drop for Lease {
     fn drop(&mut self) {
         self.sweep_if_alone(true);
     }
-}
-
-/// FNV-1a, 64 bits: stable over versions and machines, unlike the standard hasher.
-fn fnv1a(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
 #[cfg(test)]

@@ -9,15 +9,16 @@ use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::{event, request_response};
 
+use crate::document::MAX_DOCUMENT;
 use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, full, internal, opened, service};
-use crate::message::Request;
+use crate::message::RequestMessage;
 use crate::name_lock::NameLock;
-use crate::{Answer, BenchName, Commander, Inbox, Root, WireError};
+use crate::{Answer, BenchName, Commander, Inbox, Request, Root, WireError};
 
 /// The two services of a bench that carry requests.
 #[derive(Debug)]
 pub(crate) struct CommandServices {
-    commands: request_response::PortFactory<Ipc, Request, (), Answer, ()>,
+    commands: request_response::PortFactory<Ipc, [u8], RequestMessage, Answer, ()>,
     wake: event::PortFactory<Ipc>,
 }
 
@@ -26,7 +27,8 @@ impl CommandServices {
     pub(crate) fn open(node: &Node<Ipc>, bench: &BenchName) -> Result<Self, WireError> {
         let commands = opened(bench, || {
             Ok(service(node, bench, "command")?
-                .request_response::<Request, Answer>()
+                .request_response::<[u8], Answer>()
+                .request_user_header::<RequestMessage>()
                 .max_servers(1)
                 .max_clients(MAX_PARTIES)
                 .max_nodes(MAX_NODES)
@@ -57,7 +59,12 @@ impl CommandServices {
     /// The side of whoever asks.
     pub(crate) fn commander(&self, bench: &BenchName, root: &Root) -> Result<SharedCommander, WireError> {
         let what = "processes that ask for changes";
-        let client = self.commands.client_builder().create().map_err(|error| full(bench, what, MAX_PARTIES, &error))?;
+        let client = self
+            .commands
+            .client_builder()
+            .initial_max_slice_len(MAX_DOCUMENT)
+            .create()
+            .map_err(|error| full(bench, what, MAX_PARTIES, &error))?;
         let bell = self.wake.notifier_builder().create().map_err(|error| full(bench, what, MAX_PARTIES, &error))?;
         Ok(SharedCommander { client, bell, bench: bench.clone(), _root: root.clone() })
     }
@@ -66,7 +73,7 @@ impl CommandServices {
 /// See [`Inbox`].
 #[derive(Debug)]
 pub struct SharedInbox {
-    server: Server<Ipc, Request, (), Answer, ()>,
+    server: Server<Ipc, [u8], RequestMessage, Answer, ()>,
     bell: Listener<Ipc>,
     _name: NameLock,
 }
@@ -77,7 +84,7 @@ impl Inbox for SharedInbox {
         let mut waited = false;
         loop {
             while let Some(request) = self.server.receive().map_err(internal)? {
-                let reply = answer(request.payload());
+                let reply = answer(&Request::received(*request.user_header(), request.payload()));
                 // A client that has given up, or died, does not hear the answer: that is its own affair.
                 if let Err(error) = request.send_copy(reply) {
                     tracing::debug!(?error, "an answer was not delivered");
@@ -100,7 +107,7 @@ impl Inbox for SharedInbox {
 /// See [`Commander`].
 #[derive(Debug)]
 pub struct SharedCommander {
-    client: Client<Ipc, Request, (), Answer, ()>,
+    client: Client<Ipc, [u8], RequestMessage, Answer, ()>,
     bell: Notifier<Ipc>,
     bench: BenchName,
     _root: Root,
@@ -110,8 +117,10 @@ impl Commander for SharedCommander {
     fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError> {
         let deadline = Instant::now() + patience;
         let pending = loop {
-            let mut loan = self.client.loan().map_err(internal)?;
-            *loan.payload_mut() = *request;
+            let document = request.document.as_bytes();
+            let mut loan = self.client.loan_slice(document.len()).map_err(internal)?;
+            *loan.user_header_mut() = request.message();
+            loan.payload_mut().copy_from_slice(document);
             let pending = loan.send().map_err(internal)?;
             if pending.number_of_server_connections() > 0 {
                 break pending;

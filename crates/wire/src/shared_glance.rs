@@ -2,37 +2,21 @@
 
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
-use iceoryx2::service::port_factory::publish_subscribe;
 
-use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, full, internal, opened, service};
-use crate::shared_news::{self, RecorderService};
+use crate::document::DocumentHead;
+use crate::iceoryx::{Ipc, MAX_PARTIES, full, internal, opened, service};
+use crate::message::BulletinMessage;
+use crate::outbox::Shelf;
+use crate::shared_news::{self, BulletinService, RecorderService};
 use crate::{BenchName, Bulletin, Glance, RecorderStatus, Root, WireError};
-
-/// Bulletins a reader may fall behind by.
-const BULLETINS_BUFFERED: usize = 32;
-
-pub(crate) type BulletinService = publish_subscribe::PortFactory<Ipc, Bulletin, ()>;
-
-/// The service, made if it is not there.
-pub(crate) fn bulletin_service(node: &Node<Ipc>, bench: &BenchName) -> Result<BulletinService, WireError> {
-    opened(bench, || {
-        Ok(service(node, bench, "bulletin")?
-            .publish_subscribe::<Bulletin>()
-            .enable_safe_overflow(true)
-            .history_size(1)
-            .subscriber_max_buffer_size(BULLETINS_BUFFERED)
-            .subscriber_max_borrowed_samples(2)
-            .max_publishers(1)
-            .max_subscribers(MAX_PARTIES)
-            .max_nodes(MAX_NODES)
-            .open_or_create())
-    })
-}
 
 /// See [`Glance`].
 #[derive(Debug)]
 pub struct SharedGlance {
-    bulletins: Subscriber<Ipc, Bulletin, ()>,
+    /// What was read of documents, and waits for them.
+    pub(crate) shelf: Shelf,
+    documents: Subscriber<Ipc, [u8], DocumentHead>,
+    bulletins: Subscriber<Ipc, BulletinMessage, ()>,
     recorders: Subscriber<Ipc, RecorderStatus, ()>,
     /// The last that was heard of a recorder.
     recorder: Option<Box<RecorderStatus>>,
@@ -44,22 +28,42 @@ impl SharedGlance {
     pub(crate) fn new(node: &Node<Ipc>, bench: &BenchName, root: &Root) -> Result<Self, WireError> {
         // Not made: without it the simulation has only begun, or ended.
         let bulletins: BulletinService =
-            opened(bench, || Ok(service(node, bench, "bulletin")?.publish_subscribe::<Bulletin>().open()))?;
+            opened(bench, || Ok(service(node, bench, "bulletin")?.publish_subscribe::<BulletinMessage>().open()))?;
         let recorder_service = shared_news::recorder_service(node, bench)?;
         let refused = |error| full(bench, "processes that look at it", MAX_PARTIES, &error);
+        // Before the bulletins: whose documents are then never later than they are.
+        let documents = shared_news::document_service(node, bench)?.subscriber_builder().create().map_err(refused)?;
         let bulletins = bulletins.subscriber_builder().create().map_err(refused)?;
         let recorders = recorder_service.subscriber_builder().create().map_err(refused)?;
-        Ok(Self { bulletins, recorders, recorder: None, recorder_service, _root: root.clone() })
+        Ok(Self {
+            shelf: Shelf::default(),
+            documents,
+            bulletins,
+            recorders,
+            recorder: None,
+            recorder_service,
+            _root: root.clone(),
+        })
+    }
+}
+
+impl SharedGlance {
+    /// Takes in what documents have come.
+    pub(crate) fn read_documents(&mut self) -> Result<(), WireError> {
+        while let Some(sample) = self.documents.receive().map_err(internal)? {
+            self.shelf.put(*sample.user_header(), sample.payload());
+        }
+        Ok(())
     }
 }
 
 impl Glance for SharedGlance {
     fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        let mut latest = None;
         while let Some(sample) = self.bulletins.receive().map_err(internal)? {
-            latest = Some(sample);
+            self.shelf.hold_bulletin(*sample.payload());
         }
-        Ok(latest.map(|sample| Box::new(*sample.payload())))
+        self.read_documents()?;
+        Ok(self.shelf.bulletin())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {

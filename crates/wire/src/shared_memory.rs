@@ -17,11 +17,11 @@ use crate::iceoryx::{self, Ipc, MAX_NODES, MAX_READERS, full, internal, opened, 
 use crate::name_lock::NameLock;
 use crate::ports::check_burst;
 use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
-use crate::shared_glance::{self, BulletinService, SharedGlance};
-use crate::shared_news::{self, EventService, RECORDER_ROLE, SharedEvents, SharedRecorder};
+use crate::shared_glance::SharedGlance;
+use crate::shared_news::{self, NewsServices, RECORDER_ROLE, SharedNews, SharedRecorder};
 use crate::{
-    BenchName, Bulletin, BulletinSender, Carrier, Event, Glance, Host, HostState, Layout, Listener, MAX_BURST,
-    RecorderStatus, Root, Row, RowMut, SCHEMA, StateSender, WireError,
+    BenchName, Bulletin, Carrier, Event, EventMessage, Glance, Host, HostState, Layout, Listener, MAX_BURST,
+    RecorderStatus, Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, WireError,
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
@@ -145,10 +145,9 @@ impl Carrier for SharedMemory {
             std::thread::sleep(Duration::from_millis(1));
         }
         let _ = states.blocking_cleanup_dead_nodes(Duration::from_secs(1));
-        let bulletins = shared_glance::bulletin_service(&node, bench)?;
-        let events = shared_news::event_service(&node, bench)?;
+        let news = NewsServices::open(&node, bench)?;
         let commands = CommandServices::open(&node, bench)?;
-        Ok(SharedHost { states, bulletins, events, commands, bench: bench.clone(), name })
+        Ok(SharedHost { states, news, commands, bench: bench.clone(), name })
     }
 
     fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
@@ -156,8 +155,9 @@ impl Carrier for SharedMemory {
         let refused = |error| full(bench, "readers", MAX_READERS, &error);
         let states = state_service.subscriber_builder().create().map_err(refused)?;
         let events = shared_news::event_service(&node, bench)?.subscriber_builder().create().map_err(refused)?;
+        let snapshots = shared_news::snapshot_service(&node, bench)?.subscriber_builder().create().map_err(refused)?;
         let glance = SharedGlance::new(&node, bench, &self.root)?;
-        Ok(SharedListener { states, events, state_service, glance })
+        Ok(SharedListener { states, events, snapshots, state_service, glance })
     }
 
     fn glance(&self, bench: &BenchName) -> Result<SharedGlance, WireError> {
@@ -181,8 +181,7 @@ impl Carrier for SharedMemory {
 #[derive(Debug)]
 pub struct SharedHost {
     states: StateService,
-    bulletins: BulletinService,
-    events: EventService,
+    news: NewsServices,
     commands: CommandServices,
     bench: BenchName,
     // Last, so that everything above is closed before the name is given back.
@@ -191,8 +190,7 @@ pub struct SharedHost {
 
 impl Host for SharedHost {
     type States = SharedStates;
-    type Bulletins = SharedBulletins;
-    type Events = SharedEvents;
+    type News = SharedNews;
     type Inbox = SharedInbox;
 
     fn states(&self, layout: Layout) -> Result<SharedStates, WireError> {
@@ -202,13 +200,8 @@ impl Host for SharedHost {
         Ok(SharedStates { layout, publisher: builder.create().map_err(taken)?, _name: self.name.clone() })
     }
 
-    fn bulletins(&self) -> Result<SharedBulletins, WireError> {
-        let publisher = self.bulletins.publisher_builder().max_loaned_samples(1).create().map_err(internal)?;
-        Ok(SharedBulletins { publisher, _name: self.name.clone() })
-    }
-
-    fn events(&self) -> Result<SharedEvents, WireError> {
-        SharedEvents::new(&self.events, self.name.clone())
+    fn news(&self) -> Result<SharedNews, WireError> {
+        SharedNews::new(&self.news, self.name.clone())
     }
 
     fn inbox(&self) -> Result<SharedInbox, WireError> {
@@ -241,27 +234,12 @@ impl StateSender for SharedStates {
     }
 }
 
-/// See [`BulletinSender`].
-#[derive(Debug)]
-pub struct SharedBulletins {
-    publisher: Publisher<Ipc, Bulletin, ()>,
-    _name: NameLock,
-}
-
-impl BulletinSender for SharedBulletins {
-    fn send(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
-        let mut sample = self.publisher.loan().map_err(internal)?;
-        *sample.payload_mut() = *bulletin;
-        sample.send().map_err(internal)?;
-        Ok(())
-    }
-}
-
 /// See [`Listener`].
 #[derive(Debug)]
 pub struct SharedListener {
     states: Subscriber<Ipc, [u64], ()>,
-    events: Subscriber<Ipc, Event, ()>,
+    events: Subscriber<Ipc, EventMessage, ()>,
+    snapshots: Subscriber<Ipc, [u64], SnapshotHead>,
     state_service: StateService,
     // Last, because it has the lease.
     glance: SharedGlance,
@@ -290,9 +268,22 @@ impl Listener for SharedListener {
     }
 
     fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
-        let mut count = 0;
         while let Some(sample) = self.events.receive().map_err(internal)? {
-            visit(sample.payload());
+            self.glance.shelf.hold_event(*sample.payload());
+        }
+        self.glance.read_documents()?;
+        let mut count = 0;
+        while let Some(event) = self.glance.shelf.event() {
+            visit(&event);
+            count += 1;
+        }
+        Ok(count)
+    }
+
+    fn snapshots(&mut self, mut visit: impl FnMut(&SnapshotHead, &[u64])) -> Result<usize, WireError> {
+        let mut count = 0;
+        while let Some(sample) = self.snapshots.receive().map_err(internal)? {
+            visit(sample.user_header(), sample.payload());
             count += 1;
         }
         Ok(count)

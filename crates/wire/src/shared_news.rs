@@ -1,4 +1,5 @@
-//! Events and the recorder's status over shared memory: the two services of a bench that carry news, not motion.
+//! Documents, bulletins, events and the recorder's status over shared memory: the services of a bench that carry news, not
+//! motion.
 
 use std::time::Duration;
 
@@ -8,29 +9,88 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe;
 
+use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead, MAX_DOCUMENT};
 use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, MAX_READERS, internal, opened, port, service};
+use crate::message::BulletinMessage;
 use crate::name_lock::NameLock;
-use crate::{BenchName, EVENTS_KEPT, Event, EventSender, RecorderSender, RecorderStatus, Root, WireError};
+use crate::outbox::Outbox;
+use crate::ports::{check_document, check_snapshot};
+use crate::snapshot::{MAX_SNAPSHOT, SNAPSHOTS_BUFFERED, SnapshotHead};
+use crate::{
+    BenchName, Bulletin, EVENTS_KEPT, Event, EventMessage, NewsSender, RecorderSender, RecorderStatus, Root, WireError,
+};
 
 /// The node name of a recorder's status: its process lives as long as the node does, and the kernel drops its locks.
 pub(crate) const RECORDER_ROLE: &str = "record";
 
+/// Bulletins a reader may fall behind by: only the latest counts.
+const BULLETINS_BUFFERED: usize = 4;
 /// Statuses that a reader may fall behind by: only the latest counts.
 const STATUSES_BUFFERED: usize = 4;
 
-pub(crate) type EventService = publish_subscribe::PortFactory<Ipc, Event, ()>;
+pub(crate) type EventService = publish_subscribe::PortFactory<Ipc, EventMessage, ()>;
+pub(crate) type DocumentService = publish_subscribe::PortFactory<Ipc, [u8], DocumentHead>;
+pub(crate) type SnapshotService = publish_subscribe::PortFactory<Ipc, [u64], SnapshotHead>;
+pub(crate) type BulletinService = publish_subscribe::PortFactory<Ipc, BulletinMessage, ()>;
 pub(crate) type RecorderService = publish_subscribe::PortFactory<Ipc, RecorderStatus, ()>;
 
 pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<EventService, WireError> {
     opened(bench, || {
         Ok(service(node, bench, "event")?
-            .publish_subscribe::<Event>()
+            .publish_subscribe::<EventMessage>()
             .enable_safe_overflow(true)
             .history_size(EVENTS_KEPT)
             .subscriber_max_buffer_size(EVENTS_KEPT)
             .subscriber_max_borrowed_samples(2)
             .max_publishers(1)
             .max_subscribers(MAX_READERS)
+            .max_nodes(MAX_NODES)
+            .open_or_create())
+    })
+}
+
+pub(crate) fn document_service(node: &Node<Ipc>, bench: &BenchName) -> Result<DocumentService, WireError> {
+    opened(bench, || {
+        Ok(service(node, bench, "document")?
+            .publish_subscribe::<[u8]>()
+            .user_header::<DocumentHead>()
+            .enable_safe_overflow(true)
+            .history_size(DOCUMENTS_KEPT)
+            .subscriber_max_buffer_size(DOCUMENTS_KEPT)
+            .subscriber_max_borrowed_samples(2)
+            .max_publishers(1)
+            .max_subscribers(MAX_PARTIES)
+            .max_nodes(MAX_NODES)
+            .open_or_create())
+    })
+}
+
+pub(crate) fn snapshot_service(node: &Node<Ipc>, bench: &BenchName) -> Result<SnapshotService, WireError> {
+    opened(bench, || {
+        Ok(service(node, bench, "snapshot")?
+            .publish_subscribe::<[u64]>()
+            .user_header::<SnapshotHead>()
+            .enable_safe_overflow(true)
+            .history_size(1)
+            .subscriber_max_buffer_size(SNAPSHOTS_BUFFERED)
+            .subscriber_max_borrowed_samples(2)
+            .max_publishers(1)
+            .max_subscribers(MAX_READERS)
+            .max_nodes(MAX_NODES)
+            .open_or_create())
+    })
+}
+
+pub(crate) fn bulletin_service(node: &Node<Ipc>, bench: &BenchName) -> Result<BulletinService, WireError> {
+    opened(bench, || {
+        Ok(service(node, bench, "bulletin")?
+            .publish_subscribe::<BulletinMessage>()
+            .enable_safe_overflow(true)
+            .history_size(1)
+            .subscriber_max_buffer_size(BULLETINS_BUFFERED)
+            .subscriber_max_borrowed_samples(2)
+            .max_publishers(1)
+            .max_subscribers(MAX_PARTIES)
             .max_nodes(MAX_NODES)
             .open_or_create())
     })
@@ -66,30 +126,96 @@ pub(crate) fn has_recorder(service: &RecorderService) -> bool {
     listed.is_err() || found
 }
 
-/// See [`EventSender`].
+/// The services of a simulation's news.
 #[derive(Debug)]
-pub struct SharedEvents {
-    publisher: Publisher<Ipc, Event, ()>,
-    _name: NameLock,
+pub(crate) struct NewsServices {
+    documents: DocumentService,
+    bulletins: BulletinService,
+    events: EventService,
+    snapshots: SnapshotService,
 }
 
-impl SharedEvents {
-    pub(crate) fn new(service: &EventService, name: NameLock) -> Result<Self, WireError> {
-        let publisher = service.publisher_builder().max_loaned_samples(1).create().map_err(internal)?;
-        Ok(Self { publisher, _name: name })
+impl NewsServices {
+    pub(crate) fn open(node: &Node<Ipc>, bench: &BenchName) -> Result<Self, WireError> {
+        Ok(Self {
+            documents: document_service(node, bench)?,
+            bulletins: bulletin_service(node, bench)?,
+            events: event_service(node, bench)?,
+            snapshots: snapshot_service(node, bench)?,
+        })
     }
 }
 
-impl EventSender for SharedEvents {
-    fn send(&mut self, event: &Event) -> Result<(), WireError> {
-        let mut sample = self.publisher.loan().map_err(internal)?;
-        *sample.payload_mut() = *event;
+/// See [`NewsSender`].
+#[derive(Debug)]
+pub struct SharedNews {
+    documents: Publisher<Ipc, [u8], DocumentHead>,
+    bulletins: Publisher<Ipc, BulletinMessage, ()>,
+    events: Publisher<Ipc, EventMessage, ()>,
+    snapshots: Publisher<Ipc, [u64], SnapshotHead>,
+    outbox: Outbox,
+    _name: NameLock,
+}
+
+impl SharedNews {
+    pub(crate) fn new(services: &NewsServices, name: NameLock) -> Result<Self, WireError> {
+        let documents = services.documents.publisher_builder().initial_max_slice_len(MAX_DOCUMENT);
+        let snapshots = services.snapshots.publisher_builder().initial_max_slice_len(MAX_SNAPSHOT);
+        Ok(Self {
+            snapshots: snapshots.max_loaned_samples(1).create().map_err(internal)?,
+            documents: documents.max_loaned_samples(1).create().map_err(internal)?,
+            bulletins: services.bulletins.publisher_builder().max_loaned_samples(1).create().map_err(internal)?,
+            events: services.events.publisher_builder().max_loaned_samples(1).create().map_err(internal)?,
+            outbox: Outbox::default(),
+            _name: name,
+        })
+    }
+
+    fn document<T: Content>(&mut self, document: &Document<T>) -> Result<(), WireError> {
+        check_document(document.text())?;
+        if self.outbox.is_due(document.hash()) {
+            let bytes = document.text().as_bytes();
+            let mut sample = self.documents.loan_slice(bytes.len()).map_err(internal)?;
+            *sample.user_header_mut() = document.head();
+            sample.payload_mut().copy_from_slice(bytes);
+            sample.send().map_err(internal)?;
+        }
+        Ok(())
+    }
+}
+
+impl NewsSender for SharedNews {
+    fn bulletin(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
+        bulletin.rotor_document().map_or(Ok(()), |rotor| self.document(rotor))?;
+        self.document(&bulletin.settings)?;
+        let mut sample = self.bulletins.loan().map_err(internal)?;
+        *sample.payload_mut() = bulletin.message();
+        sample.send().map_err(internal)?;
+        Ok(())
+    }
+
+    fn event(&mut self, event: &Event) -> Result<(), WireError> {
+        self.document(&event.settings)?;
+        let mut sample = self.events.loan().map_err(internal)?;
+        *sample.payload_mut() = event.message();
+        sample.send().map_err(internal)?;
+        Ok(())
+    }
+
+    fn snapshot(&mut self, head: &SnapshotHead, words: &[u64]) -> Result<(), WireError> {
+        check_snapshot(words)?;
+        let mut sample = self.snapshots.loan_slice(words.len()).map_err(internal)?;
+        *sample.user_header_mut() = *head;
+        sample.payload_mut().copy_from_slice(words);
         sample.send().map_err(internal)?;
         Ok(())
     }
 
     fn welcome(&mut self) -> Result<(), WireError> {
-        self.publisher.update_connections().map_err(internal)
+        // Documents first: what comes then names them.
+        self.documents.update_connections().map_err(internal)?;
+        self.events.update_connections().map_err(internal)?;
+        self.snapshots.update_connections().map_err(internal)
     }
 }
 

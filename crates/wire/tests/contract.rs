@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 use rotor::{C64, Settings, builtin};
 use wire::{
-    Answer, BenchName, Bulletin, BulletinSender, Carrier, Change, Channel, Commander, EVENTS_KEPT, EventSender, Glance,
-    Happening, Host, HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, RecorderSender,
-    RecorderState, RecorderStatus, Row, RowMut, StateSender, Step, WireError,
+    Answer, BenchName, Bulletin, Carrier, Change, Channel, Commander, EVENTS_KEPT, Glance, Happening, Host, HostState,
+    Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT, NewsSender, RecorderSender, RecorderState,
+    RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead, StateSender, Step, WireError,
 };
 
 /// A rotor of three masses.
@@ -63,19 +63,34 @@ fn events(listener: &mut impl Listener) -> Vec<u64> {
     listener
         .events(|event| {
             assert_eq!(event.happening(), Some(Happening::Note(format!("number {}", event.number))));
-            assert_eq!((event.settings.speed, event.who.as_str()), (event.number as f64, "somebody"));
+            assert_eq!((event.settings.get().speed, event.who.as_str()), (event.number as f64, "somebody"));
             seen.push(event.number);
         })
         .unwrap();
     seen
 }
 
-fn tell(sender: &mut impl EventSender, number: u64) {
+/// Event `number`, after which the speed is just that.
+fn tell(sender: &mut impl NewsSender, number: u64) {
     let mut event = Happening::Note(format!("number {number}")).event();
     event.number = number;
     event.who = wire::Text::new("somebody");
-    event.settings.speed = number as f64;
-    sender.send(&event).unwrap();
+    event.settings = settings(number as f64);
+    sender.event(&event).unwrap();
+}
+
+fn settings(speed: f64) -> SettingsDocument {
+    let rotor = builtin::rotor("jeffcott").unwrap();
+    SettingsDocument::of(&Settings::new(&rotor, speed, builtin::feedback(&rotor, "cancel").unwrap()))
+}
+
+/// A bulletin of the three-mass rotor.
+fn bulletin(revision: u64) -> Bulletin {
+    let mut bulletin = Bulletin::default();
+    bulletin.set_rotor(&builtin::rotor("three-mass").unwrap());
+    bulletin.settings = settings(revision as f64);
+    bulletin.revision = revision;
+    bulletin
 }
 
 fn nobody_home(carrier: &impl Carrier) {
@@ -120,7 +135,7 @@ fn of_six_that_start_together_one_has_the_name_and_the_others_are_told_so(carrie
 fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
     let name = bench("full");
     let host = carrier.host(&name).unwrap();
-    let (_states, mut bulletins) = (host.states(LAYOUT).unwrap(), host.bulletins().unwrap());
+    let (_states, mut bulletins) = (host.states(LAYOUT).unwrap(), host.news().unwrap());
     let mut readers: Vec<_> = (0..MAX_READERS).map(|_| carrier.listen(&name).unwrap()).collect();
     // Each of them a dashboard, which asks too.
     let _asking: Vec<_> = readers.iter().map(|_| carrier.command(&name).unwrap()).collect();
@@ -130,7 +145,7 @@ fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
     assert_eq!(host.listeners(), MAX_READERS);
 
     let mut glance = carrier.glance(&name).unwrap();
-    bulletins.send(&Bulletin { revision: 7, ..Bulletin::default() }).unwrap();
+    bulletins.bulletin(&bulletin(7)).unwrap();
     assert_eq!(wait_for("a bulletin", || glance.bulletin().unwrap()).revision, 7);
     assert_eq!(glance.recorder().unwrap(), None);
     thread::scope(|scope| {
@@ -206,28 +221,79 @@ fn a_sleeping_reader_loses_the_oldest_and_holds_nobody_up(carrier: &impl Carrier
 fn the_last_bulletin_reaches_who_comes_later(carrier: &impl Carrier) {
     let name = bench("news");
     let host = carrier.host(&name).unwrap();
-    let mut bulletins = host.bulletins().unwrap();
-    let rotor = builtin::rotor("three-mass").unwrap();
-    let mut bulletin = Bulletin::default();
-    bulletin.set_rotor(&rotor);
-    for revision in 1..=3 {
-        bulletin.revision = revision;
-        bulletins.send(&bulletin).unwrap();
-    }
+    let mut bulletins = host.news().unwrap();
+    (1..=3).for_each(|revision| bulletins.bulletin(&bulletin(revision)).unwrap());
     let mut listener = carrier.listen(&name).unwrap();
     // Shared memory delivers history with the next send.
-    bulletin.revision = 4;
-    bulletins.send(&bulletin).unwrap();
+    bulletins.welcome().unwrap();
+    bulletins.bulletin(&bulletin(4)).unwrap();
     let heard = wait_for("a bulletin", || listener.bulletin().unwrap());
-    assert_eq!((heard.revision, heard.rotor().unwrap()), (4, rotor));
+    assert_eq!((heard.revision, heard.rotor().unwrap()), (4, builtin::rotor("three-mass").unwrap()));
+    assert_eq!(heard.settings, settings(4.0));
     assert!(listener.bulletin().unwrap().is_none());
+}
+
+/// However settings are changed and changed back, whoever comes late, or slept, can put back all that the last events tell of.
+fn documents_that_are_named_reach_who_comes_late_or_sleeps(carrier: &impl Carrier) {
+    let name = bench("documents");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states(LAYOUT).unwrap();
+    let mut sender = host.news().unwrap();
+    sender.bulletin(&bulletin(1)).unwrap();
+    let mut sleeper = carrier.listen(&name).unwrap();
+    let speed = |number: u64| if number.is_multiple_of(3) { 1.0 } else { number as f64 };
+    for number in 1..=400 {
+        let mut event = Happening::Settings.event();
+        event.number = number;
+        event.settings = settings(speed(number));
+        sender.event(&event).unwrap();
+    }
+    let mut late = carrier.listen(&name).unwrap();
+    let mut glance = carrier.glance(&name).unwrap();
+    sender.welcome().unwrap();
+    sender.bulletin(&bulletin(1)).unwrap();
+    for listener in [&mut sleeper, &mut late] {
+        let mut told = Vec::new();
+        listener.events(|event| told.push((event.number, event.settings.get().speed))).unwrap();
+        let last: Vec<_> = (401 - EVENTS_KEPT as u64..=400).map(|number| (number, speed(number))).collect();
+        assert_eq!(told, last);
+        assert_eq!(listener.bulletin().unwrap().unwrap().settings, settings(1.0));
+    }
+    assert_eq!(glance.bulletin().unwrap().unwrap().rotor().unwrap().len(), 3);
+}
+
+fn snapshots_arrive_whole_and_the_last_one_for_who_comes_later(carrier: &impl Carrier) {
+    let name = bench("snapshots");
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states(LAYOUT).unwrap();
+    let mut sender = host.news().unwrap();
+    let mut early = carrier.listen(&name).unwrap();
+    let words = |seq: u64| (0..40 * seq).map(|word| word ^ seq).collect::<Vec<u64>>();
+    for seq in 1..=5 {
+        sender.snapshot(&SnapshotHead { run_id: 7, seq, revision: 2, tau: 0.5 }, &words(seq)).unwrap();
+    }
+    let heard = |listener: &mut _| {
+        let mut heard = Vec::new();
+        Listener::snapshots(listener, |head, read| {
+            assert_eq!(read, words(head.seq));
+            heard.push(head.seq);
+        })
+        .unwrap();
+        heard
+    };
+    assert_eq!(heard(&mut early), [1, 2, 3, 4, 5]);
+    let mut late = carrier.listen(&name).unwrap();
+    sender.welcome().unwrap();
+    assert_eq!(heard(&mut late), [5]);
+    let refused = sender.snapshot(&SnapshotHead::default(), &vec![0; MAX_SNAPSHOT + 1]).unwrap_err();
+    assert_eq!(refused.to_string(), "a snapshot of 32769 words: expected at most 32768");
 }
 
 fn every_event_in_order_and_the_last_ones_for_who_comes_later(carrier: &impl Carrier) {
     let name = bench("events");
     let host = carrier.host(&name).unwrap();
     let _states = host.states(LAYOUT).unwrap();
-    let mut sender = host.events().unwrap();
+    let mut sender = host.news().unwrap();
     let mut early = carrier.listen(&name).unwrap();
     let kept = EVENTS_KEPT as u64;
     (1..=kept).for_each(|number| tell(&mut sender, number));
@@ -249,13 +315,13 @@ fn the_events_of_the_last_run_are_not_told_in_the_next(carrier: &impl Carrier) {
     let name = bench("runs");
     let host = carrier.host(&name).unwrap();
     let states = host.states(LAYOUT).unwrap();
-    let mut sender = host.events().unwrap();
+    let mut sender = host.news().unwrap();
     let mut listener = carrier.listen(&name).unwrap();
     tell(&mut sender, 1);
     drop((sender, states, host));
     let host = carrier.host(&name).unwrap();
     let _states = host.states(LAYOUT).unwrap();
-    let mut sender = host.events().unwrap();
+    let mut sender = host.news().unwrap();
     tell(&mut sender, 7);
     let mut late = carrier.listen(&name).unwrap();
     sender.welcome().unwrap();
@@ -433,6 +499,8 @@ macro_rules! on {
             states_that_are_sent_together_arrive_one_by_one
             a_sleeping_reader_loses_the_oldest_and_holds_nobody_up
             the_last_bulletin_reaches_who_comes_later
+            documents_that_are_named_reach_who_comes_late_or_sleeps
+            snapshots_arrive_whole_and_the_last_one_for_who_comes_later
             every_event_in_order_and_the_last_ones_for_who_comes_later
             the_events_of_the_last_run_are_not_told_in_the_next
             one_recorder_a_bench_and_its_latest_status_for_all

@@ -1,6 +1,7 @@
 //! What a loop holds, written down and taken up again to the last bit.
 
 use super::Controller;
+use crate::delay_line::DelayLine;
 use crate::words::Words;
 
 impl Controller {
@@ -24,6 +25,15 @@ impl Controller {
         if let Some(line) = &self.line {
             line.save(words);
         }
+    }
+
+    /// Words that [`Controller::save`] writes at most.
+    #[must_use]
+    pub fn words_at_most(&self) -> usize {
+        let sensors = self.sensors.len();
+        let noise = self.noise.as_ref().map_or(0, |_| 1 + 4 * sensors);
+        let line = self.line.as_ref().map_or(0, DelayLine::words_at_most);
+        9 + 2 * self.sampled.len() + 4 * sensors + 3 * self.waiting.capacity() + noise + line
     }
 
     /// Takes up what was written down by a loop like this. `None` if the words do not fit; it is then in no good state.

@@ -93,7 +93,7 @@ fn an_impulse_strikes_the_mass_with_the_bearing() {
 
 /// The clerk asks whether all gains shall be zero.
 fn asks_about_off(app: &mut App<'_>) -> Settings {
-    let settings = tests::bulletin("three-mass", "off").settings.unpack();
+    let settings = tests::bulletin("three-mass", "off").settings.get().clone();
     app.learn(Outcome::Asks(Edit::Off, Box::new(settings.clone()), -0.0306));
     settings
 }
@@ -302,7 +302,7 @@ fn a_filter_holds_for_all_lists_and_the_selected_setting_is_never_hidden() {
 #[test]
 fn lists_scroll_by_key_and_wheel() {
     let (mut app, _taken) = dashboard(&Options::default());
-    let settings = tests::bulletin("three-mass", "composite").settings.unpack();
+    let settings = tests::bulletin("three-mass", "composite").settings.get().clone();
     for number in 1..=90 {
         let note = wire::Happening::Note(format!("no. {number}."));
         lock(&app.feed).happen(&crate::journal::tests::event(number, &note, &settings));

@@ -59,7 +59,7 @@ impl Ledger {
             _ => "",
         };
         let told = (event.run_id, event.revision, event.wall_ns);
-        self.note(told, event.who.as_str(), why, &event.settings.unpack());
+        self.note(told, event.who.as_str(), why, &event.settings.get().clone());
     }
 
     /// Takes in settings whose events did not come: what led to them counts as one change.
@@ -120,13 +120,13 @@ fn nudged_key(before: &Settings, after: &Settings) -> Option<Key> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use wire::{SettingsMessage, Text};
+    use wire::{SettingsDocument, Text};
 
     use super::*;
     use crate::feed::tests::bulletin;
 
     fn start() -> Settings {
-        bulletin("three-mass", "composite").settings.unpack()
+        bulletin("three-mass", "composite").settings.get().clone()
     }
 
     /// A change to `settings` as the simulation tells it.
@@ -135,7 +135,7 @@ mod tests {
         let mut event = happening.event();
         (event.run_id, event.revision, event.wall_ns) = (7, revision, revision * 1_000_000_000);
         (event.who, event.why) = (Text::new(who), Text::new(why));
-        event.settings = SettingsMessage::pack(settings).unwrap();
+        event.settings = SettingsDocument::of(settings);
         event
     }
 

@@ -131,7 +131,7 @@ impl<C: Carrier> Clerk<C> {
                     && known.run == event.run_id
                     && known.revision < event.revision
                 {
-                    (known.revision, known.settings) = (event.revision, event.settings.unpack());
+                    (known.revision, known.settings) = (event.revision, event.settings.get().clone());
                     known.by = event.who.as_str().to_owned();
                 }
             }
@@ -143,7 +143,7 @@ impl<C: Carrier> Clerk<C> {
                     return;
                 }
                 let by = bulletin.changed_by.as_str().to_owned();
-                self.known = Some(Known { run, revision, settings: bulletin.settings.unpack(), by });
+                self.known = Some(Known { run, revision, settings: bulletin.settings.get().clone(), by });
             }
         }
     }

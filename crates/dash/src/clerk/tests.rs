@@ -2,7 +2,7 @@ use std::thread;
 
 use crossbeam::channel;
 use rotor::{C64, Key};
-use wire::{BulletinSender, Happening, Host, Inbox, Memory, SettingsMessage, Text};
+use wire::{Happening, Host, Inbox, Memory, NewsSender, SettingsDocument, Text};
 
 use super::*;
 use crate::feed::tests::bulletin;
@@ -22,23 +22,24 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
     let mut current = bulletin("three-mass", "composite");
     let event = |current: &Bulletin, happening: Happening, who: &str, why: &str| {
         let mut event = happening.event();
-        (event.run_id, event.revision, event.settings) = (current.run_id, current.revision, current.settings);
+        (event.run_id, event.revision) = (current.run_id, current.revision);
+        event.settings = current.settings.clone();
         (event.who, event.why) = (Text::new(who), Text::new(why));
         event.wall_ns = 1_000_000_000;
         News::Event(event)
     };
-    tell.send(News::Bulletin(Arc::new(*current))).unwrap();
+    tell.send(News::Bulletin(Arc::new((*current).clone()))).unwrap();
     tell.send(event(&current, Happening::Started, "sim", "")).unwrap();
     spawn(carrier.clone(), bench, edit, news, outcome).unwrap();
     let mut told = Vec::new();
     let mut untold = Vec::new();
     let mut inbox = host.inbox().unwrap();
-    let mut sender = host.bulletins().unwrap();
+    let mut sender = host.news().unwrap();
     for (number, edit) in edits.iter().enumerate() {
         for (_, key, value) in elsewhere.iter().filter(|(before, ..)| *before == number) {
-            let mut settings = current.settings.unpack();
+            let mut settings = current.settings.get().clone();
             settings.set(key.parse().unwrap(), *value).unwrap();
-            current.settings = SettingsMessage::pack(&settings).unwrap();
+            current.settings = SettingsDocument::of(&settings);
             current.revision += 1;
             untold.push(event(&current, Happening::Settings, "set:3", "typed"));
         }
@@ -51,11 +52,11 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
                     Change::Settings { base_revision, .. } if base_revision != current.revision => {
                         // The news that another console has been at work comes after the refusal.
                         untold.drain(..).for_each(|event| tell.send(event).unwrap());
-                        tell.send(News::Bulletin(Arc::new(*current))).unwrap();
+                        tell.send(News::Bulletin(Arc::new((*current).clone()))).unwrap();
                         Answer { outdated: 1, ..Answer::refused(current.revision, "changed meanwhile") }
                     }
-                    Change::Settings { .. } => {
-                        current.settings = request.settings;
+                    Change::Settings { settings, .. } => {
+                        current.settings = SettingsDocument::of(&settings);
                         current.revision += 1;
                         let (who, why) = (request.who.as_str(), request.why.as_str());
                         tell.send(event(&current, Happening::Settings, who, why)).unwrap();
@@ -69,14 +70,14 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
             }
         };
         told.push(outcome);
-        sender.send(&current).unwrap();
+        sender.bulletin(&current).unwrap();
         thread::yield_now();
     }
-    (told, current.settings.unpack())
+    (told, current.settings.get().clone())
 }
 
 fn start() -> Settings {
-    bulletin("three-mass", "composite").settings.unpack()
+    bulletin("three-mass", "composite").settings.get().clone()
 }
 
 fn key(name: &str) -> Key {

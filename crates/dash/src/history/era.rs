@@ -33,7 +33,7 @@ impl Era {
             revision: bulletin.revision,
             who: bulletin.changed_by.as_str().to_owned(),
             rotor: rotor.or_else(|| bulletin.rotor().ok().map(Arc::new)),
-            settings: bulletin.settings.unpack(),
+            settings: bulletin.settings.get().clone(),
             poles: bulletin.analysis.poles().collect(),
             min_damping: bulletin.analysis.min_damping,
         }

@@ -194,9 +194,9 @@ mod tests {
     fn val_shapes_are_those_of_the_report() {
         let shape_at = |speed: f64| {
             let mut bulletin = tests::bulletin("three-mass", "off");
-            let mut settings = bulletin.settings.unpack();
+            let mut settings = bulletin.settings.get().clone();
             settings.speed = speed;
-            bulletin.settings = wire::SettingsMessage::pack(&settings).unwrap();
+            bulletin.settings = wire::SettingsDocument::of(&settings);
             let mut feed = Feed::new("");
             feed.read(bulletin);
             feed.hear(&tests::state(3, 0), std::time::Instant::now());

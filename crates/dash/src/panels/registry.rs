@@ -233,7 +233,7 @@ mod tests {
         let mut bulletin = tests::bulletin("three-mass", "composite");
         bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
         feed.read(bulletin);
-        let settings = tests::bulletin("three-mass", "composite").settings.unpack();
+        let settings = tests::bulletin("three-mass", "composite").settings.get().clone();
         for seq in (0..17_000).filter(|seq| *seq % 4001 != 4000) {
             let state = tests::state(3, seq).with(wire::Channel::Vy, 1, 1.5);
             feed.hear(&state.with_word(wire::Channel::WallNs, 50_000_000_000_000 + seq * 1_000_000), now);

@@ -183,7 +183,7 @@ mod tests {
     #[test]
     fn the_selected_row_stays_in_view() {
         let mut picture = tests::picture();
-        picture.settings = Some(tests::bulletin("three-mass", "individual").settings.unpack());
+        picture.settings = Some(tests::bulletin("three-mass", "individual").settings.get().clone());
         let cursor = Cursor { row: 10, typed: None };
         let frame = drawn(36, 5, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
         assert!(frame.contains("▶ cc.2"), "{frame}");
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn deadbands_that_differ_have_a_row_each() {
-        let mut settings = tests::bulletin("three-mass", "composite").settings.unpack();
+        let mut settings = tests::bulletin("three-mass", "composite").settings.get().clone();
         assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 1);
         settings.deadband[1] = 0.0;
         assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 3);
@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn a_scheduled_gain_says_so() {
-        let settings = tests::bulletin("jeffcott", "cancel").settings.unpack();
+        let settings = tests::bulletin("jeffcott", "cancel").settings.get().clone();
         let kc = rows(&settings).into_iter().find(|key| key.parameter.name == "kc").unwrap();
         assert_eq!(value_of(&settings, &Units::DIMENSIONLESS, kc), "-1.25 linear");
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use alarms::{Alarms, Level, Limits, Turn, Watch};
 use rotor::Settings;
-use wire::{Bulletin, Happening, SettingsMessage, State, Step};
+use wire::{Bulletin, Happening, SettingsDocument, State, Step};
 
 use super::branch::Branch;
 use super::loaded::Loaded;
@@ -305,9 +305,7 @@ impl Player {
             if let Some(branch) = &mut self.branch {
                 branch.advance(wanted.start..seq + 1, &acts);
                 // What edits apply to is what is in force beside, once there is something beside.
-                if let Ok(settings) = SettingsMessage::pack(branch.settings()) {
-                    bulletin.settings = settings;
-                }
+                bulletin.settings = SettingsDocument::of(branch.settings());
             }
             self.acts = Some(acts);
         }
@@ -375,9 +373,8 @@ impl Player {
         let changes = self.past.changes();
         acts.extend(changes.into_iter().map(|seq| {
             let there = self.past.bulletin_at(seq);
-            (seq, Act::Settings(there.settings.unpack(), there.substeps.max(1)))
+            (seq, Act::Settings(there.settings.get().clone(), there.substeps.max(1)))
         }));
-        acts.extend(self.past.paces().into_iter().map(|(seq, dtau)| (seq, Act::Pace(dtau))));
         // Stable: what came first within a step stays first.
         acts.sort_by_key(|(seq, _)| *seq);
         acts
@@ -433,20 +430,11 @@ impl Player {
         let state = at.ok_or("the step to run on from is missing")?;
         let bulletin = self.past.bulletin_at(state.seq());
         let rotor = bulletin.rotor().map_err(|error| error.to_string())?;
-        let settings = bulletin.settings.unpack();
+        let settings = bulletin.settings.get().clone();
         settings.check(&rotor).map_err(|error| error.to_string())?;
         let substeps = bulletin.substeps.max(1);
         let line = self.line(&state, &settings, substeps)?;
-        let (dtau, rate_hz) = (bulletin.dtau, bulletin.rate_hz);
-        let mut root = Root { rotor, dtau, rate_hz, state, settings, substeps, line, whole: None };
-        // What cannot be read costs what the loop held, and no more.
-        if let Ok(Some(snapshot)) = self.past.snapshot_before(root.state.seq()) {
-            let then = self.past.bulletin_at(snapshot.0);
-            let acts = self.gathered();
-            root.whole = root.recalled(snapshot, (&then.settings.unpack(), then.substeps.max(1)), &acts);
-            self.acts = Some(acts);
-        }
-        Ok(root)
+        Ok(Root { rotor, dtau: bulletin.dtau, rate_hz: bulletin.rate_hz, state, settings, substeps, line })
     }
 
     fn state(&mut self, seq: u64) -> Result<Option<State>, String> {
@@ -469,7 +457,7 @@ impl Player {
         let faster = changes.into_iter().rev().take_while(|from| *from > rest).filter(|from| *from <= state.seq());
         let turned = faster.into_iter().find(|from| {
             let [before, after] = [from - 1, *from].map(|seq| self.past.bulletin_at(seq));
-            before.settings.speed != after.settings.speed || before.substeps.max(1) != after.substeps.max(1)
+            before.settings.get().speed != after.settings.get().speed || before.substeps.max(1) != after.substeps.max(1)
         });
         let made = |steps: u64| steps * u64::from(substeps);
         let line = match turned {

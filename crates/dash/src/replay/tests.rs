@@ -63,11 +63,11 @@ impl Past for Session {
     fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin> {
         let event = self.in_force(seq);
         let mut bulletin = self.bulletin.clone();
-        bulletin.settings = event.settings;
+        bulletin.settings = event.settings.clone();
         bulletin.substeps = event.substeps;
         bulletin.revision = event.revision;
         let rotor = bulletin.rotor().unwrap();
-        let spectrum = Spectrum::of(&event.settings.unpack().closed_loop(&rotor)).unwrap();
+        let spectrum = Spectrum::of(&event.settings.get().clone().closed_loop(&rotor)).unwrap();
         bulletin.analysis = Analysis { count: 6, min_damping: spectrum.min_damping(), ..Analysis::default() };
         for (place, mode) in bulletin.analysis.poles.iter_mut().zip(&spectrum.modes) {
             *place = [mode.pole.re, mode.pole.im];
@@ -153,7 +153,7 @@ fn simulated(dtau: f64) -> Session {
     let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
     settings.deadband.fill(1.0);
     let carrier = Memory::default();
-    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau, profile: None };
+    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let begun = settings.clone();
@@ -173,7 +173,7 @@ fn simulated(dtau: f64) -> Session {
             let target = states.len() + count;
             while states.len() < target {
                 listener.drain(|state| states.push(State::of(&state))).unwrap();
-                listener.events(|event| events.push(*event)).unwrap();
+                listener.events(|event| events.push(event.clone())).unwrap();
                 bulletin = listener.bulletin().unwrap().or(bulletin.take());
                 assert!(start.elapsed() < Duration::from_secs(60), "{} steps only", states.len());
                 thread::sleep(Duration::from_millis(1));
@@ -213,7 +213,7 @@ fn simulated(dtau: f64) -> Session {
         stop.store(true, Ordering::Relaxed);
         simulation.join().unwrap().unwrap();
         listener.drain(|state| states.push(State::of(&state))).unwrap();
-        listener.events(|event| events.push(*event)).unwrap();
+        listener.events(|event| events.push(event.clone())).unwrap();
         events.retain(|event| !matches!(event.happening(), Some(Happening::Late { .. })));
         Session { bulletin: bulletin.unwrap(), states, events }
     })
@@ -680,7 +680,8 @@ fn a_recording_longer_than_what_is_kept_is_played_all_the_same() {
             let state = session.states[0].with_word(Channel::Seq, seq).with_word(Channel::Revision, 1);
             let state =
                 state.with(Channel::Tau, 0, tau).with(Channel::Angle, 0, 2.5 * tau).with(Channel::Speed, 0, 2.5);
-            state.with(Channel::Y, 0, seq as f64)
+            let state = state.with(Channel::Y, 0, seq as f64);
+            state
         })
         .collect();
     let (mut feed, mut time) = (Feed::with_bound("", 6_000_000), ViewTime::LIVE);

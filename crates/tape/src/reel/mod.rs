@@ -174,7 +174,7 @@ impl Reel {
             Item::Event(event) => {
                 let mut told = Event::from(&*event);
                 if let Some(head) = self.head.as_ref().filter(|head| event.revision > head.bulletin.revision) {
-                    let (before, after) = (head.bulletin.settings.unpack(), event.settings.unpack());
+                    let (before, after) = (head.bulletin.settings.get().clone(), event.settings.get().clone());
                     told.change = Difference::between(&before, &after).to_string();
                 }
                 let head = self.head.as_mut();
@@ -212,10 +212,10 @@ impl Reel {
         if bulletin.revision <= head.bulletin.revision {
             // The event was faster: its settings stay.
             let newest = std::mem::replace(&mut head.bulletin, bulletin);
-            head.bulletin.settings = newest.settings;
             head.bulletin.revision = newest.revision;
             head.bulletin.applied_at_step = newest.applied_at_step;
             head.bulletin.changed_by = newest.changed_by;
+            head.bulletin.settings = newest.settings;
             return None;
         }
         head.bulletin = bulletin;

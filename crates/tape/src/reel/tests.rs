@@ -5,7 +5,7 @@ use std::sync::{Arc, Mutex};
 use alarms::{Level, Turn, Watch};
 use files::Existing;
 use wire::message::Trip;
-use wire::{Channel, Layout, SettingsMessage, State};
+use wire::{Channel, Layout, SettingsDocument, State};
 
 use super::*;
 use crate::batch::Batch;
@@ -43,10 +43,6 @@ impl Sink for Noting {
 
     fn remark(&mut self, remark: &Remark) -> Result<(), TapeError> {
         self.note(&remark.text())
-    }
-
-    fn snapshot(&mut self, _: crate::Snapshot, _: Moment) -> Result<(), TapeError> {
-        Ok(())
     }
 
     fn health(&mut self, _: &Bulletin, _: Moment) -> Result<(), TapeError> {
@@ -119,9 +115,14 @@ fn bulletin() -> Box<Bulletin> {
     let rotor = rotor::builtin::rotor("three-mass").unwrap();
     let off = rotor::builtin::feedback(&rotor, "off").unwrap();
     let settings = rotor::Settings::new(&rotor, 1.0, off);
-    let settings = SettingsMessage::pack(&settings).unwrap();
-    let mut bulletin = Box::new(Bulletin { run_id: 1, revision: 1, settings, ..Bulletin::default() });
+    let settings = SettingsDocument::of(&settings);
+    let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
+        run_id: 1,
+        revision: 1,
+        ..wire::message::BulletinMessage::default()
+    }));
     bulletin.set_rotor(&rotor);
+    bulletin.settings = settings;
     bulletin
 }
 

@@ -4,17 +4,22 @@
 use rotor::{Settings, builtin};
 use tape::{Batch, Recording};
 use wire::message::Flags;
-use wire::{Bulletin, Channel, Layout, Moment, Point, SettingsMessage, State, Step, Text};
+use wire::{Bulletin, Channel, Layout, Moment, Point, SettingsDocument, State, Step, Text};
 
 pub(crate) const RUN: u64 = 0xfeed_beef_0123_4567;
 
 pub(crate) fn bulletin() -> Box<Bulletin> {
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
-    let mut bulletin =
-        Box::new(Bulletin { run_id: RUN, rate_hz: 1000.0, dtau: 0.01, revision: 3, ..Bulletin::default() });
+    let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
+        run_id: RUN,
+        rate_hz: 1000.0,
+        dtau: 0.01,
+        revision: 3,
+        ..wire::message::BulletinMessage::default()
+    }));
     bulletin.set_rotor(&rotor);
-    bulletin.settings = SettingsMessage::pack(&settings).unwrap();
+    bulletin.settings = SettingsDocument::of(&settings);
     bulletin.applied_at_step = 17;
     bulletin.changed_by = Text::new("set:1");
     bulletin.version = Text::new("0.1.0");

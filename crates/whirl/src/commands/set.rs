@@ -128,7 +128,7 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         let bulletin = attach::first_bulletin(&mut glance, &bench)?;
         let rotor = bulletin.rotor().map_err(|error| Failure::Work(error.to_string()))?;
         let units = Units::with(bulletin.scales());
-        let before = bulletin.settings.unpack();
+        let before = bulletin.settings.get().clone();
         let mut settings = before.clone();
         catalog::assign_all(&rotor, units, &mut settings, &[], &args.assignments)?;
         settings.check(&rotor)?;

@@ -170,8 +170,8 @@ impl Bench {
             answers: bulletin.is_some(),
             why,
             rotor: bulletin.map(|bulletin| bulletin.rotor_name.as_str().to_owned()),
-            speed: bulletin.map(|bulletin| bulletin.settings.speed),
-            units: Units::with(bulletin.and_then(Bulletin::scales)),
+            speed: bulletin.map(|bulletin| bulletin.settings.get().speed),
+            units: Units::with(bulletin.and_then(|bulletin| bulletin.scales())),
             rate_hz: bulletin.map(|bulletin| bulletin.rate_hz),
             dtau: bulletin.map(|bulletin| bulletin.dtau),
             substeps: bulletin.map(|bulletin| bulletin.substeps),
@@ -196,7 +196,9 @@ impl Bench {
             full: readers.max(health.map_or(0, |health| health.subscribers as usize)) >= MAX_READERS,
             recording,
             tripped: trip.map(|trip| trip.is_tripped()),
-            trip: trip.filter(|trip| trip.is_tripped()).map(|trip| trip.told(bulletin.and_then(Bulletin::scales))),
+            trip: trip
+                .filter(|trip| trip.is_tripped())
+                .map(|trip| trip.told(bulletin.and_then(|bulletin| bulletin.scales()))),
             run_id: bulletin.map(|bulletin| format!("{:016x}", bulletin.run_id)),
             // Of one that says nothing: iceoryx2 knows it.
             pid: bulletin.map_or_else(

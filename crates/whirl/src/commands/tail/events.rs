@@ -4,7 +4,7 @@ use rotor::{Difference, Rotor, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use wire::message::Trip;
-use wire::{Event, Happening};
+use wire::{Event, EventMessage, Happening};
 
 use crate::output::{padded, rounded};
 use crate::units::Units;
@@ -59,7 +59,7 @@ impl Teller {
 
     /// The line of one event, without its end.
     pub(super) fn line(&mut self, event: &Event, units: Units, json: bool) -> String {
-        let settings = event.settings.unpack();
+        let settings = event.settings.get().clone();
         let known = self.last.take().filter(|(run_id, ..)| *run_id == event.run_id);
         let lost = known.as_ref().map_or(0, |(_, number, _)| event.number.saturating_sub(number + 1));
         self.lost += lost;
@@ -109,7 +109,7 @@ fn for_people(
     if !why.is_empty() {
         words_of += &format!(" ({why})");
     }
-    let Event { number, seq, tau, .. } = event;
+    let EventMessage { number, seq, tau, .. } = **event;
     format!("{number:>4}  step {seq:>9}  tau {tau:>10.3}  {}  {words_of}", padded(event.who.as_str(), 12))
 }
 

@@ -1,0 +1,142 @@
+//! Documents on their way: which of them have to be sent (again), and what a reader has to wait for.
+//!
+//! A document is sent before the first message that names it. Its service keeps the last [`DOCUMENTS_KEPT`] for readers that
+//! come late or sleep; one that is named again after many others have been sent is sent again, so that all that the last
+//! [`crate::EVENTS_KEPT`] events and the last bulletin name are always among those kept.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use crate::document::{
+    Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, RotorDocument, SettingsDocument,
+};
+use crate::message::BulletinMessage;
+use crate::{Bulletin, Event, EventMessage};
+
+/// A document that is among the last so many that were sent is not sent again.
+const RECENT: usize = 8;
+/// How long an event waits for the settings that it names: they were sent before it.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// What has been sent lately.
+#[derive(Debug, Default)]
+pub(crate) struct Outbox {
+    recent: VecDeque<u64>,
+}
+
+impl Outbox {
+    /// Whether a document has to be sent before a message that names it; it is taken for sent from now on.
+    pub(crate) fn is_due(&mut self, hash: u64) -> bool {
+        let is_due = !self.recent.contains(&hash);
+        if is_due {
+            if self.recent.len() == RECENT {
+                self.recent.pop_front();
+            }
+            self.recent.push_back(hash);
+        }
+        is_due
+    }
+}
+
+/// What a reader has: documents, and messages that wait for theirs.
+#[derive(Debug, Default)]
+pub(crate) struct Shelf {
+    rotors: VecDeque<RotorDocument>,
+    settings: VecDeque<SettingsDocument>,
+    bulletin: Option<Box<BulletinMessage>>,
+    events: VecDeque<(EventMessage, Instant)>,
+}
+
+fn put<T: Content>(shelf: &mut VecDeque<Document<T>>, hash: u64, bytes: &[u8]) -> Result<(), DocumentError> {
+    if let Some(at) = shelf.iter().position(|document| document.hash() == hash) {
+        // Sent again: it stays for as long as a new one.
+        shelf.extend(shelf.get(at).cloned());
+        shelf.remove(at);
+        return Ok(());
+    }
+    let document = Document::received(hash, bytes)?;
+    if shelf.len() == 2 * DOCUMENTS_KEPT {
+        shelf.pop_front();
+    }
+    shelf.push_back(document);
+    Ok(())
+}
+
+fn find<T: Content>(shelf: &VecDeque<Document<T>>, hash: u64) -> Option<Document<T>> {
+    shelf.iter().rev().find(|document| document.hash() == hash).cloned()
+}
+
+impl Shelf {
+    /// Takes in a document. One that cannot be read, which only a foreign writer can send, is as if it had not come.
+    pub(crate) fn put(&mut self, head: DocumentHead, bytes: &[u8]) {
+        let taken = match head.kind {
+            1 => put(&mut self.rotors, head.hash, bytes),
+            2 => put(&mut self.settings, head.hash, bytes),
+            _ => Ok(()),
+        };
+        if let Err(error) = taken {
+            tracing::warn!(%error, "a document that cannot be read");
+        }
+    }
+
+    /// Takes in the latest bulletin.
+    pub(crate) fn hold_bulletin(&mut self, message: BulletinMessage) {
+        self.bulletin = Some(Box::new(message));
+    }
+
+    /// The latest bulletin, once, when its documents are here.
+    pub(crate) fn bulletin(&mut self) -> Option<Box<Bulletin>> {
+        let message = self.bulletin.as_ref()?;
+        let (rotor, settings) = (find(&self.rotors, message.rotor)?, find(&self.settings, message.settings)?);
+        let message = self.bulletin.take()?;
+        Some(Box::new(Bulletin::resolved(*message, rotor, settings)))
+    }
+
+    /// Takes in an event.
+    pub(crate) fn hold_event(&mut self, message: EventMessage) {
+        self.events.push_back((message, Instant::now()));
+    }
+
+    /// The next event, in order, if its settings are here. One whose settings do not come is lost, as its number shows.
+    pub(crate) fn event(&mut self) -> Option<Event> {
+        loop {
+            let (message, since) = self.events.front()?;
+            let found = find(&self.settings, message.settings);
+            if found.is_none() && since.elapsed() < PATIENCE {
+                return None;
+            }
+            let (message, _) = self.events.pop_front()?;
+            if let Some(settings) = found {
+                return Some(Event::resolved(message, settings));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::EVENTS_KEPT;
+
+    /// Whatever is changed and undone: what the last events and the last bulletin name is among the last documents.
+    #[test]
+    fn what_can_still_be_named_is_kept() {
+        let mut random = 1_u64;
+        for spread in [1, 2, 7, 8, 9, 20, 64, 1000] {
+            let (mut outbox, mut sent, mut named) = (Outbox::default(), Vec::new(), Vec::new());
+            for _ in 0..5000 {
+                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+                let settings = 1 + (random >> 33) % spread;
+                for hash in [0, settings] {
+                    if outbox.is_due(hash) {
+                        sent.push(hash);
+                    }
+                }
+                named.push(settings);
+                let kept = &sent[sent.len().saturating_sub(DOCUMENTS_KEPT)..];
+                let last = &named[named.len().saturating_sub(EVENTS_KEPT)..];
+                assert!(kept.contains(&0) && last.iter().all(|hash| kept.contains(hash)), "{spread}");
+            }
+        }
+    }
+}

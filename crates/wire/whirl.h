@@ -1,0 +1,290 @@
+/* The messages of a whirl bench, for C and C++. Made of the tables of the crate wire; not to be edited.
+   Dimensionless units of the model throughout: displacement in e_t, time tau = w0 t, velocity in w0 e_t, control in
+   w0^2 e_t. The services are those of iceoryx2, called whirl/NAME/state and so on; the schema is their attribute
+   whirl.schema. Texts are UTF-8, padded with zeros, and have no zero at the end where they fill their place. */
+#ifndef WHIRL_H
+#define WHIRL_H
+
+#include <stdint.h>
+#include <string.h>
+
+#define WHIRL_SCHEMA 4 /* version of all messages together */
+#define WHIRL_MAX_MASSES 16 /* masses of the largest rotor */
+#define WHIRL_MAX_BURST 32 /* steps of the largest message of whirl/NAME/state */
+#define WHIRL_EVENTS_KEPT 64 /* events that reach readers that come late */
+#define WHIRL_DOCUMENTS_KEPT 96 /* documents that reach readers that come late */
+#define WHIRL_MAX_DOCUMENT 65536 /* bytes of the largest document */
+#define WHIRL_MAX_SNAPSHOT 32768 /* words of the largest snapshot */
+
+/* whirl/NAME/state carries slices of 64-bit words: rows of WHIRL_WIDTH words, one after the other, one row a step,
+   up to WHIRL_MAX_BURST. Each row says itself how many masses and sensors it has. Below are the places of its
+   words; masses and sensors are counted from 0. Doubles are read with whirl_number. */
+#define WHIRL_RUN_ID 0 /* uint64_t: which run of which process: changes when the simulation starts anew */
+#define WHIRL_SEQ 1 /* uint64_t: number of the step since the process started: up by 1 each, also while tripped */
+#define WHIRL_WALL_NS 2 /* uint64_t: wall clock when the step was due to be sent, nanoseconds since 1970 */
+#define WHIRL_REVISION 3 /* uint64_t: revision of the settings that the step was made with */
+#define WHIRL_FLAGS 4 /* uint64_t: bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 63: how many sensors */
+#define WHIRL_TAU 5 /* double, 1/w0: time since the rotor was last at rest; stands still while tripped */
+#define WHIRL_ANGLE 6 /* double, rad: spin angle, unwrapped: the unbalance points along it */
+#define WHIRL_SPEED 7 /* double, w0: spin speed R */
+#define WHIRL_SPEED_RATE 8 /* double, w0^2: rate of change of the spin speed */
+#define WHIRL_UY_COMMANDED 9 /* double, w0^2 e_t: control that the feedback asks for, y */
+#define WHIRL_UZ_COMMANDED 10 /* double, w0^2 e_t: control that the feedback asks for, z */
+#define WHIRL_UY 11 /* double, w0^2 e_t: control that the bearing delivers, y */
+#define WHIRL_UZ 12 /* double, w0^2 e_t: control that the bearing delivers, z */
+#define WHIRL_Y(mass) (13 + 4 * (mass) + 0) /* double, e_t: displacement, y */
+#define WHIRL_Z(mass) (13 + 4 * (mass) + 1) /* double, e_t: displacement, z */
+#define WHIRL_VY(mass) (13 + 4 * (mass) + 2) /* double, w0 e_t: velocity, y */
+#define WHIRL_VZ(mass) (13 + 4 * (mass) + 3) /* double, w0 e_t: velocity, z */
+#define WHIRL_READING_Y(masses, sensor) (13 + 4 * (masses) + 2 * (sensor) + 0) /* double, e_t: displacement as the loop reads it, y */
+#define WHIRL_READING_Z(masses, sensor) (13 + 4 * (masses) + 2 * (sensor) + 1) /* double, e_t: displacement as the loop reads it, z */
+
+#define WHIRL_WIDTH(masses, sensors) (13 + 4 * (masses) + 2 * (sensors))
+#define WHIRL_MASSES(row) ((unsigned)((row)[WHIRL_FLAGS] >> 32 & 0xffff))
+#define WHIRL_SENSORS(row) ((unsigned)((row)[WHIRL_FLAGS] >> 48))
+
+/* Bit m of the flags is set while mass m presses on its bearing. */
+#define WHIRL_SATURATED UINT32_C(0x10000) /* the control bearing is at its limit */
+#define WHIRL_TRIPPED UINT32_C(0x20000) /* the machine has tripped: the rotor is held where it was */
+#define WHIRL_LATE UINT32_C(0x40000) /* the step was sent more than one step period after it was due */
+
+/* The double whose bits a word is. */
+static inline double whirl_number(uint64_t word) {
+    double number;
+    memcpy(&number, &word, sizeof number);
+    return number;
+}
+
+/* The poles of the linear rotor, deadband neglected. */
+struct whirl_analysis { /* 536 bytes, whirl.Analysis */
+    /* 0: The revision of the settings that it is for; 0 while there is none. */
+    uint64_t revision;
+    /* 8: How many of poles are used: 2n, or 0 if the eigenvalues did not converge. */
+    uint32_t count;
+    /* 12: Always 0. */
+    uint32_t reserved;
+    /* 16: The smallest damping ratio; 0 if there are no poles. */
+    double min_damping;
+    /* 24: The poles re, im, least damped first. */
+    double poles[32][2];
+};
+
+/* How well the simulation keeps its pace. Counts are since the process started; percentiles too. */
+struct whirl_health { /* 72 bytes, whirl.Health */
+    /* 0: Steps sent. */
+    uint64_t steps;
+    /* 8: Steps sent more than one step period after they were due. */
+    uint64_t late;
+    /* 16: Deadlines given up because the process was too far behind to catch up. */
+    uint64_t missed;
+    /* 24: How long after its deadline a wake-up came, microseconds: median. */
+    double lateness_p50_us;
+    /* 32: The same, 99th percentile. */
+    double lateness_p99_us;
+    /* 40: The same, the worst. */
+    double lateness_max_us;
+    /* 48: What a step costs (step, fill and send), microseconds: median. */
+    double cost_p50_us;
+    /* 56: The same, 99th percentile. */
+    double cost_p99_us;
+    /* 64: How many readers of the state there are. */
+    uint32_t subscribers;
+    /* 68: Always 0. */
+    uint32_t reserved;
+};
+
+/* What tripped the machine; all zero while it runs. */
+struct whirl_trip { /* 32 bytes, whirl.Trip */
+    /* 0: 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers. */
+    uint32_t cause;
+    /* 4: The mass with the largest orbit, counted from 1. */
+    uint32_t mass;
+    /* 8: The step at which it happened. */
+    uint64_t step;
+    /* 16: Its radius then, in e_t; the last finite one. */
+    double radius;
+    /* 24: The limit then in force, in e_t. */
+    double limit;
+};
+
+/* What stands before the text of a document. */
+struct whirl_document_head { /* 16 bytes, whirl.DocumentHead */
+    /* 0: Its name: FNV-1a, 64 bits, of the text. */
+    uint64_t hash;
+    /* 8: 1 a rotor, 2 settings. */
+    uint32_t kind;
+    /* 12: Always 0. */
+    uint32_t reserved;
+};
+
+/* The whole slow picture of a bench in one message, so that its parts always fit together. Bulletin is it with the
+   documents that it names. */
+struct whirl_bulletin { /* 880 bytes, whirl.Bulletin */
+    /* 0: Which run of which process: as in the steps. */
+    uint64_t run_id;
+    /* 8: Number of this bulletin in its run: rises by 1. */
+    uint64_t number;
+    /* 16: Wall clock when it was made, nanoseconds since 1970. */
+    uint64_t wall_ns;
+    /* 24: Wall clock when the process started, nanoseconds since 1970. */
+    uint64_t started_ns;
+    /* 32: Process id of the simulation. */
+    uint32_t pid;
+    /* 36: How many masses the rotor has, and sensors: what a step's words are laid out for in this run. */
+    uint32_t masses;
+    /* 40: Version of the program that simulates. */
+    char version[16];
+    /* 56: The rotor's name. */
+    char rotor_name[64];
+    /* 120: Hash of the rotor's document. */
+    uint64_t rotor;
+    /* 128: Hash of the document of the settings in force. */
+    uint64_t settings;
+    /* 136: Scales of an SI rotor: w0 in rad/s, K_t in N/m, M_t in kg, e_t in m; all zero for a dimensionless one. */
+    double scales[4];
+    /* 168: Steps a second that it paces itself to. */
+    double rate_hz;
+    /* 176: Advance of tau per step. */
+    double dtau;
+    /* 184: Runge-Kutta steps that make one step under the settings in force, at least 1: see rotor::step. */
+    uint32_t substeps;
+    /* 188: Always 0. */
+    uint32_t reserved;
+    /* 192: Revision of the settings: 1 at the start, up by 1 with each change. */
+    uint64_t revision;
+    /* 200: The first step made with them. */
+    uint64_t applied_at_step;
+    /* 208: Who made the last change. */
+    char changed_by[32];
+    /* 240: Poles under the settings in force. */
+    struct whirl_analysis analysis;
+    /* 776: How well the process keeps its pace. */
+    struct whirl_health health;
+    /* 848: What tripped the machine. */
+    struct whirl_trip trip;
+};
+
+/* Something that has happened. EventMessage::happening says what; Event is it with the settings in force after it. */
+struct whirl_event { /* 528 bytes, whirl.Event */
+    /* 0: Which run of which process: as in the steps. */
+    uint64_t run_id;
+    /* 8: Number of this event in its run: 1 is the start, and each further one is up by 1. */
+    uint64_t number;
+    /* 16: The first step made with it; for a trip the step that tripped; for what is no order (a refusal, lost
+       pace, the end) the next step to be made when it was noticed. */
+    uint64_t seq;
+    /* 24: Time of the rotor when it happened: for an order that of the step before seq, 0 after a restart. */
+    double tau;
+    /* 32: Wall clock when it was noted, nanoseconds since 1970. */
+    uint64_t wall_ns;
+    /* 40: Revision of the settings in force after it. */
+    uint64_t revision;
+    /* 48: Hash of the document of those settings. */
+    uint64_t settings;
+    /* 56: 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended. */
+    uint32_t kind;
+    /* 60: Impulse: the mass, counted from 0. Refused: the kind of the request (see message::RequestMessage::kind). */
+    uint32_t detail;
+    /* 64: Runge-Kutta steps that make one step under settings, as message::BulletinMessage::substeps. */
+    uint32_t substeps;
+    /* 68: Always 0. */
+    uint32_t reserved;
+    /* 72: Impulse: change of velocity vy, vz. */
+    double impulse[2];
+    /* 88: Tripped: what tripped. */
+    struct whirl_trip trip;
+    /* 120: Late: steps sent late, and deadlines given up, since the last such event. */
+    uint64_t late[2];
+    /* 136: Who did it; sim for what the simulation did by itself. */
+    char who[32];
+    /* 168: Why, in the words of who asked: undo, typed, or a reason that a person gave. May be empty. */
+    char why[120];
+    /* 288: Note: what it says. Refused: the reason. */
+    char text[240];
+};
+
+/* A change that a reader asks for. The document of the settings that it names comes with it; Request is both. */
+struct whirl_request { /* 432 bytes, whirl.Request */
+    /* 0: 1 settings, 2 impulse, 3 restart, 4 note. */
+    uint32_t kind;
+    /* 4: Impulse: the mass, counted from 0. */
+    uint32_t mass;
+    /* 8: Settings: the revision they are based on; refused if it is no longer in force. */
+    uint64_t base_revision;
+    /* 16: Settings: hash of the document of the new ones. */
+    uint64_t settings;
+    /* 24: Impulse: change of velocity vy, vz. */
+    double impulse[2];
+    /* 40: Who asks. */
+    char who[32];
+    /* 72: Why, as it shall stand in the log: undo, typed, a reason that a person gave; may be empty. */
+    char why[120];
+    /* 192: Note: what it says. */
+    char text[240];
+};
+
+/* What became of a request. */
+struct whirl_answer { /* 288 bytes, whirl.Answer */
+    /* 0: 1 accepted, 0 refused. */
+    uint32_t accepted;
+    /* 4: 1 if it was refused because the settings had changed meanwhile: look again and ask again. */
+    uint32_t outdated;
+    /* 8: Runge-Kutta steps that make one step, as BulletinMessage::substeps, now and before the request. */
+    uint32_t substeps[2];
+    /* 16: The revision now in force. */
+    uint64_t revision;
+    /* 24: Hash of the document of the settings now in force. */
+    uint64_t settings;
+    /* 32: Accepted: the first step made with the change. */
+    uint64_t applied_at_step;
+    /* 40: Accepted: time of the rotor when it took effect, as in Event::tau. */
+    double tau;
+    /* 48: Refused: why. */
+    char reason[240];
+};
+
+/* How a recorder stands. It sends this at least once a second; the latest reaches readers that come later. */
+struct whirl_recorder_status { /* 1336 bytes, whirl.RecorderStatus */
+    /* 0: Which run it records: as in the steps. */
+    uint64_t run_id;
+    /* 8: Wall clock when this was sent, nanoseconds since 1970. */
+    uint64_t wall_ns;
+    /* 16: Wall clock when it began, nanoseconds since 1970. */
+    uint64_t started_ns;
+    /* 24: Bytes written, all parts together. */
+    uint64_t bytes;
+    /* 32: Steps written. */
+    uint64_t rows;
+    /* 40: Steps that were sent and did not reach the file. */
+    uint64_t lost;
+    /* 48: 1 recording, 2 stopped in good order, 3 failed, 4 died. A recorder sends 1 to 3; readers make 4 of a 1
+       whose process has gone. */
+    uint32_t state;
+    /* 52: The part that is being written, counted from 1, when a recording is split. */
+    uint32_t part;
+    /* 56: 0 keeps everything, 1 keeps the last window_s seconds, 2 holds them in memory and writes on a trip. */
+    uint32_t mode;
+    /* 60: Process id of the recorder. */
+    uint32_t pid;
+    /* 64: Modes 1 and 2: how many seconds; else 0. */
+    double window_s;
+    /* 72: The file. */
+    char path[1024];
+    /* 1096: Failed: why. */
+    char error[240];
+};
+
+/* What stands before the words of a snapshot. */
+struct whirl_snapshot_head { /* 32 bytes, whirl.SnapshotHead */
+    /* 0: Which run of which process: as in the steps. */
+    uint64_t run_id;
+    /* 8: The step that the machine makes next: the state is that before it, with all that was done to the machine
+       in between. */
+    uint64_t seq;
+    /* 16: Revision of the settings that this step is made with. */
+    uint64_t revision;
+    /* 24: Time of the rotor. */
+    double tau;
+};
+
+#endif
