@@ -43,6 +43,9 @@ _whirl() {
             whirl,layout)
                 cmd="whirl__subcmd__layout"
                 ;;
+            whirl,margin)
+                cmd="whirl__subcmd__margin"
+                ;;
             whirl,modes)
                 cmd="whirl__subcmd__modes"
                 ;;
@@ -69,6 +72,9 @@ _whirl() {
                 ;;
             whirl,run)
                 cmd="whirl__subcmd__run"
+                ;;
+            whirl,runup)
+                cmd="whirl__subcmd__runup"
                 ;;
             whirl,set)
                 cmd="whirl__subcmd__set"
@@ -131,7 +137,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes run force response cycles tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes margin run runup force response cycles tune report assign rotor"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -472,6 +478,48 @@ _whirl() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        whirl__subcmd__margin)
+            opts="-h --feedback --deadband --set --speed --over --points --zones --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --speed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --over)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --points)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --zones)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         whirl__subcmd__modes)
             opts="-h --feedback --deadband --set --speed --points --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
@@ -792,6 +840,56 @@ _whirl() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        whirl__subcmd__runup)
+            opts="-h --feedback --deadband --set --from --to --rate --profile --points --out --force --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --from)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --to)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --rate)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --profile)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --points)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         whirl__subcmd__set)
             opts="-h --bench --why --force --json --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
@@ -815,7 +913,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__sim)
-            opts="-h --feedback --deadband --set --bench --speed --rate --dtau --trip --as-child --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --as-child --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -838,6 +936,10 @@ _whirl() {
                     return 0
                     ;;
                 --speed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --profile)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -1083,7 +1185,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__up)
-            opts="-h --feedback --deadband --set --bench --speed --rate --dtau --trip --history --layout --theme --ascii --read-only --record --force --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --history --layout --theme --ascii --read-only --record --force --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1106,6 +1208,10 @@ _whirl() {
                     return 0
                     ;;
                 --speed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --profile)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -44,7 +44,9 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "poles" -d 'Print eigenv
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "trace" -d 'Print every pole as a branch over speed, or the Campbell diagram'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "thresholds" -d 'Print every speed at which a mode changes stability'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "modes" -d 'Print mode shapes and orbits at one speed'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "margin" -d 'Print margins of delay, gain and phase, and peaks of sensitivity'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "run" -d 'Simulate offline, as fast as it can'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "runup" -d 'Run up or coast down through the critical speeds, offline'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the largest steady control force over speed'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "response" -d 'Print the exact synchronous response, branch by branch'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "cycles" -d 'Print the exact self-excited limit cycles, branch by branch'
@@ -57,6 +59,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l deadband -d 'Clearanc
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l profile -d 'Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
@@ -73,6 +76,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand sim" -l deadband -d 'Clearan
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l profile -d 'Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
@@ -186,6 +190,16 @@ complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points 
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l over -d 'The worst over spin speeds R, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l points -d 'How many speeds of the range, evenly spaced; the worst is sought between them too [default: 201]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l zones -d 'Peaks of sensitivity at which zones A, B and C end [default: 3,4,5, those of ISO 14839-3]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
@@ -201,6 +215,19 @@ complete -c whirl -n "__fish_whirl_using_subcommand run" -l force -d 'Replace a 
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l from -d 'Spin speed R at the beginning, in the steady orbit there (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l to -d 'Spin speed R at the end; below --from for a coast-down (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l rate -d 'Rate of change of R per unit of tau, more than 0 (SI rotors: rpm per second)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l profile -d 'Legs of speed from a file instead' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l points -d 'How many points of the response, evenly over time' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l out -d 'Draw amplitude and phase over speed into FILE.svg or FILE.png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l deadband -d 'Clearances of all support bearings to try, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r

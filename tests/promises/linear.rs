@@ -165,3 +165,55 @@ fn bad_input_exits_2_and_prints_nothing() {
         assert!(stderr.contains(complaint), "{arguments:?}: {stderr}");
     }
 }
+
+#[test]
+fn margins_have_the_promised_fields_and_the_printed_values() {
+    let composite = ["--feedback", "composite", "--json"];
+    let document = run(&[&["margin", "three-mass", "--speed", "2.5"][..], &composite].concat()).json();
+    assert_eq!((&document["rotor"], &document["stable"]), (&"three-mass".into(), &true.into()), "{document}");
+    for field in ["tau", "turns", "frequency"] {
+        assert!(document["delay"][field].is_number(), "{document}");
+    }
+    assert_eq!(document["delay"]["seconds_null"], "the rotor is dimensionless");
+    for field in ["up", "down"] {
+        assert!(document["gain"][field]["factor"].is_number() && document["gain"][field]["frequency"].is_number());
+    }
+    assert!(document["phase"]["degrees"].is_number());
+    let sensitivity = &document["sensitivity"];
+    for field in ["peak", "decibels", "frequency"] {
+        assert!(sensitivity[field].is_number(), "{sensitivity}");
+    }
+    for side in ["forward", "backward", "axis"] {
+        assert!(sensitivity[side]["peak"].is_number(), "{sensitivity}");
+    }
+    assert!(document["complementary"]["peak"].is_number() && document["force"]["peak"].is_number());
+    assert_eq!(document["bearings"][0]["name"], "mass 1");
+    assert_eq!(document["bearings"][0]["sensitivity"], *sensitivity);
+    // What is not there says why.
+    let off = run(&["margin", "three-mass", "--speed", "1", "--json"]).json();
+    assert!(off["delay"].is_null() && off["delay_null"].is_string() && off["gain"]["up_null"].is_string(), "{off}");
+    // Zones that somebody else asks for.
+    let zone = |zones: &[&str]| {
+        run(&[&["margin", "three-mass", "--speed", "6"][..], &composite, zones].concat()).json()["sensitivity"]["zone"]
+            .clone()
+    };
+    assert_eq!((zone(&[]), zone(&["--zones", "11,12,13"])), ("D".into(), "A".into()));
+    // Over speed: the worst, and where.
+    let over = run(&[&["margin", "three-mass", "--over", "1..6", "--points", "21"][..], &composite].concat()).json();
+    let worst = &over["worst"]["delay"];
+    assert!((number(&worst["speed"]) - 6.0).abs() < 1e-6, "{worst}");
+    assert!(number(&worst["delay"]["tau"]) < number(&document["delay"]["tau"]));
+}
+
+#[test]
+fn an_unstable_loop_has_no_margins_and_says_its_pole() {
+    for speed in [["--speed", "7.5"], ["--over", "1..8"]] {
+        let ran = run(&[&["margin", "three-mass", "--feedback", "composite"][..], &speed].concat());
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(1), ""), "{ran:?}");
+        assert!(ran.stderr.contains("is not stable at R = ") && ran.stderr.contains("it has a pole at"), "{ran:?}");
+    }
+    for zones in ["3,4", "4,3,5", "0,1,2"] {
+        let ran = run(&["margin", "--speed", "1", "--zones", zones]);
+        assert!(ran.code == Some(2) && ran.stderr.contains("three rising numbers"), "{ran:?}");
+    }
+}

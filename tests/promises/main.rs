@@ -18,6 +18,7 @@ mod recordings;
 mod replay;
 mod report;
 mod run;
+mod speeds;
 mod tune;
 mod typed;
 mod units;

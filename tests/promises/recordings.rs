@@ -7,6 +7,8 @@
 mod parts;
 #[cfg(feature = "rerun")]
 mod recorder;
+#[cfg(feature = "rerun")]
+mod snapshots;
 
 use promises::run;
 
@@ -36,6 +38,7 @@ mod with {
     use rustix::process::{Pid, Signal, kill_process};
     use serde_json::Value;
     use tape::Recording;
+    use wire::Step;
 
     use super::recorder::{Recorder, configure, info, steps, text, wait};
     use super::run;

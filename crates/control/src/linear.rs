@@ -84,6 +84,16 @@ impl LinearLoop {
         Some([value, slope])
     }
 
+    /// The same, of displacement readings alone: velocities are read as 0.
+    #[must_use]
+    pub fn of_displacement(&self, frequency: f64) -> Option<Vec<C64>> {
+        let count = self.sensors.len();
+        let mut still = self.clone();
+        still.law.b.columns_mut(count, count).fill(C64::ZERO);
+        still.law.d.columns_mut(count, count).fill(C64::ZERO);
+        still.fundamental(frequency)
+    }
+
     /// What the loop answers to the whirl `exp(j frequency tau)` of its sensors at that same frequency, per displacement of
     /// each. Of a sampled loop it is the fundamental of the held force, `(1 - exp(-s h)) / (s h)` times what the law makes of
     /// the samples; the ripple beside it falls on other frequencies, and what of it the samples see again is left out.

@@ -13,17 +13,24 @@
 //! * what they *are* comes from Newton's method on the equation itself ([`roots`]);
 //! * that there are *no more* is counted by the argument principle, with steps that cannot lose a turn ([`count`]).
 //!
+//! A [`LoopGain`] is the gain of one loop over frequency, sampled or not; [`LoopGain::margins`] are its margins and peaks.
+//!
 //! No part of it knows what the matrices describe. No files, no terminal, no threads.
 
 mod count;
+mod curve;
 mod eigen;
 mod guess;
+mod loop_gain;
 mod margin;
+mod margins;
 mod roots;
 mod sensitivity;
 mod system;
 
+pub use loop_gain::{Gain, LoopGain};
 pub use margin::DelayMargin;
+pub use margins::{GainMargin, Margins, Peak, PhaseMargin};
 pub use roots::Roots;
 pub use sensitivity::Sensitivity;
 pub use system::{DelayError, DelaySystem};

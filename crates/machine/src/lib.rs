@@ -8,6 +8,8 @@
 
 mod integrate;
 mod machine;
+mod margins;
+mod margins_over;
 mod motion;
 mod over_speed;
 mod poles;
@@ -16,9 +18,12 @@ mod stability_loss;
 
 pub use control::{Output, Words};
 pub use machine::{Line, Machine, Sample, Trip, TripCause};
-pub use motion::{Leg, MAX_LEGS};
+pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
+pub use margins_over::{WORST, in_hand, worst_margins};
+pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
 pub use poles::{MachinePoles, PolesError, min_damping};
-pub use program::{Pace, Program, ProgramError, default_step, fastest};
+pub use program::{Pace, ProfileError, Program, ProgramError, default_step, fastest};
+pub use rotor::profile::Leg;
 pub use rotor::{LinearForm, SampledStep};
 pub use stability_loss::StabilityLoss;

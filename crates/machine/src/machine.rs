@@ -8,6 +8,10 @@ use rotor::{C64, Stepper};
 use crate::motion::{Grid, Motion};
 use crate::program::Program;
 
+/// The first of the words that a machine writes down: raised when the rest means something else, so that words of another
+/// version fit nowhere.
+const FORM: u64 = 1;
+
 /// Why a machine has stopped by itself.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
@@ -99,11 +103,16 @@ impl std::fmt::Debug for Machine {
 }
 
 impl Machine {
-    /// A machine at rest at `tau` = 0, spinning at the speed at which its program ends.
+    /// A machine at rest at `tau` = 0, spinning at the speed at which its program ends; or begins, if that follows a profile.
     #[must_use]
     pub fn new(program: Program) -> Self {
-        let speed = program.speed();
-        Self::spinning(program, speed).settled()
+        match program.begins {
+            Some(speed) => Self::spinning(program, speed),
+            None => {
+                let speed = program.speed();
+                Self::spinning(program, speed).settled()
+            }
+        }
     }
 
     /// A machine at rest at `tau` = 0, spinning at `speed`, that follows its program from there.
@@ -186,7 +195,7 @@ impl Machine {
     #[must_use]
     pub fn sample(&self) -> Sample<'_> {
         let tau = self.tau();
-        let rates = (self.motion.speed_at(tau), self.motion.acceleration());
+        let rates = (self.motion.speed_at(tau), self.motion.acceleration_at(tau));
         let (speed, acceleration) = rates;
         let output = self.output;
         match &self.fused {
@@ -254,21 +263,33 @@ impl Machine {
         if self.is_fused { self.step_fused() } else { self.step_integrated() }
     }
 
+    /// From here on a step is `dtau` long: no longer than the program's own, for which its loop has room.
+    pub fn pace(&mut self, dtau: f64) {
+        if dtau == self.program.dtau {
+            return;
+        }
+        self.program.dtau = dtau;
+        if self.is_fused {
+            // As the fused path does itself.
+            let (tau, angle) = (self.tau(), self.sample().angle);
+            let speed = self.motion.speed_at(tau);
+            self.grid = Grid { from: tau, steps: 0, dtau: self.program.inner_step() };
+            self.motion.settle(tau, angle, speed);
+        } else {
+            self.grid.rebase(self.program.inner_step());
+        }
+    }
+
+    /// How long a step is.
+    #[must_use]
+    pub fn dtau(&self) -> f64 {
+        self.program.dtau
+    }
+
     /// One step of `dtau`, without guard and trip: for runs that judge the motion themselves. No longer than the program's
     /// own step, for which its loop has room.
     pub fn step_by(&mut self, dtau: f64) {
-        if dtau != self.program.dtau {
-            self.program.dtau = dtau;
-            if self.is_fused {
-                // As the fused path does itself.
-                let (tau, angle) = (self.tau(), self.sample().angle);
-                let speed = self.motion.speed_at(tau);
-                self.grid = Grid { from: tau, steps: 0, dtau: self.program.inner_step() };
-                self.motion.settle(tau, angle, speed);
-            } else {
-                self.grid.rebase(self.program.inner_step());
-            }
-        }
+        self.pace(dtau);
         match &mut self.fused {
             Some(fused) if self.is_fused => {
                 for _ in 0..self.program.substeps {
@@ -432,9 +453,9 @@ impl Machine {
         }
     }
 
-    /// Back to rest at `tau` = 0, at the speed that its program ends at; a trip is over.
+    /// Back to rest at `tau` = 0, at the speed that it has, or at which its profile begins; a trip is over.
     pub fn restart(&mut self) {
-        let speed = self.motion.speed_at(self.tau());
+        let speed = self.program.begins.unwrap_or_else(|| self.motion.speed_at(self.tau()));
         self.program.integrator.rest();
         if let Some(fused) = &mut self.fused {
             fused.rest();
@@ -455,6 +476,8 @@ impl Machine {
 
     /// Writes down everything that decides how it goes on, beside its program.
     pub fn save(&self, words: &mut Words) {
+        words.put(FORM);
+        words.put_f64(self.program.dtau);
         words.put(u64::from(self.is_fused));
         words.put_f64(self.grid.from);
         words.put(self.grid.steps);
@@ -485,14 +508,19 @@ impl Machine {
     /// Returns whether the words fit; a machine that they do not fit is at rest again.
     #[must_use]
     pub fn restore(&mut self, words: &mut Words) -> bool {
+        let dtau = self.program.dtau;
         let done = self.take_up(words).is_some() && words.is_at_end();
         if !done {
+            self.program.dtau = dtau;
+            self.grid.dtau = self.program.inner_step();
             self.restart();
         }
         done
     }
 
     fn take_up(&mut self, words: &mut Words) -> Option<()> {
+        words.take().filter(|form| *form == FORM)?;
+        self.program.dtau = words.take_f64()?;
         let is_fused = words.take()? == 1;
         self.grid = Grid { from: words.take_f64()?, steps: words.take()?, dtau: words.take_f64()? };
         self.motion.restore(words)?;

@@ -1,33 +1,17 @@
 //! Speed in motion: where the spin is and how it goes on.
 //!
-//! Time lies on a grid, so that a day's run ends on the same steps as a minute's. The angle is a parabola over time, which is
-//! put together anew where a leg of the speed's program begins: speed is continuous there, unless it is to jump, and the
-//! angle always.
+//! Time lies on a grid, so that a day's run ends on the same steps as a minute's. The angle is a parabola over time, or the integral of
+//! an exponential where the speed decays, and is put together anew where a leg of the speed's program begins: speed is
+//! continuous there, unless it is to jump, and the angle always.
 
 use std::collections::VecDeque;
 
 use control::Words;
+use rotor::profile::{Leg, REST_OF_DECAY};
 use rotor::{C64, Spin};
 
 /// The most legs that a program has.
-pub const MAX_LEGS: usize = 64;
-
-/// A part of a speed's program.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Leg {
-    /// To a speed, at so much per unit of `tau`; at once if that is infinite.
-    To {
-        /// The speed `R` it ends at.
-        speed: f64,
-        /// Greatest rate of change, more than 0.
-        rate: f64,
-    },
-    /// Stays at the speed it has for so long.
-    Dwell {
-        /// How long, in `tau`.
-        duration: f64,
-    },
-}
+pub const MAX_LEGS: usize = rotor::profile::MAX_LEGS;
 
 /// Time on a grid: so many steps of `dtau` since `from`.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
@@ -57,6 +41,9 @@ pub(crate) struct Motion {
     angle: f64,
     speed: f64,
     acceleration: f64,
+    /// Rate of an exponential decay towards `asymptote`, which begins with `acceleration`; 0 for a steady rate of change.
+    decay: f64,
+    asymptote: f64,
     /// When the leg ends; infinite for the last.
     until: f64,
     /// The speed at which it ends, exactly.
@@ -72,6 +59,8 @@ impl Motion {
             angle: 0.0,
             speed,
             acceleration: 0.0,
+            decay: 0.0,
+            asymptote: speed,
             until: f64::INFINITY,
             to: speed,
             legs: VecDeque::with_capacity(MAX_LEGS),
@@ -89,7 +78,13 @@ impl Motion {
     }
 
     pub(crate) fn speed_at(&self, tau: f64) -> f64 {
-        if self.acceleration == 0.0 { self.speed } else { self.speed + self.acceleration * (tau - self.from) }
+        if self.acceleration == 0.0 {
+            self.speed
+        } else if self.decay == 0.0 {
+            self.speed + self.acceleration * (tau - self.from)
+        } else {
+            self.asymptote + (self.speed - self.asymptote) * (-self.decay * (tau - self.from)).exp()
+        }
     }
 
     /// The angle at which the present leg began.
@@ -97,26 +92,32 @@ impl Motion {
         self.angle
     }
 
-    pub(crate) fn acceleration(&self) -> f64 {
-        self.acceleration
+    /// The rate of change of the speed.
+    pub(crate) fn acceleration_at(&self, tau: f64) -> f64 {
+        if self.decay == 0.0 { self.acceleration } else { self.acceleration * (-self.decay * (tau - self.from)).exp() }
     }
 
     pub(crate) fn angle_at(&self, tau: f64) -> f64 {
         let t = tau - self.from;
+        if self.decay != 0.0 {
+            // The integral of the speed; `exp_m1` keeps the digits of a decay that has hardly begun.
+            let faded = -(-self.decay * t).exp_m1() / self.decay;
+            return self.angle + self.asymptote * t + (self.speed - self.asymptote) * faded;
+        }
         let steady = self.angle + self.speed * t;
         if self.acceleration == 0.0 { steady } else { steady + 0.5 * self.acceleration * t * t }
     }
 
     pub(crate) fn spin_at(&self, tau: f64) -> Spin {
-        let (speed, acceleration) = (self.speed_at(tau), self.acceleration);
+        let (speed, acceleration) = (self.speed_at(tau), self.acceleration_at(tau));
         Spin { speed, acceleration, direction: C64::cis(self.angle_at(tau)) }
     }
 
     /// Puts the spin at `angle`, to turn steadily from `tau` on with the speed that it has; what was to come is dropped.
     pub(crate) fn settle(&mut self, tau: f64, angle: f64, speed: f64) {
         self.legs.clear();
-        (self.from, self.angle, self.speed, self.acceleration) = (tau, angle, speed, 0.0);
-        (self.until, self.to) = (f64::INFINITY, speed);
+        (self.from, self.angle) = (tau, angle);
+        self.go(speed, 0.0, f64::INFINITY, speed);
     }
 
     /// Follows other legs from `tau` on; those beyond [`MAX_LEGS`] are dropped.
@@ -143,56 +144,69 @@ impl Motion {
                 Leg::To { speed: to, rate } => {
                     let duration = (to - speed).abs() / rate;
                     if duration > 0.0 {
-                        let acceleration = (to - speed) / duration;
-                        (self.speed, self.acceleration, self.until, self.to) =
-                            (speed, acceleration, tau + duration, to);
-                        return;
+                        return self.go(speed, (to - speed) / duration, tau + duration, to);
                     }
                     speed = to;
                 }
-                Leg::Dwell { duration } if duration > 0.0 => {
-                    (self.speed, self.acceleration, self.until, self.to) = (speed, 0.0, tau + duration, speed);
-                    return;
+                Leg::Decay { speed: to, rate } => {
+                    let way = to - speed;
+                    if way != 0.0 {
+                        // An exponential never arrives: its last part is taken at a steady rate, that which it has then.
+                        let decay = rate / way.abs();
+                        let last = Leg::To { speed: to, rate: rate * REST_OF_DECAY };
+                        self.legs.push_front(last);
+                        let until = tau - REST_OF_DECAY.ln() / decay;
+                        self.go(speed, decay * way, until, to - way * REST_OF_DECAY);
+                        (self.decay, self.asymptote) = (decay, to);
+                        return;
+                    }
                 }
+                Leg::Dwell { duration } if duration > 0.0 => return self.go(speed, 0.0, tau + duration, speed),
                 Leg::Dwell { .. } => {}
             }
         }
-        (self.speed, self.acceleration, self.until, self.to) = (speed, 0.0, f64::INFINITY, speed);
+        self.go(speed, 0.0, f64::INFINITY, speed);
+    }
+
+    /// From `speed` on at a steady rate, until a time and up to a speed.
+    fn go(&mut self, speed: f64, acceleration: f64, until: f64, to: f64) {
+        (self.speed, self.acceleration, self.until, self.to) = (speed, acceleration, until, to);
+        (self.decay, self.asymptote) = (0.0, speed);
     }
 
     pub(crate) fn save(&self, words: &mut Words) {
-        let Self { from, angle, speed, acceleration, until, to, legs } = self;
-        [*from, *angle, *speed, *acceleration, *until, *to].into_iter().for_each(|x| words.put_f64(x));
+        let Self { from, angle, speed, acceleration, decay, asymptote, until, to, legs } = self;
+        [*from, *angle, *speed, *acceleration, *decay, *asymptote, *until, *to]
+            .into_iter()
+            .for_each(|x| words.put_f64(x));
         words.put(legs.len() as u64);
         for leg in legs {
-            match *leg {
-                Leg::To { speed, rate } => {
-                    words.put(0);
-                    words.put_f64(speed);
-                    words.put_f64(rate);
-                }
-                Leg::Dwell { duration } => {
-                    words.put(1);
-                    words.put_f64(duration);
-                }
-            }
+            let (kind, [first, second]) = match *leg {
+                Leg::To { speed, rate } => (0, [speed, rate]),
+                Leg::Dwell { duration } => (1, [duration, 0.0]),
+                Leg::Decay { speed, rate } => (2, [speed, rate]),
+            };
+            words.put(kind);
+            words.put_f64(first);
+            words.put_f64(second);
         }
     }
 
     pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
-        let places =
-            [&mut self.from, &mut self.angle, &mut self.speed, &mut self.acceleration, &mut self.until, &mut self.to];
+        let Self { from, angle, speed, acceleration, decay, asymptote, until, to, .. } = self;
+        let places = [from, angle, speed, acceleration, decay, asymptote, until, to];
         for place in places {
             *place = words.take_f64()?;
         }
         self.legs.clear();
         for _ in 0..words.take().filter(|count| *count <= MAX_LEGS as u64)? {
-            let leg = match words.take()? {
-                0 => Leg::To { speed: words.take_f64()?, rate: words.take_f64()? },
-                1 => Leg::Dwell { duration: words.take_f64()? },
+            let (kind, first, second) = (words.take()?, words.take_f64()?, words.take_f64()?);
+            self.legs.push_back(match kind {
+                0 => Leg::To { speed: first, rate: second },
+                1 => Leg::Dwell { duration: first },
+                2 => Leg::Decay { speed: first, rate: second },
                 _ => return None,
-            };
-            self.legs.push_back(leg);
+            });
         }
         Some(())
     }
@@ -222,6 +236,34 @@ mod tests {
         assert_eq!((motion.speed_at(10.0), motion.is_moving()), (0.0, false));
         // 2 + 4 s at 2 on average + 1 s at 3 + 1 s at 1.5 on average.
         assert!((motion.angle_at(10.0) - (2.0 + 8.0 + 3.0 + 1.5)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn val_a_decay_is_an_exponential_that_arrives() {
+        let mut motion = Motion::steady(4.0);
+        motion.follow(1.0, &[Leg::Decay { speed: 0.0, rate: 0.2 }]);
+        // R = 4 exp(-t / 20) down to a hundredth, which takes 20 ln 100; then at its last rate to 0, another 20.
+        let t = 7.0_f64;
+        assert!((motion.speed_at(1.0 + t) - 4.0 * (-t / 20.0).exp()).abs() < 1e-14);
+        assert!((motion.acceleration_at(1.0 + t) + 0.2 * (-t / 20.0).exp()).abs() < 1e-15);
+        let turned = 4.0 * 20.0 * (1.0 - (-t / 20.0).exp());
+        assert!((motion.angle_at(1.0 + t) - (4.0 + turned)).abs() < 1e-12, "angle 4 at tau = 1");
+        let end = 1.0 + 20.0 * 100.0_f64.ln();
+        assert!((motion.until() - end).abs() < 1e-11);
+        let (before, angle) = (motion.acceleration_at(end), motion.angle_at(end));
+        motion.pass(end + 1e-9);
+        assert!((motion.speed_at(end) - 0.04).abs() < 1e-9 && (motion.acceleration_at(end) - before).abs() < 1e-12);
+        assert!((motion.angle_at(end) - angle).abs() < 1e-9);
+        motion.pass(end + 21.0);
+        assert_eq!((motion.speed_at(end + 21.0), motion.is_moving()), (0.0, false));
+        // And back up, saved half way.
+        motion.follow(200.0, &[Leg::Decay { speed: 3.0, rate: 0.1 }, Leg::Dwell { duration: 2.0 }]);
+        let mut words = Words::default();
+        motion.save(&mut words);
+        let mut other = Motion::steady(1.0);
+        let mut words = Words::from_saved(words.as_slice().to_vec());
+        other.restore(&mut words).unwrap();
+        assert_eq!(other, motion);
     }
 
     #[test]

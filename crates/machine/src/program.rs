@@ -9,8 +9,8 @@ use rotor::{
 };
 
 use crate::integrate::Integrator;
-use crate::motion::Leg;
 use crate::poles::PolesError;
+use rotor::profile::{Leg, Profile};
 
 /// Why settings cannot be stepped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -30,6 +30,16 @@ impl From<PoleError> for ProgramError {
     fn from(error: PoleError) -> Self {
         Self::Step(error.into())
     }
+}
+
+/// Why a profile of speed cannot be stepped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}{error}", at.as_ref().map_or(String::new(), |leg| format!("{leg}: ")))]
+pub struct ProfileError {
+    /// The leg that leads to the speed that is to blame; none for the speed that the profile begins at, or where no speed is.
+    pub at: Option<String>,
+    /// Why.
+    pub error: ProgramError,
 }
 
 /// The pace at which a machine is to be stepped.
@@ -52,6 +62,8 @@ pub struct Program {
     clearances: Vec<f64>,
     /// Where the speed goes.
     pub(crate) legs: Vec<Leg>,
+    /// The speed that a machine has at first, and again when it restarts; none for the speed that it has then.
+    pub(crate) begins: Option<f64>,
     /// The largest orbit before the machine trips, in `e_t`.
     pub(crate) trip_limit: f64,
     /// Steps of integration in a step.
@@ -83,6 +95,30 @@ impl Program {
         Self::in_substeps(rotor, settings, pace.dtau, substeps)
     }
 
+    /// Settings whose speed follows a profile, to be stepped in as many parts as they need at all of its speeds. A machine that is made
+    /// of it spins at `profile.from`, and does again when it restarts.
+    ///
+    /// # Errors
+    /// As for [`Program::compile`], with the leg whose speed is to blame, if one is.
+    pub fn compile_profile(
+        rotor: &Rotor,
+        settings: &Settings,
+        profile: &Profile,
+        pace: Pace,
+    ) -> Result<Self, ProfileError> {
+        settings.check(rotor).map_err(|error| ProfileError { at: None, error: error.into() })?;
+        let mut substeps = 1;
+        for (k, (_, speed)) in profile.course().into_iter().enumerate() {
+            let needed = fastest(rotor, settings, speed)
+                .and_then(|fastest| Ok(fastest.substeps(pace.dtau, pace.rate_hz)?))
+                .map_err(|error| ProfileError { at: k.checked_sub(1).map(|leg| profile.leg_words(leg)), error })?;
+            substeps = substeps.max(needed);
+        }
+        let program = Self::in_substeps(rotor, settings, pace.dtau, substeps);
+        let program = program.map_err(|error| ProfileError { at: None, error })?;
+        Ok(Self { begins: Some(profile.from), ..program.following(profile.legs.clone()) })
+    }
+
     /// The same in so many parts a step, whatever they need: as a recording was made.
     ///
     /// # Errors
@@ -103,6 +139,7 @@ impl Program {
             feedback: feedback.clone(),
             clearances: settings.deadband.clone(),
             legs: vec![Leg::To { speed: settings.speed, rate: settings.ramp }],
+            begins: None,
             trip_limit: settings.trip,
             substeps,
             dtau,
@@ -131,7 +168,7 @@ impl Program {
     #[must_use]
     pub fn speed(&self) -> f64 {
         let ends = self.legs.iter().rev().find_map(|leg| match leg {
-            Leg::To { speed, .. } => Some(*speed),
+            Leg::To { speed, .. } | Leg::Decay { speed, .. } => Some(*speed),
             Leg::Dwell { .. } => None,
         });
         ends.unwrap_or(0.0)

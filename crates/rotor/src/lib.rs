@@ -38,6 +38,7 @@ mod marginal;
 mod modes;
 mod params;
 mod plant;
+pub mod profile;
 mod quadratic;
 pub mod report_form;
 mod settings;

@@ -32,11 +32,18 @@ pub struct LinearForm {
     pub sample: f64,
 }
 
-/// The step from one sample to the next, `x <- a x`, and what of it is the continuous state.
+/// The step from one sample to the next, `x <- a x`, and the same with the loop open at the command, `x <- open x + b w`,
+/// `w = c x`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledStep {
     /// The step.
     pub a: DMatrix<C64>,
+    /// The step without the command at this sample.
+    pub open: DMatrix<C64>,
+    /// What the command at this sample does, one column.
+    pub b: DMatrix<C64>,
+    /// The command, one row.
+    pub c: DMatrix<C64>,
     /// Sampling period.
     pub period: f64,
 }
@@ -149,10 +156,11 @@ impl LinearForm {
         let mut command = DMatrix::zeros(1, width);
         command.view_mut((0, 0), (1, n)).copy_from(&(&self.law.d * &self.readings));
         command.view_mut((0, n), (1, m)).copy_from(&self.law.c);
+        let mut b = DMatrix::zeros(width, 1);
         let mut add = |age: usize, effect: &DMatrix<C64>| {
             if age == 0 {
-                let mut rows = step.view_mut((0, 0), (n, width));
-                rows += effect * &command;
+                let mut rows = b.view_mut((0, 0), (n, 1));
+                rows += effect;
             } else {
                 let mut rows = step.view_mut((0, n + m + age - 1), (n, 1));
                 rows += effect;
@@ -167,12 +175,12 @@ impl LinearForm {
         step.view_mut((n, 0), (m, n)).copy_from(&(&self.law.b * &self.readings));
         step.view_mut((n, n), (m, m)).copy_from(&self.law.a);
         if under_way > 0 {
-            step.view_mut((n + m, 0), (1, width)).copy_from(&command);
+            b[n + m] = C64::ONE;
             for age in 1..under_way {
                 step[(n + m + age, n + m + age - 1)] = C64::ONE;
             }
         }
-        Some(SampledStep { a: step, period })
+        Some(SampledStep { a: &step + &b * &command, open: step, b, c: command, period })
     }
 }
 

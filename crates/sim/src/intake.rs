@@ -4,6 +4,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use machine::{MachinePoles, Pace, Program};
+use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
 use wire::message::{Analysis, BulletinMessage, Health, Trip};
 use wire::{Answer, Bulletin, Change, Happening, Host, Inbox, NewsSender, Request, SettingsDocument, Text, WireError};
@@ -23,6 +24,8 @@ const HANDOVER: Duration = Duration::from_secs(1);
 pub(crate) struct Intake<'a> {
     rotor: &'a Rotor,
     settings: Settings,
+    /// What the speed follows until it is set to something else.
+    profile: Option<Profile>,
     bulletin: Box<Bulletin>,
     exchange: &'a Exchange,
     gauge: Gauge,
@@ -63,6 +66,7 @@ impl<'a> Intake<'a> {
         Self {
             rotor,
             settings,
+            profile: options.profile.clone(),
             bulletin,
             exchange,
             gauge: Gauge::new(),
@@ -173,6 +177,9 @@ impl<'a> Intake<'a> {
             Change::Settings { settings, .. } => {
                 self.bulletin.settings = SettingsDocument::of(&settings);
                 self.bulletin.substeps = substeps;
+                if self.leaves_profile(&settings) {
+                    self.profile = None;
+                }
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
                 self.bulletin.applied_at_step = when.step;
@@ -204,9 +211,18 @@ impl<'a> Intake<'a> {
         let order = match &change {
             Change::Settings { settings, .. } => {
                 let BulletinMessage { dtau, rate_hz, .. } = **self.bulletin;
-                // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
-                let program = Program::compile(self.rotor, settings, self.settings.speed, Pace { dtau, rate_hz });
-                let program = Box::new(program.map_err(|error| error.to_string())?);
+                let pace = Pace { dtau, rate_hz };
+                let program = match &self.profile {
+                    Some(profile) if !self.leaves_profile(settings) => {
+                        Program::compile_profile(self.rotor, settings, profile, pace).map_err(|error| error.to_string())
+                    }
+                    profile => {
+                        // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
+                        let from = profile.as_ref().map_or(self.settings.speed, |profile| profile.speeds()[1]);
+                        Program::compile(self.rotor, settings, from, pace).map_err(|error| error.to_string())
+                    }
+                };
+                let program = Box::new(program?);
                 // Before it is at work, so that the snapshot of the change is taken with it.
                 self.snapshot_words = program.words_at_most();
                 self.exchange.make_room(self.snapshot_words);
@@ -227,6 +243,11 @@ impl<'a> Intake<'a> {
             Change::Note { .. } => Order::Mark,
         };
         Ok((change, order))
+    }
+
+    /// Whether these settings give the speed another aim than its profile has.
+    fn leaves_profile(&self, settings: &Settings) -> bool {
+        settings.speed != self.settings.speed || settings.ramp != self.settings.ramp
     }
 
     /// Hands an order to the stepping thread and waits until it has been carried out. Says when that was.

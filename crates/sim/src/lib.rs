@@ -26,6 +26,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
 use machine::{Pace, Program};
+use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
 use wire::{BenchName, Carrier, Host, Layout, MAX_BURST, StateSender, WireError};
@@ -43,6 +44,8 @@ pub struct Options {
     pub rate_hz: f64,
     /// Advance of `tau` per published step, more than 0 and at most 1.
     pub dtau: f64,
+    /// What the speed does from the start on, until somebody sets it; the settings have the speed at which it ends.
+    pub profile: Option<Profile>,
 }
 
 impl Options {
@@ -63,7 +66,10 @@ impl Options {
             return Err(SimError::Step(self.dtau));
         }
         let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
-        Ok(Program::compile(rotor, settings, settings.speed, pace)?)
+        Ok(match &self.profile {
+            Some(profile) => Program::compile_profile(rotor, settings, profile, pace)?,
+            None => Program::compile(rotor, settings, settings.speed, pace)?,
+        })
     }
 }
 
@@ -79,6 +85,9 @@ pub enum SimError {
     /// The settings do not fit the rotor, or cannot be stepped at this pace.
     #[error(transparent)]
     Program(#[from] machine::ProgramError),
+    /// The profile cannot be stepped at this pace.
+    #[error(transparent)]
+    Profile(#[from] machine::ProfileError),
     /// The bench's name is taken, or its ports fail.
     #[error(transparent)]
     Wire(#[from] WireError),

@@ -16,6 +16,7 @@ mod peak;
 pub mod plot;
 pub mod report;
 pub mod run;
+pub mod runup;
 mod settle;
 pub mod spectrum;
 pub mod table;

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{Machine, PolesError, Program, ProgramError, default_step};
-use rotor::{C64, Feedback, Motion, PoleError, Rotor, Settings};
+use rotor::{C64, Feedback, PoleError, Rotor, Settings};
 
 use crate::disturbance::{self, Judgement};
 use crate::peak::Peaks;
@@ -97,11 +97,27 @@ pub struct Outcome {
 
 /// Looks at every sample of a run: at the start, after every step, and before and after every impulse.
 pub trait Observer {
-    /// One sample. `control` is `u`, `contact` has bit `k` set while mass `k` presses on its support bearing.
+    /// One sample: the machine as it is.
     ///
     /// # Errors
     /// Whatever keeps it from going on; the run ends there.
-    fn sample(&mut self, motion: &Motion<'_>, control: C64, contact: u32) -> std::io::Result<()>;
+    fn sample(&mut self, machine: &Machine) -> std::io::Result<()>;
+
+    /// An impulse comes, of which the next sample is the first to show. After the last of several at once there is one sample.
+    ///
+    /// # Errors
+    /// As [`Observer::sample`].
+    fn impulse(&mut self, _: &Impulse) -> std::io::Result<()> {
+        Ok(())
+    }
+
+    /// A stretch of even steps begins, of [`Machine::dtau`] each.
+    ///
+    /// # Errors
+    /// As [`Observer::sample`].
+    fn stretch(&mut self, _: &Machine) -> std::io::Result<()> {
+        Ok(())
+    }
 }
 
 /// Why a run has no outcome.
@@ -140,6 +156,7 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
     let mut impulses = impulses.into_iter().peekable();
 
     while let Some(impulse) = impulses.next_if(|i| i.at <= 0.0) {
+        observers.iter_mut().try_for_each(|observer| observer.impulse(&impulse))?;
         rotor.kick(impulse.mass, impulse.change);
     }
     let mut going = watch.see(&rotor, observers)?;
@@ -149,6 +166,8 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
         let (count, dtau) = plan.even_steps(until - now);
         watch.step = if watch.steps == 0 { (dtau, dtau) } else { (watch.step.0.max(dtau), watch.step.1.min(dtau)) };
         watch.peaks.break_off();
+        rotor.pace(dtau);
+        observers.iter_mut().try_for_each(|observer| observer.stretch(&rotor))?;
         for i in 0..count as u64 {
             if i % 4096 == 0 && stop.load(Ordering::Relaxed) {
                 return Err(RunError::Interrupted);
@@ -163,6 +182,7 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
         now = until;
         let mut kicked = false;
         while let Some(impulse) = impulses.next_if(|i| going && i.at <= now) {
+            observers.iter_mut().try_for_each(|observer| observer.impulse(&impulse))?;
             rotor.kick(impulse.mass, impulse.change);
             kicked = true;
         }
@@ -292,10 +312,7 @@ impl Watch {
             self.stretch.samples += 1;
         }
         if !observers.is_empty() && motion.is_finite() {
-            let contact = rotor.contact();
-            for observer in observers.iter_mut() {
-                observer.sample(&motion, u, contact)?;
-            }
+            observers.iter_mut().try_for_each(|observer| observer.sample(rotor))?;
         }
         if !matches!(self.settle, Settle::From(_)) && motion.tau >= self.stretch.from + self.window {
             let window = std::mem::replace(&mut self.stretch, Stretch::new(motion.tau));

@@ -2,7 +2,8 @@
 
 use std::io;
 
-use rotor::{C64, Motion};
+use machine::Machine;
+use rotor::C64;
 pub use spectrum::{Peak, Spectrum, SpectrumError, segment_length, welch};
 
 use crate::run::Observer;
@@ -44,7 +45,8 @@ impl Collector {
 }
 
 impl Observer for Collector {
-    fn sample(&mut self, motion: &Motion<'_>, _: C64, _: u32) -> io::Result<()> {
+    fn sample(&mut self, machine: &Machine) -> io::Result<()> {
+        let motion = machine.motion();
         if motion.tau < self.from - 1e-9 {
             return Ok(());
         }

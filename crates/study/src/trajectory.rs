@@ -4,7 +4,7 @@ use std::io;
 use std::path::Path;
 
 use files::{Existing, FileError};
-use rotor::{C64, Motion};
+use machine::Machine;
 
 use crate::run::Observer;
 use crate::table::{Form, Kind, Table};
@@ -58,18 +58,20 @@ impl Writer {
 }
 
 impl Observer for Writer {
-    fn sample(&mut self, motion: &Motion<'_>, control: C64, contact: u32) -> io::Result<()> {
+    fn sample(&mut self, machine: &Machine) -> io::Result<()> {
         let wanted = self.seen.is_multiple_of(self.stride);
         self.seen += 1;
         if !wanted {
             return Ok(());
         }
+        let sample = machine.sample();
+        let control = sample.output.delivered;
         self.row.clear();
-        self.row.push(motion.tau);
-        for (p, v) in motion.displacement.iter().zip(motion.velocity) {
+        self.row.push(sample.tau);
+        for (p, v) in sample.displacement.iter().zip(sample.velocity) {
             self.row.extend([p.re, p.im, v.re, v.im]);
         }
         self.row.extend([control.re, control.im]);
-        self.table.row(&self.row, &[contact.into()])
+        self.table.row(&self.row, &[sample.contact.into()])
     }
 }

@@ -9,6 +9,7 @@ use crate::damage::Damage;
 use crate::error::TapeError;
 use crate::event::{Event, Remark};
 use crate::session::{Gap, Revision, Session};
+use crate::snapshot::{Snapshot, SnapshotPlace};
 
 /// Where to find a stretch of steps.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,6 +33,8 @@ pub(crate) struct Contents {
     pub(crate) scales: Option<Scales>,
     /// Ascending in steps.
     pub(crate) stretches: Vec<Stretch>,
+    /// Ascending in the step that is made next.
+    pub(crate) snapshots: Vec<SnapshotPlace>,
     pub(crate) revisions: Vec<Revision>,
     pub(crate) events: Vec<Event>,
     pub(crate) remarks: Vec<Remark>,
@@ -49,6 +52,7 @@ impl Contents {
     /// Takes what a further part of the same recording holds.
     pub(crate) fn append(&mut self, part: Self) {
         self.stretches.extend(part.stretches);
+        self.snapshots.extend(part.snapshots);
         self.revisions.extend(part.revisions);
         self.events.extend(part.events);
         self.remarks.extend(part.remarks);
@@ -60,9 +64,11 @@ impl Contents {
     }
 }
 
-/// Decodes stretches of an open file.
+/// Decodes stretches and snapshots of an open file.
 pub(crate) trait Decoder: Send {
     fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError>;
+
+    fn snapshot(&mut self, place: &SnapshotPlace) -> Result<Snapshot, TapeError>;
 
     /// Keeps the file open no longer than it is read: there are many.
     fn close(&mut self) {}

@@ -70,6 +70,8 @@ pub struct Info {
     pub max_force: Option<Peak>,
     /// The largest radius of any mass; null without steps.
     pub max_radius: Option<Peak>,
+    /// Snapshots of the machine, from which a what-if begins.
+    pub snapshots: usize,
     /// Whether all that is on file has checksums; without them a changed number is not noticed.
     pub checksums: bool,
     /// Where the files are not what was written.
@@ -253,6 +255,7 @@ impl Info {
             min_damping: damping,
             max_force: force,
             max_radius: radius,
+            snapshots: recording.snapshots(),
             checksums: recording.has_checksums(),
             damage: recording.damage().to_vec(),
             notices: recording.notices(),

@@ -31,6 +31,7 @@ mod rrd;
 pub mod schema;
 mod session;
 mod sink;
+mod snapshot;
 // Files are the business of the feature; that they are gone through rightly is tested without it.
 #[cfg(any(feature = "rerun", test))]
 mod stream;
@@ -45,3 +46,4 @@ pub use recording::Recording;
 pub use reel::{Keep, Reel};
 pub use session::{Gap, Revision, Session, Source, Span};
 pub use sink::{Head, Sink, available, create, join};
+pub use snapshot::Snapshot;

@@ -4,7 +4,8 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use files::Existing;
-use rotor::{C64, Motion, Rotor, Settings};
+use machine::{Machine, Words};
+use rotor::{C64, Rotor, Settings};
 use wire::message::Flags;
 use wire::{Bulletin, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Text};
 
@@ -15,6 +16,12 @@ use crate::gather::Gatherer;
 use crate::schema;
 use crate::session::{Session, Source};
 use crate::sink::{self, Head, Sink};
+use crate::snapshot::Snapshot;
+
+/// Steps from one snapshot of the machine to the next at least: what a bench makes in a second.
+const SNAPSHOT_STEPS: u64 = 1000;
+/// And for each of its words: a loop with a long memory shall not be most of the file.
+const STEPS_A_WORD: u64 = 3;
 
 /// A run being recorded. It is written under another name beside its place, and takes its name when it is whole.
 pub struct OfflineTape {
@@ -24,12 +31,14 @@ pub struct OfflineTape {
     sink: Option<Box<dyn Sink>>,
     batch: Batch,
     settings: Settings,
-    /// Still to come, the next one last: when, on which mass, and the change of its velocity.
-    impulses: Vec<(f64, usize, C64)>,
     events: u64,
     every: u64,
     /// Samples seen: the step numbers of the file.
     seen: u64,
+    /// Waits until it is known that nothing is done to the machine before the step that it names.
+    snapshot: Option<Snapshot>,
+    /// The sample with which all of the machine is written down again.
+    next_snapshot: u64,
     last: Moment,
 }
 
@@ -49,8 +58,7 @@ fn wall_ns(tau: f64) -> u64 {
 }
 
 impl OfflineTape {
-    /// Begins to record `rotor` under `settings` into `target`, one sample in every `every`. `impulses` are those that the
-    /// run will have: when, on which mass (counted from 0), and the change of its velocity.
+    /// Begins to record `rotor` under `settings` into `target`, one sample in every `every`.
     ///
     /// # Errors
     /// The target is no place for a file, or is there and is to be kept, or this build has no encoder.
@@ -61,10 +69,8 @@ impl OfflineTape {
         settings: &Settings,
         dtau: f64,
         every: u64,
-        mut impulses: Vec<(f64, usize, C64)>,
     ) -> Result<Self, TapeError> {
         files::check(target, existing)?;
-        impulses.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut bulletin = Box::<Bulletin>::default();
         bulletin.version = Text::new(env!("CARGO_PKG_VERSION"));
         bulletin.set_rotor(rotor);
@@ -96,66 +102,105 @@ impl OfflineTape {
             sink: Some(sink),
             batch: Batch::new(rotor.len()),
             settings: settings.clone(),
-            impulses,
             events: 0,
             every: every.max(1),
             seen: 0,
+            snapshot: None,
+            next_snapshot: u64::MAX,
             last: Moment::default(),
         })
     }
 
-    /// Takes one sample: the motion, the control on it, and which masses press on their bearings.
+    /// Takes one sample.
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn sample(&mut self, motion: &Motion<'_>, control: C64, contact: u32) -> io::Result<()> {
-        let seq = self.seen;
+    pub fn sample(&mut self, machine: &Machine) -> io::Result<()> {
+        self.put_snapshot().map_err(io::Error::other)?;
+        let (seq, sample) = (self.seen, machine.sample());
         self.seen += 1;
-        self.last = Moment { seq, tau: motion.tau, wall_ns: wall_ns(motion.tau) };
-        self.impulses_until(motion.tau).map_err(io::Error::other)?;
+        self.last = Moment { seq, tau: sample.tau, wall_ns: wall_ns(sample.tau) };
+        if seq >= self.next_snapshot {
+            self.snapshot = Some(self.snapshot_of(machine));
+        }
         if !seq.is_multiple_of(self.every) {
             return Ok(());
         }
-        let force = [control.re, control.im];
-        let mut state = State::new(Layout::new(motion.displacement.len()));
+        let pair = |z: C64| [z.re, z.im];
+        let output = sample.output;
+        let mut state = State::new(Layout::new(sample.displacement.len()));
         let mut row = state.row_mut();
         row.set_word(Channel::Seq, seq);
-        row.set_word(Channel::WallNs, wall_ns(motion.tau));
+        row.set_word(Channel::WallNs, wall_ns(sample.tau));
         row.set_word(Channel::Revision, 1);
-        row.set_flags(Flags::contact(contact));
-        row.set(Channel::Tau, 0, motion.tau);
-        row.set(Channel::Angle, 0, motion.angle);
-        row.set(Channel::Speed, 0, self.settings.speed);
-        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, force);
-        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, force);
-        for (mass, (p, v)) in motion.displacement.iter().zip(motion.velocity).enumerate() {
-            state = state.with_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
+        let saturated = if output.saturated { Flags::SATURATED } else { Flags::default() };
+        row.set_flags(Flags(Flags::contact(sample.contact).0 | saturated.0));
+        row.set(Channel::Tau, 0, sample.tau);
+        row.set(Channel::Angle, 0, sample.angle);
+        row.set(Channel::Speed, 0, sample.speed);
+        row.set(Channel::SpeedRate, 0, sample.acceleration);
+        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, pair(output.commanded));
+        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, pair(output.delivered));
+        for (mass, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
+            row.set_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
+            row.set_pair([Channel::ReadingY, Channel::ReadingZ], mass, pair(machine.reading(mass)));
         }
         self.batch.push(&state);
         if self.batch.len() >= Gatherer::BATCH_ROWS { self.flush().map_err(io::Error::other) } else { Ok(()) }
     }
 
+    /// An impulse comes, which the next sample shows.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn impulse(&mut self, at: f64, mass: usize, velocity: C64) -> io::Result<()> {
+        self.events += 1;
+        // It was before the impulse.
+        self.snapshot = None;
+        let event = Event {
+            at: Moment { seq: self.seen, tau: at, wall_ns: wall_ns(at) },
+            number: self.events,
+            revision: 1,
+            happening: Happening::Impulse { mass, velocity },
+            who: "run".to_owned(),
+            why: String::new(),
+            change: String::new(),
+        };
+        self.sink.as_mut().map_or(Ok(()), |sink| sink.event(&event)).map_err(io::Error::other)
+    }
+
+    /// From here on steps are as long as those of the machine.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn stretch(&mut self, machine: &Machine) -> io::Result<()> {
+        self.snapshot = Some(self.snapshot_of(machine));
+        self.put_snapshot().map_err(io::Error::other)
+    }
+
+    /// All of the machine, as it is before the next step.
+    fn snapshot_of(&mut self, machine: &Machine) -> Snapshot {
+        let mut words = Words::default();
+        machine.save(&mut words);
+        let words = words.as_slice().to_vec();
+        self.next_snapshot = self.seen + SNAPSHOT_STEPS.max(words.len() as u64 * STEPS_A_WORD);
+        Snapshot { next: self.seen, dtau: machine.dtau(), words }
+    }
+
+    /// Puts on tape what is waiting.
+    fn put_snapshot(&mut self) -> Result<(), TapeError> {
+        match (self.snapshot.take(), &mut self.sink) {
+            (Some(snapshot), Some(sink)) => {
+                let at = Moment { seq: snapshot.next, ..self.last };
+                sink.snapshot(snapshot, at)
+            }
+            _ => Ok(()),
+        }
+    }
+
     fn flush(&mut self) -> Result<(), TapeError> {
         let batch = std::mem::replace(&mut self.batch, Batch::new(self.settings.deadband.len()));
         self.sink.as_mut().map_or(Ok(()), |sink| sink.steps(&batch))
-    }
-
-    /// Tells of the impulses up to `tau`: they show from the next sample on, or from the first.
-    fn impulses_until(&mut self, tau: f64) -> Result<(), TapeError> {
-        while let Some((at, mass, velocity)) = self.impulses.pop_if(|(at, ..)| *at <= tau) {
-            self.events += 1;
-            let event = Event {
-                at: Moment { seq: if at > 0.0 { self.last.seq + 1 } else { 0 }, tau: at, wall_ns: wall_ns(at) },
-                number: self.events,
-                revision: 1,
-                happening: Happening::Impulse { mass, velocity },
-                who: "run".to_owned(),
-                why: String::new(),
-                change: String::new(),
-            };
-            self.sink.as_mut().map_or(Ok(()), |sink| sink.event(&event))?;
-        }
-        Ok(())
     }
 
     /// Completes the file and gives it its name.

@@ -19,6 +19,7 @@ use crate::error::TapeError;
 use crate::event::{self, Event, Remark, What};
 use crate::row::Row;
 use crate::session::{Gap, Revision, Session, Span};
+use crate::snapshot::Snapshot;
 
 /// Decoded stretches that are kept at hand: playing on, and stepping back and forth, decode nothing twice.
 const KEPT: usize = 6;
@@ -62,6 +63,8 @@ impl Recording {
         contents.remarks.sort_by_key(|r| r.at.seq);
         once(&mut contents.remarks);
         contents.health.sort_by_key(|(at, _)| at.seq);
+        contents.snapshots.sort_by_key(|place| place.next);
+        contents.snapshots.dedup_by_key(|place| place.next);
         let gaps = gaps(&contents.stretches);
         let trips = trips(&contents.events);
         Self { paths, contents, gaps, trips, decoder, at_hand: Vec::new() }
@@ -197,6 +200,34 @@ impl Recording {
     pub fn settings_at(&self, seq: u64) -> Option<&Revision> {
         let after = self.contents.revisions.partition_point(|r| r.from <= seq);
         self.contents.revisions.get(after.max(1) - 1)
+    }
+
+    /// How many snapshots of the machine are on file.
+    #[must_use]
+    pub fn snapshots(&self) -> usize {
+        self.contents.snapshots.len()
+    }
+
+    /// The last snapshot from which step `seq` is reached; `None` if there is none.
+    ///
+    /// # Errors
+    /// As [`Recording::steps`].
+    pub fn snapshot_before(&mut self, seq: u64) -> Result<Option<Snapshot>, TapeError> {
+        let after = self.contents.snapshots.partition_point(|place| place.next <= seq);
+        let place = after.checked_sub(1).map(|at| self.contents.snapshots[at]);
+        place.map(|place| self.decoder.snapshot(&place)).transpose()
+    }
+
+    /// From which step on steps are how long, in `tau`, as far as snapshots tell.
+    #[must_use]
+    pub fn paces(&self) -> Vec<(u64, f64)> {
+        let mut paces: Vec<(u64, f64)> = Vec::new();
+        for place in &self.contents.snapshots {
+            if paces.last().is_none_or(|(_, dtau)| *dtau != place.dtau) {
+                paces.push((place.next, place.dtau));
+            }
+        }
+        paces
     }
 
     /// Every settings on file, in order.

@@ -11,6 +11,7 @@ use crate::contents::{Contents, Decoder, Stretch};
 use crate::error::TapeError;
 use crate::event::What;
 use crate::session::Source;
+use crate::snapshot::{Snapshot, SnapshotPlace};
 
 /// Numbers of parts are smaller than this: what is larger is a time of day.
 const MOST_PARTS: u32 = 100_000;
@@ -215,6 +216,7 @@ impl Row {
             let contents = &mut part.contents;
             contents.damage.iter_mut().for_each(|damage| damage.file.clone_from(&names[number]));
             contents.stretches.iter_mut().for_each(|stretch| stretch.part = number);
+            contents.snapshots.iter_mut().for_each(|place| place.part = number);
             if names.len() > 1 {
                 let name = &names[number];
                 contents.notices.iter_mut().for_each(|notice| *notice = format!("{name}: {notice}"));
@@ -295,6 +297,11 @@ impl Decoder for Parts {
     fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError> {
         let lost = || TapeError::read(Path::new(""), "a stretch without a file");
         self.0.get_mut(stretch.part).ok_or_else(lost)?.decode(stretch)
+    }
+
+    fn snapshot(&mut self, place: &SnapshotPlace) -> Result<Snapshot, TapeError> {
+        let lost = || TapeError::read(Path::new(""), "a snapshot without a file");
+        self.0.get_mut(place.part).ok_or_else(lost)?.snapshot(place)
     }
 }
 

@@ -8,6 +8,7 @@
 //! | `/poles` | under each of them: the poles as points, exact in JSON with the settings; `/poles/min_damping` |
 //! | `/events` | who did what, when and why; trips, alarms, losses |
 //! | `/health` | how the simulation and the recorder keep up, as often as bulletins come |
+//! | `/snapshots` | all of the machine now and then, to go on from: step made next, its length (bits of a double), [`machine::Machine::save`] |
 //! | `/orbits/massN` | curves for the eye, thinned out; `/orbits/massN/deadband`, the clearance in force |
 
 use wire::Layout;
@@ -37,6 +38,8 @@ pub const POLES: &str = "poles";
 pub const EVENTS: &str = "events";
 /// How well simulation and recorder keep up.
 pub const HEALTH: &str = "health";
+/// All of the machine.
+pub const SNAPSHOTS: &str = "snapshots";
 /// Curves for the eye.
 pub const ORBITS: &str = "orbits";
 
@@ -44,6 +47,8 @@ pub const ORBITS: &str = "orbits";
 pub const DOCUMENT: &str = "whirl:document";
 /// The component that carries a step.
 pub const ROW: &str = "whirl:step";
+/// The component that carries a snapshot: words of 64 bits.
+pub const SNAPSHOT: &str = "whirl:snapshot";
 
 /// A column of numbers in `/steps`.
 #[derive(Clone, Debug, PartialEq, Eq)]

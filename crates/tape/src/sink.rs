@@ -12,6 +12,7 @@ use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
 use crate::schema;
 use crate::session::{Revision, Session, Source};
+use crate::snapshot::Snapshot;
 
 /// One thing to be put on tape, in the order in which it came.
 #[derive(Clone, Debug)]
@@ -70,6 +71,12 @@ pub trait Sink: Send {
     /// # Errors
     /// As [`Sink::steps`].
     fn health(&mut self, bulletin: &Bulletin, at: Moment) -> Result<(), TapeError>;
+
+    /// Puts all of the machine on tape, as it is before the step of that moment. May wait for the next steps.
+    ///
+    /// # Errors
+    /// As [`Sink::steps`].
+    fn snapshot(&mut self, snapshot: Snapshot, at: Moment) -> Result<(), TapeError>;
 
     /// Bytes written so far.
     fn bytes(&self) -> u64;

@@ -5,6 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use rotor::file::{self, Problems};
+use rotor::profile::Profile;
 use rotor::typed::{Assigned, PairError, Undone, pair};
 use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
 
@@ -101,6 +102,15 @@ pub(crate) fn rotor(typed: &str) -> Result<Rotor, Failure> {
     })
 }
 
+/// The profile of speed in a file, for `rotor`.
+///
+/// # Errors
+/// A file that cannot be read, or all that is wrong with it.
+pub(crate) fn profile(rotor: &Rotor, path: &str) -> Result<Profile, Failure> {
+    let read = file::read_profile(&text(path)?, rotor);
+    Ok(read.map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })?)
+}
+
 /// The feedback of that name for `rotor`, or in that file.
 ///
 /// # Errors
@@ -124,6 +134,8 @@ const A_FILE_TOO: &str = "a path or a name that ends in .toml is a file";
 pub(crate) enum Default {
     /// Analysis looks at the rotor as it is: `off`.
     Analysis,
+    /// The same of a motion that a trip ends.
+    Trips,
     /// A live bench starts stable: `cancel`, `composite`, or `off` for a rotor that has neither.
     Live,
 }
@@ -150,7 +162,7 @@ impl Machine {
     fn open_at(args: &MachineArgs, typed_speed: Option<(&str, f64)>, default: Default) -> Result<Self, Failure> {
         let rotor = rotor(&args.rotor)?;
         let name = args.feedback.as_deref().unwrap_or(match default {
-            Default::Analysis => "off",
+            Default::Analysis | Default::Trips => "off",
             Default::Live => builtin::live_feedback_name(&rotor),
         });
         let mut settings = Settings::new(&rotor, 0.0, feedback(&rotor, name)?);
@@ -163,10 +175,14 @@ impl Machine {
         settings.check(&rotor)?;
         let mut machine = Self { rotor, settings };
         // A live bench has defaults of its own, which `--set` changes too.
-        if default == Default::Analysis {
+        if default != Default::Live {
             let mut said: Vec<(&str, &str)> = args.said(&[]);
             said.extend(typed_speed.map(|(option, _)| (option, "speed")));
-            machine.set(&said, &args.set)?;
+            if default == Default::Trips {
+                machine.assign(&said, &args.set)?;
+            } else {
+                machine.set(&said, &args.set)?;
+            }
         }
         Ok(machine)
     }
@@ -193,6 +209,10 @@ impl Machine {
         if let Some(trip) = assignments.iter().find(|typed| pair(typed).is_ok_and(|(key, _)| key == "trip")) {
             return Err(Failure::Usage(format!("'{trip}' does nothing here: only a live bench trips")));
         }
+        self.assign(said, assignments)
+    }
+
+    fn assign(&mut self, said: &[(&str, &str)], assignments: &[String]) -> Result<(), Failure> {
         assign_all(&self.rotor, self.units(), &mut self.settings, said, assignments)?;
         Ok(self.settings.check(&self.rotor)?)
     }

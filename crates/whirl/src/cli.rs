@@ -66,8 +66,12 @@ pub(crate) enum Command {
     Thresholds(commands::thresholds::ThresholdsArgs),
     /// Print mode shapes and orbits at one speed
     Modes(commands::modes::ModesArgs),
+    /// Print margins of delay, gain and phase, and peaks of sensitivity
+    Margin(commands::margin::MarginArgs),
     /// Simulate offline, as fast as it can
     Run(commands::run::RunArgs),
+    /// Run up or coast down through the critical speeds, offline
+    Runup(commands::runup::RunupArgs),
     /// Print the largest steady control force over speed
     Force(commands::force::ForceArgs),
     /// Print the exact synchronous response, branch by branch

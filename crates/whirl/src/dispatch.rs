@@ -2,8 +2,8 @@
 
 use crate::cli::{Cli, Command};
 use crate::commands::{
-    assign, clean, config, cycles, dash, export, force, info, layout, modes, note, poles, record, replay, report,
-    response, rotor, run, set, sim, status, tail, thresholds, trace, tune, up,
+    assign, clean, config, cycles, dash, export, force, info, layout, margin, modes, note, poles, record, replay,
+    report, response, rotor, run, runup, set, sim, status, tail, thresholds, trace, tune, up,
 };
 use crate::failure::Failure;
 
@@ -31,7 +31,9 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Trace(args) => trace::run(&args),
         Command::Thresholds(args) => thresholds::run(&args),
         Command::Modes(args) => modes::run(&args),
+        Command::Margin(args) => margin::run(&args),
         Command::Run(args) => run::run(&args),
+        Command::Runup(args) => runup::run(&args),
         Command::Force(args) => force::run(&args),
         Command::Response(args) => response::run(&args),
         Command::Cycles(args) => cycles::run(&args),

@@ -26,6 +26,7 @@ mod layouts;
 mod logging;
 mod machine_args;
 mod output;
+mod picture;
 mod place;
 mod range;
 mod recordings;

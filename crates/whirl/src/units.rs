@@ -101,6 +101,12 @@ impl Units {
         self.0.map_or(acceleration, |scales| scales.newtons(acceleration, mass_ratio))
     }
 
+    /// Rate of change of the spin speed, in `R` per unit of `tau`, of one as typed: SI rotors have rpm per second.
+    #[must_use]
+    pub(crate) fn speed_rate_from_typed(self, typed: f64) -> f64 {
+        self.0.map_or(typed, |scales| scales.speed(typed) / scales.w0)
+    }
+
     /// A time as shown: in `tau`, or in seconds.
     #[must_use]
     pub(crate) fn time(self, tau: f64) -> f64 {

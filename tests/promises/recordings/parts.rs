@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use promises::{Root, Screen, run};
 use tape::Recording;
+use wire::Step;
 
 use super::recorder::{Recorder, info, steps, text, wait};
 
@@ -66,7 +67,7 @@ fn a_recording_is_split_rolled_or_waits_for_a_trip() {
     let trip = recording.events().iter().find(|e| e.happening.name() == "tripped").unwrap();
     let span = recording.span().unwrap();
     // It holds a second of the clock: of a machine that is late, fewer steps.
-    let wall = |seq: u64| steps(&before)[&seq].wall_ns;
+    let wall = |seq: u64| steps(&before)[&seq].wall_ns();
     let before_trip = (wall(trip.at.seq) - wall(span.first.seq)) as f64 / 1e9;
     assert!(before_trip > 0.9 && trip.at.seq > span.first.seq, "{before_trip} s before the trip");
     assert!(span.last.seq > trip.at.seq, "and some time after it");

@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use promises::{PATIENCE, Ran, Root, run};
 use serde_json::Value;
 use tape::Recording;
+use wire::Step;
 
 /// A recorder that was started as the dashboard starts it, and has said that it records.
 pub(super) struct Recorder {

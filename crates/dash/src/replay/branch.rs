@@ -155,8 +155,10 @@ impl Branch {
             if seq >= wanted.end {
                 return;
             }
+            let mut still = false;
             while let Some((_, act)) = acts.get(recorded).filter(|(at, _)| *at == seq) {
                 recorded += 1;
+                still |= self.root.is_still(act);
                 let act = match act {
                     Act::Settings(there, substeps) => {
                         let carried = self.wish.carried_to(&self.root, there);
@@ -171,7 +173,7 @@ impl Branch {
             for (_, act) in self.wish.acts.iter().filter(|(at, _)| *at == seq) {
                 self.machine.act(&self.root, act);
             }
-            self.machine.step();
+            self.machine.step(still);
             made += u64::from(self.machine.substeps);
             self.rows.push(self.machine.row());
             let is_new = self.memories.last().is_none_or(|last| last.seq + STRIDE <= seq);

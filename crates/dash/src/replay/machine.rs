@@ -1,11 +1,14 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
-use machine::{Output, Pace, Program, ProgramError};
+use machine::{Output, Pace, Program, ProgramError, Words};
 use rotor::{C64, Rotor, Settings};
 use wire::message::Trip;
 use wire::{State, Step};
 
 use crate::what_if::WhatIf;
+
+/// Steps of integration to a place from the last snapshot before it, at most: a tenth of a second or so.
+const MOST_STEPS: u64 = 200_000;
 
 /// Something that was done to the machine, before the step of that number.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,6 +19,8 @@ pub(super) enum Act {
     Restart,
     /// Other settings, and the substeps that make a step under them.
     Settings(Settings, u32),
+    /// Steps of another length.
+    Pace(f64),
 }
 
 pub(super) use machine::Line;
@@ -34,6 +39,8 @@ pub(super) struct Root {
     /// In how many substeps.
     pub(super) substeps: u32,
     pub(super) line: Line,
+    /// The machine after this step with all that it held, where a snapshot of it led there.
+    pub(super) whole: Option<machine::Machine>,
 }
 
 impl Root {
@@ -50,6 +57,75 @@ impl Root {
         Ok(Program::compile(&self.rotor, wanted, wanted.speed, pace)?.substeps())
     }
 
+    fn program(&self, settings: &Settings, substeps: u32) -> Result<Program, ProgramError> {
+        Program::in_substeps(&self.rotor, settings, self.dtau, substeps)
+    }
+
+    /// The machine as far as a step tells of it: what its loop holds is not known.
+    fn resumed(&self) -> Result<machine::Machine, ProgramError> {
+        let [displacement, velocity]: [Vec<C64>; 2] = [
+            self.state.points().map(|point| C64::new(point.y, point.z)).collect(),
+            self.state.points().map(|point| C64::new(point.vy, point.vz)).collect(),
+        ];
+        let output = Output {
+            commanded: complex(self.state.force_commanded()),
+            delivered: complex(self.state.force_delivered()),
+            saturated: self.state.flags().has(wire::Flags::SATURATED),
+        };
+        let program = self.program(&self.settings, self.substeps)?;
+        let at = [&displacement[..], &velocity[..]];
+        Ok(machine::Machine::resumed(program, self.line, self.state.speed(), at, output))
+    }
+
+    /// The machine with all that it held, run on from a snapshot of it before step `next`, when it was under `settings` in so many
+    /// `substeps`, through what was done to it. `None` where that does not lead to the very step that was recorded.
+    pub(super) fn recalled(
+        &self,
+        (next, words): (u64, Vec<u64>),
+        (settings, substeps): (&Settings, u32),
+        acts: &[(u64, Act)],
+    ) -> Option<machine::Machine> {
+        let seq = self.state.seq();
+        if seq.checked_sub(next)? > MOST_STEPS / u64::from(substeps.max(1)) {
+            return None;
+        }
+        let mut machine = machine::Machine::new(self.program(settings, substeps).ok()?);
+        machine.restore(&mut Words::from_saved(words)).then_some(())?;
+        let mut to_do = acts[acts.partition_point(|(at, _)| *at <= next)..].iter().peekable();
+        for step in next..=seq {
+            let mut still = false;
+            while let Some((_, act)) = to_do.next_if(|(at, _)| *at == step) {
+                still |= self.is_still(act);
+                match act {
+                    Act::Impulse(mass, velocity) => machine.kick(*mass, *velocity),
+                    Act::Restart => machine.restart(),
+                    Act::Settings(settings, substeps) => {
+                        load(&mut machine, self.program(settings, *substeps).ok()?);
+                    }
+                    Act::Pace(dtau) => machine.pace(*dtau),
+                }
+            }
+            if !still {
+                machine.step();
+            }
+        }
+        self.is_recorded(&machine).then_some(machine)
+    }
+
+    /// Whether a machine is, to the last bit, where the recorded one was.
+    fn is_recorded(&self, machine: &machine::Machine) -> bool {
+        let (sample, state) = (machine.sample(), &self.state);
+        let mut motion = sample.displacement.iter().zip(sample.velocity).zip(state.points());
+        (sample.tau, sample.angle) == (state.tau(), state.angle())
+            && sample.output.delivered == complex(state.force_delivered())
+            && motion.all(|((p, v), point)| *p == C64::new(point.y, point.z) && *v == C64::new(point.vy, point.vz))
+    }
+
+    /// Whether what was done is a step of its own in the recording, over which no time passes: an impulse in a run without a bench.
+    pub(super) fn is_still(&self, act: &Act) -> bool {
+        self.rate_hz == 0.0 && matches!(act, Act::Impulse(..))
+    }
+
     /// The same for settings that are wished for from the beginning.
     ///
     /// # Errors
@@ -57,6 +133,17 @@ impl Root {
     pub(super) fn substeps_from_here(&self, wanted: &Settings) -> Result<u32, ProgramError> {
         self.substeps(wanted, (&self.settings, self.substeps))
     }
+}
+
+fn complex([y, z]: [f64; 2]) -> C64 {
+    C64::new(y, z)
+}
+
+/// Other settings, in steps as long as they were.
+fn load(machine: &mut machine::Machine, program: Program) {
+    let dtau = machine.dtau();
+    machine.load(&mut Box::new(program));
+    machine.pace(dtau);
 }
 
 /// The machine as it is after a step.
@@ -80,23 +167,16 @@ impl Machine {
     pub(super) fn new(root: &Root, wanted: &Settings) -> Result<Self, ProgramError> {
         let (wanted, substeps) =
             root.substeps_from_here(wanted).map_or((&root.settings, root.substeps), |substeps| (wanted, substeps));
-        let program = |settings: &Settings, substeps| Program::in_substeps(&root.rotor, settings, root.dtau, substeps);
-        let [displacement, velocity]: [Vec<C64>; 2] = [
-            root.state.points().map(|point| C64::new(point.y, point.z)).collect(),
-            root.state.points().map(|point| C64::new(point.vy, point.vz)).collect(),
-        ];
-        let force = |[y, z]: [f64; 2]| C64::new(y, z);
-        let output = Output {
-            commanded: force(root.state.force_commanded()),
-            delivered: force(root.state.force_delivered()),
-            saturated: root.state.flags().has(wire::Flags::SATURATED),
+        let mut machine = match &root.whole {
+            Some(whole) => whole.clone(),
+            None => root.resumed()?,
         };
-        let before = program(&root.settings, root.substeps)?;
-        let at = [&displacement[..], &velocity[..]];
-        let mut machine = machine::Machine::resumed(before, root.line, root.state.speed(), at, output);
-        machine.load(&mut Box::new(program(wanted, substeps)?));
+        // Nothing was loaded where nothing was changed.
+        if root.whole.is_none() || (wanted, substeps) != (&root.settings, root.substeps) {
+            load(&mut machine, root.program(wanted, substeps)?);
+        }
         let held = root.state.flags().has(wire::Flags::TRIPPED);
-        if held {
+        if held && machine.trip().is_none() {
             machine.hold();
         }
         Ok(Self {
@@ -117,10 +197,11 @@ impl Machine {
                 self.machine.restart();
                 self.trip = None;
             }
+            Act::Pace(dtau) => self.machine.pace(*dtau),
             Act::Settings(settings, substeps) => {
                 // A recorded change was possible; what is not is not made.
-                let Ok(program) = Program::in_substeps(&root.rotor, settings, root.dtau, *substeps) else { return };
-                self.machine.load(&mut Box::new(program));
+                let Ok(program) = root.program(settings, *substeps) else { return };
+                load(&mut self.machine, program);
                 self.substeps = *substeps;
                 self.judged = WhatIf::of(&root.rotor, settings.clone());
                 self.settings = settings.clone();
@@ -128,9 +209,13 @@ impl Machine {
         }
     }
 
-    /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held.
-    pub(super) fn step(&mut self) {
+    /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held. If it is to stand still
+    /// there is one more in the recording, and no time passes.
+    pub(super) fn step(&mut self, still: bool) {
         self.seq += 1;
+        if still {
+            return;
+        }
         if let Some(trip) = self.machine.step() {
             self.trip = Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]));
         }

@@ -12,6 +12,8 @@ mod loaded;
 mod machine;
 mod past;
 mod player;
+#[cfg(test)]
+mod recalled;
 mod rows;
 mod show;
 mod stage;

@@ -93,6 +93,20 @@ pub trait Past {
     /// What a reader should be told: cut off, damaged, begun late.
     fn notices(&self) -> Vec<String>;
 
+    /// All of the machine as [`machine::Machine::save`] wrote it just before some step, when all that happened before that step had
+    /// been done, and the number of that step: the last one that is not after `seq`. `None` if there is none.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, String> {
+        Ok(None)
+    }
+
+    /// From which step on steps are how long, in `tau`, ascending, where they are not all as long as the bulletin says.
+    fn paces(&self) -> Vec<(u64, f64)> {
+        Vec::new()
+    }
+
     /// The last step at or before `tau`, in the latest stretch between two restarts that reaches it.
     ///
     /// # Errors

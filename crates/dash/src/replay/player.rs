@@ -375,6 +375,7 @@ impl Player {
             let there = self.past.bulletin_at(seq);
             (seq, Act::Settings(there.settings.get().clone(), there.substeps.max(1)))
         }));
+        acts.extend(self.past.paces().into_iter().map(|(seq, dtau)| (seq, Act::Pace(dtau))));
         // Stable: what came first within a step stays first.
         acts.sort_by_key(|(seq, _)| *seq);
         acts
@@ -434,7 +435,16 @@ impl Player {
         settings.check(&rotor).map_err(|error| error.to_string())?;
         let substeps = bulletin.substeps.max(1);
         let line = self.line(&state, &settings, substeps)?;
-        Ok(Root { rotor, dtau: bulletin.dtau, rate_hz: bulletin.rate_hz, state, settings, substeps, line })
+        let (dtau, rate_hz) = (bulletin.dtau, bulletin.rate_hz);
+        let mut root = Root { rotor, dtau, rate_hz, state, settings, substeps, line, whole: None };
+        // What cannot be read costs what the loop held, and no more.
+        if let Ok(Some(snapshot)) = self.past.snapshot_before(root.state.seq()) {
+            let then = self.past.bulletin_at(snapshot.0);
+            let acts = self.gathered();
+            root.whole = root.recalled(snapshot, (then.settings.get(), then.substeps.max(1)), &acts);
+            self.acts = Some(acts);
+        }
+        Ok(root)
     }
 
     fn state(&mut self, seq: u64) -> Result<Option<State>, String> {

@@ -153,7 +153,7 @@ fn simulated(dtau: f64) -> Session {
     let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
     settings.deadband.fill(1.0);
     let carrier = Memory::default();
-    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau };
+    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau, profile: None };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let begun = settings.clone();
@@ -680,8 +680,7 @@ fn a_recording_longer_than_what_is_kept_is_played_all_the_same() {
             let state = session.states[0].with_word(Channel::Seq, seq).with_word(Channel::Revision, 1);
             let state =
                 state.with(Channel::Tau, 0, tau).with(Channel::Angle, 0, 2.5 * tau).with(Channel::Speed, 0, 2.5);
-            let state = state.with(Channel::Y, 0, seq as f64);
-            state
+            state.with(Channel::Y, 0, seq as f64)
         })
         .collect();
     let (mut feed, mut time) = (Feed::with_bound("", 6_000_000), ViewTime::LIVE);

@@ -1,4 +1,4 @@
-//! Rotors and feedback as TOML text: reading with every problem at its line and column, and writing.
+//! Rotors, feedback and profiles of speed as TOML text: reading with every problem at its line and column, and writing.
 //!
 //! Text in, text out; opening files is the caller's. What is written reads back as the same rotor or feedback, bit for
 //! bit. Unknown keys are errors, because a misspelt key would otherwise be a parameter silently at its default.
@@ -15,6 +15,7 @@ mod document;
 mod feedback_toml;
 mod loop_toml;
 mod problem;
+mod profile_toml;
 mod reader;
 mod rotor_toml;
 mod write;
@@ -22,6 +23,7 @@ mod write;
 pub use document::FeedbackDocument;
 pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback};
 pub use problem::{Problem, Problems};
+pub use profile_toml::read_profile;
 pub use rotor_toml::{read_rotor, write_rotor};
 
 /// The largest file that is read, in bytes: sixteen masses with a comment each take less than a hundredth of it.

@@ -39,28 +39,43 @@ impl Chart {
     /// Lays the chart out on the canvas.
     #[must_use]
     pub fn scene(&self) -> Scene {
-        let mut scene = Scene::default();
-        let rows = legend_rows(&self.series);
-        let frame =
-            Frame { left: 92.0, top: 44.0, right: WIDTH - 24.0, bottom: HEIGHT - 64.0 - ROW * rows.len() as f64 };
+        stacked(std::slice::from_ref(self))
+    }
+
+    /// Lays it out between two heights, without its legend.
+    fn lay(&self, scene: &mut Scene, top: f64, bottom: f64) {
+        let frame = Frame { left: 92.0, top: top + 44.0, right: WIDTH - 24.0, bottom: bottom - 64.0 };
         let (mut x, mut y) = (self.x.clone(), self.y.clone());
         if self.equal {
             widen(&mut x, &mut y, (frame.right - frame.left) / (frame.bottom - frame.top));
         }
         let scale = Scale { frame, x: &x, y: &y };
 
-        scene.text((0.5 * (frame.left + frame.right), 28.0), &self.title, TITLE, Anchor::Middle);
-        grid(&mut scene, &scale);
+        scene.text((0.5 * (frame.left + frame.right), top + 28.0), &self.title, TITLE, Anchor::Middle);
+        grid(scene, &scale);
         for series in &self.series {
-            draw(&mut scene, &scale, series);
+            draw(scene, &scale, series);
         }
-        outline(&mut scene, &frame);
+        outline(scene, &frame);
         for note in &self.notes {
-            write(&mut scene, &scale, note);
+            write(scene, &scale, note);
         }
-        legend(&mut scene, &rows, frame.bottom + 74.0);
-        scene
     }
+}
+
+/// Charts one above the other on one canvas, as amplitude and phase are shown, with the legend of the first below all.
+#[must_use]
+pub fn stacked(charts: &[Chart]) -> Scene {
+    let mut scene = Scene::default();
+    let Some(first) = charts.first() else { return scene };
+    let rows = legend_rows(&first.series);
+    let bottom = HEIGHT - ROW * rows.len() as f64;
+    let each = bottom / charts.len() as f64;
+    for (k, chart) in charts.iter().enumerate() {
+        chart.lay(&mut scene, k as f64 * each, (k + 1) as f64 * each);
+    }
+    legend(&mut scene, &rows, bottom + 10.0);
+    scene
 }
 
 /// Widens one of two axes until a unit is as long on both.

@@ -14,6 +14,7 @@ mod scene;
 mod ticks;
 mod vector;
 
+pub use layout::stacked;
 pub use raster::{RasterError, png};
 pub use scene::Scene;
 pub(crate) use vector::escaped;

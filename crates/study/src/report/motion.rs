@@ -3,8 +3,9 @@
 use std::io;
 use std::sync::atomic::AtomicBool;
 
+use machine::Machine;
 use rotor::step::Fastest;
-use rotor::{C64, ClosedLoop, Feedback, Motion, Rotor};
+use rotor::{C64, ClosedLoop, Feedback, Rotor};
 
 use super::ReportError;
 use crate::run::{self, Impulse, Observer, Outcome, Plan, Settle, Settled};
@@ -58,7 +59,8 @@ struct Keeper {
 }
 
 impl Observer for Keeper {
-    fn sample(&mut self, motion: &Motion<'_>, control: C64, _: u32) -> io::Result<()> {
+    fn sample(&mut self, machine: &Machine) -> io::Result<()> {
+        let (motion, control) = (machine.motion(), machine.output().delivered);
         let wanted = motion.tau <= self.until + 1e-9 || motion.tau >= self.from - 1e-9;
         if wanted && self.seen.is_multiple_of(self.stride) {
             self.samples.push(Sample { tau: motion.tau, displacement: motion.displacement.to_vec(), control });

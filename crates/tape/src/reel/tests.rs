@@ -45,6 +45,10 @@ impl Sink for Noting {
         self.note(&remark.text())
     }
 
+    fn snapshot(&mut self, _: crate::Snapshot, _: Moment) -> Result<(), TapeError> {
+        Ok(())
+    }
+
     fn health(&mut self, _: &Bulletin, _: Moment) -> Result<(), TapeError> {
         Ok(())
     }

@@ -13,6 +13,7 @@ use rerun::{ComponentDescriptor, TimePoint, Timeline};
 use super::fence::Unreadable;
 use crate::batch::Batch;
 use crate::schema;
+use crate::snapshot::Snapshot;
 use wire::{Column, Layout, Moment, OnceWas};
 
 /// `tau` on its timeline, where 1 is a second.
@@ -134,6 +135,30 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadab
 fn doubles_of(column: &ArrayRef, name: &str) -> Result<Vec<f64>, Unreadable> {
     let found = column.as_any().downcast_ref::<Float64Array>();
     Ok(found.ok_or_else(|| content(&format!("column '{name}' holds no doubles")))?.values().to_vec())
+}
+
+/// Snapshots as a chunk, a row of words each.
+pub(super) fn snapshots(rows: &[(Moment, Snapshot)]) -> Result<Chunk, ChunkError> {
+    let words: Vec<u64> = rows.iter().flat_map(|(_, snapshot)| snapshot.row()).collect();
+    let list = ListArray::new(
+        Arc::new(Field::new("item", DataType::UInt64, true)),
+        OffsetBuffer::from_lengths(rows.iter().map(|(_, snapshot)| snapshot.width())),
+        Arc::new(UInt64Array::from(words)),
+        None,
+    );
+    let times = timelines(rows.iter().map(|(at, _)| *at));
+    Chunk::from_columns(schema::SNAPSHOTS, times, [(ComponentDescriptor::partial(schema::SNAPSHOT), list)])
+}
+
+/// The snapshots of a chunk that [`snapshots`] has made.
+pub(super) fn read_snapshots(chunk: &Chunk) -> Result<Vec<Snapshot>, Unreadable> {
+    let list =
+        chunk.components().get_array(schema::SNAPSHOT.into()).ok_or_else(|| content("snapshots without rows"))?;
+    let read = |row: Option<ArrayRef>| {
+        let row = row?;
+        Snapshot::of_row(row.as_any().downcast_ref::<UInt64Array>()?.values())
+    };
+    list.iter().map(|row| read(row).ok_or_else(|| content("a snapshot of another shape"))).collect()
 }
 
 /// The moments of the rows of a chunk.

@@ -21,10 +21,12 @@ use crate::error::TapeError;
 use crate::order;
 use crate::schema;
 use crate::session::{Gap, Revision};
+use crate::snapshot::{Snapshot, SnapshotPlace};
 use crate::stream::{self, Kind, Met, Seal, Walk};
 
 /// The entities that are read; the others are drawings, made of these.
-const READ: [&str; 5] = [schema::SESSION, schema::STEPS, schema::SETTINGS, schema::EVENTS, schema::HEALTH];
+const READ: [&str; 6] =
+    [schema::SESSION, schema::STEPS, schema::SETTINGS, schema::EVENTS, schema::HEALTH, schema::SNAPSHOTS];
 
 /// Opens a recording: what is small in it, and what decodes the rest.
 ///
@@ -75,25 +77,41 @@ pub(crate) struct Steps {
     masses: usize,
 }
 
-impl StretchDecoder for Steps {
-    fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError> {
-        let mut message = vec![0; usize::try_from(stretch.bytes).unwrap_or_default()];
+impl Steps {
+    /// What is made of the chunk in a message that was there when the file was gone through.
+    fn read<T>(
+        &self,
+        offset: u64,
+        bytes: u64,
+        made: impl FnOnce(&Chunk) -> Result<T, Unreadable>,
+    ) -> Result<T, TapeError> {
+        let mut message = vec![0; usize::try_from(bytes).unwrap_or_default()];
         let failed = |error| TapeError::read(&self.path, error);
         let opened = if self.file.is_none() { Some(File::open(&self.path).map_err(failed)?) } else { None };
         if let Some(file) = self.file.as_ref().or(opened.as_ref()) {
-            file.read_exact_at(&mut message, stretch.offset).map_err(failed)?;
+            file.read_exact_at(&mut message, offset).map_err(failed)?;
         }
-        // The file may have changed since it was gone through. Steps are never the first message of a stream.
+        // The file may have changed since. What is asked for is never the first message of a stream.
         let chunk = match stream::check(&message, &[]) {
             Seal::Broken => Err(Unreadable::Checksum),
             _ => fence::chunk(&message, is_read),
         };
-        let no_steps = || Unreadable::Content("no steps there".to_owned());
-        let batch = chunk.and_then(|chunk| {
-            let (_, chunk) = chunk.ok_or_else(no_steps)?;
-            chunks::read_steps(&chunk, self.masses)
-        });
-        batch.map_err(|problem| TapeError::read(&self.path, problem))
+        let nothing = || content("nothing of ours there");
+        let made = chunk.and_then(|chunk| chunk.ok_or_else(nothing)).and_then(|(_, chunk)| made(&chunk));
+        made.map_err(|problem| TapeError::read(&self.path, problem))
+    }
+}
+
+impl StretchDecoder for Steps {
+    fn decode(&mut self, stretch: &Stretch) -> Result<Batch, TapeError> {
+        self.read(stretch.offset, stretch.bytes, |chunk| chunks::read_steps(chunk, self.masses))
+    }
+
+    fn snapshot(&mut self, place: &SnapshotPlace) -> Result<Snapshot, TapeError> {
+        let of_step = |snapshots: Vec<Snapshot>| snapshots.into_iter().find(|snapshot| snapshot.next == place.next);
+        self.read(place.offset, place.bytes, |chunk| {
+            of_step(chunks::read_snapshots(chunk)?).ok_or_else(|| content("no snapshot there"))
+        })
     }
 
     fn close(&mut self) {
@@ -119,6 +137,7 @@ struct Scan<'a> {
 #[derive(Default)]
 struct Found {
     stretches: Vec<Stretch>,
+    snapshots: Vec<SnapshotPlace>,
     revisions: Vec<Revision>,
     told: Vec<Told>,
     health: Vec<(wire::Moment, wire::message::Health)>,
@@ -184,6 +203,7 @@ impl<'a> Scan<'a> {
             schema::EVENTS => {
                 documents(&chunk).map(|read| self.found.told.extend(read.into_iter().map(EventDocument::read)))
             }
+            schema::SNAPSHOTS => chunks::read_snapshots(&chunk).map(|read| self.snapshots(at, message, &read)),
             schema::HEALTH => {
                 self.health(&chunk);
                 Ok(())
@@ -231,6 +251,13 @@ impl<'a> Scan<'a> {
         self.found.stretches.push(Stretch { part: 0, offset, bytes, rows, first, last, gaps });
     }
 
+    fn snapshots(&mut self, offset: u64, message: &[u8], snapshots: &[Snapshot]) {
+        let bytes = message.len() as u64;
+        let place =
+            |snapshot: &Snapshot| SnapshotPlace { part: 0, offset, bytes, next: snapshot.next, dtau: snapshot.dtau };
+        self.found.snapshots.extend(snapshots.iter().map(place));
+    }
+
     fn health(&mut self, chunk: &Chunk) {
         let component = Scalars::descriptor_scalars().component;
         let Some(list) = chunk.components().get_array(component) else { return };
@@ -245,7 +272,7 @@ impl<'a> Scan<'a> {
 
     fn contents(self, bytes: u64) -> Result<Contents, TapeError> {
         let Self { path, walk, session, streams, found, .. } = self;
-        let Found { stretches, revisions, told, health, mut damage } = found;
+        let Found { stretches, snapshots, revisions, told, health, mut damage } = found;
         damage.extend(walk.damage);
         let Some(session) = session else {
             return Err(TapeError::not_ours(path, no_head(streams, bytes, &damage)));
@@ -272,6 +299,7 @@ impl<'a> Scan<'a> {
             rotor,
             scales,
             stretches,
+            snapshots,
             revisions,
             events,
             remarks,

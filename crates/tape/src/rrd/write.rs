@@ -22,6 +22,7 @@ use crate::event::{Event, Remark, What};
 use crate::schema;
 use crate::session::Revision;
 use crate::sink::{Head, Sink};
+use crate::snapshot::Snapshot;
 
 use super::encode::Encoder;
 use super::ledger::Ledger;
@@ -47,6 +48,7 @@ pub(crate) struct Writer {
     encoder: Option<Encoder>,
     rotor: Rotor,
     health: Vec<(Moment, Health)>,
+    snapshots: Vec<(Moment, Snapshot)>,
     scene: scene::Scene,
 }
 
@@ -70,6 +72,7 @@ impl Writer {
             scene: scene::Scene::new(&rotor),
             rotor,
             health: Vec::new(),
+            snapshots: Vec::new(),
         };
         writer.encoder = Some(encoder.map_err(|error| writer.stopped(plain(&error)))?);
         let begun = writer.begin(head);
@@ -128,8 +131,12 @@ impl Writer {
         TapeError::Stopped { path: self.path.clone(), problem, bytes }
     }
 
-    /// Puts the gathered rows of health into the file, a chunk for many.
-    fn flush_health(&mut self) -> Result<(), TapeError> {
+    /// Puts what has been gathered into the file, a chunk for many rows.
+    fn flush(&mut self) -> Result<(), TapeError> {
+        if !self.snapshots.is_empty() {
+            let rows = std::mem::take(&mut self.snapshots);
+            self.put(chunks::snapshots(&rows))?;
+        }
         if self.health.is_empty() {
             return Ok(());
         }
@@ -195,7 +202,7 @@ impl Sink for Writer {
         for chunk in self.scene.curves(batch) {
             self.put(chunk)?;
         }
-        self.flush_health()
+        self.flush()
     }
 
     fn revision(&mut self, revision: &Revision, at: Moment) -> Result<(), TapeError> {
@@ -239,12 +246,17 @@ impl Sink for Writer {
         Ok(())
     }
 
+    fn snapshot(&mut self, snapshot: Snapshot, at: Moment) -> Result<(), TapeError> {
+        self.snapshots.push((at, snapshot));
+        Ok(())
+    }
+
     fn bytes(&self) -> u64 {
         self.encoder.as_ref().map_or(0, Encoder::len)
     }
 
     fn finish(mut self: Box<Self>) -> Result<u64, TapeError> {
-        self.flush_health()?;
+        self.flush()?;
         let Some(encoder) = self.encoder.take() else {
             return Err(self.stopped("writing has failed before".into()));
         };

@@ -12,6 +12,7 @@ mod tests;
 
 #[cfg(feature = "rerun")]
 pub(crate) use frame::HEADER;
+#[cfg(feature = "rerun")]
 pub(crate) use frame::Kind;
 pub(crate) use seal::put;
 #[cfg(feature = "rerun")]

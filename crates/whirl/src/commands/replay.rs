@@ -115,6 +115,15 @@ impl Past for Tape {
         self.recording.notices()
     }
 
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, String> {
+        let snapshot = self.recording.snapshot_before(seq).map_err(|error| error.to_string())?;
+        Ok(snapshot.map(|snapshot| (snapshot.next, snapshot.words)))
+    }
+
+    fn paces(&self) -> Vec<(u64, f64)> {
+        self.recording.paces()
+    }
+
     fn at_tau(&mut self, tau: f64) -> Result<u64, String> {
         self.recording.seq_at_tau(tau).map_err(|error| error.to_string())
     }

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rotor::Settings;
+use rotor::profile::Profile;
 use sim::Options;
 
 use crate::attach::{self, BenchArgs};
@@ -26,6 +27,9 @@ pub(crate) struct LiveArgs {
     /// Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     pub(crate) speed: Option<f64>,
+    /// Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`
+    #[arg(long, value_name = "FILE", conflicts_with = "speed")]
+    pub(crate) profile: Option<String>,
     /// Steps a second
     #[arg(long, value_name = "HZ", default_value_t = Options::DEFAULT_RATE_HZ, allow_negative_numbers = true)]
     pub(crate) rate: f64,
@@ -41,7 +45,7 @@ pub(crate) struct LiveArgs {
 #[derive(Debug, clap::Args)]
 pub(crate) struct SimArgs {
     #[command(flatten)]
-    live: LiveArgs,
+    pub(crate) live: LiveArgs,
     /// Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when
     /// the parent dies
     #[arg(long, hide = true)]
@@ -65,6 +69,9 @@ impl LiveArgs {
         if self.speed.is_none() {
             settings.speed = Self::SPEED;
         }
+        if let Some(profile) = self.read_profile(&rotor)? {
+            settings.speed = profile.ends_at();
+        }
         // A rotor from a file has clearances of its own.
         if self.machine.deadband.is_none() && rotor::builtin::ROTORS.contains(&self.machine.rotor.as_str()) {
             settings.deadband.fill(Self::DEADBAND);
@@ -77,17 +84,25 @@ impl LiveArgs {
         if self.speed.is_some() {
             options.push(("--speed", "speed"));
         }
+        if self.profile.is_some() {
+            options.extend([("--profile", "speed"), ("--profile", "ramp")]);
+        }
         catalog::assign_all(&rotor, units, &mut settings, &self.machine.said(&options), &self.machine.set)?;
         settings.check(&rotor)?;
         Ok((rotor, settings))
     }
 
-    /// How it runs.
+    fn read_profile(&self, rotor: &rotor::Rotor) -> Result<Option<Profile>, Failure> {
+        self.profile.as_deref().map(|path| catalog::profile(rotor, path)).transpose()
+    }
+
+    /// How `rotor` runs.
     ///
     /// # Errors
-    /// Not a bench name.
-    pub(crate) fn options(&self) -> Result<Options, Failure> {
-        Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau: self.dtau })
+    /// Not a bench name, or a profile that is none.
+    pub(crate) fn options(&self, rotor: &rotor::Rotor) -> Result<Options, Failure> {
+        let profile = self.read_profile(rotor)?;
+        Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau: self.dtau, profile })
     }
 }
 
@@ -95,7 +110,7 @@ impl From<sim::SimError> for Failure {
     fn from(error: sim::SimError) -> Self {
         match error {
             sim::SimError::Wire(error) => error.into(),
-            sim::SimError::Rate(_) | sim::SimError::Step(_) | sim::SimError::Program(_) => {
+            sim::SimError::Rate(_) | sim::SimError::Step(_) | sim::SimError::Program(_) | sim::SimError::Profile(_) => {
                 Self::Usage(error.to_string())
             }
         }
@@ -108,7 +123,7 @@ impl From<sim::SimError> for Failure {
 /// A machine that cannot be made, or a bench that is taken.
 pub(crate) fn run(args: &SimArgs) -> Result<(), Failure> {
     let (rotor, settings) = args.live.machine()?;
-    let options = args.live.options()?;
+    let options = args.live.options(&rotor)?;
     let stop = interrupt::flag()?;
     if args.as_child {
         stop_when_stdin_closes(stop.clone());

@@ -37,7 +37,8 @@ pub(crate) struct UpArgs {
 pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
     // What is wrong with the command line is said here, not by the child.
     let live = &args.live;
-    let ((rotor, settings), options) = (live.machine()?, live.options()?);
+    let (rotor, settings) = live.machine()?;
+    let options = live.options(&rotor)?;
     options.check(&rotor, &settings)?;
     let screen = args.screen.options()?;
     let bench = options.bench;
@@ -89,9 +90,54 @@ impl LiveArgs {
                 option(name, value.to_string());
             }
         }
-        if let Some(feedback) = &self.machine.feedback {
-            option("feedback", feedback.clone());
+        for (name, value) in [("feedback", &self.machine.feedback), ("profile", &self.profile)] {
+            if let Some(value) = value {
+                option(name, value.clone());
+            }
         }
+        self.machine.set.iter().for_each(|typed| option("set", typed.clone()));
         arguments
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use crate::cli::{Cli, Command};
+
+    #[test]
+    fn every_option_of_a_live_bench_reaches_its_simulation() {
+        // `--set` once did not. An option that is added and forgotten here makes the list below short.
+        let typed = [
+            "rotor.toml",
+            "--feedback=feedback.toml",
+            "--deadband=0.5",
+            "--set=delay=0.02",
+            "--set=kd=-0.1",
+            "--bench=other",
+            "--rate=500",
+            "--dtau=0.02",
+            "--trip=7",
+            "--profile=run-up.toml",
+        ];
+        let known = {
+            let command = <Cli as clap::CommandFactory>::command();
+            let sim = command.find_subcommand("sim").expect("there").clone();
+            let names = sim.get_arguments().filter_map(|argument| argument.get_long().map(str::to_owned));
+            names.filter(|name| name != "as-child" && name != "help").collect::<Vec<_>>()
+        };
+        for name in known {
+            // Two that exclude each other are tried apart.
+            assert!(name == "speed" || typed.iter().any(|typed| typed.starts_with(&format!("--{name}="))), "{name}");
+        }
+        for typed in [&typed[..], &["rotor.toml", "--speed=3"]] {
+            let up = Cli::try_parse_from(["whirl", "up"].iter().chain(typed)).expect("parses");
+            let Command::Up(up) = up.command() else { panic!("{typed:?}") };
+            let passed = up.live.to_arguments();
+            let sim = Cli::try_parse_from(std::iter::once("whirl".to_owned()).chain(passed)).expect("parses");
+            let Command::Sim(sim) = sim.command() else { panic!("{typed:?}") };
+            assert_eq!(format!("{:?}", up.live), format!("{:?}", sim.live));
+        }
     }
 }

@@ -132,7 +132,7 @@ fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
         }
         None => machine::default_step(rotor, settings)?,
     };
-    Ok(Plan {
+    let mut plan = Plan {
         program: Program::in_substeps(rotor, settings, dtau, 1)?,
         impulses: args
             .impulse
@@ -146,7 +146,10 @@ fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
             None if args.impulse.is_empty() => Settle::Detect,
             None => Settle::From(0.0),
         },
-    })
+    };
+    // For the steps that it makes, as whoever goes on from a recording of it compiles it.
+    plan.program = Program::in_substeps(rotor, settings, plan.longest_step(), 1)?;
+    Ok(plan)
 }
 
 impl From<RunError> for Failure {

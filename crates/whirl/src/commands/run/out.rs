@@ -3,8 +3,7 @@
 use std::io;
 use std::path::Path;
 
-use rotor::{C64, Motion};
-use study::run::{Observer, Plan};
+use study::run::{Impulse, Observer, Plan};
 use study::table::{Form, FormError};
 use study::trajectory::Writer;
 use tape::OfflineTape;
@@ -25,8 +24,16 @@ pub(super) enum Out {
 pub(super) struct Recorder(OfflineTape);
 
 impl Observer for Recorder {
-    fn sample(&mut self, motion: &Motion<'_>, control: C64, contact: u32) -> io::Result<()> {
-        self.0.sample(motion, control, contact)
+    fn sample(&mut self, machine: &machine::Machine) -> io::Result<()> {
+        self.0.sample(machine)
+    }
+
+    fn impulse(&mut self, impulse: &Impulse) -> io::Result<()> {
+        self.0.impulse(impulse.at, impulse.mass, impulse.change)
+    }
+
+    fn stretch(&mut self, machine: &machine::Machine) -> io::Result<()> {
+        self.0.stretch(machine)
     }
 }
 
@@ -40,9 +47,7 @@ impl Out {
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
             tape::available()?;
             force.check(path)?;
-            let impulses = plan.impulses.iter().map(|i| (i.at, i.mass, i.change)).collect();
-            let tape =
-                OfflineTape::create(path, force.existing(), rotor, settings, plan.longest_step(), every, impulses)?;
+            let tape = OfflineTape::create(path, force.existing(), rotor, settings, plan.longest_step(), every)?;
             return Ok(Self::Tape(Box::new(Recorder(tape))));
         }
         let form = Form::of(path).map_err(|error| match error {

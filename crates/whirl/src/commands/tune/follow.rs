@@ -9,11 +9,11 @@ use study::plot::{Axis, Chart, Color, Look, Series};
 use tuner::{Stop, Tracked, track};
 
 use super::answer::{known, speed_text, verdict};
-use super::front::draw;
 use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
+use crate::picture;
 use crate::range::Range;
 use crate::units::UnitsDocument;
 
@@ -82,7 +82,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         write_file(path, args.force, found.feedback(), std::slice::from_ref(&footer))?;
     }
     if let Some(path) = &args.plot {
-        draw(path, args.force, &chart(asked, &found, &names))?;
+        picture::draw(path, args.force, &[chart(asked, &found, &names)])?;
     }
     let document = Document {
         rotor: asked.rotor().name(),

@@ -5,14 +5,14 @@ use std::sync::atomic::AtomicBool;
 
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
-use study::plot::{Axis, Chart, Color, Look, Series, png, svg};
+use study::plot::{Axis, Chart, Color, Look, Series};
 use tuner::{Point, Price, Stop, pareto};
 
 use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
-use crate::place::Force;
+use crate::picture;
 use crate::units::UnitsDocument;
 
 /// The JSON document.
@@ -102,7 +102,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         });
     }
     if let Some(path) = &args.plot {
-        draw(path, args.force, &chart(asked, price, &front))?;
+        picture::draw(path, args.force, &[chart(asked, price, &front)])?;
     }
     let interrupted = front.iter().any(|point| point.tuned.interrupted);
     let document = Document {
@@ -151,22 +151,4 @@ fn chart(asked: &Asked, price: Price, front: &[Point]) -> Chart {
 /// The file of a point of the trade, counted from 1.
 pub(super) fn point_file(folder: &Path, point: usize) -> PathBuf {
     folder.join(format!("point-{point:02}.toml"))
-}
-
-/// Refuses a picture of unknown kind, or one that is there, before anything is searched.
-pub(super) fn check_picture(path: &Path, force: Force) -> Result<(), Failure> {
-    match path.extension().and_then(|end| end.to_str()) {
-        Some("svg" | "png") => force.check(path),
-        _ => Err(Failure::Usage(format!("'{}': expected a picture that ends in .svg or .png", path.display()))),
-    }
-}
-
-/// Draws a chart into a file that ends in `.svg` or `.png`.
-pub(super) fn draw(path: &Path, force: Force, chart: &Chart) -> Result<(), Failure> {
-    let scene = chart.scene();
-    if path.extension().is_some_and(|end| end == "png") {
-        let bytes = png(&scene).map_err(|error| Failure::Work(format!("cannot draw '{}': {error}", path.display())))?;
-        return force.write(path, bytes);
-    }
-    force.write(path, svg(&scene, &chart.title))
 }

@@ -189,7 +189,7 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Failure> {
         if args.track.is_none() && args.pareto.is_none() {
             return Err(Failure::Usage("--plot draws what --track or --pareto finds".into()));
         }
-        front::check_picture(path, args.force)?;
+        crate::picture::check(path, args.force)?;
     }
     let stop = interrupt::flag()?;
     if args.pareto.is_some() {

@@ -1,0 +1,115 @@
+//! A loop's gain as a curve over frequency: as many points as it takes for the curve between them to be known.
+//!
+//! Between two points the curve is the cubic through their values and slopes. Where the gain in the middle is off it by more
+//! than a hundredth of its distance from 0 and from -1, whichever is nearer, the stretch is halved. So resonances and close
+//! passes of -1 get the points that they need, whatever their width, and everything that is sought on the curve lies
+//! between two neighbours that show it.
+
+use std::f64::consts::PI;
+
+use crate::{C64, Gain, LoopGain};
+
+/// How far off the cubic the curve may be, relative to its distance from 0 and -1.
+const OFF: f64 = 0.01;
+/// Distances smaller than this are not resolved.
+const LEAST: f64 = 1e-7;
+/// Angles about each resonance at which a curve begins, in parts of a quarter turn.
+const ABOUT: [f64; 4] = [0.3, 0.6, 0.85, 0.97];
+/// The most halvings of a stretch.
+const DEPTH: usize = 40;
+/// The most points of a curve.
+const MOST: usize = 400_000;
+
+impl LoopGain {
+    /// The curve over `from..=to`, rising; with a point at each of `also` that lies within.
+    #[must_use]
+    pub fn curve(&self, from: f64, to: f64, also: &[f64]) -> Vec<Gain> {
+        let mut starts: Vec<f64> = vec![from, to];
+        starts.extend(also);
+        for [centre, width] in self.resonances() {
+            starts.push(centre);
+            for part in ABOUT {
+                let apart = width * (0.5 * PI * part).tan();
+                starts.extend([centre - apart, centre + apart]);
+            }
+        }
+        // Far out the curve is a power of the frequency.
+        let mut far = 1.0_f64.max(1e-6 * to.abs().max(from.abs()));
+        while far < to.abs().max(from.abs()) {
+            starts.extend([far, -far]);
+            far *= 4.0;
+        }
+        starts.retain(|w| (from..=to).contains(w));
+        starts.sort_by(f64::total_cmp);
+        starts.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * (1.0 + a.abs()));
+        let mut points = Vec::with_capacity(4 * starts.len());
+        let Some(&first) = starts.first() else { return points };
+        let mut here = self.at(first);
+        points.push(here);
+        for &next in &starts[1..] {
+            let there = self.at(next);
+            self.fill(here, there, DEPTH, &mut points);
+            points.push(there);
+            here = there;
+        }
+        points
+    }
+
+    /// Points between two.
+    fn fill(&self, a: Gain, b: Gain, depth: usize, points: &mut Vec<Gain>) {
+        let width = b.frequency - a.frequency;
+        let middle = self.at(0.5 * (a.frequency + b.frequency));
+        let cubic = (a.value + b.value) * 0.5 + (a.slope - b.slope) * (width / 8.0);
+        let near = middle.value.norm().min((middle.value + 1.0).norm());
+        let is_known = (middle.value - cubic).norm() <= OFF * near + LEAST;
+        if depth > 0 && !is_known && points.len() < MOST {
+            self.fill(a, middle, depth - 1, points);
+            points.push(middle);
+            self.fill(middle, b, depth - 1, points);
+        } else {
+            points.push(middle);
+        }
+    }
+
+    /// Where `value`, of `(value, slope)`, changes sign between two points: by Newton's method within the bracket.
+    pub(crate) fn zero(&self, a: f64, b: f64, of: &dyn Fn(&Gain) -> [f64; 2]) -> Gain {
+        let (mut low, mut high) = (a, b);
+        let rises = of(&self.at(b))[0] > 0.0;
+        let mut w = 0.5 * (a + b);
+        for _ in 0..80 {
+            let here = self.at(w);
+            let [value, slope] = of(&here);
+            if value == 0.0 {
+                return here;
+            }
+            if (value > 0.0) == rises {
+                high = w;
+            } else {
+                low = w;
+            }
+            let newton = w - value / slope;
+            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - w).abs() <= 1e-15 * (1.0 + w.abs()) {
+                return self.at(next);
+            }
+            w = next;
+        }
+        self.at(w)
+    }
+}
+
+/// Pairs of neighbours between which `of` changes sign.
+pub(crate) fn changes<'a>(
+    curve: &'a [Gain],
+    of: impl Fn(&Gain) -> f64 + 'a,
+) -> impl Iterator<Item = [&'a Gain; 2]> + 'a {
+    curve.windows(2).filter_map(move |pair| {
+        let [a, b] = [of(&pair[0]), of(&pair[1])];
+        (a.is_finite() && b.is_finite() && (a > 0.0) != (b > 0.0)).then(|| [&pair[0], &pair[1]])
+    })
+}
+
+/// `ln |x|^2` changes at this rate when `x` does at `slope`.
+pub(crate) fn growth(x: C64, slope: C64) -> f64 {
+    2.0 * (slope / x).re
+}

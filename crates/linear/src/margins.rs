@@ -1,0 +1,208 @@
+//! How far one loop is from instability: margins of delay, gain and phase, and peaks of its sensitivities, over frequencies
+//! of both signs.
+//!
+//! Everything is found on the curve of the loop's gain ([`crate::curve`]) and made exact by Newton's method between two
+//! neighbouring points: crossings of the unit circle and of the negative real axis, and maxima, which are zeros of slopes.
+
+use std::f64::consts::TAU;
+
+use crate::curve::{changes, growth};
+use crate::{C64, DelayMargin, Gain, LoopGain};
+
+/// Gains below this are not looked at: a loop that would have to be ten thousand times as strong has no gain margin.
+const FAINT: f64 = 1e-4;
+/// The same with a delay, where there is no end of crossings.
+const FAINT_LATE: f64 = 1e-2;
+
+/// A factor on the loop's gain that puts a root on the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GainMargin {
+    /// The factor.
+    pub factor: f64,
+    /// The frequency of the root.
+    pub frequency: f64,
+}
+
+/// An angle by which the loop's gain turns before a root is on the axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PhaseMargin {
+    /// The angle, in radians, either way.
+    pub angle: f64,
+    /// The frequency of the root.
+    pub frequency: f64,
+}
+
+/// The largest amplitude over a range of frequencies.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Peak {
+    /// The amplitude.
+    pub amplitude: f64,
+    /// Where it is; `None` where it is only approached, as the frequency grows without bound.
+    pub frequency: Option<f64>,
+}
+
+/// All margins of one loop that is stable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Margins {
+    /// What delay more it takes; `None` if no delay does. Of a sampled loop, the phase at the crossing as time: what a delay
+    /// does to it depends on the hold.
+    pub delay: Option<DelayMargin>,
+    /// The nearest factor above 1.
+    pub gain_up: Option<GainMargin>,
+    /// The nearest factor below 1.
+    pub gain_down: Option<GainMargin>,
+    /// The smallest angle; `None` where the loop's gain is 1 nowhere.
+    pub phase: Option<PhaseMargin>,
+    /// `|S|` over positive frequencies.
+    pub forward: Peak,
+    /// `|S|` over negative frequencies.
+    pub backward: Peak,
+    /// One real axis, `|S(j w) + conj S(-j w)| / 2`, over positive frequencies.
+    pub axis: Peak,
+    /// `|L / (1 + L)|` over both.
+    pub complementary: Peak,
+    /// The curve of the gain that all of it was found on, frequencies rising.
+    pub curve: Vec<Gain>,
+}
+
+impl Margins {
+    /// `|S|` over frequencies of both signs.
+    #[must_use]
+    pub fn sensitivity(&self) -> Peak {
+        if self.backward.amplitude > self.forward.amplitude { self.backward } else { self.forward }
+    }
+}
+
+impl LoopGain {
+    /// All margins. The loop must be stable: margins of one that is not mean nothing.
+    #[must_use]
+    pub fn margins(&self) -> Margins {
+        let end = self.beyond(if self.delay() > 0.0 { FAINT_LATE } else { FAINT });
+        let curve = self.curve(-end, end, &[0.0]);
+        let mut margins = Margins {
+            delay: None,
+            gain_up: None,
+            gain_down: None,
+            phase: None,
+            forward: self.peak(curve.iter().filter(|p| p.frequency >= 0.0), &sensitivity, 1.0),
+            backward: self.peak(curve.iter().filter(|p| p.frequency <= 0.0), &sensitivity, 1.0),
+            axis: self.axis_peak(&curve),
+            complementary: self.peak(curve.iter(), &complementary, 0.0),
+            curve: Vec::new(),
+        };
+        for [a, b] in changes(&curve, |p| p.value.norm_sqr() - 1.0) {
+            let size = |p: &Gain| [p.value.norm_sqr().ln(), growth(p.value, p.slope)];
+            let Gain { frequency, value, .. } = self.zero(a.frequency, b.frequency, &size);
+            let angle = (-value).arg();
+            if margins.phase.is_none_or(|known| angle.abs() < known.angle) {
+                margins.phase = Some(PhaseMargin { angle: angle.abs(), frequency });
+            }
+            // exp(-j w T) turns -L onto 1: T w = angle, up to whole turns, T not negative.
+            let turn = if angle * frequency < 0.0 { angle + TAU.copysign(frequency) } else { angle };
+            let delay = turn / frequency;
+            if delay.is_finite() && margins.delay.is_none_or(|known| delay < known.delay) {
+                margins.delay = Some(DelayMargin { delay, frequency });
+            }
+        }
+        for [a, b] in changes(&curve, |p| p.value.im) {
+            let Gain { frequency, value, .. } = self.zero(a.frequency, b.frequency, &|p| [p.value.im, p.slope.im]);
+            // Between two points on either side of 0 the gain may jump through a pole.
+            if value.re.is_finite() && value.re < 0.0 && value.im.abs() <= 1e-6 * value.re.abs() {
+                let factor = -1.0 / value.re;
+                let place = if factor > 1.0 { &mut margins.gain_up } else { &mut margins.gain_down };
+                let is_nearer = |known: GainMargin| (factor - 1.0).abs() < (known.factor - 1.0).abs();
+                if factor != 1.0 && place.is_none_or(is_nearer) {
+                    *place = Some(GainMargin { factor, frequency });
+                }
+            }
+        }
+        margins.curve = curve;
+        margins
+    }
+
+    /// The largest amplitude on a curve, of `[ln amplitude^2, its slope]`, that far out comes to `far`.
+    fn peak<'a>(&self, curve: impl Iterator<Item = &'a Gain>, of: &dyn Fn(&Gain) -> [f64; 2], far: f64) -> Peak {
+        let points: Vec<&Gain> = curve.collect();
+        let mut best: (f64, Option<f64>) = (f64::NEG_INFINITY, None);
+        for p in &points {
+            let value = of(p)[0];
+            if value > best.0 {
+                best = (value, Some(p.frequency));
+            }
+        }
+        for pair in points.windows(2) {
+            let [a, b] = [of(pair[0]), of(pair[1])];
+            // Below both tangents: where those meet below the best there is nothing to look for.
+            let width = pair[1].frequency - pair[0].frequency;
+            if a[1] > 0.0 && b[1] < 0.0 && (a[0] + a[1] * width).min(b[0] - b[1] * width) > best.0 {
+                let top = self.zero(pair[0].frequency, pair[1].frequency, &|p| [-of(p)[1], f64::NAN]);
+                let value = of(&top)[0];
+                if value > best.0 {
+                    best = (value, Some(top.frequency));
+                }
+            }
+        }
+        self.told(best, far)
+    }
+
+    /// A peak of `ln amplitude^2`, or what is approached far out.
+    fn told(&self, (value, frequency): (f64, Option<f64>), far: f64) -> Peak {
+        let amplitude = (0.5 * value).exp();
+        if self.period() == 0.0 && amplitude <= far {
+            return Peak { amplitude: far, frequency: None };
+        }
+        Peak { amplitude, frequency }
+    }
+
+    /// The peak of one real axis.
+    fn axis_peak(&self, curve: &[Gain]) -> Peak {
+        let mut at: Vec<f64> = curve.iter().map(|p| p.frequency.abs()).collect();
+        at.sort_by(f64::total_cmp);
+        at.dedup();
+        let of = |w: f64| {
+            let [ahead, behind] = [w, -w].map(|w| {
+                let gain = self.at(w);
+                let s = gain.sensitivity();
+                [s, -gain.slope * s * s]
+            });
+            let value = (ahead[0] + behind[0].conj()) * 0.5;
+            let slope = (ahead[1] - behind[1].conj()) * 0.5;
+            [value.norm_sqr().ln(), growth(value, slope)]
+        };
+        let values: Vec<[f64; 2]> = at.iter().map(|w| of(*w)).collect();
+        let mut best = (f64::NEG_INFINITY, None);
+        for (w, [value, _]) in at.iter().zip(&values) {
+            if *value > best.0 {
+                best = (*value, Some(*w));
+            }
+        }
+        for (ends, pair) in at.windows(2).zip(values.windows(2)) {
+            let [a, b] = [pair[0], pair[1]];
+            let width = ends[1] - ends[0];
+            if a[1] > 0.0 && b[1] < 0.0 && (a[0] + a[1] * width).min(b[0] - b[1] * width) > best.0 {
+                let [mut low, mut high] = [ends[0], ends[1]];
+                while high - low > 1e-13 * (1.0 + high) {
+                    let middle = 0.5 * (low + high);
+                    if of(middle)[1] > 0.0 { low = middle } else { high = middle }
+                }
+                let value = of(low)[0];
+                if value > best.0 {
+                    best = (value, Some(low));
+                }
+            }
+        }
+        self.told(best, 1.0)
+    }
+}
+
+/// `ln |S|^2` and its slope.
+fn sensitivity(p: &Gain) -> [f64; 2] {
+    let x: C64 = p.value + 1.0;
+    [-x.norm_sqr().ln(), -growth(x, p.slope)]
+}
+
+/// `ln |T|^2` and its slope.
+fn complementary(p: &Gain) -> [f64; 2] {
+    let [value, slope] = sensitivity(p);
+    [value + p.value.norm_sqr().ln(), slope + growth(p.value, p.slope)]
+}

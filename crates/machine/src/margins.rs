@@ -1,0 +1,169 @@
+//! Margins of a machine at one speed: its loop, whatever parts are on, opened at the control bearing's command.
+//!
+//! Everything counts every support bearing at its full stiffness, as poles do. Noise, resolution and limits play no part.
+
+use control::LinearLoop;
+use linear::{DelayError, DelayMargin, DelaySystem, LoopGain, Margins, Peak};
+use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant, Rotor, Settings, damping_ratio};
+
+use crate::poles::PolesError;
+
+/// How far left of the first crossing a delay margin of samples is looked for, in periods.
+const STEPS_PER_PERIOD: f64 = 8.0;
+/// The longest delay of a sampled loop that is looked at, in periods.
+const MOST_PERIODS: f64 = 60.0;
+
+/// Why there are no margins.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum MarginsError {
+    /// The loop is not stable.
+    #[error("the machine is not stable at R = {speed}: it has a pole at {re} {im:+} j, so its loop has no margins", re = pole.re, im = pole.im)]
+    Unstable {
+        /// The speed.
+        speed: f64,
+        /// Its rightmost pole.
+        pole: C64,
+    },
+    /// Poles that cannot be had.
+    #[error(transparent)]
+    Poles(#[from] PolesError),
+}
+
+impl From<DelayError> for MarginsError {
+    fn from(error: DelayError) -> Self {
+        Self::Poles(error.into())
+    }
+}
+
+impl From<control::FeedbackError> for MarginsError {
+    fn from(error: control::FeedbackError) -> Self {
+        Self::Poles(error.into())
+    }
+}
+
+/// A machine's margins at one speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachineMargins {
+    /// The speed.
+    pub speed: f64,
+    /// Its smallest damping ratio.
+    pub min_damping: f64,
+    /// The margins of its loop.
+    pub margins: Margins,
+    /// The largest force `|u|` per noise in the displacement that the sensors read, over all ways to spread noise of size 1
+    /// over them; the velocities that they read are clean.
+    pub force: Peak,
+}
+
+/// A machine's loop at one speed, opened at the command of its control bearing.
+#[derive(Clone, Debug)]
+pub struct MachineLoop {
+    form: LinearForm,
+    around: LinearLoop,
+    /// The gain.
+    pub gain: LoopGain,
+}
+
+impl MachineLoop {
+    /// The loop of `rotor` under `settings` at a speed.
+    ///
+    /// # Errors
+    /// A loop that does not fit, or eigenvalues that cannot be had.
+    pub fn at(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Self, MarginsError> {
+        let (feedback, plant, at) = (&settings.feedback, Plant::of(rotor), OperatingPoint::at(speed));
+        let around = LinearLoop::new(feedback, plant.stations().len(), speed)?;
+        let form = LinearForm::of(&plant, feedback, &at)?;
+        let gain = match (form.sampled(), form.continuous()) {
+            (Some(step), _) => LoopGain::sampled(step.open, &step.b, &step.c, step.period)?,
+            (None, Some([a, b, c])) => LoopGain::of(&DelaySystem::new(a, b, c, form.delay)?)?,
+            (None, None) => unreachable!("a loop is sampled or continuous"),
+        };
+        Ok(Self { form, around, gain })
+    }
+
+    /// The matrices.
+    #[must_use]
+    pub fn form(&self) -> &LinearForm {
+        &self.form
+    }
+
+    /// The largest amplification from noise of displacement readings to force, without the loop's feedback, at a frequency.
+    fn noise_to_force(&self, frequency: f64) -> f64 {
+        let clean = self.around.of_displacement(frequency);
+        clean.map_or(f64::NAN, |row| row.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt())
+    }
+
+    /// The peak of force per noise, on the curve of its gain.
+    fn force_peak(&self, curve: &[linear::Gain]) -> Peak {
+        let of = |w: f64| self.noise_to_force(w) * self.gain.at(w).sensitivity().norm();
+        let values: Vec<f64> =
+            curve.iter().map(|p| self.noise_to_force(p.frequency) * p.sensitivity().norm()).collect();
+        let best =
+            (0..values.len()).filter(|k| values[*k].is_finite()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
+        let Some(best) = best else { return Peak { amplitude: f64::NAN, frequency: None } };
+        if best == 0 || best + 1 == values.len() {
+            return Peak { amplitude: values[best], frequency: None };
+        }
+        // Golden section between the neighbours.
+        let (mut low, mut high) = (curve[best - 1].frequency, curve[best + 1].frequency);
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        while high - low > 1e-9 * (1.0 + high.abs()) {
+            let (a, b) = (high - golden * (high - low), low + golden * (high - low));
+            if of(a) > of(b) { high = b } else { low = a }
+        }
+        let w = 0.5 * (low + high);
+        Peak { amplitude: of(w).max(values[best]), frequency: Some(w) }
+    }
+}
+
+/// All margins of `rotor` under `settings` at a speed.
+///
+/// # Errors
+/// A machine that is not stable there, with its rightmost pole, or poles that cannot be had.
+pub fn margins(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<MachineMargins, MarginsError> {
+    let machine = MachineLoop::at(rotor, settings, speed)?;
+    let roots = Characteristic::of(&machine.form)?.roots()?;
+    if let Some(worst) = roots.iter().max_by(|a, b| a.pole.re.total_cmp(&b.pole.re)).filter(|root| root.pole.re >= 0.0)
+    {
+        return Err(MarginsError::Unstable { speed, pole: worst.pole });
+    }
+    let min_damping = roots.iter().map(|root| damping_ratio(root.pole)).fold(f64::INFINITY, f64::min);
+    let mut margins = machine.gain.margins();
+    if machine.gain.period() > 0.0 {
+        margins.delay = sampled_delay(rotor, settings, speed)?;
+    }
+    let force = machine.force_peak(&margins.curve);
+    Ok(MachineMargins { speed, min_damping, margins, force })
+}
+
+/// What delay more a sampled loop bears: its step is made anew for each, as a delay shifts when a held command acts.
+fn sampled_delay(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Option<DelayMargin>, MarginsError> {
+    let plant = Plant::of(rotor);
+    let (own, period) = (settings.feedback.parts.delay, settings.feedback.parts.sample);
+    // The outermost root, with `more` delay.
+    let outermost = |more: f64| -> Result<C64, MarginsError> {
+        let mut feedback = settings.feedback.clone();
+        feedback.parts.delay = own + more;
+        let form = LinearForm::of(&plant, &feedback, &OperatingPoint::at(speed))?;
+        let roots = Characteristic::of(&form)?.roots()?;
+        let outermost = roots.iter().map(|root| root.root).max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
+        Ok(outermost.unwrap_or(C64::ZERO))
+    };
+    let step = period / STEPS_PER_PERIOD;
+    let mut low = 0.0;
+    while outermost(low + step)?.norm() < 1.0 {
+        low += step;
+        if low > MOST_PERIODS * period {
+            return Ok(None);
+        }
+    }
+    let mut high = low + step;
+    while high - low > 1e-14 * high {
+        let middle = 0.5 * (low + high);
+        if middle <= low || middle >= high {
+            break;
+        }
+        if outermost(middle)?.norm() < 1.0 { low = middle } else { high = middle }
+    }
+    Ok(Some(DelayMargin { delay: low, frequency: outermost(high)?.arg() / period }))
+}

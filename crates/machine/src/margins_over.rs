@@ -1,0 +1,80 @@
+//! Margins over a range of speeds: the worst of each, and where.
+
+use rotor::{Rotor, Settings};
+
+use crate::margins::{MachineMargins, MarginsError, margins};
+
+/// A speed is pinned down to this part of the distance of two speeds looked at.
+const PINNED: f64 = 1e-7;
+
+/// What can be worst, each where it is.
+pub const WORST: [&str; 8] =
+    ["delay", "gain up", "gain down", "phase", "sensitivity", "axis", "complementary", "force"];
+
+/// How much of a margin there is: less is worse. `None` where there is no such margin.
+#[must_use]
+pub fn in_hand(kind: usize, found: &MachineMargins) -> Option<f64> {
+    let margins = &found.margins;
+    match kind {
+        0 => margins.delay.map(|delay| delay.delay),
+        1 => margins.gain_up.map(|gain| gain.factor),
+        2 => margins.gain_down.map(|gain| -gain.factor),
+        3 => margins.phase.map(|phase| phase.angle),
+        4 => Some(-margins.sensitivity().amplitude),
+        5 => Some(-margins.axis.amplitude),
+        6 => Some(-margins.complementary.amplitude),
+        _ => Some(-found.force.amplitude).filter(|value| value.is_finite()),
+    }
+}
+
+/// The worst of every margin over `speeds`, which rise, and between them next to the worst: for each of [`WORST`] all margins
+/// at the speed where it is, `None` where there is none at any.
+///
+/// # Errors
+/// A speed at which the machine is not stable, or poles that cannot be had.
+pub fn worst_margins(
+    rotor: &Rotor,
+    settings: &Settings,
+    speeds: &[f64],
+) -> Result<[Option<MachineMargins>; WORST.len()], MarginsError> {
+    let all: Vec<MachineMargins> =
+        speeds.iter().map(|speed| margins(rotor, settings, *speed)).collect::<Result<_, _>>()?;
+    let mut worst = [const { None }; WORST.len()];
+    for (kind, place) in worst.iter_mut().enumerate() {
+        let known = all.iter().enumerate().filter_map(|(at, found)| Some((at, in_hand(kind, found)?)));
+        let Some((at, least)) = known.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        *place = Some(all[at].clone());
+        let [mut low, mut high] = [at.saturating_sub(1), (at + 1).min(all.len() - 1)].map(|k| speeds[k]);
+        // Golden section between the neighbours.
+        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+        let end = PINNED * (high - low);
+        let look = |speed: f64| -> Result<(f64, MachineMargins), MarginsError> {
+            let found = margins(rotor, settings, speed)?;
+            Ok((in_hand(kind, &found).unwrap_or(f64::INFINITY), found))
+        };
+        if low == high {
+            continue;
+        }
+        let mut best = least;
+        let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)].map(|speed| (speed, None));
+        while high - low > end {
+            for side in [&mut a, &mut b] {
+                if side.1.is_none() {
+                    let (value, found) = look(side.0)?;
+                    if value < best {
+                        (best, *place) = (value, Some(found));
+                    }
+                    side.1 = Some(value);
+                }
+            }
+            if a.1 < b.1 {
+                (high, b) = (b.0, a);
+                a = (high - golden * (high - low), None);
+            } else {
+                (low, a) = (a.0, b);
+                b = (low + golden * (high - low), None);
+            }
+        }
+    }
+    Ok(worst)
+}

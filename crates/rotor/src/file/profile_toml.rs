@@ -1,0 +1,145 @@
+//! Profiles of speed: `[[leg]]` one after the other, dimensionless or, of a rotor in SI units, in rpm, rpm/s and seconds.
+
+use toml::de::DeValue;
+
+use super::problem::Problems;
+use super::reader::{Reader, Table, nearest};
+use crate::profile::{Leg, MAX_LEGS, Profile, ProfileUnits};
+use crate::{PARAMETERS, Range, Rotor};
+
+/// What a leg is, for a message.
+const LEG: &str = "to = SPEED and rate = RATE, or dwell = TIME";
+
+/// Reads a profile for `rotor`: `from` (the speed that it begins at, 0 if absent) and `[[leg]]` tables, each with `to` and `rate`, and
+/// `decay = "exponential"` beside them, or with `dwell`.
+///
+/// # Errors
+/// All that is wrong with the file, with lines and columns: rates that are not positive, legs that go nowhere, speeds beyond those
+/// that the setting `speed` may have.
+pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Problems> {
+    let (mut reader, file) = Reader::parse(text)?;
+    let units = ProfileUnits::of(rotor.scales().copied());
+    reader.only(&file, &["from", "leg"]);
+    let from = speed(&mut reader, &file, "from", &units).unwrap_or(0.0);
+    let (mut now, mut legs, mut lines) = (from, Vec::new(), Vec::new());
+    for (i, (table, at)) in reader.tables(&file, "leg", Some(MAX_LEGS)).into_iter().enumerate() {
+        reader.only(table, &["to", "rate", "dwell", "decay"]);
+        let within = format!("[[leg]] {}", i + 1);
+        let has = |key: &str| table.contains_key(key);
+        lines.push(1 + text[..at.start.min(text.len())].matches('\n').count());
+        if has("dwell") == has("to") {
+            let found = if has("to") { "to and dwell" } else { "neither to nor dwell" };
+            reader.problem(at, format!("{within} with {found}"), LEG);
+            continue;
+        }
+        if has("dwell") {
+            for key in ["rate", "decay"].into_iter().filter(|key| has(key)) {
+                reader.problem(at.clone(), format!("{within}: {key} beside dwell"), LEG);
+            }
+            let duration = reader.required(table, (&within, at), "dwell", Range::Positive) * units.time;
+            legs.push(Leg::Dwell { duration });
+            continue;
+        }
+        let to = speed(&mut reader, table, "to", &units).unwrap_or(f64::NAN);
+        let rate = reader.required(table, (&within, at), "rate", Range::Positive) * units.rate;
+        if let (true, Some(value)) = (to == now, table.get("to")) {
+            reader.wrong("to", value, "another speed than that before it: this leg goes nowhere");
+        }
+        now = to;
+        legs.push(if decays(&mut reader, table) {
+            Leg::Decay { speed: to, rate }
+        } else {
+            Leg::To { speed: to, rate }
+        });
+    }
+    reader.finish(Profile { from, legs, lines })
+}
+
+/// A speed under `key`, in the range of the setting.
+fn speed(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, units: &ProfileUnits) -> Option<f64> {
+    let value = table.get(key)?;
+    let typed = reader.number(table, key, Range::Finite)?;
+    let speed = typed * units.speed;
+    if let Some(row) = PARAMETERS.iter().find(|row| row.name == "speed")
+        && !(row.min..=row.max).contains(&speed)
+        && typed.is_finite()
+    {
+        reader.wrong(key, value, format!("a speed from {} to {}", row.min / units.speed, row.max / units.speed));
+    }
+    Some(speed)
+}
+
+/// Whether a leg has `decay = "exponential"`.
+fn decays(reader: &mut Reader<'_>, table: &Table<'_>) -> bool {
+    let Some(value) = table.get("decay") else { return false };
+    match value.get_ref() {
+        DeValue::String(kind) if kind == "exponential" => return true,
+        DeValue::String(kind) => {
+            let meant = nearest(kind, &["exponential"]).map_or("", |_| "; did you mean that?");
+            reader.wrong("decay", value, format!("\"exponential\"{meant}"));
+        }
+        _ => reader.wrong("decay", value, "\"exponential\""),
+    }
+    false
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::builtin;
+
+    fn problems(text: &str) -> Vec<String> {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let problems = read_profile(text, &rotor).unwrap_err();
+        problems
+            .list()
+            .iter()
+            .map(|p| format!("{}:{} {}, expected {}", p.line, p.column, p.found, p.expected))
+            .collect()
+    }
+
+    #[test]
+    fn a_run_up_with_a_dwell_and_a_coast_down() {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let text = "[[leg]]\nto = 6.0\nrate = 0.01\n\n[[leg]]\ndwell = 300\n[[leg]]\nto = 0\nrate = 0.02\ndecay = \"exponential\"\n";
+        let profile = read_profile(text, &rotor).unwrap();
+        let expected =
+            [Leg::To { speed: 6.0, rate: 0.01 }, Leg::Dwell { duration: 300.0 }, Leg::Decay { speed: 0.0, rate: 0.02 }];
+        assert_eq!((profile.from, &profile.legs[..], &profile.lines[..]), (0.0, &expected[..], &[1, 5, 7][..]));
+    }
+
+    #[test]
+    fn an_si_rotor_has_rpm_and_seconds() {
+        // w0 = 1000 rad/s: 9549.3 rpm are R = 1, and a second is a thousand units of tau.
+        let masses = vec![crate::PhysicalMass { mass: 1.0, bearing_stiffness: 1e6, ..Default::default() }];
+        let rotor = Rotor::from_si("si", masses, vec![], Some(1e-6)).unwrap();
+        let scales = *rotor.scales().unwrap();
+        let text = "from = 1000\n[[leg]]\nto = 3000\nrate = 100\n[[leg]]\ndwell = 2\n";
+        let profile = read_profile(text, &rotor).unwrap();
+        let course = profile.course();
+        assert!((scales.rpm(profile.from) - 1000.0).abs() < 1e-9);
+        // 2000 rpm at 100 rpm/s are 20 s.
+        assert!((scales.seconds(course[1].0) - 20.0).abs() < 1e-9 && (scales.rpm(course[1].1) - 3000.0).abs() < 1e-9);
+        assert!((scales.seconds(course[2].0) - 22.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn what_is_no_leg_is_told_with_its_line() {
+        assert_eq!(problems(""), ["1:1 no [[leg]], expected 1 to 64 of them"]);
+        let wrong = "[[leg]]\nto = 6\nrate = 0\n[[leg]]\nto = 3\nrate = -0.1\n[[leg]]\nto = 3\nrate = 0.1\n[[leg]]\ndwell = 0\n";
+        let found = problems(wrong);
+        assert!(found[0].starts_with("3:8 rate = 0, expected"), "{found:?}");
+        assert!(found[1].starts_with("6:8 rate = -0.1, expected"), "{found:?}");
+        assert!(found[2].starts_with("8:6 to = 3, expected another speed"), "{found:?}");
+        assert!(found[3].starts_with("11:9 dwell = 0, expected"), "{found:?}");
+        let found = problems("[[leg]]\nto = 1e9\nrate = 1\n[[leg]]\nrate = 1\n[[leg]]\ndwell = 1\nrate = 2\n");
+        assert!(found[0].contains("expected a speed from 0 to"), "{found:?}");
+        assert!(found[1].contains("[[leg]] 2 with neither to nor dwell"), "{found:?}");
+        assert!(found[2].contains("[[leg]] 3: rate beside dwell"), "{found:?}");
+        let found = problems("[[leg]]\nto = 1\nrate = 1\ndecay = \"exponental\"\n[[leg]]\ntoo = 1\n");
+        assert!(
+            found[0].contains("did you mean that?") && found.iter().any(|p| p.contains("did you mean 'to'?")),
+            "{found:?}"
+        );
+    }
+}

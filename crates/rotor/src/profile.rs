@@ -1,0 +1,145 @@
+//! A program of spin speed: legs of change and of rest, one after the other.
+//!
+//! The drive is taken to hold it, whatever torque that needs: the rotor's motion does not act back on the speed.
+
+use crate::Scales;
+
+/// The most legs that a profile has.
+pub const MAX_LEGS: usize = 64;
+
+/// The share of its way at which an exponential leg, which would never arrive, goes on at the rate that it has then.
+pub const REST_OF_DECAY: f64 = 0.01;
+
+/// A part of a speed's program.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Leg {
+    /// To a speed, at so much per unit of `tau`; at once if that is infinite.
+    To {
+        /// The speed `R` it ends at.
+        speed: f64,
+        /// Rate of change, more than 0.
+        rate: f64,
+    },
+    /// To a speed, ever more slowly: at a rate in proportion to what is left, as a rotor coasts down whose drag is in proportion to its
+    /// speed. The last [`REST_OF_DECAY`] of the way is taken at the rate that is left then.
+    Decay {
+        /// The speed `R` it ends at.
+        speed: f64,
+        /// Rate of change at the beginning, more than 0.
+        rate: f64,
+    },
+    /// Stays at the speed it has for so long.
+    Dwell {
+        /// How long, in `tau`.
+        duration: f64,
+    },
+}
+
+impl Leg {
+    /// How long it takes from the speed `from`, and the speed at which it ends.
+    #[must_use]
+    pub fn runs(&self, from: f64) -> (f64, f64) {
+        match *self {
+            Self::To { speed, rate } => ((speed - from).abs() / rate, speed),
+            // ln(1/rest) time constants, and one for the rest.
+            Self::Decay { speed, rate } => ((speed - from).abs() / rate * (1.0 - REST_OF_DECAY.ln()), speed),
+            Self::Dwell { duration } => (duration, from),
+        }
+    }
+}
+
+/// A whole program of speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Profile {
+    /// The speed `R` that it begins at.
+    pub from: f64,
+    /// Its legs: 1 to [`MAX_LEGS`].
+    pub legs: Vec<Leg>,
+    /// Where each leg stands in the file it was read from; 0 where there is none.
+    pub lines: Vec<usize>,
+}
+
+impl Profile {
+    /// From one speed to another at a rate.
+    #[must_use]
+    pub fn ramp(from: f64, to: f64, rate: f64) -> Self {
+        Self { from, legs: vec![Leg::To { speed: to, rate }], lines: vec![0] }
+    }
+
+    /// When each leg begins, in `tau`, and the speed then; and last, when all are over.
+    #[must_use]
+    pub fn course(&self) -> Vec<(f64, f64)> {
+        let mut course = vec![(0.0, self.from)];
+        for leg in &self.legs {
+            let (tau, speed) = *course.last().unwrap_or(&(0.0, self.from));
+            let (takes, ends) = leg.runs(speed);
+            course.push((tau + takes, ends));
+        }
+        course
+    }
+
+    /// How long it takes, in `tau`.
+    #[must_use]
+    pub fn duration(&self) -> f64 {
+        self.course().last().map_or(0.0, |(tau, _)| *tau)
+    }
+
+    /// The speed that it ends at.
+    #[must_use]
+    pub fn ends_at(&self) -> f64 {
+        self.course().last().map_or(self.from, |(_, speed)| *speed)
+    }
+
+    /// The lowest and the highest speed of it.
+    #[must_use]
+    pub fn speeds(&self) -> [f64; 2] {
+        let speeds = self.course().into_iter().map(|(_, speed)| speed);
+        speeds.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], speed| [speed.min(low), speed.max(high)])
+    }
+
+    /// Leg `leg`, counted from 0, in words for a message: `leg 2 (line 7)`.
+    #[must_use]
+    pub fn leg_words(&self, leg: usize) -> String {
+        match self.lines.get(leg) {
+            None | Some(0) => format!("leg {}", leg + 1),
+            Some(line) => format!("leg {} (line {line})", leg + 1),
+        }
+    }
+}
+
+/// What one unit of a profile's file is in dimensionless units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct ProfileUnits {
+    pub(crate) speed: f64,
+    pub(crate) rate: f64,
+    pub(crate) time: f64,
+}
+
+impl ProfileUnits {
+    /// `R` and `tau`; of a rotor with scales rpm, rpm/s and seconds.
+    pub(crate) fn of(scales: Option<Scales>) -> Self {
+        let Some(scales) = scales else { return Self { speed: 1.0, rate: 1.0, time: 1.0 } };
+        let speed = scales.speed(1.0);
+        Self { speed, rate: speed / scales.w0, time: scales.tau(1.0) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_course_is_the_sum_of_the_legs() {
+        let legs = vec![
+            Leg::To { speed: 6.0, rate: 0.01 },
+            Leg::Dwell { duration: 300.0 },
+            Leg::Decay { speed: 0.0, rate: 0.02 },
+        ];
+        let profile = Profile { from: 0.0, legs, lines: vec![1, 4, 6] };
+        let course = profile.course();
+        assert_eq!(course[..3], [(0.0, 0.0), (600.0, 6.0), (900.0, 6.0)]);
+        // A time constant is 6 / 0.02 = 300.
+        assert!((profile.duration() - (900.0 + 300.0 * (100.0_f64.ln() + 1.0))).abs() < 1e-9);
+        assert_eq!((profile.speeds(), profile.leg_words(2)), ([0.0, 6.0], "leg 3 (line 6)".into()));
+    }
+}

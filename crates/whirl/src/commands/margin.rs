@@ -1,0 +1,308 @@
+//! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range.
+
+use ::linear::{DelayMargin, GainMargin, Peak, PhaseMargin};
+use machine::{MachineMargins, MarginsError, WORST, margins, worst_margins};
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+
+use super::linear;
+use crate::catalog::{self, Machine};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::machine_args::MachineArgs;
+use crate::output::{Cell, Format, Table, rounded};
+use crate::range::Range;
+use crate::units::{Units, UnitsDocument};
+
+/// Peaks of sensitivity at which zones A, B and C end, by ISO 14839-3: 9.5, 12 and 14 dB.
+const ISO_14839_3: [f64; 3] = [3.0, 4.0, 5.0];
+/// How many speeds of a range are looked at, if nobody says.
+const POINTS: u32 = 201;
+
+/// Options of `whirl margin`.
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("speeds").required(true).args(["speed", "over"]))]
+pub(crate) struct MarginArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Spin speed R = w / w0 (SI rotors: in rpm)
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: Option<f64>,
+    /// The worst over spin speeds R, both ends included (SI rotors: in rpm)
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    over: Option<Range>,
+    /// How many speeds of the range, evenly spaced; the worst is sought between them too [default: 201]
+    #[arg(long, value_name = "N", requires = "over", value_parser = clap::value_parser!(u32).range(2..=20_000))]
+    points: Option<u32>,
+    /// Peaks of sensitivity at which zones A, B and C end [default: 3,4,5, those of ISO 14839-3]
+    #[arg(long, value_name = "A,B,C", value_delimiter = ',', num_args = 1)]
+    zones: Option<Vec<f64>>,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// The JSON document of one speed.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    speed: f64,
+    stable: bool,
+    min_damping: f64,
+    #[serde(flatten)]
+    margins: Map<String, Value>,
+    /// One a control bearing, with the others closed.
+    bearings: Vec<Value>,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+/// The JSON document of a range.
+#[derive(Debug, Serialize)]
+struct OverDocument<'a> {
+    rotor: &'a str,
+    over: [f64; 2],
+    checked: usize,
+    stable: bool,
+    /// For each margin all of them at the speed where it is worst.
+    worst: Map<String, Value>,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+impl From<MarginsError> for Failure {
+    fn from(error: MarginsError) -> Self {
+        Self::Work(error.to_string())
+    }
+}
+
+/// Prints the margins.
+///
+/// # Errors
+/// A machine that cannot be made or is not stable, or poles that cannot be had.
+pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
+    interrupt::end_at_once()?;
+    let zones = zones(args.zones.as_deref())?;
+    linear::neglects(&args.machine);
+    if let Some(over) = args.over {
+        return run_over(args, over, zones);
+    }
+    let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?;
+    let (rotor, units) = (&machine.rotor, machine.units());
+    let found = margins(rotor, &machine.settings, machine.settings.speed).map_err(|error| told(&error, units))?;
+    let told = Told { found: &found, units, zones, mass: machine.bearing_mass() };
+    let mut table = Table::new(units.pick(&COLUMNS, &COLUMNS_SI));
+    (0..WORST.len()).for_each(|kind| table.row(told.row(kind, None)));
+    let fields = told.fields();
+    let mut bearing = Map::new();
+    bearing.insert("name".into(), json!(format!("mass {}", machine.settings.feedback.bearing + 1)));
+    bearing.extend(fields.clone());
+    let document = Document {
+        rotor: rotor.name(),
+        speed: found.speed,
+        stable: true,
+        min_damping: found.min_damping,
+        margins: fields,
+        bearings: vec![Value::Object(bearing)],
+        units: units.document(),
+    };
+    let heading =
+        format!("{}: margins at {}, deadband neglected", rotor.name(), units.speed_text(machine.settings.speed));
+    let footer = format!("minimum damping {}\n{}", rounded(found.min_damping), told.remarks(&machine));
+    args.format.print(&document, &heading, &table, &footer)
+}
+
+fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failure> {
+    let (machine, range) = Machine::open_over(&args.machine, over)?;
+    let (rotor, units) = (&machine.rotor, machine.units());
+    let speeds = range.points(args.points.unwrap_or(POINTS) as usize);
+    let worst = worst_margins(rotor, &machine.settings, &speeds).map_err(|error| told(&error, units))?;
+    let columns = units.pick(&COLUMNS, &COLUMNS_SI);
+    let mut table = Table::new(&[&columns[..], &[units.pick("at R", "at (rpm)")]].concat());
+    let mut fields = Map::new();
+    let mut remarks = String::new();
+    for (kind, (name, found)) in WORST.iter().zip(&worst).enumerate() {
+        let key = name.replace(' ', "_");
+        let Some(found) = found else {
+            fields.insert(key.clone(), Value::Null);
+            fields.insert(format!("{key}_null"), json!(WITHOUT[kind]));
+            continue;
+        };
+        let told = Told { found, units, zones, mass: machine.bearing_mass() };
+        table.row(told.row(kind, Some(found.speed)));
+        let mut all = Map::new();
+        all.insert("speed".into(), json!(found.speed));
+        all.insert("min_damping".into(), json!(found.min_damping));
+        all.extend(told.fields());
+        fields.insert(key, Value::Object(all));
+        remarks = told.remarks(&machine);
+    }
+    let document = OverDocument {
+        rotor: rotor.name(),
+        over: [range.from, range.to],
+        checked: speeds.len(),
+        stable: true,
+        worst: fields,
+        units: units.document(),
+    };
+    let heading = format!("{}: worst margins for {}, deadband neglected", rotor.name(), units.range_text(over));
+    let footer =
+        format!("stable at all {} speeds looked at; each worst is pinned down between them\n{remarks}", speeds.len());
+    args.format.print(&document, &heading, &table, &footer)
+}
+
+/// An unstable loop is refused with its pole, in the units of the machine.
+fn told(error: &MarginsError, units: Units) -> Failure {
+    match error {
+        MarginsError::Unstable { speed, pole } => Failure::Work(format!(
+            "the machine is not stable at {}: it has a pole at {} {:+.6} j {}, so its loop has no margins",
+            units.speed_text(*speed),
+            rounded(units.rate(pole.re)),
+            units.rate(pole.im),
+            units.pick("per tau", "per s")
+        )),
+        MarginsError::Poles(_) => Failure::Work(error.to_string()),
+    }
+}
+
+fn zones(typed: Option<&[f64]>) -> Result<[f64; 3], Failure> {
+    let Some(typed) = typed else { return Ok(ISO_14839_3) };
+    match typed {
+        [a, b, c] if 1.0 <= *a && a < b && b < c && c.is_finite() => Ok([*a, *b, *c]),
+        _ => Err(Failure::Usage("--zones: expected three rising numbers from 1 on, such as 3,4,5".into())),
+    }
+}
+
+const COLUMNS: [&str; 4] = ["margin", "value", "unit", "frequency"];
+const COLUMNS_SI: [&str; 4] = ["margin", "value", "unit", "frequency (Hz)"];
+
+/// Why there is none of each of [`WORST`].
+const WITHOUT: [&str; WORST.len()] = [
+    "no delay makes it unstable: the loop gain is 1 nowhere",
+    "no larger gain makes it unstable",
+    "no smaller gain makes it unstable",
+    "the loop gain is 1 nowhere",
+    "",
+    "",
+    "",
+    "the loop has no force to speak of",
+];
+
+/// One set of margins, for people and scripts.
+struct Told<'a> {
+    found: &'a MachineMargins,
+    units: Units,
+    zones: [f64; 3],
+    /// Mass ratio of the control bearing's mass.
+    mass: f64,
+}
+
+impl Told<'_> {
+    fn zone(&self, peak: f64) -> &'static str {
+        let passed = self.zones.iter().filter(|end| peak >= **end).count();
+        ["A", "B", "C", "D"][passed]
+    }
+
+    /// A row of the table for one of [`WORST`].
+    fn row(&self, kind: usize, at: Option<f64>) -> Vec<Cell> {
+        let (units, margins) = (self.units, &self.found.margins);
+        let peak = |peak: Peak| Some((peak.amplitude, "", peak.frequency));
+        let force = units.force(1.0, self.mass) / units.length(1.0);
+        let entry = match kind {
+            0 => margins.delay.map(|d| (units.time(d.delay), units.pick("tau", "s"), Some(d.frequency))),
+            1 => margins.gain_up.map(|g| (g.factor, "times", Some(g.frequency))),
+            2 => margins.gain_down.map(|g| (g.factor, "times", Some(g.frequency))),
+            3 => margins.phase.map(|p| (p.angle.to_degrees(), "degrees", Some(p.frequency))),
+            4 => peak(margins.sensitivity()),
+            5 => peak(margins.axis),
+            6 => peak(margins.complementary),
+            _ => Some((self.found.force.amplitude * force, units.pick("w0^2", "N/m"), self.found.force.frequency)),
+        };
+        let mut row = vec![Cell::from(&WORST[kind])];
+        match entry {
+            Some((value, unit, frequency)) => {
+                let frequency = frequency.map_or(Cell::Without("far out"), |w| units.frequency(w).into());
+                let unit = if kind == 4 { format!("zone {}", self.zone(value)) } else { unit.to_owned() };
+                row.extend([value.into(), Cell::from(&unit), frequency]);
+            }
+            None => row.extend([Cell::Without("none"), Cell::from(&""), Cell::Without("")]),
+        }
+        row.extend(at.map(|speed| Cell::from(units.speed(speed))));
+        row
+    }
+
+    /// Every margin as scripts read it.
+    fn fields(&self) -> Map<String, Value> {
+        let margins = &self.found.margins;
+        let peak = |peak: Peak| json!({"peak": peak.amplitude, "frequency": peak.frequency});
+        let delay = |DelayMargin { delay, frequency }: DelayMargin| {
+            let turns = delay * self.found.speed / std::f64::consts::TAU;
+            let seconds = self.units.scales().map(|scales| scales.seconds(delay));
+            let mut made = json!({
+                "tau": delay,
+                "seconds": seconds,
+                "turns": (self.found.speed != 0.0).then_some(turns),
+                "frequency": frequency,
+            });
+            if seconds.is_none() {
+                made["seconds_null"] = json!("the rotor is dimensionless");
+            }
+            if self.found.speed == 0.0 {
+                made["turns_null"] = json!("the rotor is at rest");
+            }
+            made
+        };
+        let gain = |GainMargin { factor, frequency }: GainMargin| json!({"factor": factor, "frequency": frequency});
+        let phase = |PhaseMargin { angle, frequency }: PhaseMargin| json!({"degrees": angle.to_degrees(), "frequency": frequency});
+        let mut made = Map::new();
+        let put = |to: &mut Map<String, Value>, name: &str, value: Option<Value>, kind: usize| {
+            if value.is_none() {
+                to.insert(format!("{name}_null"), json!(WITHOUT[kind]));
+            }
+            to.insert(name.into(), value.unwrap_or(Value::Null));
+        };
+        put(&mut made, "delay", margins.delay.map(delay), 0);
+        let mut gains = Map::new();
+        put(&mut gains, "up", margins.gain_up.map(gain), 1);
+        put(&mut gains, "down", margins.gain_down.map(gain), 2);
+        made.insert("gain".into(), Value::Object(gains));
+        put(&mut made, "phase", margins.phase.map(phase), 3);
+        let worst = margins.sensitivity();
+        made.insert(
+            "sensitivity".into(),
+            json!({
+                "peak": worst.amplitude,
+                "decibels": 20.0 * worst.amplitude.log10(),
+                "frequency": worst.frequency,
+                "zone": self.zone(worst.amplitude),
+                "zones": self.zones,
+                "forward": peak(margins.forward),
+                "backward": peak(margins.backward),
+                "axis": peak(margins.axis),
+            }),
+        );
+        made.insert("complementary".into(), peak(margins.complementary));
+        made.insert("force".into(), peak(self.found.force));
+        made
+    }
+
+    /// What must be known of all this, in lines.
+    fn remarks(&self, machine: &Machine) -> String {
+        let parts = &machine.settings.feedback.parts;
+        let origin = if self.zones == ISO_14839_3 { "the limits of ISO 14839-3" } else { "limits as typed" };
+        let [a, b, c] = self.zones;
+        let mut lines = vec![
+            format!("zones A, B, C end at a sensitivity of {a}, {b}, {c} ({origin}); an aid, not a certificate"),
+            format!(
+                "frequency in {}, negative for backward whirl; axis: one real axis; force: per noise in the displacements",
+                self.units.pick("radians per tau", "Hz")
+            ),
+        ];
+        if parts.sample > 0.0 {
+            lines.push("sampled: the gain is that from sample to sample, up to half the sampling rate".into());
+        }
+        if parts.limit.min(parts.slew).is_finite() || parts.noise > 0.0 || parts.quantum > 0.0 {
+            lines.push("noise, resolution and limits play no part".into());
+        }
+        lines.join("\n")
+    }
+}

@@ -1,0 +1,341 @@
+//! `whirl runup`: the transient response while the speed changes, and the critical speeds that it passes.
+
+mod draw;
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use rotor::profile::Profile;
+use rotor::{C64, Settings};
+use serde::Serialize;
+use study::runup::{Critical, Peak, RunUp, RunUpError, RunUpPlan, RunUpPoint};
+
+use crate::catalog::{self, Machine};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::machine_args::MachineArgs;
+use crate::output::{Cell, Format, Table};
+use crate::picture;
+use crate::place::Force;
+use crate::units::{Units, UnitsDocument};
+
+/// Options of `whirl runup`.
+///
+/// The drive is taken to hold the profile, whatever torque that needs. A critical speed is a peak of the first order (what turns with the
+/// spin, turn by turn) that stands out by 0.293 of its height; its amplification is N / (N2 - N1) between the half-power points.
+#[derive(Debug, clap::Args)]
+pub(crate) struct RunupArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Spin speed R at the beginning, in the steady orbit there (SI rotors: in rpm)
+    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "profile")]
+    from: f64,
+    /// Spin speed R at the end; below --from for a coast-down (SI rotors: in rpm)
+    #[arg(long, value_name = "R", allow_negative_numbers = true, required_unless_present = "profile")]
+    to: Option<f64>,
+    /// Rate of change of R per unit of tau, more than 0 (SI rotors: rpm per second)
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true, required_unless_present = "profile")]
+    rate: Option<f64>,
+    /// Legs of speed from a file instead
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["to", "rate"])]
+    profile: Option<String>,
+    /// How many points of the response, evenly over time
+    #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u64).range(2..=100_000))]
+    points: u64,
+    /// Draw amplitude and phase over speed into FILE.svg or FILE.png
+    #[arg(long, value_name = "FILE", group = "written")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// The JSON document. Dimensionless throughout.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    legs: Vec<LegDocument>,
+    /// Whether it began on the steady orbit of its first speed; otherwise from rest in the centre.
+    began_steady: bool,
+    points: Vec<PointDocument<'a>>,
+    criticals: Vec<CriticalDocument>,
+    steps: u64,
+    dtau: f64,
+    seconds: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    tripped: Option<TripDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+#[derive(Debug, Serialize)]
+struct LegDocument {
+    tau: [f64; 2],
+    speed: [f64; 2],
+}
+
+#[derive(Debug, Serialize)]
+struct PointDocument<'a> {
+    tau: f64,
+    speed: f64,
+    /// Largest in the turn, per mass.
+    radius: &'a [f64],
+    first_order: Vec<FirstOrder>,
+    /// Root mean square of all but the first order.
+    rest: &'a [f64],
+    /// Root mean square of what whirls more slowly than the spin; `null` in the first eight turns.
+    subsynchronous: Option<&'a [f64]>,
+    force: f64,
+}
+
+#[derive(Debug, Serialize)]
+struct FirstOrder {
+    amplitude: f64,
+    /// Angle by which it runs ahead of the spin's, in radians.
+    phase: f64,
+}
+
+impl From<&C64> for FirstOrder {
+    fn from(first: &C64) -> Self {
+        Self { amplitude: first.norm(), phase: first.arg() }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct CriticalDocument {
+    speed: f64,
+    /// `null` where the leg has not both half-power points.
+    amplification: Option<f64>,
+    peak: f64,
+    /// The mass, counted from 1.
+    station: usize,
+    /// The leg, counted from 1.
+    leg: usize,
+    half_power: [Option<f64>; 2],
+    /// The peak of the steady response at this mass that belongs to it; `null` where there is none.
+    steady: Option<SteadyDocument>,
+}
+
+#[derive(Debug, Serialize)]
+struct SteadyDocument {
+    speed: f64,
+    amplification: Option<f64>,
+    peak: f64,
+}
+
+impl From<&Critical> for CriticalDocument {
+    fn from(critical: &Critical) -> Self {
+        let Critical { leg, station, peak, .. } = critical;
+        let steady = |p: Peak| SteadyDocument { speed: p.speed, amplification: p.amplification(), peak: p.height };
+        Self {
+            speed: peak.speed,
+            amplification: peak.amplification(),
+            peak: peak.height,
+            station: station + 1,
+            leg: leg + 1,
+            half_power: peak.half_power,
+            steady: critical.steady.map(steady),
+        }
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct TripDocument {
+    tau: f64,
+    speed: f64,
+    station: usize,
+    radius: f64,
+}
+
+/// Runs it, and prints what came out.
+///
+/// # Errors
+/// A machine or a profile that cannot be made or stepped, a picture that cannot be written, an interrupt; a trip, once all is told.
+pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
+    let machine = Machine::open(&args.machine, None, catalog::Default::Trips)?;
+    if let Some(path) = &args.out {
+        picture::check(path, args.force)?;
+    }
+    let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    let profile = profile(args, &machine)?;
+    let stop = interrupt::flag()?;
+    let began = Instant::now();
+    let plan = RunUpPlan::new(rotor.clone(), settings.clone(), profile, args.points as usize)?;
+    let found = plan.run(&mut |_| (), &stop).map_err(|error| match (error, &args.profile) {
+        (RunUpError::Interrupted, _) => Failure::Interrupted,
+        (error, Some(path)) => Failure::Usage(format!("{path}: {error}")),
+        (error, None) => Failure::Usage(error.to_string()),
+    })?;
+    let seconds = began.elapsed().as_secs_f64();
+    if let Some(path) = &args.out {
+        let steady = study::runup::steady_response(&plan);
+        picture::draw(path, args.force, &draw::charts(&plan, &found, steady.as_ref(), units))?;
+    }
+    print(args, &machine, &plan, &found, seconds)?;
+    match found.tripped {
+        Some(_) => Err(Failure::Work(trip_text(&found, units))),
+        None => Ok(()),
+    }
+}
+
+/// The profile that was asked for.
+fn profile(args: &RunupArgs, machine: &Machine) -> Result<Profile, Failure> {
+    let (Machine { rotor, settings }, units) = (machine, machine.units());
+    if let Some(path) = &args.profile {
+        return catalog::profile(rotor, path);
+    }
+    let (Some(to), Some(rate)) = (args.to, args.rate) else {
+        return Err(Failure::Usage("expected --to and --rate, or --profile".into()));
+    };
+    if !(rate.is_finite() && rate > 0.0) {
+        return Err(Failure::Usage(format!("rate = {rate}: expected a finite number greater than 0, up or down")));
+    }
+    // The same limits as the setting has.
+    let speed = |typed| {
+        let mut at = Settings { ..settings.clone() };
+        units.set(rotor, &mut at, "speed".parse()?, typed).map(|()| at.speed)
+    };
+    let (from, to) = (speed(args.from)?, speed(to)?);
+    if from == to {
+        return Err(Failure::Usage(format!("--from {} --to {}: expected two speeds", args.from, args.from)));
+    }
+    Ok(Profile::ramp(from, to, units.speed_rate_from_typed(rate)))
+}
+
+fn trip_text(found: &RunUp, units: Units) -> String {
+    found.tripped.map_or(String::new(), |(trip, tau, speed)| {
+        format!(
+            "tripped at {}, {}: mass {} reached {} {}, past the limit of {}",
+            units.time_text(tau),
+            units.speed_text(crate::output::rounded(speed).parse().unwrap_or(speed)),
+            trip.station + 1,
+            crate::output::rounded(units.length(trip.radius)),
+            units.length_unit(),
+            crate::output::rounded(units.length(trip.limit))
+        )
+    })
+}
+
+fn print(args: &RunupArgs, machine: &Machine, plan: &RunUpPlan, found: &RunUp, seconds: f64) -> Result<(), Failure> {
+    let (rotor, units) = (&machine.rotor, machine.units());
+    let course = plan.profile.course();
+    let table = if args.format.csv { points_table(machine, found) } else { criticals_table(found, units) };
+    let document = Document {
+        rotor: rotor.name(),
+        legs: course.windows(2).map(|w| LegDocument { tau: [w[0].0, w[1].0], speed: [w[0].1, w[1].1] }).collect(),
+        began_steady: found.began_steady,
+        points: found.points.iter().map(point).collect(),
+        criticals: found.criticals.iter().map(CriticalDocument::from).collect(),
+        steps: found.steps,
+        dtau: plan.dtau,
+        seconds,
+        tripped: found.tripped.map(|(trip, tau, speed)| TripDocument {
+            tau,
+            speed,
+            station: trip.station + 1,
+            radius: trip.radius,
+        }),
+        units: units.document(),
+    };
+    let speeds: Vec<String> = course.iter().map(|(_, speed)| units.speed_cell(*speed)).collect();
+    let per = units.pick("; peaks in e_t", "; peaks in m");
+    let heading = format!("{}: critical speeds of a run {}{per}", rotor.name(), speeds.join(" to "));
+    let none = if found.criticals.is_empty() { "no peak stands out\n" } else { "" };
+    let start = if found.began_steady {
+        ""
+    } else {
+        "began at rest in the centre: no steady orbit is known to be stable there\n"
+    };
+    let levels = levels(machine, found);
+    args.format.print(&document, &heading, &table, &format!("{none}{start}{levels}"))
+}
+
+fn point(point: &RunUpPoint) -> PointDocument<'_> {
+    let turn = &point.turn;
+    PointDocument {
+        tau: turn.tau,
+        speed: turn.speed,
+        radius: &turn.radius,
+        first_order: turn.first_order.iter().map(FirstOrder::from).collect(),
+        rest: &turn.rest,
+        subsynchronous: point.subsynchronous.as_deref(),
+        force: turn.force,
+    }
+}
+
+fn criticals_table(found: &RunUp, units: Units) -> Table {
+    let mut table = Table::new(units.pick(
+        &["leg", "mass", "speed", "peak", "amplification", "steady speed", "steady peak", "steady amplification"],
+        &[
+            "leg",
+            "mass",
+            "speed (rpm)",
+            "peak (m)",
+            "amplification",
+            "steady speed (rpm)",
+            "steady peak (m)",
+            "steady amplification",
+        ],
+    ));
+    for Critical { leg, station, peak, steady } in &found.criticals {
+        let of = |peak: Option<Peak>| {
+            let number = |value: Option<f64>, without| value.map_or(Cell::Without(without), Cell::from);
+            [
+                number(peak.map(|p| units.speed(p.speed)), "none"),
+                number(peak.map(|p| units.length(p.height)), "none"),
+                number(peak.and_then(|p| p.amplification()), if peak.is_some() { "one side only" } else { "none" }),
+            ]
+        };
+        let head = [Cell::from(&(leg + 1)), Cell::from(&(station + 1))];
+        table.row(head.into_iter().chain(of(Some(*peak))).chain(of(*steady)));
+    }
+    table
+}
+
+/// A row a point, for spreadsheets.
+fn points_table(machine: &Machine, found: &RunUp) -> Table {
+    let (units, mass) = (machine.units(), machine.bearing_mass());
+    let mut names = vec!["tau".to_owned(), "speed".into(), "force".into()];
+    for k in 1..=machine.rotor.len() {
+        names.extend(["amplitude", "phase", "radius", "rest", "subsynchronous"].map(|name| format!("{name}{k}")));
+    }
+    let mut table = Table::new(&names);
+    for RunUpPoint { turn, subsynchronous } in &found.points {
+        let mut row: Vec<Cell> =
+            [turn.tau, units.speed(turn.speed), units.force(turn.force, mass)].map(Cell::from).into();
+        for (k, first) in turn.first_order.iter().enumerate() {
+            row.extend(
+                [units.length(first.norm()), first.arg(), units.length(turn.radius[k]), units.length(turn.rest[k])]
+                    .map(Cell::from),
+            );
+            let slow = subsynchronous.as_ref().map(|slow| units.length(slow[k]));
+            row.push(slow.map_or(Cell::Without("not yet"), Cell::from));
+        }
+        table.row(row);
+    }
+    table
+}
+
+/// The largest of everything, in words.
+fn levels(machine: &Machine, found: &RunUp) -> String {
+    let units = machine.units();
+    let most = |of: &dyn Fn(&RunUpPoint) -> f64| {
+        found.points.iter().map(|p| (of(p), p.turn.speed)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
+    };
+    let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+    let rounded = crate::output::rounded;
+    let line = |what: &str, (value, speed): (f64, f64), unit: &str| {
+        format!("{what} {} {unit} at {}\n", rounded(value), units.speed_text(rounded(speed).parse().unwrap_or(speed)))
+    };
+    let length = |(value, speed)| (units.length(value), speed);
+    let (force, at) = most(&|p| p.turn.force);
+    let force = (units.force(force, machine.bearing_mass()), at);
+    line("largest orbit", length(most(&|p| largest(&p.turn.radius))), units.length_unit())
+        + &line(
+            "largest subsynchronous whirl (rms)",
+            length(most(&|p| p.subsynchronous.as_deref().map_or(0.0, largest))),
+            units.length_unit(),
+        )
+        + &line("largest force", force, units.force_unit())
+}

@@ -1,0 +1,38 @@
+//! Charts that commands write into files: refused before any work is done, drawn in the form that the name asks for.
+
+use std::path::Path;
+
+use study::plot::{Chart, png, stacked, svg};
+
+use crate::failure::Failure;
+use crate::place::Force;
+
+/// Whether `path` ends as a picture does.
+#[must_use]
+pub(crate) fn is_picture(path: &Path) -> bool {
+    matches!(path.extension().and_then(|end| end.to_str()), Some("svg" | "png"))
+}
+
+/// Refuses a picture of unknown kind, or one that is there.
+///
+/// # Errors
+/// The same, in words.
+pub(crate) fn check(path: &Path, force: Force) -> Result<(), Failure> {
+    if is_picture(path) {
+        return force.check(path);
+    }
+    Err(Failure::Usage(format!("'{}': expected a picture that ends in .svg or .png", path.display())))
+}
+
+/// Draws charts, one above the other, into a file that ends in `.svg` or `.png`.
+///
+/// # Errors
+/// The file cannot be written, or a font's glyph not drawn.
+pub(crate) fn draw(path: &Path, force: Force, charts: &[Chart]) -> Result<(), Failure> {
+    let scene = stacked(charts);
+    if path.extension().is_some_and(|end| end == "png") {
+        let bytes = png(&scene).map_err(|error| Failure::Work(format!("cannot draw '{}': {error}", path.display())))?;
+        return force.write(path, bytes);
+    }
+    force.write(path, svg(&scene, charts.first().map_or("", |chart| &chart.title)))
+}

@@ -1,0 +1,106 @@
+//! Snapshots in recordings: whoever goes on from one gets what happened, to the last bit, whatever the loop holds.
+
+use std::path::Path;
+
+use machine::{Machine, Program, Words};
+use promises::{Root, run};
+use rotor::C64;
+use tape::{Recording, Snapshot};
+use wire::{Happening, State, Step};
+
+use super::recorder::{info, steps, text};
+
+/// A machine at a snapshot, under the settings that the next step was made with.
+fn at(recording: &Recording, snapshot: &Snapshot) -> Machine {
+    let revision = recording.settings_at(snapshot.next).unwrap();
+    let (rotor, dtau) = (recording.rotor(), recording.session().dtau);
+    let mut machine = Machine::new(Program::in_substeps(rotor, &revision.settings, dtau, revision.substeps).unwrap());
+    assert!(machine.restore(&mut Words::from_saved(snapshot.words.clone())), "before step {}", snapshot.next);
+    machine
+}
+
+fn is_there(machine: &Machine, state: &State) -> bool {
+    let (sample, pair) = (machine.sample(), |z: C64| [z.re, z.im]);
+    let mut points = sample.displacement.iter().zip(sample.velocity).zip(state.points());
+    (sample.tau, sample.angle) == (state.tau(), state.angle())
+        && pair(sample.output.delivered) == state.force_delivered()
+        && pair(sample.output.commanded) == state.force_commanded()
+        && points.all(|((p, v), point)| pair(*p) == [point.y, point.z] && pair(*v) == [point.vy, point.vz])
+        && (0..state.masses()).all(|mass| pair(machine.reading(mass)) == state.reading(mass))
+}
+
+/// Goes on from snapshots all over a recording of a run to its end.
+fn goes_on(path: &Path) {
+    let recorded = steps(path);
+    let mut recording = Recording::open(path).unwrap();
+    let last = *recorded.keys().last().unwrap();
+    let paces = recording.paces();
+    for from in [1, 400, last / 3, last / 2, last - 10] {
+        let snapshot = recording.snapshot_before(from).unwrap().expect("one at the beginning");
+        assert!(from - snapshot.next < 3000, "{}", snapshot.next);
+        let mut machine = at(&recording, &snapshot);
+        for seq in snapshot.next..=last {
+            if let Some((_, dtau)) = paces.iter().find(|(at, _)| *at == seq) {
+                machine.pace(*dtau);
+            }
+            // In a run an impulse has a row of its own.
+            let mut is_struck = false;
+            for event in recording.events().iter().filter(|event| event.at.seq == seq && seq > snapshot.next) {
+                if let Happening::Impulse { mass, velocity } = event.happening {
+                    machine.kick(mass, velocity);
+                    is_struck = true;
+                }
+            }
+            if !is_struck {
+                machine.step();
+            }
+            assert!(is_there(&machine, &recorded[&seq]), "step {seq} from that before {} on", snapshot.next);
+        }
+    }
+}
+
+#[test]
+fn a_run_on_file_is_gone_on_with_to_the_last_bit_whatever_its_loop_holds() {
+    let root = Root::new();
+    let feedback = root.path().join("filtered.toml");
+    let filters = r#"filter = [{ kind = "lowpass", corner = 60.0, order = 2 }]"#;
+    let text_of = |filter: &str| {
+        format!(
+            "bearing = 1\n\n[[signal]]\ndisplacement = [1, 1, 0]\nvelocity = [1, 1, 0]\nkd = -0.39\ncd = 0.49\nkc = -0.56\n\
+             cc = 0.56\n{filter}\n"
+        )
+    };
+    std::fs::write(&feedback, text_of(filters)).unwrap();
+    let everything =
+        ["delay=0.02", "noise=0.001", "lag=0.01", "sensor_lag=0.01", "limit=5", "slew=60", "quantum=0.0005"];
+    let sampled = [&everything[..], &["sample=0.04"]].concat();
+    let cases: [&[&str]; 8] = [
+        &[],
+        &["delay=0.033"],
+        &["noise=0.01", "seed=5"],
+        &["lag=0.03"],
+        &["sample=0.04"],
+        &["slew=0.8"],
+        &everything,
+        &sampled,
+    ];
+    for (number, parts) in cases.iter().enumerate() {
+        let path = root.path().join(format!("{number}.rrd"));
+        let mut arguments =
+            vec!["run", "three-mass", "--feedback", text(&feedback), "--speed", "2.5", "--deadband", "1"];
+        arguments.extend([
+            "--duration",
+            "60",
+            "--impulse",
+            "mass=2,vy=0.5,at=21.3",
+            "--impulse",
+            "mass=1,vz=0.7,at=40",
+        ]);
+        parts.iter().for_each(|part| arguments.extend(["--set", part]));
+        arguments.extend(["--out", text(&path)]);
+        let ran = run(&arguments);
+        assert_eq!(ran.code, Some(0), "{parts:?}: {ran:?}");
+        assert!(info(&path)["snapshots"].as_u64().unwrap() >= 3, "{parts:?}");
+        goes_on(&path);
+    }
+}

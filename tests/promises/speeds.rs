@@ -1,0 +1,104 @@
+//! Speed in motion: run-ups offline, and profiles that a live bench follows.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+
+use promises::{Root, run};
+
+fn number(value: &serde_json::Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn a_run_up_tells_its_points_and_its_critical_speeds() {
+    let ran = ["runup", "three-mass", "--feedback", "individual", "--from", "0", "--to", "6", "--rate", "0.01"];
+    let document = run(&[&ran[..], &["--json"]].concat()).json();
+    let points = document["points"].as_array().unwrap();
+    let last = points.last().unwrap();
+    assert!(number(&last["speed"]) > 5.9 && (number(&last["tau"]) - 600.0).abs() < 5.0, "{last}");
+    assert_eq!(last["first_order"].as_array().unwrap().len(), 3);
+    assert!(points.windows(2).all(|pair| number(&pair[0]["speed"]) < number(&pair[1]["speed"])));
+    let criticals = document["criticals"].as_array().unwrap();
+    let mass_1 = criticals.iter().find(|c| c["station"] == 1).unwrap();
+    // Later than the steady one, as run-ups are.
+    assert!(number(&mass_1["speed"]) > number(&mass_1["steady"]["speed"]), "{mass_1}");
+    let [low, high] = [0, 1].map(|side| number(&mass_1["half_power"][side]));
+    assert!((number(&mass_1["speed"]) / (high - low) - number(&mass_1["amplification"])).abs() < 1e-9);
+    let csv = run(&[&ran[..], &["--csv"]].concat()).stdout;
+    assert!(csv.starts_with("tau,speed,force,amplitude1,phase1,radius1,rest1,subsynchronous1,"), "{csv}");
+    assert_eq!(csv.lines().count(), points.len() + 1);
+}
+
+#[test]
+fn a_run_up_is_drawn_and_a_trip_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let bode = folder.path().join("bode.svg");
+    let out = bode.to_str().unwrap();
+    let ran = ["runup", "jeffcott", "--feedback", "off", "--from", "0", "--to", "2", "--rate", "0.002", "--out", out];
+    assert_eq!(run(&ran).code, Some(0));
+    let drawn = std::fs::read_to_string(&bode).unwrap();
+    assert!(drawn.contains("Phase (degrees)") && drawn.contains("steady"), "{}", &drawn[..400]);
+    // Nothing is overwritten.
+    assert_eq!(run(&ran).code, Some(2));
+    let tripped = run(&["runup", "three-mass", "--to", "6", "--rate", "0.02", "--set", "trip=50"]);
+    assert_eq!(tripped.code, Some(1));
+    assert!(tripped.stderr.contains("tripped at") && tripped.stderr.contains("past the limit of 50"), "{tripped:?}");
+}
+
+#[test]
+fn what_is_no_run_up_is_refused_with_line_and_leg() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("up.toml");
+    let file = path.to_str().unwrap();
+    for (text, told) in [
+        ("[[leg]]\nto = 6\nrate = 0\n", "up.toml:3:8: rate = 0: expected"),
+        ("[[leg]]\nto = 6\nrate = 1\n[[leg]]\nto = 6\nrate = 1\n", "up.toml:5:6: to = 6: expected another speed"),
+        ("[[leg]]\ndwell = -1\n", "up.toml:2:9: dwell = -1: expected"),
+        ("[[leg]]\nto = 6\nrates = 1\n", "did you mean 'rate'?"),
+    ] {
+        std::fs::write(&path, text).unwrap();
+        for command in [&["runup", "three-mass", "--profile", file][..], &["sim", "three-mass", "--profile", file]] {
+            let refused = Root::new().run(command);
+            assert_eq!(refused.code, Some(2), "{refused:?}");
+            assert!(refused.stderr.contains(told), "{told}: {refused:?}");
+        }
+    }
+    // Too fast for the steps that there is time for: the second leg leads there.
+    std::fs::write(&path, "[[leg]]\nto = 2\nrate = 1\n[[leg]]\nto = 900\nrate = 1\n").unwrap();
+    let refused = Root::new().run(&["sim", "three-mass", "--profile", file, "--rate", "20000", "--dtau", "0.1"]);
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("leg 2 (line 4): dtau = 0.1 is too long for the spin"), "{refused:?}");
+    for (arguments, told) in [
+        (&["--to", "3", "--rate", "-1"][..], "rate = -1: expected"),
+        (&["--from", "3", "--to", "3", "--rate", "1"], "expected two speeds"),
+        (&["--to", "3"], "--rate"),
+    ] {
+        let refused = run(&[&["runup", "three-mass"][..], arguments].concat());
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        assert!(refused.stderr.contains(told), "{refused:?}");
+    }
+}
+
+#[test]
+fn a_live_bench_follows_a_profile_until_its_speed_is_set() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("up.toml");
+    std::fs::write(&path, "from = 1.0\n[[leg]]\nto = 3.0\nrate = 0.001\n[[leg]]\ndwell = 1e6\n").unwrap();
+    let root = Root::new();
+    let file = path.to_str().unwrap();
+    let _simulation = root.simulate(&["three-mass", "--feedback", "individual", "--profile", file]);
+    let speeds = |count: &str| -> Vec<(f64, f64)> {
+        let told = root.run(&["tail", "--json", "--count", count]).stdout;
+        let step = |line: &str| serde_json::from_str::<serde_json::Value>(line).unwrap();
+        told.lines().map(step).map(|step| (number(&step["tau"]), number(&step["speed"]))).collect()
+    };
+    let on_the_way = |steps: &[(f64, f64)]| {
+        assert!(!steps.is_empty());
+        steps.iter().all(|(tau, speed)| (speed - (1.0 + 0.001 * tau)).abs() < 1e-9)
+    };
+    assert!(on_the_way(&speeds("200")));
+    // Gains do not take it off its way.
+    assert_eq!(root.run(&["set", "kd.1=3.9"]).code, Some(0));
+    assert!(on_the_way(&speeds("200")));
+    assert_eq!(root.run(&["set", "speed=1.5"]).code, Some(0));
+    assert!(speeds("50").iter().all(|(_, speed)| *speed == 1.5));
+}
