@@ -29,15 +29,24 @@ pub(crate) const MAX_NODES: usize = 4 * MAX_PARTIES;
 /// How long a service that is being made or taken down by somebody else is waited for.
 const FLUX: Duration = Duration::from_secs(2);
 
+/// A root that iceoryx2 cannot use.
+#[derive(Debug, thiserror::Error)]
+pub(crate) enum ConfigError {
+    /// Its path is too long, or has what no path may have.
+    #[error("not a path that iceoryx2 can use ({0})")]
+    Path(SemanticStringError),
+    /// The same of the prefix of names in shared memory.
+    #[error("not a prefix that iceoryx2 can use ({0})")]
+    Prefix(SemanticStringError),
+}
+
 /// The configuration of iceoryx2 for services under `folder` whose shared memory is called `prefix` and so on. Nothing
 /// of it comes from files or the environment, so that all processes have the same.
-pub(crate) fn config(folder: &Path, prefix: &str) -> Result<Config, String> {
+pub(crate) fn config(folder: &Path, prefix: &str) -> Result<Config, ConfigError> {
     let mut config = Config::default();
-    let path = iceoryx2::prelude::Path::new(folder.as_os_str().as_encoded_bytes())
-        .map_err(|error| format!("not a path that iceoryx2 can use ({error:?})"))?;
+    let path = iceoryx2::prelude::Path::new(folder.as_os_str().as_encoded_bytes()).map_err(ConfigError::Path)?;
     config.global.set_root_path(&path);
-    config.global.prefix =
-        FileName::new(prefix.as_bytes()).map_err(|error| format!("not a prefix that iceoryx2 can use ({error:?})"))?;
+    config.global.prefix = FileName::new(prefix.as_bytes()).map_err(ConfigError::Prefix)?;
     Ok(config)
 }
 
@@ -47,7 +56,7 @@ pub(crate) fn service(node: &Node<Ipc>, bench: &BenchName, topic: &str) -> Resul
     Ok(node.service_builder(&name))
 }
 
-/// What should not happen, told as it is.
+/// What should not happen, told as it is: for a person to read, never to be told apart by its words.
 pub(crate) fn internal(error: impl Debug) -> WireError {
     WireError::Internal(format!("{error:?}"))
 }

@@ -46,7 +46,7 @@ impl SharedMemory {
     /// A root that iceoryx2 cannot use as a path.
     pub fn new(root: &Root, role: &str) -> Result<Self, WireError> {
         let config = iceoryx::config(&root.iceoryx2(), root.prefix())
-            .map_err(|problem| WireError::Root { path: root.path().to_owned(), problem })?;
+            .map_err(|error| WireError::Root { path: root.path().to_owned(), problem: error.to_string() })?;
         Ok(Self { config, role: role.to_owned(), root: root.clone() })
     }
 
