@@ -14,7 +14,7 @@ const OURSELVES: &str = "sim";
 #[derive(Debug, Default)]
 pub(crate) struct Log {
     number: u64,
-    waiting: Vec<Box<Event>>,
+    waiting: Vec<Event>,
 }
 
 /// When something happened: the step and the time of the rotor that [`Event`] speaks of.
@@ -61,7 +61,7 @@ impl Log {
         event.settings = bulletin.settings.clone();
         event.substeps = bulletin.substeps;
         sign(&mut event);
-        self.waiting.push(event);
+        self.waiting.push(*event);
     }
 
     /// Sends what has been noted.

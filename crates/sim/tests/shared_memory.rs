@@ -74,7 +74,6 @@ fn a_bench_with_a_dashboard_takes_less_than_4_mb_of_shared_memory() {
         taken = looked.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
     });
     assert!(ready.load(Ordering::Relaxed));
-    println!("{taken} bytes");
     // Where shared memory is no folder there is nothing to see.
     assert!(taken < 4_000_000, "{taken} bytes");
 }

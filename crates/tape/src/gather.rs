@@ -29,7 +29,7 @@ pub(crate) struct Gatherer {
     rows_out: usize,
     /// Of a run of which no step has been heard yet.
     bulletin: Option<Box<Bulletin>>,
-    events: Vec<Box<Event>>,
+    events: Vec<Event>,
     lost: u64,
 }
 
@@ -115,7 +115,7 @@ impl Gatherer {
             self.close_batch();
             self.out.push_back(Item::Event(Box::new(event.clone())));
         } else {
-            self.events.push(Box::new(event.clone()));
+            self.events.push(event.clone());
         }
     }
 
@@ -169,7 +169,7 @@ impl Gatherer {
         let (ours, others): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.events).into_iter().partition(|e| e.run_id == run_id);
         self.events = others;
-        self.out.extend(ours.into_iter().map(Item::Event));
+        self.out.extend(ours.into_iter().map(|event| Item::Event(Box::new(event))));
         self.out.append(&mut self.held);
         self.begun = true;
     }

@@ -178,8 +178,7 @@ mod tests {
         settings.feedback.signals[0].gains[0] = Gain::Table((0..9000).map(|i| (f64::from(i), 0.125)).collect());
         let refused = Change::Settings { base_revision: 1, settings }.request("me", "").unwrap_err().to_string();
         assert!(refused.ends_with("expected at most 65536"), "{refused}");
-        let mut foreign = Request::default();
-        foreign.kind = 9;
+        let foreign = Request::received(RequestMessage { kind: 9, ..RequestMessage::default() }, &[]);
         assert_eq!(Change::of(&foreign), Err(RequestError::Kind(9)));
     }
 }

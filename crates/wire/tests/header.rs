@@ -1,6 +1,7 @@
 //! The C header is that of these messages, and a C and a C++ compiler lay them out as we do.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
+#![allow(clippy::print_stderr, reason = "what was not tested is to be seen")]
 
 use std::fmt::Write as _;
 use std::path::Path;

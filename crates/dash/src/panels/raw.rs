@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! ┌ step at tau 29.99 ────────────────────────┐
-//! │ R 2.5  rate 0  angle 74.975 rad  turn 11   │
+//! │ R 2.5  angle 74.975 rad  turn 11  rate 0   │
 //! │ mass               y         z        vy        vz    radius │
 //! │   1           1.2345   -0.5432 ...         │
 //! │ u delivered   0.8000   -0.0123                        0.8001 │
@@ -72,7 +72,7 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let (angle, plain) = (track.angle(now), Style::new());
     let turns = (angle / std::f64::consts::TAU).floor();
     let mut lines = vec![
-        (format!("{speed}  rate {rate}  angle {} rad  turn {turns}", short(angle, 8)), plain),
+        (format!("{speed}  angle {} rad  turn {turns}  rate {rate}", short(angle, 8)), plain),
         (row("mass", ["y", "z", "vy", "vz", "radius"].map(str::to_owned)), theme::quiet()),
     ];
     for mass in 0..view.picture.masses() {

@@ -10,6 +10,8 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use serde_json::{Map, Value};
+use wire::Channel;
 use wire::message::Flags;
 use wire::{HostState, Listener, SharedListener, Step, WireError};
 
@@ -54,7 +56,26 @@ struct Line {
     revision: u64,
     flags: Vec<String>,
     run_id: String,
+    /// Every other channel of the table, by its name in files.
+    #[serde(flatten)]
+    others: Map<String, Value>,
 }
+
+/// Channels that the fields of a line tell of.
+const TOLD: [Channel; 12] = [
+    Channel::RunId,
+    Channel::Seq,
+    Channel::Revision,
+    Channel::Flags,
+    Channel::Tau,
+    Channel::Speed,
+    Channel::ForceY,
+    Channel::ForceZ,
+    Channel::Y,
+    Channel::Z,
+    Channel::Vy,
+    Channel::Vz,
+];
 
 #[derive(Debug, Serialize)]
 struct Place {
@@ -73,6 +94,10 @@ struct Force {
 impl Line {
     fn new(state: &impl Step, lost: u64) -> Self {
         let [y, z] = state.force_delivered();
+        let others = state.layout().columns().zip(state.words()).filter(|(column, _)| !TOLD.contains(&column.channel));
+        let value = |channel: Channel, word: u64| {
+            if channel.is_number() { Value::from(f64::from_bits(word)) } else { Value::from(word) }
+        };
         Self {
             seq: state.seq(),
             lost,
@@ -83,6 +108,7 @@ impl Line {
             revision: state.revision(),
             flags: state.flags().names(),
             run_id: format!("{:016x}", state.run_id()),
+            others: others.map(|(column, word)| (column.name(), value(column.channel, *word))).collect(),
         }
     }
 }
@@ -224,5 +250,41 @@ impl Printer for Happenings {
     fn losses(&self) -> Option<String> {
         let lost = self.teller.lost;
         (lost > 0).then(|| format!("{lost} events were lost: the output was read too slowly"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wire::{CHANNELS, Layout, State};
+
+    use super::*;
+
+    #[test]
+    fn a_line_tells_every_channel_of_the_table() {
+        let layout = Layout::new(2);
+        let mut state = State::new(layout);
+        for (at, column) in layout.number_columns().enumerate() {
+            state = state.with(column.channel, column.index, 0.5 + at as f64);
+        }
+        let line = serde_json::to_value(Line::new(&state, 0)).unwrap();
+        for column in layout.columns() {
+            let told = line[column.name()].as_f64();
+            if column.channel.is_number() && !TOLD.contains(&column.channel) {
+                assert_eq!(told, Some(state.number(column.channel, column.index)), "{}", column.name());
+            }
+        }
+        // The rest stands in fields of their own: all numbers of the table are there, each once.
+        let mut numbers = Vec::new();
+        let mut todo = vec![&line];
+        while let Some(value) = todo.pop() {
+            match value {
+                Value::Object(fields) => todo.extend(fields.values()),
+                Value::Array(items) => todo.extend(items),
+                value => numbers.extend(value.as_f64().filter(|number| number.fract() == 0.5)),
+            }
+        }
+        numbers.sort_by(f64::total_cmp);
+        assert!(numbers.iter().copied().eq(state.numbers()), "{line}");
+        assert_eq!(CHANNELS.iter().filter(|row| TOLD.contains(&row.channel)).count(), TOLD.len());
     }
 }
