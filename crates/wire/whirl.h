@@ -237,7 +237,7 @@ struct whirl_answer { /* 288 bytes, whirl.Answer */
     uint64_t settings;
     /* 32: Accepted: the first step made with the change. */
     uint64_t applied_at_step;
-    /* 40: Accepted: time of the rotor when it took effect, as in Event::tau. */
+    /* 40: Accepted: time of the rotor when it took effect, as in EventMessage::tau. */
     double tau;
     /* 48: Refused: why. */
     char reason[240];

@@ -286,7 +286,7 @@ message! {
         pub settings: u64,
         /// Accepted: the first step made with the change.
         pub applied_at_step: u64,
-        /// Accepted: time of the rotor when it took effect, as in [`crate::Event::tau`].
+        /// Accepted: time of the rotor when it took effect, as in [`crate::EventMessage::tau`].
         pub tau: f64,
         /// Refused: why.
         pub reason: Text<240>,
