@@ -19,6 +19,9 @@ _whirl() {
             whirl,assign)
                 cmd="whirl__subcmd__assign"
                 ;;
+            whirl,bode)
+                cmd="whirl__subcmd__bode"
+                ;;
             whirl,clean)
                 cmd="whirl__subcmd__clean"
                 ;;
@@ -137,7 +140,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes margin run runup force response cycles tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes margin bode run runup force response cycles tune report assign rotor"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -171,6 +174,56 @@ _whirl() {
                     ;;
                 --bearing)
                     COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__bode)
+            opts="-h --feedback --deadband --set --speed --over --of --band --show --out --force --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --speed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --over)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --of)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --band)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --show)
+                    COMPREPLY=($(compgen -W "bode amplitude phase nyquist" -- "${cur}"))
                     return 0
                     ;;
                 --out)

@@ -45,6 +45,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "trace" -d 'Print every 
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "thresholds" -d 'Print every speed at which a mode changes stability'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "modes" -d 'Print mode shapes and orbits at one speed'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "margin" -d 'Print margins of delay, gain and phase, and peaks of sensitivity'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "bode" -d 'Print frequency responses, and the response to unbalance'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "run" -d 'Simulate offline, as fast as it can'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "runup" -d 'Run up or coast down through the critical speeds, offline'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the largest steady control force over speed'
@@ -200,6 +201,22 @@ complete -c whirl -n "__fish_whirl_using_subcommand margin" -l zones -d 'Peaks o
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l over -d 'Spin speeds R of the response to unbalance, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l of -d 'Which: the loop\'s gain, its sensitivity, the closed loop, displacement at a mass per force, or unbalance over speed' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l band -d 'Frequencies, negative for backward whirl, in radians per tau (SI rotors: in Hz) [default: all that matter]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l show -d 'What a picture shows' -r -f -a "bode\t'Amplitude, and phase below it'
+amplitude\t'Amplitude over frequency'
+phase\t'Phase over frequency'
+nyquist\t'The response in the complex plane, with -1 and circles of equal sensitivity around it'"
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l out -d 'Draw it into a file that ends in .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r

@@ -217,3 +217,44 @@ fn an_unstable_loop_has_no_margins_and_says_its_pole() {
         assert!(ran.code == Some(2) && ran.stderr.contains("three rising numbers"), "{ran:?}");
     }
 }
+
+#[test]
+fn bode_tells_every_curve_and_draws_it() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let machine = ["bode", "three-mass", "--feedback", "composite"];
+    let of = |options: &[&str]| run(&[&machine[..], options].concat());
+    for (what, open) in [("loop", true), ("sensitivity", false), ("closed", false), ("station=2", false)] {
+        let document = of(&["--speed", "6", "--of", what, "--json"]).json();
+        assert_eq!((&document["of"], &document["open"], number(&document["speed"])), (&what.into(), &open.into(), 6.0));
+        let points = list(&document["points"]);
+        assert!(points.len() > 50, "{what}");
+        for field in ["frequency", "re", "im", "amplitude", "phase"] {
+            assert!(points[0][field].is_number(), "{field}");
+        }
+    }
+    let sensitivity = of(&["--speed", "6", "--of", "sensitivity"]);
+    assert!(sensitivity.stdout.contains("10.3495 at 2.27041"), "{sensitivity:?}");
+    for (k, show) in ["amplitude", "phase", "nyquist"].into_iter().enumerate() {
+        let path = folder.path().join(format!("{show}.{}", if k == 1 { "png" } else { "svg" }));
+        let drawn = of(&["--speed", "6", "--show", show, "--out", path.to_str().expect("UTF-8")]);
+        assert_eq!(drawn.code, Some(0), "{drawn:?}");
+        assert!(std::fs::metadata(&path).expect("is there").len() > 2000, "{show}");
+    }
+    let unbalance = of(&["--over", "0..6", "--of", "unbalance", "--json"]).json();
+    assert_eq!(list(&list(&unbalance["points"])[0]["stations"]).len(), 3);
+    assert!(list(&unbalance["criticals"]).iter().all(|c| c["speed"].is_number() && c["station"].is_u64()));
+    assert_eq!(of(&["--speed", "6", "--csv"]).stdout.lines().next(), Some("frequency,re,im,amplitude,phase"));
+    for (options, code, why) in [
+        (&["--speed", "7.5", "--of", "sensitivity"][..], 1, "it has a pole at"),
+        (&["--speed", "6", "--of", "station=4"][..], 2, "has masses 1 to 3"),
+        (&["--speed", "6", "--of", "station=2", "--set", "sample=0.05"][..], 2, "sample=off"),
+        (&["--speed", "6", "--of", "unbalance"][..], 2, "expected --over A..B"),
+        (&["--over", "1..6"][..], 2, "expected --speed R"),
+        (&["--over", "1..6", "--of", "unbalance", "--band", "0..3"][..], 2, "--band does nothing"),
+        (&["--speed", "6", "--of", "nothing"][..], 2, "expected loop, sensitivity"),
+        (&["--speed", "6", "--out", "a.pdf"][..], 2, ".svg or .png"),
+    ] {
+        let refused = of(options);
+        assert!(refused.code == Some(code) && refused.stderr.contains(why), "{options:?}: {refused:?}");
+    }
+}

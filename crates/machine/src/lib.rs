@@ -6,6 +6,7 @@
 //!
 //! Not its business: real time, messages, and what settings may be.
 
+mod frequency;
 mod integrate;
 mod machine;
 mod margins;
@@ -17,6 +18,7 @@ mod program;
 mod stability_loss;
 
 pub use control::{Output, Words};
+pub use frequency::{FrequencyPoint, Of, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response};
 pub use machine::{Line, Machine, Sample, Trip, TripCause};
 pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
 pub use margins_over::{WORST, in_hand, worst_margins};

@@ -6,6 +6,7 @@ use control::LinearLoop;
 use linear::{DelayError, DelayMargin, DelaySystem, LoopGain, Margins, Peak};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant, Rotor, Settings, damping_ratio};
 
+use crate::frequency::top;
 use crate::poles::PolesError;
 
 /// How far left of the first crossing a delay margin of samples is looked for, in periods.
@@ -58,6 +59,8 @@ pub struct MachineMargins {
 /// A machine's loop at one speed, opened at the command of its control bearing.
 #[derive(Clone, Debug)]
 pub struct MachineLoop {
+    plant: Plant,
+    bearing: usize,
     form: LinearForm,
     around: LinearLoop,
     /// The gain.
@@ -78,7 +81,19 @@ impl MachineLoop {
             (None, Some([a, b, c])) => LoopGain::of(&DelaySystem::new(a, b, c, form.delay)?)?,
             (None, None) => unreachable!("a loop is sampled or continuous"),
         };
-        Ok(Self { form, around, gain })
+        Ok(Self { plant, bearing: feedback.bearing, form, around, gain })
+    }
+
+    /// The rotor without control.
+    #[must_use]
+    pub fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// Which control bearing.
+    #[must_use]
+    pub fn bearing(&self) -> usize {
+        self.bearing
     }
 
     /// The matrices.
@@ -104,14 +119,7 @@ impl MachineLoop {
         if best == 0 || best + 1 == values.len() {
             return Peak { amplitude: values[best], frequency: None };
         }
-        // Golden section between the neighbours.
-        let (mut low, mut high) = (curve[best - 1].frequency, curve[best + 1].frequency);
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        while high - low > 1e-9 * (1.0 + high.abs()) {
-            let (a, b) = (high - golden * (high - low), low + golden * (high - low));
-            if of(a) > of(b) { high = b } else { low = a }
-        }
-        let w = 0.5 * (low + high);
+        let w = top(curve[best - 1].frequency, curve[best + 1].frequency, of);
         Peak { amplitude: of(w).max(values[best]), frequency: Some(w) }
     }
 }

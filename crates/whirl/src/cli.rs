@@ -68,6 +68,8 @@ pub(crate) enum Command {
     Modes(commands::modes::ModesArgs),
     /// Print margins of delay, gain and phase, and peaks of sensitivity
     Margin(commands::margin::MarginArgs),
+    /// Print frequency responses, and the response to unbalance
+    Bode(commands::bode::BodeArgs),
     /// Simulate offline, as fast as it can
     Run(commands::run::RunArgs),
     /// Run up or coast down through the critical speeds, offline

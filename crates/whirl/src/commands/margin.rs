@@ -151,7 +151,7 @@ fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failu
 }
 
 /// An unstable loop is refused with its pole, in the units of the machine.
-fn told(error: &MarginsError, units: Units) -> Failure {
+pub(super) fn told(error: &MarginsError, units: Units) -> Failure {
     match error {
         MarginsError::Unstable { speed, pole } => Failure::Work(format!(
             "the machine is not stable at {}: it has a pole at {} {:+.6} j {}, so its loop has no margins",

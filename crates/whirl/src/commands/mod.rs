@@ -1,6 +1,7 @@
 //! One file a command: its options, and the glue that carries it out.
 
 pub(crate) mod assign;
+pub(crate) mod bode;
 pub(crate) mod clean;
 pub(crate) mod config;
 pub(crate) mod cycles;

@@ -1,0 +1,263 @@
+//! Frequency responses of a machine at one speed, and its response to unbalance over speed: as many points as it takes for
+//! the curve between them to be known.
+
+use linear::{DelaySystem, LoopGain};
+use nalgebra::{DMatrix, DVector};
+use rotor::{C64, LinearForm, OperatingPoint, Plant, Rotor, Settings};
+
+use crate::margins::{MachineLoop, MarginsError};
+
+/// How far off the straight line between two points the middle may be, relative to its size.
+const OFF: f64 = 0.005;
+/// Decades below the end of a band in which there are points in any case.
+const LOW_DECADES: i32 = 3;
+/// The most halvings of a stretch.
+const DEPTH: usize = 24;
+/// Stretches that a range of speeds begins with.
+const STRETCHES: usize = 32;
+
+/// What is looked at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Of {
+    /// The gain `L` of the loop, opened at the control bearing's command.
+    Loop,
+    /// `1 / (1 + L)`.
+    Sensitivity,
+    /// `L / (1 + L)`.
+    Closed,
+    /// Displacement at a station, counted from 0, per force at the control bearing beside that of the closed loop.
+    Station(usize),
+}
+
+/// One frequency.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FrequencyPoint {
+    /// In radians per `tau`; negative for backward whirl.
+    pub frequency: f64,
+    /// The response.
+    pub value: C64,
+}
+
+impl MachineLoop {
+    /// A band of frequencies with everything in it that is lightly damped, and the crossings of its gain.
+    #[must_use]
+    pub fn band(&self) -> [f64; 2] {
+        let n = self.form().coordinates;
+        let plant = self.form().a.view((0, 0), (2 * n, 2 * n)).into_owned();
+        let poles = rotor::eigenvalues(plant).unwrap_or_default();
+        let far = poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+        let end = (4.0 * far).clamp(f64::MIN_POSITIVE, self.gain.beyond(1e-3));
+        [-end, end]
+    }
+
+    /// The response over a band, with a point at every maximum of its amplitude; `None` of a station through a sampled loop,
+    /// where a pure whirl does not stay one, and of a station that does not exist.
+    ///
+    /// # Errors
+    /// Eigenvalues that cannot be had.
+    pub fn response(&self, of: Of, [from, to]: [f64; 2]) -> Result<Option<Vec<FrequencyPoint>>, MarginsError> {
+        // Low frequencies too, for whoever looks at decades.
+        let end = from.abs().max(to.abs());
+        let low = (0..=4 * LOW_DECADES).map(|k| end * 10.0_f64.powf(-0.25 * f64::from(k)));
+        let also: Vec<f64> = low.flat_map(|w| [w, -w]).chain([0.0]).collect();
+        let mut at: Vec<f64> = self.gain.curve(from, to, &also).iter().map(|p| p.frequency).collect();
+        let reach = match of {
+            Of::Station(station) => match self.reach(station)? {
+                Some(reach) => Some(reach),
+                None => return Ok(None),
+            },
+            _ => None,
+        };
+        if let Some(reach) = &reach {
+            at.extend(reach.curve(from, to, &[0.0]).iter().map(|p| p.frequency));
+            at.sort_by(f64::total_cmp);
+            at.dedup();
+        }
+        let value = |frequency: f64| {
+            let gain = self.gain.at(frequency);
+            let value = match of {
+                Of::Loop => gain.value,
+                Of::Sensitivity => gain.sensitivity(),
+                Of::Closed => gain.complementary(),
+                Of::Station(_) => reach.as_ref().map_or(C64::ZERO, |r| -r.at(frequency).value * gain.sensitivity()),
+            };
+            FrequencyPoint { frequency, value }
+        };
+        let mut points: Vec<FrequencyPoint> = Vec::with_capacity(4 * at.len());
+        for frequency in at {
+            let next = value(frequency);
+            if let Some(last) = points.last().copied() {
+                straighten(&value, last, next, DEPTH, &mut points);
+            }
+            points.push(next);
+        }
+        let size = |w: f64| value(w).value.norm_sqr();
+        let tops: Vec<FrequencyPoint> = (points.windows(3))
+            .filter(|p| {
+                let [a, b, c] = [0, 1, 2].map(|k| p[k].value.norm_sqr());
+                b > a && b >= c
+            })
+            .map(|p| value(top(p[0].frequency, p[2].frequency, size)))
+            .collect();
+        points.extend(tops);
+        points.sort_by(|a, b| a.frequency.total_cmp(&b.frequency));
+        points.dedup_by(|a, b| a.frequency == b.frequency);
+        Ok(Some(points))
+    }
+
+    /// Displacement at a station per force at the control bearing, the loop open, with its sign turned.
+    fn reach(&self, station: usize) -> Result<Option<LoopGain>, MarginsError> {
+        let (form, plant) = (self.form(), self.plant());
+        let (n, size) = (form.coordinates, form.a.nrows());
+        let (Some(row), Some(column)) = (plant.stations().get(station), plant.column(self.bearing())) else {
+            return Ok(None);
+        };
+        if form.sample > 0.0 {
+            return Ok(None);
+        }
+        let mut b = DMatrix::zeros(size, 1);
+        b.view_mut((n, 0), (n, 1)).copy_from(&column.dense(n));
+        let mut c = DMatrix::zeros(1, size);
+        c.view_mut((0, 0), (1, n)).copy_from(&row.row.dense(n).transpose());
+        Ok(Some(LoopGain::of(&DelaySystem::new(form.a.clone(), b, c, 0.0)?)?))
+    }
+}
+
+/// Points between two, until the middle of each stretch is on the line.
+fn straighten(
+    value: &impl Fn(f64) -> FrequencyPoint,
+    a: FrequencyPoint,
+    b: FrequencyPoint,
+    depth: usize,
+    points: &mut Vec<FrequencyPoint>,
+) {
+    let middle = value(0.5 * (a.frequency + b.frequency));
+    let apart = (middle.value - (a.value + b.value) * 0.5).norm();
+    if depth > 0 && apart > OFF * middle.value.norm() + f64::MIN_POSITIVE {
+        straighten(value, a, middle, depth - 1, points);
+        points.push(middle);
+        straighten(value, middle, b, depth - 1, points);
+    }
+}
+
+/// Where `of` is largest between two places with one maximum, by golden section.
+pub(crate) fn top(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut low, mut high) = (from, to);
+    let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)].map(|x| (x, of(x)));
+    // Finer than this a maximum is flat to the last place.
+    while high - low > 1e-9 * (1.0 + high.abs()) {
+        if a.1 > b.1 {
+            (high, b) = (b.0, a);
+            let x = high - golden * (high - low);
+            a = (x, of(x));
+        } else {
+            (low, a) = (a.0, b);
+            let x = low + golden * (high - low);
+            b = (x, of(x));
+        }
+    }
+    if a.1 > b.1 { a.0 } else { b.0 }
+}
+
+/// The response to unbalance at one speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnbalancePoint {
+    /// The speed.
+    pub speed: f64,
+    /// Displacement of every station over `exp(j theta)`, in `e_t`.
+    pub stations: Vec<C64>,
+}
+
+/// A speed at which a station's response to unbalance is largest among its neighbours.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnbalancePeak {
+    /// The station, counted from 0.
+    pub station: usize,
+    /// The speed.
+    pub speed: f64,
+    /// The amplitude there, in `e_t`.
+    pub amplitude: f64,
+}
+
+/// The response to unbalance over speed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct UnbalanceResponse {
+    /// The curve, speeds rising.
+    pub points: Vec<UnbalancePoint>,
+    /// Where a station peaks.
+    pub peaks: Vec<UnbalancePeak>,
+}
+
+/// The linear response of `rotor` under `settings` to its unbalance over `from..=to`, every bearing at its full stiffness, and
+/// the speeds at which a station peaks; `None` of a sampled loop.
+///
+/// # Errors
+/// A loop that does not fit.
+pub fn unbalance_response(
+    rotor: &Rotor,
+    settings: &Settings,
+    [from, to]: [f64; 2],
+) -> Result<Option<UnbalanceResponse>, MarginsError> {
+    let plant = Plant::of(rotor);
+    if settings.feedback.parts.sample > 0.0 {
+        return Ok(None);
+    }
+    let at = |speed: f64| -> Result<UnbalancePoint, MarginsError> {
+        let form = LinearForm::of(&plant, &settings.feedback, &OperatingPoint::at(speed))?;
+        let Some([a, b, c]) = form.continuous() else { unreachable!("not sampled") };
+        let (n, s) = (form.coordinates, C64::new(0.0, speed));
+        let mut m = -(a + b * c * (-s * form.delay).exp());
+        (0..m.nrows()).for_each(|i| m[(i, i)] += s);
+        let mut drive = DVector::zeros(m.nrows());
+        plant.unbalance().iter().enumerate().for_each(|(k, u)| drive[n + k] = u * speed * speed);
+        let x =
+            m.lu().solve(&drive).unwrap_or_else(|| DVector::from_element(drive.len(), C64::new(f64::NAN, f64::NAN)));
+        let q = &x.as_slice()[..n];
+        Ok(UnbalancePoint { speed, stations: plant.stations().iter().map(|station| station.row.read(q)).collect() })
+    };
+    let mut points = vec![at(from)?];
+    for k in 1..=STRETCHES {
+        let next = at(from + (to - from) * k as f64 / STRETCHES as f64)?;
+        let last = points.last().cloned().unwrap_or_else(|| next.clone());
+        fill(&at, &last, &next, DEPTH, &mut points)?;
+        points.push(next);
+    }
+    let mut peaks = Vec::new();
+    for station in 0..plant.stations().len() {
+        let size = |point: &UnbalancePoint| point.stations[station].norm();
+        for three in points.windows(3) {
+            if !(size(&three[1]) > size(&three[0]) && size(&three[1]) >= size(&three[2])) {
+                continue;
+            }
+            // What fits at its neighbours fits here.
+            let amplitude = |speed: f64| at(speed).map_or(f64::NAN, |point| size(&point));
+            let top = at(top(three[0].speed, three[2].speed, amplitude))?;
+            peaks.push(UnbalancePeak { station, speed: top.speed, amplitude: size(&top) });
+        }
+    }
+    Ok(Some(UnbalanceResponse { points, peaks }))
+}
+
+/// Points between two, until the middle of each stretch is on the line.
+fn fill(
+    at: &impl Fn(f64) -> Result<UnbalancePoint, MarginsError>,
+    a: &UnbalancePoint,
+    b: &UnbalancePoint,
+    depth: usize,
+    points: &mut Vec<UnbalancePoint>,
+) -> Result<(), MarginsError> {
+    let middle = at(0.5 * (a.speed + b.speed))?;
+    let is_off = |k: usize| {
+        let apart = (middle.stations[k] - (a.stations[k] + b.stations[k]) * 0.5).norm();
+        apart > OFF * middle.stations[k].norm() + 1e-6
+    };
+    if depth > 0 && (0..middle.stations.len()).any(is_off) {
+        fill(at, a, &middle, depth - 1, points)?;
+        points.push(middle.clone());
+        fill(at, &middle, b, depth - 1, points)
+    } else {
+        points.push(middle);
+        Ok(())
+    }
+}

@@ -1,0 +1,250 @@
+//! `whirl bode`: frequency responses at one speed, and the response to unbalance over speed.
+
+mod chart;
+mod unbalance;
+
+use std::path::PathBuf;
+use std::str::FromStr;
+
+use machine::{FrequencyPoint, MachineLoop, MachinePoles, MarginsError, Of};
+use rotor::C64;
+use serde::Serialize;
+
+use super::linear;
+use crate::catalog::{self, Machine};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::machine_args::MachineArgs;
+use crate::output::{Cell, Format, Table, rounded};
+use crate::picture;
+use crate::place::Force;
+use crate::range::Range;
+use crate::units::{Units, UnitsDocument};
+
+/// Rows of the table that people see.
+const ROWS: usize = 41;
+
+/// Options of `whirl bode`.
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("written").multiple(true).args(["out"]))]
+#[command(group = clap::ArgGroup::new("speeds").required(true).args(["speed", "over"]))]
+pub(crate) struct BodeArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Spin speed R = w / w0 (SI rotors: in rpm)
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: Option<f64>,
+    /// Spin speeds R of the response to unbalance, both ends included (SI rotors: in rpm)
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    over: Option<Range>,
+    /// Which: the loop's gain, its sensitivity, the closed loop, displacement at a mass per force, or unbalance over speed
+    #[arg(long, value_name = "loop|sensitivity|closed|unbalance|station=N", default_value = "loop")]
+    of: What,
+    /// Frequencies, negative for backward whirl, in radians per tau (SI rotors: in Hz) [default: all that matter]
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
+    band: Option<Range>,
+    /// What a picture shows
+    #[arg(long, value_enum, default_value_t = Show::Bode, requires = "out")]
+    show: Show,
+    /// Draw it into a file that ends in .svg or .png
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
+    #[command(flatten)]
+    format: Format,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Show {
+    /// Amplitude, and phase below it
+    Bode,
+    /// Amplitude over frequency
+    Amplitude,
+    /// Phase over frequency
+    Phase,
+    /// The response in the complex plane, with -1 and circles of equal sensitivity around it
+    Nyquist,
+}
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum What {
+    /// Over frequency.
+    Frequency(Of),
+    /// Over speed.
+    Unbalance,
+}
+
+impl FromStr for What {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let station = || typed.strip_prefix("station=")?.parse().ok().filter(|n: &usize| *n > 0);
+        Ok(match typed {
+            "loop" => Self::Frequency(Of::Loop),
+            "sensitivity" => Self::Frequency(Of::Sensitivity),
+            "closed" => Self::Frequency(Of::Closed),
+            "unbalance" => Self::Unbalance,
+            _ => match station() {
+                Some(n) => Self::Frequency(Of::Station(n - 1)),
+                None => return Err("expected loop, sensitivity, closed, unbalance, or station=N with N from 1".into()),
+            },
+        })
+    }
+}
+
+impl std::fmt::Display for What {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Frequency(Of::Loop) => f.write_str("loop"),
+            Self::Frequency(Of::Sensitivity) => f.write_str("sensitivity"),
+            Self::Frequency(Of::Closed) => f.write_str("closed"),
+            Self::Frequency(Of::Station(n)) => write!(f, "station={}", n + 1),
+            Self::Unbalance => f.write_str("unbalance"),
+        }
+    }
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    speed: f64,
+    of: String,
+    /// Whether the loop is open: its own gain; everything else is of the closed loop.
+    open: bool,
+    points: Vec<PointDocument>,
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+#[derive(Debug, Serialize)]
+struct PointDocument {
+    frequency: f64,
+    re: f64,
+    im: f64,
+    amplitude: f64,
+    /// In degrees, from -180 to 180.
+    phase: f64,
+}
+
+/// Prints the response, and draws it.
+///
+/// # Errors
+/// A machine that cannot be made, a closed loop that is not stable, a file that cannot be written.
+pub(crate) fn run(args: &BodeArgs) -> Result<(), Failure> {
+    interrupt::end_at_once()?;
+    linear::neglects(&args.machine);
+    if let Some(path) = &args.out {
+        picture::check(path, args.force)?;
+    }
+    match (args.of, args.speed, args.over) {
+        (What::Unbalance, _, Some(over)) => unbalance::run(args, over),
+        (What::Unbalance, ..) => Err(Failure::Usage("--of unbalance is over speed: expected --over A..B".into())),
+        (What::Frequency(of), Some(speed), _) => frequency(args, of, speed),
+        _ => Err(Failure::Usage(format!("--of {} is at one speed: expected --speed R", args.of))),
+    }
+}
+
+fn frequency(args: &BodeArgs, of: Of, speed: f64) -> Result<(), Failure> {
+    let machine = Machine::open(&args.machine, Some(speed), catalog::Default::Analysis)?;
+    let (rotor, units) = (&machine.rotor, machine.units());
+    let speed = machine.settings.speed;
+    if let Of::Station(station) = of
+        && station >= rotor.len()
+    {
+        let (asked, there) = (station + 1, rotor.len());
+        return Err(Failure::Usage(format!("--of station={asked}: {} has masses 1 to {there}", rotor.name())));
+    }
+    if of != Of::Loop {
+        let poles = MachinePoles::of(rotor, &machine.settings)?;
+        let rightmost = poles.modes.iter().map(|mode| mode.pole).max_by(|a, b| a.re.total_cmp(&b.re));
+        if let Some(pole) = rightmost.filter(|pole| pole.re >= 0.0) {
+            return Err(super::margin::told(&MarginsError::Unstable { speed, pole }, units));
+        }
+    }
+    let looped = MachineLoop::at(rotor, &machine.settings, speed)?;
+    let per = units.frequency(1.0);
+    let band = args.band.map_or_else(|| looped.band(), |band| [band.from / per, band.to / per]);
+    let Some(points) = looped.response(of, band)? else {
+        return Err(Failure::Usage(format!(
+            "--of {}: through a sampled loop a pure whirl does not stay one: take the samples out with --set sample=off",
+            args.of
+        )));
+    };
+    let scale = match of {
+        Of::Station(_) => units.length(1.0) / units.force(1.0, machine.bearing_mass()),
+        _ => 1.0,
+    };
+    let unit = match of {
+        Of::Station(_) => units.pick(" (1 / w0^2)", " (m/N)"),
+        _ => "",
+    };
+    if let Some(path) = &args.out {
+        let title = format!("{}, {} at {}", rotor.name(), name(of), units.speed_text(speed));
+        let charts = chart::of(&points, &title, args.show, units, scale, unit);
+        picture::draw(path, args.force, &charts)?;
+    }
+    let frequency = units.pick("frequency", "frequency (Hz)");
+    let mut table =
+        Table::new(&[frequency, &format!("re{unit}"), &format!("im{unit}"), &format!("amplitude{unit}"), "phase"]);
+    // A spreadsheet gets all of them.
+    let every = if args.format.csv { 1 } else { points.len().div_ceil(ROWS).max(1) };
+    for point in points.iter().step_by(every) {
+        let FrequencyPoint { frequency, value } = *point;
+        let z = value * scale;
+        table.row([units.frequency(frequency), z.re, z.im, z.norm(), degrees(z)].map(Cell::from));
+    }
+    let largest = points.iter().max_by(|a, b| a.value.norm_sqr().total_cmp(&b.value.norm_sqr()));
+    let most = largest.map_or(String::new(), |p| {
+        format!(
+            "largest of these frequencies: {}{unit} at {}{}",
+            rounded(p.value.norm() * scale),
+            rounded(units.frequency(p.frequency)),
+            units.pick("", " Hz")
+        )
+    });
+    let rest = if every > 1 { "\n--csv and --json have every point" } else { "" };
+    let document = Document {
+        rotor: rotor.name(),
+        speed,
+        of: args.of.to_string(),
+        open: of == Of::Loop,
+        points: points.iter().map(|p| PointDocument::of(p.frequency, p.value)).collect(),
+        units: units.document(),
+    };
+    let heading = format!(
+        "{}: {} at {}, deadband neglected; phase in degrees, negative frequencies are backward whirl",
+        rotor.name(),
+        name(of),
+        units.speed_text(speed)
+    );
+    args.format.print(&document, &heading, &table, &(most + rest))
+}
+
+impl PointDocument {
+    fn of(frequency: f64, z: C64) -> Self {
+        Self { frequency, re: z.re, im: z.im, amplitude: z.norm(), phase: degrees(z) }
+    }
+}
+
+fn degrees(z: C64) -> f64 {
+    z.arg().to_degrees()
+}
+
+/// What a response is, in words.
+fn name(of: Of) -> String {
+    match of {
+        Of::Loop => "gain of the open loop".into(),
+        Of::Sensitivity => "sensitivity".into(),
+        Of::Closed => "closed loop".into(),
+        Of::Station(station) => format!("displacement of mass {} per force at the control bearing", station + 1),
+    }
+}
+
+/// The label of an axis of frequencies.
+fn frequency_label(units: Units) -> &'static str {
+    units.pick("|frequency|, rad per unit of τ", "|frequency|, Hz")
+}
