@@ -102,3 +102,39 @@ fn a_live_bench_follows_a_profile_until_its_speed_is_set() {
     assert_eq!(root.run(&["set", "speed=1.5"]).code, Some(0));
     assert!(speeds("50").iter().all(|(_, speed)| *speed == 1.5));
 }
+
+#[test]
+fn a_run_along_a_profile_ends_where_the_run_up_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("up.toml");
+    std::fs::write(&path, "[[leg]]\nto = 2.0\nrate = 0.02\n[[leg]]\ndwell = 50\n").unwrap();
+    let file = path.to_str().unwrap();
+    let line = ["run", "three-mass", "--feedback", "individual", "--deadband", "1", "--profile", file];
+    let ran = run(&[&line[..], &["--json"]].concat()).json();
+    assert!((number(&ran["final"]["tau"]) - 150.0).abs() < 1e-9, "{ran}");
+    // By then it is on the steady orbit of R = 2, but for what still decays.
+    let steady = run(&[
+        "run",
+        "three-mass",
+        "--feedback",
+        "individual",
+        "--deadband",
+        "1",
+        "--speed",
+        "2",
+        "--duration",
+        "300",
+        "--json",
+    ])
+    .json();
+    let radius = |document: &serde_json::Value, mass: usize| {
+        let mass = &document["final"]["masses"][mass];
+        number(&mass["y"]).hypot(number(&mass["z"]))
+    };
+    for mass in 0..3 {
+        assert!((radius(&ran, mass) / radius(&steady, mass) - 1.0).abs() < 0.02, "{ran} {steady}");
+    }
+    let refused = run(&[&line[..], &["--set", "speed=3"]].concat());
+    assert_eq!(refused.code, Some(2));
+    assert!(refused.stderr.contains("the speed follows --profile"), "{refused:?}");
+}

@@ -115,8 +115,7 @@ impl Program {
             substeps = substeps.max(needed);
         }
         let program = Self::in_substeps(rotor, settings, pace.dtau, substeps);
-        let program = program.map_err(|error| ProfileError { at: None, error })?;
-        Ok(Self { begins: Some(profile.from), ..program.following(profile.legs.clone()) })
+        Ok(program.map_err(|error| ProfileError { at: None, error })?.along(profile))
     }
 
     /// The same in so many parts a step, whatever they need: as a recording was made.
@@ -144,6 +143,12 @@ impl Program {
             substeps,
             dtau,
         })
+    }
+
+    /// The same with a speed that begins as a profile does and follows it.
+    #[must_use]
+    pub fn along(self, profile: &Profile) -> Self {
+        Self { begins: Some(profile.from), ..self.following(profile.legs.clone()) }
     }
 
     /// The same with another program for its speed.

@@ -8,6 +8,8 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use machine::Program;
+use rotor::Settings;
+use rotor::profile::Profile;
 use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
 use study::spectrum::{self, Collector, Peak, Spectrum};
 
@@ -27,15 +29,18 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: f64,
-    /// How long, in tau = w0 t for any rotor
-    #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
-    duration: f64,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, required_unless_present = "profile")]
+    speed: Option<f64>,
+    /// Legs of speed from a file instead of a steady speed
+    #[arg(long, value_name = "FILE", conflicts_with = "speed")]
+    profile: Option<String>,
+    /// How long, in tau = w0 t for any rotor [default: as long as the profile]
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true, required_unless_present = "profile")]
+    duration: Option<f64>,
     /// Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]
     #[arg(long, value_name = "H", allow_negative_numbers = true)]
     dtau: Option<f64>,
-    /// Take maxima and means from this tau on [default: 0 with impulses, else from where transients have died]
+    /// Take maxima and means from this tau on [default: 0 with impulses or a profile, else from where transients have died]
     #[arg(long, value_name = "T0", allow_negative_numbers = true)]
     settle: Option<f64>,
     /// A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)
@@ -61,8 +66,18 @@ pub(crate) struct RunArgs {
 /// # Errors
 /// A machine that cannot be made, a step that is too large, a file that cannot be written, an interrupt.
 pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
-    let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
-    let plan = plan(args, &machine)?;
+    let mut machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?;
+    let profile = args.profile.as_deref().map(|path| catalog::profile(&machine.rotor, path)).transpose()?;
+    if let Some(profile) = &profile {
+        let sets_speed = |typed: &&String| typed.starts_with("speed=") || typed.starts_with("ramp=");
+        if let Some(typed) = args.machine.set.iter().find(sets_speed) {
+            return Err(Failure::Usage(format!(
+                "'{typed}' does nothing: the speed follows --profile. Expected one of the two"
+            )));
+        }
+        machine.settings.speed = profile.ends_at();
+    }
+    let plan = plan(args, &machine, profile.as_ref())?;
     let stop = interrupt::flag()?;
 
     let last_impulse = plan.impulses.iter().map(|i| i.at).fold(0.0, f64::max);
@@ -95,16 +110,17 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 }
 
 /// What to simulate, checked.
-fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
+fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<Plan, Failure> {
     let (Machine { rotor, settings }, units) = (machine, machine.units());
     let usage = |message: String| Err(Failure::Usage(message));
-    if !(args.duration.is_finite() && args.duration > 0.0) {
-        return usage(format!("duration = {}: expected a finite number greater than 0", args.duration));
+    let duration = args.duration.or(profile.map(Profile::duration)).unwrap_or(f64::NAN);
+    if !(duration.is_finite() && duration > 0.0) {
+        return usage(format!("duration = {duration}: expected a finite number greater than 0"));
     }
     if let Some(settle) = args.settle
-        && !(0.0..=args.duration).contains(&settle)
+        && !(0.0..=duration).contains(&settle)
     {
-        return usage(format!("settle = {settle}: expected a number from 0 to the duration, {}", args.duration));
+        return usage(format!("settle = {settle}: expected a number from 0 to the duration, {duration}"));
     }
     let masses = args.impulse.iter().map(|i| ("impulse", i.mass)).chain(args.psd.map(|m| ("psd", m.0)));
     for (what, mass) in masses {
@@ -114,41 +130,51 @@ fn plan(args: &RunArgs, machine: &Machine) -> Result<Plan, Failure> {
     }
     for impulse in &args.impulse {
         // One at the very end would move nothing that is simulated.
-        if impulse.at >= args.duration {
+        if impulse.at >= duration {
             return usage(format!(
-                "impulse at {}, but the run ends at {}: expected a time before its end",
-                impulse.at, args.duration
+                "impulse at {}, but the run ends at {duration}: expected a time before its end",
+                impulse.at
             ));
         }
     }
     if args.psd.is_some() && args.format.csv {
         return usage("--psd has no place in the rows of --csv: --json has the spectrum whole".into());
     }
-    let dtau = match args.dtau {
-        Some(dtau) => {
-            let fastest = machine::fastest(rotor, settings, settings.speed)?;
+    // Where the speed changes, the step suits the lowest and the highest.
+    let speeds = profile.map_or([settings.speed; 2], Profile::speeds);
+    let mut dtau = args.dtau.unwrap_or(f64::INFINITY);
+    for speed in speeds {
+        if args.dtau.is_some() {
+            let fastest = machine::fastest(rotor, settings, speed)?;
             fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
-            dtau
+        } else {
+            dtau = dtau.min(machine::default_step(rotor, &Settings { speed, ..settings.clone() })?);
         }
-        None => machine::default_step(rotor, settings)?,
+    }
+    let program = |dtau| {
+        let program = Program::in_substeps(rotor, settings, dtau, 1)?;
+        Ok::<_, Failure>(match profile {
+            Some(profile) => program.along(profile),
+            None => program,
+        })
     };
     let mut plan = Plan {
-        program: Program::in_substeps(rotor, settings, dtau, 1)?,
+        program: program(dtau)?,
         impulses: args
             .impulse
             .iter()
             .map(|i| Impulse { mass: i.mass - 1, change: i.change * units.velocity_from_typed(1.0), at: i.at })
             .collect(),
         dtau,
-        duration: args.duration,
+        duration,
         settle: match args.settle {
             Some(from) => Settle::From(from),
-            None if args.impulse.is_empty() => Settle::Detect,
+            None if args.impulse.is_empty() && profile.is_none() => Settle::Detect,
             None => Settle::From(0.0),
         },
     };
     // For the steps that it makes, as whoever goes on from a recording of it compiles it.
-    plan.program = Program::in_substeps(rotor, settings, plan.longest_step(), 1)?;
+    plan.program = program(plan.longest_step())?;
     Ok(plan)
 }
 
