@@ -11,6 +11,7 @@ use wire::{Bulletin, Event, Moment, Step};
 use crate::batch::Batch;
 use crate::event::{Remark, What};
 use crate::sink::Item;
+use crate::snapshot::Snapshot;
 
 /// Gathers what a bench sends.
 #[derive(Debug)]
@@ -30,6 +31,8 @@ pub(crate) struct Gatherer {
     /// Of a run of which no step has been heard yet.
     bulletin: Option<Box<Bulletin>>,
     events: Vec<Event>,
+    /// Snapshots that follow the steps being gathered.
+    snapshots: Vec<(u64, Snapshot)>,
     lost: u64,
 }
 
@@ -53,6 +56,7 @@ impl Gatherer {
             rows_out: 0,
             bulletin: None,
             events: Vec::new(),
+            snapshots: Vec::new(),
             lost: 0,
         }
     }
@@ -119,6 +123,18 @@ impl Gatherer {
         }
     }
 
+    /// Takes in all of the machine of a run.
+    pub(crate) fn snapshot(&mut self, run_id: u64, snapshot: Snapshot) {
+        // Of a run that nobody hears the last will do.
+        if self.run_id != Some(run_id) {
+            self.snapshots.retain(|(other, _)| self.run_id == Some(*other));
+        }
+        self.snapshots.push((run_id, snapshot));
+        if self.batch.is_empty() {
+            self.put_snapshots();
+        }
+    }
+
     /// Takes in what the recorder itself has to say.
     pub(crate) fn remark(&mut self, remark: Remark) {
         self.push(Item::Remark(remark));
@@ -182,6 +198,18 @@ impl Gatherer {
         let batch = std::mem::replace(&mut self.batch, empty);
         self.rows_out += batch.len();
         self.push(Item::Steps(batch));
+        self.put_snapshots();
+    }
+
+    /// Puts the snapshots of this run behind its steps.
+    fn put_snapshots(&mut self) {
+        let at = self.last.unwrap_or_default();
+        for (_, snapshot) in
+            self.snapshots.extract_if(.., |(run_id, _)| self.run_id == Some(*run_id)).collect::<Vec<_>>()
+        {
+            let at = Moment { seq: snapshot.next, ..at };
+            self.push(Item::Snapshot(snapshot, at));
+        }
     }
 
     fn push(&mut self, item: Item) {
@@ -218,6 +246,7 @@ mod tests {
                 Item::Event(event) => format!("event {}", event.number),
                 Item::Bulletin(..) => "bulletin".to_owned(),
                 Item::Remark(remark) => remark.text(),
+                Item::Snapshot(snapshot, at) => format!("snapshot {} at {}", snapshot.next, at.seq),
             })
             .collect()
     }
@@ -264,6 +293,28 @@ mod tests {
         assert_eq!(
             (told(&mut gatherer), gatherer.lost()),
             (vec!["5 steps lost".to_owned(), format!("[{}]", most + 5)], 5)
+        );
+    }
+
+    #[test]
+    fn a_snapshot_follows_the_steps_that_were_being_gathered_and_one_of_another_run_waits() {
+        let now = Instant::now();
+        let step = |run, seq| State::new(Layout::new(1)).with_word(Channel::RunId, run).with_word(Channel::Seq, seq);
+        let snapshot = |next| Snapshot { next, dtau: 0.01, words: vec![next] };
+        let mut gatherer = Gatherer::new();
+        gatherer.snapshot(1, snapshot(3));
+        gatherer.state(&step(1, 5), now);
+        gatherer.bulletin(bulletin(1));
+        gatherer.snapshot(1, snapshot(6));
+        gatherer.state(&step(1, 6), now);
+        gatherer.snapshot(2, snapshot(0));
+        gatherer.flush(None);
+        gatherer.state(&step(2, 0), now);
+        gatherer.bulletin(bulletin(2));
+        gatherer.flush(None);
+        assert_eq!(
+            told(&mut gatherer),
+            ["run 1 at 5", "[5, 6]", "snapshot 3 at 3", "snapshot 6 at 6", "run 2 at 0", "[0]", "snapshot 0 at 0"]
         );
     }
 }

@@ -27,6 +27,8 @@ pub(crate) enum Item {
     Bulletin(Box<Bulletin>, Moment),
     /// The recorder has something to say.
     Remark(Remark),
+    /// All of the machine, as it is before the step of that moment.
+    Snapshot(Snapshot, Moment),
 }
 
 /// What every file begins with, so that each can be read alone.
@@ -38,6 +40,8 @@ pub struct Head {
     pub bulletin: Box<Bulletin>,
     /// The alarms in force: of each the turn with which it rose, and the last one.
     pub standing: Vec<Remark>,
+    /// All of the machine, before a step that the file may begin after.
+    pub snapshot: Option<(Snapshot, Moment)>,
 }
 
 /// Takes what is recorded. Each call that returns has its bytes where a kill of this process does not reach them.
@@ -140,7 +144,7 @@ impl Head {
             dtau: bulletin.dtau,
             limits: None,
         };
-        Self { session, bulletin, standing: Vec::new() }
+        Self { session, bulletin, standing: Vec::new(), snapshot: None }
     }
 
     /// The same of a bench that is held against limits.

@@ -192,6 +192,12 @@ impl Reel {
                 let (Some(part), Some(head)) = (&mut self.file, &self.head) else { return Ok(()) };
                 part.sink.health(&head.bulletin, at)
             }
+            Item::Snapshot(snapshot, at) => {
+                if let Some(head) = &mut self.head {
+                    head.snapshot = Some((snapshot.clone(), at));
+                }
+                self.file.as_mut().map_or(Ok(()), |part| part.sink.snapshot(snapshot, at))
+            }
             Item::Remark(remark) => {
                 if let Some(head) = &mut self.head {
                     head.heed(&remark);
@@ -233,6 +239,9 @@ impl Reel {
         sink.remark(&Remark { at: self.last, what: What::Begins })?;
         for remark in &head.standing {
             sink.remark(remark)?;
+        }
+        if let Some((snapshot, at)) = &head.snapshot {
+            sink.snapshot(snapshot.clone(), *at)?;
         }
         self.file = Some(Part { path, sink, began_ns: None });
         Ok(())

@@ -45,8 +45,8 @@ impl Sink for Noting {
         self.note(&remark.text())
     }
 
-    fn snapshot(&mut self, _: crate::Snapshot, _: Moment) -> Result<(), TapeError> {
-        Ok(())
+    fn snapshot(&mut self, snapshot: crate::Snapshot, _: Moment) -> Result<(), TapeError> {
+        self.note(&format!("snapshot {}", snapshot.next))
     }
 
     fn health(&mut self, _: &Bulletin, _: Moment) -> Result<(), TapeError> {
@@ -301,4 +301,34 @@ fn what_is_no_place_for_a_file_is_refused() {
     }
     check(&path, &split(Existing::Replace)).unwrap();
     check(&folder.path().join("there.rrd"), &split(Existing::Replace)).unwrap();
+}
+
+/// What a part begins with leads to its first step.
+#[test]
+fn the_last_snapshot_stands_at_the_head_of_every_part() {
+    let snapshot = |next| {
+        let at = Moment { seq: next, ..Moment::default() };
+        Item::Snapshot(crate::Snapshot { next, dtau: 0.01, words: vec![1, 2] }, at)
+    };
+    let mut bench = Bench::new(Keep { split: Some(1500), ..keep(Keeping::All) });
+    bench.run();
+    (0..2).for_each(|second| bench.second(second));
+    bench.reel.take(snapshot(18)).unwrap();
+    bench.second(2);
+    let log = bench.log();
+    let at = |what: &str| log.iter().position(|line| line == what).unwrap_or_else(|| panic!("{what}: {log:?}"));
+    assert!(at("s.rrd snapshot 18") < at("s-2.rrd snapshot 18") && at("s-2.rrd snapshot 18") < at("s-2.rrd 20..=29"));
+
+    let mut bench = Bench::new(keep(Keeping::Pretrigger(2.0)));
+    bench.run();
+    for second in 0..6 {
+        bench.second(second);
+        bench.reel.take(snapshot(10 * second + 7)).unwrap();
+    }
+    bench.event(&Happening::Tripped(Trip::default()), 1);
+    let log = bench.log();
+    let told: Vec<&str> = log.iter().filter(|line| line.contains("snapshot")).map(String::as_str).collect();
+    // The one before it at the head.
+    assert_eq!(told, [17, 27, 37, 47, 57].map(|next| format!("s.rrd snapshot {next}")), "{log:?}");
+    assert!(log.contains(&"s.rrd 30..=39".to_owned()) && !log.contains(&"s.rrd 20..=29".to_owned()), "{log:?}");
 }

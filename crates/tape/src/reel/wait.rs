@@ -47,7 +47,12 @@ impl Wait {
                             head.heed(&remark);
                         }
                     }
-                    _ => {}
+                    Item::Snapshot(snapshot, at) => {
+                        if let Some(head) = &mut self.head {
+                            head.snapshot = Some((snapshot, at));
+                        }
+                    }
+                    Item::Steps(_) | Item::Bulletin(..) => {}
                 }
             }
         }
