@@ -51,9 +51,16 @@ pub(crate) fn eigenvalues(mut m: DMatrix<C64>) -> Result<Vec<C64>, DelayError> {
         return Err(DelayError::NotFinite);
     }
     balance(&mut m);
-    let schur = Schur::try_new(m, f64::EPSILON, ITERATIONS_PER_ROW * n).ok_or(DelayError::NoConvergence(n))?;
-    let (_, triangle) = schur.unpack();
-    Ok(triangle.diagonal().iter().copied().collect())
+    let schur = |m| Schur::try_new(m, f64::EPSILON, ITERATIONS_PER_ROW * n).map(|schur| schur.unpack().1);
+    if let Some(triangle) = schur(m.clone()) {
+        return Ok(triangle.diagonal().iter().copied().collect());
+    }
+    // Several poles at the origin, as samples under way are, are nothing but rounding beside one another, and then never
+    // negligible: away from the origin all are beside the size of the matrix.
+    let away = C64::from(m.norm());
+    m.iter_mut().step_by(n + 1).for_each(|z| *z += away);
+    let triangle = schur(m).ok_or(DelayError::NoConvergence(n))?;
+    Ok(triangle.diagonal().iter().map(|z| z - away).collect())
 }
 
 /// The inverse of a matrix, and the angle of its determinant.

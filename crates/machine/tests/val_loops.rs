@@ -261,3 +261,24 @@ fn val_the_delay_at_which_a_simulation_begins_to_grow_is_the_delay_margin() {
     assert!((margin / 0.112_792 - 1.0).abs() < 1e-3, "{margin}");
     assert!((growth(margin).im - 2.2158).abs() < 1e-3);
 }
+
+/// Of several samples under way the poles at the origin of the z-plane are nothing but rounding: the iteration for the eigenvalues never
+/// ended, and `run` refused the machine.
+#[test]
+fn regress_poles_of_samples_under_way_are_found() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let growth = |sample: f64| {
+        let mut settings = settings(&rotor, 2.5, |f| {
+            f.parts = Parts { sensor_lag: 0.01, sample, delay: 0.02, lag: 0.01, ..Parts::default() };
+            f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+        });
+        settings.deadband.fill(1.0);
+        let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
+        program.growth_at_centre().expect("poles").0
+    };
+    let growths = [0.02, 0.025, 0.03, 0.035, 0.04].map(growth);
+    // A little more with every period, by the half of it that a hold delays.
+    let steps: Vec<f64> = growths.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let mean = (growths[4] - growths[0]) / 4.0;
+    assert!(steps.iter().all(|step| (step / mean - 1.0).abs() < 0.1), "{growths:?}");
+}

@@ -73,7 +73,7 @@ fn a_run_on_file_is_gone_on_with_to_the_last_bit_whatever_its_loop_holds() {
     std::fs::write(&feedback, text_of(filters)).unwrap();
     let everything =
         ["delay=0.02", "noise=0.001", "lag=0.01", "sensor_lag=0.01", "limit=5", "slew=60", "quantum=0.0005"];
-    let sampled = [&everything[..], &["sample=0.04"]].concat();
+    let sampled = [&everything[..], &["sample=0.025"]].concat();
     let cases: [&[&str]; 8] = [
         &[],
         &["delay=0.033"],
