@@ -503,6 +503,15 @@ impl Machine {
         }
     }
 
+    /// How long a step was of the machine that wrote these words down; `None` if they are of another form.
+    #[must_use]
+    pub fn saved_dtau(words: &[u64]) -> Option<f64> {
+        match words {
+            [FORM, dtau, ..] => Some(f64::from_bits(*dtau)),
+            _ => None,
+        }
+    }
+
     /// Takes up what a machine with this very program wrote down, to go on to the last bit.
     ///
     /// Returns whether the words fit; a machine that they do not fit is at rest again.

@@ -76,8 +76,8 @@ impl Program {
     /// Words that a machine of this program saves at most: see [`crate::Machine::save`].
     #[must_use]
     pub fn words_at_most(&self) -> usize {
-        // Path, grid, motion, output, trip, then the coordinates and their velocities.
-        let fixed = 4 + 7 + 3 * self.legs.len() + 5 + 4;
+        // Form, step, path and grid; motion; output; trip; then the coordinates and their velocities.
+        let fixed = 6 + 9 + 3 * self.legs.len() + 5 + 4;
         fixed + 4 * self.integrator.displacement().len() + self.integrator.words_at_most()
     }
 

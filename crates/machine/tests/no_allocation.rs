@@ -64,6 +64,8 @@ fn steps_orders_and_new_programs_allocate_nothing() {
                     save(&machine);
                     machine.restart();
                     step(&mut machine, 10);
+                    machine.hold();
+                    save(&machine);
                 });
                 assert_eq!((used.count_total, used.bytes_current), (0, 0), "{from} to {to}, ramp {ramp}");
             }

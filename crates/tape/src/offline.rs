@@ -182,9 +182,8 @@ impl OfflineTape {
     fn snapshot_of(&mut self, machine: &Machine) -> Snapshot {
         let mut words = Words::default();
         machine.save(&mut words);
-        let words = words.as_slice().to_vec();
-        self.next_snapshot = self.seen + SNAPSHOT_STEPS.max(words.len() as u64 * STEPS_A_WORD);
-        Snapshot { next: self.seen, dtau: machine.dtau(), words }
+        self.next_snapshot = self.seen + SNAPSHOT_STEPS.max(words.as_slice().len() as u64 * STEPS_A_WORD);
+        Snapshot::new(self.seen, words.as_slice())
     }
 
     /// Puts on tape what is waiting.

@@ -19,6 +19,7 @@ use crate::gather::Gatherer;
 use crate::judge::Judge;
 use crate::reel::{Keep, Reel};
 use crate::sink::Item;
+use crate::snapshot::Snapshot;
 
 /// Items that wait for the writing thread; what is beyond waits with the listening thread.
 const QUEUE: usize = 64;
@@ -151,6 +152,7 @@ fn listen(
             gatherer.event(event);
             judge.event(event);
         })?;
+        listener.snapshots(|head, words| gatherer.snapshot(head.run_id, Snapshot::new(head.seq, words)))?;
         if let Some(bulletin) = listener.bulletin()? {
             judge.bulletin(&bulletin, gatherer.lost());
             gatherer.bulletin(bulletin);

@@ -223,7 +223,7 @@ impl Recording {
     pub fn paces(&self) -> Vec<(u64, f64)> {
         let mut paces: Vec<(u64, f64)> = Vec::new();
         for place in &self.contents.snapshots {
-            if paces.last().is_none_or(|(_, dtau)| *dtau != place.dtau) {
+            if place.dtau.is_finite() && paces.last().is_none_or(|(_, dtau)| *dtau != place.dtau) {
                 paces.push((place.next, place.dtau));
             }
         }

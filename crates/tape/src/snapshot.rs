@@ -1,12 +1,14 @@
 //! All of a machine at a moment, so that whoever goes on from a recording begins as the machine was, with what its loop holds: commands
 //! under way, filters, a generator of noise, a speed on its way.
 
+use machine::Machine;
+
 /// A machine just before a step, written down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     /// The number of that step. What was done to the machine before it has been done.
     pub next: u64,
-    /// How long it is, and those after it until a snapshot says otherwise, in `tau`.
+    /// How long it is, and those after it until a snapshot says otherwise, in `tau`; not finite in words of another version.
     pub dtau: f64,
     /// As [`machine::Machine::save`] writes them. They fit a machine under the settings that the step is made with.
     pub words: Vec<u64>,
@@ -16,6 +18,12 @@ pub struct Snapshot {
 const HEAD: usize = 2;
 
 impl Snapshot {
+    /// What a machine has written down before step `next`.
+    #[must_use]
+    pub fn new(next: u64, words: &[u64]) -> Self {
+        Self { next, dtau: Machine::saved_dtau(words).unwrap_or(f64::NAN), words: words.to_vec() }
+    }
+
     /// As a row of words on file.
     pub(crate) fn row(&self) -> impl Iterator<Item = u64> + '_ {
         [self.next, self.dtau.to_bits()].into_iter().chain(self.words.iter().copied())
