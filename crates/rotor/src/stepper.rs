@@ -23,11 +23,9 @@ impl Motion<'_> {
     /// Whether every number in it is finite.
     #[must_use]
     pub fn is_finite(&self) -> bool {
-        let finite = |z: &C64| z.re.is_finite() && z.im.is_finite();
-        self.tau.is_finite()
-            && self.angle.is_finite()
-            && self.displacement.iter().all(finite)
-            && self.velocity.iter().all(finite)
+        // All of them, whatever the first says: that is a few instructions, where as many branches cost a tenth of a step.
+        let finite = |all: &[C64]| all.iter().fold(true, |so_far, z| so_far & z.re.is_finite() & z.im.is_finite());
+        self.tau.is_finite() & self.angle.is_finite() & finite(self.displacement) & finite(self.velocity)
     }
 
     /// The largest distance of any mass from its centre, in `e_t`.
