@@ -60,10 +60,17 @@ fn poles(rotor: &Rotor, feedback: &Feedback, speed: f64) -> Vec<C64> {
     MachinePoles::at(rotor, &settings, speed).expect("converges").modes.iter().map(|mode| mode.pole).collect()
 }
 
-/// Each of `a` has one of `b` within `distance`, and the other way round.
-fn same(a: &[C64], b: &[C64], distance: f64) -> bool {
-    let has = |a: &[C64], b: &[C64]| a.iter().all(|x| b.iter().any(|y| (x - y).norm() <= distance * (1.0 + x.norm())));
-    has(a, b) && has(b, a)
+/// Each of `a` has one of `b` by it, and the other way round. The poles of several sensors that lag alike coincide, and rounding
+/// parts five of them by its fifth root.
+fn same(a: &[C64], b: &[C64]) -> bool {
+    let is_by = |x: &C64, y: &C64, part: f64| (x - y).norm() <= part * (1.0 + x.norm());
+    let has = |a: &[C64], b: &[C64]| {
+        a.iter().all(|x| {
+            let crowd = a.iter().filter(|other| is_by(x, other, 1e-2)).count();
+            b.iter().any(|y| is_by(x, y, if crowd > 1 { 1e-2 } else { 1e-6 }))
+        })
+    };
+    a.len() == b.len() && has(a, b) && has(b, a)
 }
 
 /// The same rotor without cross-coupled damping, which does not turn with the spin.
@@ -92,7 +99,7 @@ proptest! {
         let rotor = plain(&rotor);
         let here = poles(&rotor, &feedback, speed);
         let there: Vec<C64> = poles(&rotor, &mirrored(&feedback), -speed).iter().map(|pole| pole.conj()).collect();
-        prop_assert!(same(&here, &there, 1e-6), "{here:?} {there:?}");
+        prop_assert!(same(&here, &there), "{here:?} {there:?}");
     }
 
     /// Every pole of the ideal loop has one of the late or lagging loop by it, the nearer the less of it there is.
