@@ -836,7 +836,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__run)
-            opts="-h --feedback --deadband --set --speed --duration --dtau --settle --impulse --out --force --every --psd --json --csv --help"
+            opts="-h --feedback --deadband --set --speed --profile --duration --dtau --settle --impulse --out --force --every --psd --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -855,6 +855,10 @@ _whirl() {
                     return 0
                     ;;
                 --speed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --profile)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

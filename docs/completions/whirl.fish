@@ -221,9 +221,10 @@ complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The fee
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand run" -l duration -d 'How long, in tau = w0 t for any rotor' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l profile -d 'Legs of speed from a file instead of a steady speed' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l duration -d 'How long, in tau = w0 t for any rotor [default: as long as the profile]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l dtau -d 'Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]' -r
-complete -c whirl -n "__fish_whirl_using_subcommand run" -l settle -d 'Take maxima and means from this tau on [default: 0 with impulses, else from where transients have died]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l settle -d 'Take maxima and means from this tau on [default: 0 with impulses or a profile, else from where transients have died]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l impulse -d 'A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l out -d 'Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l every -d 'Write one step in every N' -r
