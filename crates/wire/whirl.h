@@ -56,16 +56,18 @@ static inline double whirl_number(uint64_t word) {
 }
 
 /* The poles of the linear rotor, deadband neglected. */
-struct whirl_analysis { /* 536 bytes, whirl.Analysis */
+struct whirl_analysis { /* 544 bytes, whirl.Analysis */
     /* 0: The revision of the settings that it is for; 0 while there is none. */
     uint64_t revision;
     /* 8: How many of poles are used: 2n, or 0 if the eigenvalues did not converge. */
     uint32_t count;
     /* 12: Always 0. */
     uint32_t reserved;
-    /* 16: The smallest damping ratio; 0 if there are no poles. */
+    /* 16: Spin speed R that it is for: while that changes, the one of some tenth of a second ago. */
+    double speed;
+    /* 24: The smallest damping ratio; 0 if there are no poles. */
     double min_damping;
-    /* 24: The poles re, im, least damped first. */
+    /* 32: The poles re, im, least damped first. */
     double poles[32][2];
 };
 
@@ -119,7 +121,7 @@ struct whirl_document_head { /* 16 bytes, whirl.DocumentHead */
 
 /* The whole slow picture of a bench in one message, so that its parts always fit together. Bulletin is it with the
    documents that it names. */
-struct whirl_bulletin { /* 880 bytes, whirl.Bulletin */
+struct whirl_bulletin { /* 888 bytes, whirl.Bulletin */
     /* 0: Which run of which process: as in the steps. */
     uint64_t run_id;
     /* 8: Number of this bulletin in its run: rises by 1. */
@@ -158,9 +160,9 @@ struct whirl_bulletin { /* 880 bytes, whirl.Bulletin */
     char changed_by[32];
     /* 240: Poles under the settings in force. */
     struct whirl_analysis analysis;
-    /* 776: How well the process keeps its pace. */
+    /* 784: How well the process keeps its pace. */
     struct whirl_health health;
-    /* 848: What tripped the machine. */
+    /* 856: What tripped the machine. */
     struct whirl_trip trip;
 };
 

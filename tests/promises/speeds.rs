@@ -138,3 +138,27 @@ fn a_run_along_a_profile_ends_where_the_run_up_does() {
     assert_eq!(refused.code, Some(2));
     assert!(refused.stderr.contains("the speed follows --profile"), "{refused:?}");
 }
+
+#[test]
+fn while_the_speed_is_on_its_way_damping_and_speed_are_those_of_the_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("up.toml");
+    std::fs::write(&path, "from = 2.0\n[[leg]]\nto = 6.0\nrate = 0.002\n").unwrap();
+    let root = Root::new();
+    let file = path.to_str().unwrap();
+    let mut screen = promises::Screen::start(
+        root.path(),
+        &["up", "three-mass", "--feedback", "composite", "--profile", file],
+        (160, 45),
+    );
+    // The header tells where it is and where it goes.
+    screen.wait("the speed of the moment", |text| text.contains(" to 6").then_some(()));
+    let bench = root.run(&["status", "--json"]).json()["benches"][0].clone();
+    let (speed, damping) = (number(&bench["speed"]), number(&bench["min_damping"]));
+    assert!(speed > 2.0 && speed < 5.0, "{bench}");
+    let at = speed.to_string();
+    let poles = run(&["poles", "three-mass", "--feedback", "composite", "--speed", &at, "--json"]).json();
+    assert!((damping - number(&poles["min_damping"])).abs() < 1e-9, "{bench} {poles}");
+    screen.press("q");
+    assert!(screen.ended().success());
+}

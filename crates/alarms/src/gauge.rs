@@ -27,6 +27,8 @@ pub struct Gauge {
     trip: Option<String>,
     /// The last change of settings that was heard of: its run, its revision, and from when on it held.
     changed: Option<(u64, u64, Moment)>,
+    /// The revision of the last analysis that was heard of.
+    analysed: Option<u64>,
 }
 
 /// Counters at one moment.
@@ -71,7 +73,11 @@ impl Gauge {
         self.last.wall_ns = self.last.wall_ns.max(bulletin.wall_ns);
         let analysis = &bulletin.analysis;
         if analysis.count == 0 || self.damping.is_none_or(|known| known.value != analysis.min_damping) {
-            let here = self.changed.filter(|(run, revision, _)| (*run, *revision) == (self.run_id, analysis.revision));
+            // While the speed is on its way damping changes without anybody's doing.
+            let is_new = self.analysed.replace(analysis.revision) != Some(analysis.revision);
+            let here = self
+                .changed
+                .filter(|(run, revision, _)| is_new && (*run, *revision) == (self.run_id, analysis.revision));
             let at = here.map_or(self.last, |(.., at)| at);
             self.damping = (analysis.count > 0).then_some(Sample { value: analysis.min_damping, at });
         }

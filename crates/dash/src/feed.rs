@@ -9,7 +9,7 @@ use rotor::{Rotor, Settings};
 use wire::{Bulletin, Event, Happening, RecorderStatus, Step};
 
 use crate::contact::Contact;
-use crate::history::History;
+use crate::history::{Era, History};
 use crate::journal::Journal;
 use crate::picture::Picture;
 use crate::replay::PastEvent;
@@ -189,6 +189,16 @@ impl Feed {
         self.changes
     }
 
+    /// An era with the poles at the speed of the step that is looked at, where that is on its way to the one that is set.
+    fn at_speed(&self, era: Arc<Era>, speed: Option<f64>) -> Arc<Era> {
+        let Some(speed) = speed.filter(|speed| *speed != era.speed && !era.poles.is_empty()) else { return era };
+        // A step that came before its bulletin, or after it, at a speed that is set at once, is no ramp.
+        if !(era.settings.ramp.is_finite() || era.speed != era.settings.speed) {
+            return era;
+        }
+        era.at_speed(speed).map_or(era, Arc::new)
+    }
+
     /// What one frame shows. Shares the steps with the history, copies little.
     pub(crate) fn picture(&self, time: &ViewTime, now: Instant) -> Picture {
         let (kept, seconds) = (self.history.places(), self.seconds());
@@ -203,13 +213,15 @@ impl Feed {
         let track = self.history.track(&around);
         // When another machine takes the name, its bulletin and its steps do not come at the same moment.
         let masses = track.masses();
-        let fits = |era: &Arc<crate::history::Era>| masses == 0 || era.settings.deadband.len() == masses;
+        let fits = |era: &Arc<Era>| masses == 0 || era.settings.deadband.len() == masses;
+        let era_now = view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned();
+        let speed = view.now.map(|now| track.speed(place(now)));
         Picture {
+            era: era_now.map(|era| self.at_speed(era, speed)),
             track,
             window: place(view.window.start)..place(view.window.end),
             overview: place(overview.start)..place(overview.end),
             now: view.now.map(place),
-            era: view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned(),
             eras: (self.history.eras(&overview).into_iter())
                 .filter(|(_, era)| fits(era))
                 .map(|(at, era)| (place(at), era))
@@ -277,6 +289,7 @@ pub(crate) mod tests {
         let mut analysis = Analysis {
             revision: 1,
             count: spectrum.modes.len() as u32,
+            speed: settings.speed,
             min_damping: spectrum.min_damping(),
             ..Analysis::default()
         };

@@ -90,6 +90,12 @@ impl Picture {
         over.filter(|(_, era)| !era.poles.is_empty()).map(|(_, era)| era.min_damping).reduce(f64::min)
     }
 
+    /// The era in force at the first of some steps.
+    pub(crate) fn era_of(&self, steps: &Range<usize>) -> Option<&Arc<Era>> {
+        let at = self.eras.partition_point(|(first, _)| *first <= steps.start).checked_sub(1)?;
+        self.eras.get(at).map(|(_, era)| era)
+    }
+
     /// The trip, while there is one; live.
     pub(crate) fn trip(&self) -> Option<Trip> {
         self.bulletin.as_ref().map(|bulletin| bulletin.trip).filter(Trip::is_tripped)

@@ -80,10 +80,13 @@ pub(crate) struct Counters {
     pub(crate) missed: AtomicU64,
     /// Time of the rotor after the last wake-up: the bits of an `f64`.
     pub(crate) tau_bits: AtomicU64,
+    /// Spin speed then, likewise.
+    pub(crate) speed_bits: AtomicU64,
 }
 
 impl Counters {
-    pub(crate) fn count(&self, wake: &Wake, tau: f64) {
+    pub(crate) fn count(&self, wake: &Wake, tau: f64, speed: f64) {
+        self.speed_bits.store(speed.to_bits(), Ordering::Relaxed);
         self.tau_bits.store(tau.to_bits(), Ordering::Relaxed);
         self.steps.fetch_add(u64::from(wake.steps), Ordering::Relaxed);
         if wake.is_late {
@@ -214,6 +217,11 @@ impl Engine {
         // A snapshot of the machine as it is held.
         self.save_at = self.seq + 1;
         Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
+    }
+
+    /// Spin speed now.
+    pub(crate) fn speed(&self) -> f64 {
+        self.machine.sample().speed
     }
 
     /// Time of the rotor now.

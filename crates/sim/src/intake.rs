@@ -90,6 +90,9 @@ impl<'a> Intake<'a> {
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
                 self.gauge.gather(self.exchange);
+                if self.speed() != self.bulletin.analysis.speed {
+                    self.analyse();
+                }
                 news.welcome()?;
                 self.publish(&mut news, host.listeners())?;
                 self.watch_pace();
@@ -298,10 +301,21 @@ impl<'a> Intake<'a> {
         }
     }
 
-    /// Recomputes the poles for the settings in force.
+    /// The speed of this moment: as it is set, unless it is on its way.
+    fn speed(&self) -> f64 {
+        if self.settings.ramp.is_finite() || self.profile.is_some() {
+            f64::from_bits(self.exchange.counters.speed_bits.load(Ordering::Relaxed))
+        } else {
+            self.settings.speed
+        }
+    }
+
+    /// Recomputes the poles for the settings in force, at the speed of this moment.
     fn analyse(&mut self) {
-        let mut analysis = Analysis { revision: self.bulletin.revision, ..Analysis::default() };
-        match MachinePoles::of(self.rotor, &self.settings).map(MachinePoles::spectrum) {
+        let speed = self.speed();
+        let mut analysis = Analysis { revision: self.bulletin.revision, speed, ..Analysis::default() };
+        let settings = Settings { speed, ..self.settings.clone() };
+        match MachinePoles::of(self.rotor, &settings).map(MachinePoles::spectrum) {
             Ok(spectrum) => {
                 // Of a loop with many states, the least damped.
                 analysis.count = spectrum.modes.len().min(analysis.poles.len()) as u32;

@@ -152,6 +152,7 @@ pub fn run<C: Carrier>(
     let exchange = Exchange::new(program.words_at_most());
     // A snapshot a second.
     let engine = Engine::new(program, run_id, options.rate_hz.ceil() as u64);
+    exchange.counters.speed_bits.store(engine.speed().to_bits(), Ordering::Relaxed);
     let intake = Intake::new(rotor, settings, substeps, options, (run_id, started_ns), &exchange);
 
     std::thread::scope(|scope| {
@@ -222,7 +223,7 @@ fn step_until(
             })?;
             sent += burst;
         }
-        exchange.counters.count(&wake, engine.tau());
+        exchange.counters.count(&wake, engine.tau(), engine.speed());
         exchange.measure(wake.lateness_ns, (clock.now_ns() - begun) / u64::from(wake.steps));
     }
     Ok(())

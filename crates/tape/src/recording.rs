@@ -382,6 +382,7 @@ fn analysis(revision: &Revision) -> Analysis {
     let mut analysis = Analysis {
         revision: revision.revision,
         count: revision.poles.len().min(2 * rotor::MAX_MASSES) as u32,
+        speed: revision.settings.speed,
         min_damping: revision.min_damping,
         ..Analysis::default()
     };

@@ -138,6 +138,8 @@ message! {
         pub count: u32,
         /// Always 0.
         pub reserved: u32,
+        /// Spin speed `R` that it is for: while that changes, the one of some tenth of a second ago.
+        pub speed: f64,
         /// The smallest damping ratio; 0 if there are no poles.
         pub min_damping: f64,
         /// The poles `[re, im]`, least damped first.

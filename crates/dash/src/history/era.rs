@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use machine::MachinePoles;
 use rotor::{C64, Rotor, Settings};
 use wire::Bulletin;
 use wire::message::Analysis;
@@ -19,6 +20,8 @@ pub(crate) struct Era {
     pub(crate) rotor: Option<Arc<Rotor>>,
     /// The settings.
     pub(crate) settings: Settings,
+    /// The spin speed that the poles are for; that of the settings unless it is on its way.
+    pub(crate) speed: f64,
     /// The poles, least damped first; none if they are not known.
     pub(crate) poles: Vec<C64>,
     /// The smallest damping ratio; 0 without poles.
@@ -34,14 +37,27 @@ impl Era {
             who: bulletin.changed_by.as_str().to_owned(),
             rotor: rotor.or_else(|| bulletin.rotor().ok().map(Arc::new)),
             settings: bulletin.settings.get().clone(),
+            speed: bulletin.analysis.speed,
             poles: bulletin.analysis.poles().collect(),
             min_damping: bulletin.analysis.min_damping,
         }
     }
 
+    /// The same with the poles at another speed than was told of, through which the machine passes.
+    #[must_use]
+    pub(crate) fn at_speed(&self, speed: f64) -> Option<Self> {
+        let settings = Settings { speed, ..self.settings.clone() };
+        let spectrum = MachinePoles::of(self.rotor.as_ref()?, &settings).ok()?.spectrum();
+        let min_damping = spectrum.min_damping();
+        let poles = spectrum.modes.into_iter().map(|mode| mode.pole).collect();
+        Some(Self { speed, min_damping, poles, ..self.clone() })
+    }
+
     /// Whether an analysis tells nothing new.
     pub(crate) fn has_same_poles(&self, analysis: &Analysis) -> bool {
-        self.min_damping == analysis.min_damping && self.poles.iter().copied().eq(analysis.poles())
+        self.speed == analysis.speed
+            && self.min_damping == analysis.min_damping
+            && self.poles.iter().copied().eq(analysis.poles())
     }
 }
 

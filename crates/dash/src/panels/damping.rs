@@ -10,11 +10,15 @@
 //! └─────────────────────────────────┘
 //! ```
 
+use std::ops::Range;
+
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
+
+use crate::analysis::over_speed::Question;
 
 use super::panel::{Intent, Mouse, Panel};
 use super::{framed, look_at, wheel_times, write, write_right};
@@ -132,7 +136,17 @@ fn draw_history(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffe
     // The end of the window at the right edge; a column of dots shows the least of its values, so that no dip is lost.
     let columns = usize::from(area.width) * 2;
     let steps: Vec<_> = picture.track.columns(picture.overview.clone(), columns).collect();
-    let shown: Vec<f64> = steps.iter().map(|steps| picture.least_damping(steps).unwrap_or(f64::NAN)).collect();
+    // While the speed is on its way the damping is that of each moment's speed.
+    let over_speed = picture.era.as_ref().and_then(|era| Some((era, view.desk.over_speed(&Question::of(era)?)?)));
+    let least = |steps: &Range<usize>| {
+        let told = picture.least_damping(steps)?;
+        let (era, over_speed) = over_speed.as_ref()?;
+        let speed = picture.track.speed(steps.end.max(steps.start + 1) - 1);
+        let is_on_its_way = picture.era_of(steps).is_some_and(|of| of.revision == era.revision && of.speed != speed);
+        Some(if is_on_its_way { over_speed.near(speed) } else { told })
+    };
+    let shown: Vec<f64> =
+        steps.iter().map(|steps| least(steps).or_else(|| picture.least_damping(steps)).unwrap_or(f64::NAN)).collect();
     let top = nice_ceiling(shown.iter().copied().fold(0.0, f64::max) * 1.05);
     let bottom = shown.iter().copied().fold(0.0, f64::min);
     let bottom = if bottom < 0.0 { -nice_ceiling(-bottom * 1.05) } else { -0.15 * top };

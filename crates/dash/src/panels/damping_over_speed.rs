@@ -88,7 +88,7 @@ impl Panel for DampingOverSpeed {
             Read::Off => before.unwrap_or(low),
             Read::At(speed) => speed / view.picture.units().speed.factor,
             Read::Move(by) => {
-                let present = view.picture.era.as_ref().map_or(low, |era| era.settings.speed);
+                let present = view.picture.era.as_ref().map_or(low, |era| era.speed);
                 before.map_or(present, |speed| speed + f64::from(by) * (high - low) / f64::from(columns.max(1)))
             }
         };
@@ -105,7 +105,7 @@ fn draw(view: &View<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut 
     };
     let units = view.picture.units();
     let pointed = view.pointed.speed;
-    let (speed, min_damping) = (era.settings.speed, era.min_damping);
+    let (speed, min_damping) = (era.speed, era.min_damping);
     let would_be = view.what_if.and_then(|what_if| {
         let settings = &what_if.settings;
         let question = Question::at(era.rotor.clone()?, settings.feedback.clone(), settings.speed);

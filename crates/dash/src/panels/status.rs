@@ -73,9 +73,20 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     add(view.bench.to_owned(), plain.bold());
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
         add(bulletin.rotor_name.as_str().to_owned(), plain);
+        let on_its_way = picture.era.as_ref().map(|era| era.speed).filter(|speed| {
+            let is_near = (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
+            // Old recordings, and benches that have told no poles yet, know of no other speed.
+            picture.poles().is_some() && !is_near && picture.era.as_ref().is_some_and(|era| era.settings == *settings)
+        });
         let speed = match picture.units() {
-            units @ Units { scales: Some(_), .. } => units.speed_told(settings.speed),
-            units => format!("R {}", units.value_digits(settings.speed)),
+            units @ Units { scales: Some(_), .. } => match on_its_way {
+                Some(now) => format!("{} to {}", units.speed(now), units.speed_told(settings.speed)),
+                None => units.speed_told(settings.speed),
+            },
+            units => match on_its_way {
+                Some(now) => format!("R {now:.3} to {}", units.value_digits(settings.speed)),
+                None => format!("R {}", units.value_digits(settings.speed)),
+            },
         };
         add(speed, plain);
         add(format!("{:.0}/s", picture.rate), plain);
