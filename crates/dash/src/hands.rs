@@ -1,5 +1,24 @@
 //! What the dashboard needs done outside of itself, by whoever started it: processes are not its business.
 
+/// What the dashboard asked of its surroundings failed: with the error of whoever was to do it.
+#[derive(Debug, thiserror::Error)]
+#[error(transparent)]
+pub struct OutsideError(Box<dyn std::error::Error + Send + Sync>);
+
+impl OutsideError {
+    /// That failed, for this.
+    pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
+        Self(error.into())
+    }
+}
+
+impl From<OutsideError> for String {
+    /// In the words that the message line has.
+    fn from(error: OutsideError) -> Self {
+        error.to_string()
+    }
+}
+
 /// Whoever started the simulation, if it was us.
 pub trait Keeper {
     /// How the simulation ended, once it has.
@@ -7,8 +26,8 @@ pub trait Keeper {
     /// Starts it again.
     ///
     /// # Errors
-    /// It cannot be started, in words.
-    fn revive(&mut self) -> Result<(), String>;
+    /// It cannot be started.
+    fn revive(&mut self) -> Result<(), OutsideError>;
 }
 
 /// Whoever can record the bench, in a process of its own.
@@ -16,8 +35,8 @@ pub trait Scribe {
     /// Starts a recording, and says in which file it will be. Does not wait for it.
     ///
     /// # Errors
-    /// It cannot be started, in words.
-    fn start(&mut self) -> Result<String, String>;
+    /// It cannot be started.
+    fn start(&mut self) -> Result<String, OutsideError>;
     /// Whether a recording that was started here has not said yet that it records.
     fn is_starting(&self) -> bool;
     /// Asks the recording that was started here to end in good order. Does not wait.

@@ -53,7 +53,7 @@ mod view_time;
 mod what_if;
 
 pub use config::Config;
-pub use hands::{Keeper, Scribe, ScribeNews};
+pub use hands::{Keeper, OutsideError, Scribe, ScribeNews};
 pub use headless::{Frames, Headless};
 pub use keymap::Keymap;
 pub use layout::{BUILT_IN as LAYOUTS, Layout, built_in as built_in_layouts};

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use dash::{Scribe, ScribeNews};
+use dash::{OutsideError, Scribe, ScribeNews};
 use wire::BenchName;
 
 use crate::commands::record;
@@ -69,12 +69,12 @@ fn outcome(recorder: &mut Companion) -> Result<String, Failure> {
 }
 
 impl Scribe for Recordings {
-    fn start(&mut self) -> Result<String, String> {
+    fn start(&mut self) -> Result<String, OutsideError> {
         let path = new_name(&self.bench);
         let launched = tape::available()
             .map_err(Failure::from)
             .and_then(|()| record::launch(&path, Force::default(), &self.bench));
-        self.recorder = Some(launched.map_err(|failure| failure.to_string())?);
+        self.recorder = Some(launched.map_err(OutsideError::new)?);
         let told = path.display().to_string();
         self.starting = Some(path);
         Ok(told)

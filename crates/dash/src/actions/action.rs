@@ -16,6 +16,17 @@ pub(crate) enum Action {
     Type,
     /// Set these, all at once.
     Set(Vec<(Key, f64)>),
+    /// The speed goes from one (the present one if there is none) to another at a rate, all as typed.
+    RunUp {
+        /// The speed that it is to have now.
+        from: Option<f64>,
+        /// The speed that it goes to.
+        to: f64,
+        /// How fast.
+        rate: f64,
+    },
+    /// The speed stays where it is on its way.
+    Stay,
     /// Take back the last change, whoever made it.
     Undo,
     /// Make it again.

@@ -29,6 +29,18 @@ pub(super) fn times(times: f64) -> Result<f64, String> {
     if times == 1.0 { Err("1: expected a number other than 1".into()) } else { positive(times) }
 }
 
+/// `6 0.01`, or `0..6 0.01`: where the speed goes, and how fast.
+pub(super) fn run_up(text: &str) -> Result<Action, String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let [way, rate] = words[..] else {
+        return Err(format!("'{text}': expected where the speed goes and how fast: 6 0.01"));
+    };
+    // A coast-down is a range that falls.
+    let ends = way.split_once("..").map_or((None, way), |(from, to)| (Some(from), to));
+    let from = ends.0.map(number).transpose()?;
+    Ok(Action::RunUp { from, to: number(ends.1)?, rate: number(rate).and_then(positive)? })
+}
+
 /// A number within limits, which is not made to fit.
 pub(super) fn within(number: f64, [low, high]: [f64; 2]) -> Result<f64, String> {
     if (low..=high).contains(&number) {

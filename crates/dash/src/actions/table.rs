@@ -1,7 +1,7 @@
 //! The table itself.
 
 use super::action::{Action, Read};
-use super::argument::{assignments, moves, number, scale, spectra, times, whole, within};
+use super::argument::{assignments, moves, number, run_up, scale, spectra, times, whole, within};
 use crate::panels::series::Strip;
 use crate::view_time::SPANS;
 
@@ -169,6 +169,20 @@ pub(crate) const ACTIONS: &[Row] = &[
         meaning: "an impulse on the mass with the control bearing",
         keys: &[keys(&[("i", "")], "an impulse on the mass with the control bearing", Some("impulse"))],
         make: |_| Ok(Action::Impulse),
+    },
+    Row {
+        name: "run-up",
+        argument: "[A..]B RATE",
+        meaning: "the speed goes to B at RATE, up or down; from A if it is there",
+        keys: &[],
+        make: run_up,
+    },
+    Row {
+        name: "stay",
+        argument: "",
+        meaning: "the speed stays where it is on its way",
+        keys: &[],
+        make: |_| Ok(Action::Stay),
     },
     Row {
         name: "restart",

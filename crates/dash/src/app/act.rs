@@ -58,6 +58,38 @@ impl App<'_> {
         lock(&self.feed).settings()
     }
 
+    /// The spin speed of the newest step.
+    fn present_speed(&self) -> Option<f64> {
+        let feed = lock(&self.feed);
+        let places = feed.history().places();
+        let last = places.end.checked_sub(1).filter(|last| *last >= places.start)?;
+        let track = feed.history().track(&(last..last + 1));
+        (track.len() > 0).then(|| track.speed(0))
+    }
+
+    /// The change that sends the speed on its way, of speeds and a rate as typed.
+    fn run_up(&self, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
+        let keys = ["speed", "ramp"].map(|key| key.parse().map_err(|error: rotor::SettingsError| error.to_string()));
+        let [speed, ramp] = keys;
+        let values = self.units().settings_of_typed(&[(speed?, to), (ramp?, rate)]);
+        let units = self.units();
+        if let (Some(from), Some(now)) = (from, self.present_speed()) {
+            let typed = now * units.speed.factor;
+            if (typed - from).abs() > 1e-3 * from.abs().max(units.speed.factor) {
+                let now = units.speed_told(now);
+                return Err(format!("it spins at {now}, not at {from}: `:run-up {from} {rate}` goes there first"));
+            }
+        }
+        Ok(Edit::Set(values))
+    }
+
+    /// The change that keeps the speed where it is; nothing if it is not on its way.
+    fn stay(&self) -> Option<Edit> {
+        let now = self.present_speed()?;
+        let key = "speed".parse().ok()?;
+        (self.settings()?.speed != now).then(|| Edit::Set(vec![(key, now)]))
+    }
+
     /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
     fn undone(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
         let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
@@ -141,6 +173,14 @@ impl App<'_> {
                 0 => self.tell(Message::Good("no alarm waits to be acknowledged".into())),
                 1 => self.tell(Message::Good("1 alarm acknowledged".into())),
                 count => self.tell(Message::Good(format!("{count} alarms acknowledged"))),
+            },
+            Action::RunUp { from, to, rate } => match self.run_up(from, to, rate) {
+                Ok(edit) => self.send(edit),
+                Err(why) => self.tell(Message::Bad(why)),
+            },
+            Action::Stay => match self.stay() {
+                Some(edit) => self.send(edit),
+                None => self.tell(Message::Bad("the speed is not on its way".into())),
             },
             Action::Restart => self.restart(),
             Action::Record => self.record(),
@@ -296,7 +336,7 @@ impl App<'_> {
             self.told_end = false;
             self.tell(match revived {
                 Ok(()) => Message::Good("the simulation was started again".into()),
-                Err(why) => Message::Bad(why),
+                Err(why) => Message::Bad(why.to_string()),
             });
         } else {
             self.send(Edit::Restart);

@@ -29,7 +29,7 @@ impl<'a> App<'a> {
             (_, Some(others)) => Message::Bad(others),
             (Some(scribe), None) => match scribe.start() {
                 Ok(file) => Message::Good(format!("a recording starts in {file}")),
-                Err(why) => Message::Bad(why),
+                Err(why) => Message::Bad(why.to_string()),
             },
         };
         self.tell(told);
@@ -59,6 +59,7 @@ mod tests {
 
     use super::*;
     use crate::feed::Feed;
+    use crate::hands::OutsideError;
     use crate::looks::still::text;
     use crate::options::Options;
 
@@ -72,9 +73,9 @@ mod tests {
     }
 
     impl Scribe for Writer {
-        fn start(&mut self) -> Result<String, String> {
+        fn start(&mut self) -> Result<String, OutsideError> {
             if self.refuses {
-                return Err("recordings need another build".into());
+                return Err(OutsideError::new("recordings need another build"));
             }
             self.at_work = true;
             self.silent.get_or_insert(0);

@@ -439,6 +439,29 @@ fn where_a_clearance_is_set_gains_are_searched_for_any_deadband_or_said_not_to_b
 }
 
 #[test]
+fn the_speed_is_sent_on_its_way_and_stopped_there() {
+    let (mut app, taken) = dashboard(&Options::default());
+    command(&mut app, "run-up 2.5..6 0.01");
+    let set =
+        |pairs: &[(&str, f64)]| Edit::Set(pairs.iter().map(|(key, value)| (key.parse().unwrap(), *value)).collect());
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", 6.0), ("ramp", 0.01)])]);
+    command(&mut app, "run-up 0 0.02");
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", 0.0), ("ramp", 0.02)])]);
+    // It spins at 2.5.
+    for (line, told) in [
+        ("run-up 0..6 0.01", "it spins at R 2.5, not at 0"),
+        ("run-up 6", "expected where the speed goes and how fast"),
+        ("run-up 6 0", "expected a number above 0"),
+        ("run-up 6 -1", "expected a number above 0"),
+        ("stay", "the speed is not on its way"),
+    ] {
+        command(&mut app, line);
+        assert!(matches!(&app.message.0, Message::Bad(words) if words.contains(told)), "{line}: {:?}", app.message.0);
+    }
+    assert!(taken.is_empty());
+}
+
+#[test]
 fn settings_of_which_nothing_is_left_on_this_rotor_are_refused() {
     let (mut app, taken) = dashboard(&Options::default());
     command(&mut app, "set deadband=1 deadband.1=2 deadband.2=2 deadband.3=2");

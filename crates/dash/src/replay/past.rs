@@ -5,6 +5,7 @@ use std::ops::Range;
 use alarms::{Limits, Turn};
 use wire::{Bulletin, Happening, Moment, State};
 
+use crate::hands::OutsideError;
 use crate::units::Units;
 
 /// Something that happened.
@@ -70,7 +71,7 @@ pub trait Past {
     ///
     /// # Errors
     /// It cannot be read.
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String>;
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError>;
 
     /// The whole slow picture as it stood at step `seq`: rotor, settings, poles, trip, rate.
     fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin>;
@@ -98,7 +99,7 @@ pub trait Past {
     ///
     /// # Errors
     /// It cannot be read.
-    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, String> {
+    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, OutsideError> {
         Ok(None)
     }
 
@@ -111,5 +112,5 @@ pub trait Past {
     ///
     /// # Errors
     /// It cannot be read.
-    fn at_tau(&mut self, tau: f64) -> Result<u64, String>;
+    fn at_tau(&mut self, tau: f64) -> Result<u64, OutsideError>;
 }

@@ -9,6 +9,8 @@ use rotor::{C64, Rotor, Settings, builtin};
 use wire::message::Flags;
 use wire::{Bulletin, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Step};
 
+use crate::hands::OutsideError;
+
 use super::{Past, PastEvent, PastWhat, Player};
 use crate::clerk::Edit;
 use crate::feed::Feed;
@@ -127,7 +129,7 @@ impl Past for Recorded {
         Some([self.states.first()?.into(), self.states.last()?.into()])
     }
 
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
         self.states.iter().filter(|state| range.contains(&state.seq())).for_each(each);
         Ok(())
     }
@@ -167,11 +169,11 @@ impl Past for Recorded {
         Vec::new()
     }
 
-    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, String> {
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, OutsideError> {
         Ok(self.snapshots.iter().rfind(|(next, _)| *next <= seq).cloned())
     }
 
-    fn at_tau(&mut self, _: f64) -> Result<u64, String> {
+    fn at_tau(&mut self, _: f64) -> Result<u64, OutsideError> {
         Ok(0)
     }
 }

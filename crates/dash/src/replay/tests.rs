@@ -18,6 +18,7 @@ use wire::{
 use super::*;
 use crate::clerk::Edit;
 use crate::feed::Feed;
+use crate::hands::OutsideError;
 use crate::layout::built_in;
 use crate::looks::still::text;
 use crate::panels::registry::Panels;
@@ -54,7 +55,7 @@ impl Past for Session {
         Some([Self::moment(self.states.first()?), Self::moment(self.states.last()?)])
     }
 
-    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
         let from = self.states.partition_point(|state| state.seq() < range.start);
         self.states[from..].iter().take_while(|state| state.seq() < range.end).for_each(each);
         Ok(())
@@ -124,9 +125,9 @@ impl Past for Session {
         if missing > 0 { vec![format!("{missing} steps are missing")] } else { Vec::new() }
     }
 
-    fn at_tau(&mut self, tau: f64) -> Result<u64, String> {
+    fn at_tau(&mut self, tau: f64) -> Result<u64, OutsideError> {
         let found = self.states.iter().rev().find(|state| state.tau() <= tau);
-        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| "empty".into())
+        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| OutsideError::new("empty"))
     }
 }
 
@@ -524,7 +525,7 @@ impl Past for Long {
         Some([0, 1_999_999].map(|seq| Moment { seq, ..Moment::default() }))
     }
 
-    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
         let first = self.0.states[0];
         let made = |seq: u64| first.with_word(Channel::Seq, seq).with(Channel::Tau, 0, (seq + 1) as f64 * 0.01);
         (range.start..range.end.min(2_000_000)).for_each(|seq| each(&made(seq)));
@@ -559,7 +560,7 @@ impl Past for Long {
         Vec::new()
     }
 
-    fn at_tau(&mut self, _: f64) -> Result<u64, String> {
+    fn at_tau(&mut self, _: f64) -> Result<u64, OutsideError> {
         Ok(0)
     }
 }

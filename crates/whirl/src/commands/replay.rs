@@ -4,7 +4,7 @@ use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 
 use alarms::{Limits, Turn};
-use dash::{Past, PastEvent, PastWhat};
+use dash::{OutsideError, Past, PastEvent, PastWhat};
 use tape::{Gap, Recording, What};
 use wire::{Bulletin, Moment, State};
 
@@ -79,12 +79,12 @@ impl Past for Tape {
         self.recording.span().map(|span| [span.first, span.last])
     }
 
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), String> {
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
         let visited = self.recording.visit(range, 1, |state| {
             each(state);
             ControlFlow::Continue(())
         });
-        visited.map_err(|error| error.to_string())
+        visited.map_err(OutsideError::new)
     }
 
     fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin> {
@@ -115,8 +115,8 @@ impl Past for Tape {
         self.recording.notices()
     }
 
-    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, String> {
-        let snapshot = self.recording.snapshot_before(seq).map_err(|error| error.to_string())?;
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, OutsideError> {
+        let snapshot = self.recording.snapshot_before(seq).map_err(OutsideError::new)?;
         Ok(snapshot.map(|snapshot| (snapshot.next, snapshot.words)))
     }
 
@@ -124,7 +124,7 @@ impl Past for Tape {
         self.recording.paces()
     }
 
-    fn at_tau(&mut self, tau: f64) -> Result<u64, String> {
-        self.recording.seq_at_tau(tau).map_err(|error| error.to_string())
+    fn at_tau(&mut self, tau: f64) -> Result<u64, OutsideError> {
+        self.recording.seq_at_tau(tau).map_err(OutsideError::new)
     }
 }

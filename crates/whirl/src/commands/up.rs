@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use dash::Keeper;
+use dash::{Keeper, OutsideError};
 
 use crate::attach;
 use crate::commands::dash::{ScreenArgs, ended};
@@ -71,8 +71,8 @@ impl Keeper for Simulation {
         self.0.has_ended().then(|| self.0.words())
     }
 
-    fn revive(&mut self) -> Result<(), String> {
-        self.0 = self.0.start_again().map_err(|failure| failure.to_string())?;
+    fn revive(&mut self) -> Result<(), OutsideError> {
+        self.0 = self.0.start_again().map_err(OutsideError::new)?;
         Ok(())
     }
 }
