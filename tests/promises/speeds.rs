@@ -71,6 +71,8 @@ fn what_is_no_run_up_is_refused_with_line_and_leg() {
         (&["--to", "3", "--rate", "-1"][..], "rate = -1: expected"),
         (&["--from", "3", "--to", "3", "--rate", "1"], "expected two speeds"),
         (&["--to", "3"], "--rate"),
+        (&["--to", "3", "--rate", "1", "--set", "speed=1"], "'speed=1' does nothing"),
+        (&["--to", "3", "--rate", "1", "--set", "ramp=0.1"], "'ramp=0.1' does nothing"),
     ] {
         let refused = run(&[&["runup", "three-mass"][..], arguments].concat());
         assert_eq!(refused.code, Some(2), "{refused:?}");
@@ -99,7 +101,7 @@ fn a_live_bench_follows_a_profile_until_its_speed_is_set() {
     // Gains do not take it off its way.
     assert_eq!(root.run(&["set", "kd.1=3.9"]).code, Some(0));
     assert!(on_the_way(&speeds("200")));
-    assert_eq!(root.run(&["set", "speed=1.5"]).code, Some(0));
+    assert_eq!(root.run(&["set", "speed=1.5", "ramp=off"]).code, Some(0));
     assert!(speeds("50").iter().all(|(_, speed)| *speed == 1.5));
 }
 
@@ -161,4 +163,23 @@ fn while_the_speed_is_on_its_way_damping_and_speed_are_those_of_the_moment() {
     assert!((damping - number(&poles["min_damping"])).abs() < 1e-9, "{bench} {poles}");
     screen.press("q");
     assert!(screen.ended().success());
+}
+
+#[test]
+fn on_its_way_down_a_change_that_is_unstable_where_the_machine_is_now_is_refused() {
+    // At rest the rotor is stable without control; at R = 4, where it still is, it is not.
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("down.toml");
+    std::fs::write(&path, "from = 4.0\n[[leg]]\nto = 0.0\nrate = 0.0005\n").unwrap();
+    let root = Root::new();
+    let file = path.to_str().unwrap();
+    let _simulation = root.simulate(&["three-mass", "--feedback", "individual", "--profile", file]);
+    let refused = root.run(&["set", "feedback=off"]);
+    assert_eq!(refused.code, Some(1), "{refused:?}");
+    assert!(refused.stderr.contains("would make a stable machine unstable"), "{refused:?}");
+    // And where another speed is set, it does not jump there.
+    assert_eq!(root.run(&["set", "speed=5"]).code, Some(0));
+    let line = root.run(&["tail", "--json", "--count", "1"]).stdout;
+    let step: serde_json::Value = serde_json::from_str(line.lines().next().unwrap()).unwrap();
+    assert!((number(&step["speed"]) - 4.0).abs() < 0.5, "{line}");
 }

@@ -90,6 +90,16 @@ impl Profile {
         self.course().last().map_or(self.from, |(_, speed)| *speed)
     }
 
+    /// The greatest rate of change of it; infinite if it only dwells.
+    #[must_use]
+    pub fn greatest_rate(&self) -> f64 {
+        let rates = self.legs.iter().filter_map(|leg| match leg {
+            Leg::To { rate, .. } | Leg::Decay { rate, .. } => Some(*rate),
+            Leg::Dwell { .. } => None,
+        });
+        rates.reduce(f64::max).unwrap_or(f64::INFINITY)
+    }
+
     /// The lowest and the highest speed of it.
     #[must_use]
     pub fn speeds(&self) -> [f64; 2] {

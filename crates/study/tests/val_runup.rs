@@ -149,3 +149,36 @@ fn self_excited_whirl_is_no_critical_speed() {
     let slow = found.points.last().and_then(|p| p.subsynchronous.clone()).expect("eight turns");
     assert!(slow[1] > 100.0, "{slow:?}");
 }
+
+#[test]
+fn the_beats_after_a_critical_speed_are_no_critical_speeds_and_levels_are_of_every_turn() {
+    // One mode, hardly damped, passed fast: it rings on at its own frequency.
+    let mass = Mass {
+        mass: 1.0,
+        damping: 0.0148,
+        bearing_stiffness: 0.8,
+        seal_stiffness: 0.2,
+        unbalance: 1.0,
+        ..Mass::default()
+    };
+    let rotor = Rotor::new("light", vec![mass], vec![]).expect("valid");
+    let settings = Settings::new(&rotor, 0.0, Feedback::new(0, vec![Signal::at_mass(0, 1, [0.0; 4])]));
+    let ran = |points| {
+        let profile = Profile::ramp(0.0, 1.8, 5e-4);
+        run(&RunUpPlan::new(rotor.clone(), settings.clone(), profile, points).expect("can be stepped"))
+    };
+    let (few, many) = (ran(2), ran(400));
+    assert_eq!(many.criticals.len(), 1, "{:?}", many.criticals);
+    assert!(many.criticals[0].steady.is_some());
+    assert_eq!((few.largest, few.criticals.len()), (many.largest, 1));
+    assert!(many.largest.radius.0 >= many.criticals[0].peak.height * 0.999);
+}
+
+#[test]
+fn a_fast_run_up_keeps_the_largest_peak() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let settings = Settings::new(&rotor, 0.0, builtin::feedback(&rotor, "individual").expect("built in"));
+    let found = run(&RunUpPlan::new(rotor, settings, Profile::ramp(0.0, 6.0, 0.1), 400).expect("can be stepped"));
+    let stations: Vec<usize> = found.criticals.iter().map(|critical| critical.station).collect();
+    assert_eq!(stations, [2, 1, 0], "{:?}", found.criticals);
+}

@@ -2,6 +2,8 @@
 
 use clap::Args;
 
+use crate::failure::Failure;
+
 /// Which machine: the options that every command on a rotor shares.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MachineArgs {
@@ -20,6 +22,22 @@ pub(crate) struct MachineArgs {
 }
 
 impl MachineArgs {
+    /// Refuses settings of the speed beside what sets it all along.
+    ///
+    /// # Errors
+    /// `speed` or `ramp` among the settings, with the name of what sets it.
+    pub(crate) fn leaves_speed_alone(&self, along: &str) -> Result<(), Failure> {
+        let sets_speed = |typed: &&String| {
+            rotor::typed::pair(typed).is_ok_and(|(key, _)| key.trim() == "speed" || key.trim() == "ramp")
+        };
+        match self.set.iter().find(sets_speed) {
+            None => Ok(()),
+            Some(typed) => Err(Failure::Usage(format!(
+                "'{typed}' does nothing: the speed follows {along}. Expected one of the two"
+            ))),
+        }
+    }
+
     /// The options among these that were given and set something, each with its key, beside `others` of the command.
     #[must_use]
     pub(crate) fn said(&self, others: &[(&'static str, &'static str)]) -> Vec<(&'static str, &'static str)> {

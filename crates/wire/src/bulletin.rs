@@ -19,6 +19,12 @@ pub struct Bulletin {
 }
 
 impl Bulletin {
+    /// The spin speed when this was told, which may be on its way to the one that is set.
+    #[must_use]
+    pub fn present_speed(&self) -> f64 {
+        if self.analysis.count > 0 { self.analysis.speed } else { self.settings.get().speed }
+    }
+
     pub(crate) fn resolved(message: BulletinMessage, rotor: RotorDocument, settings: SettingsDocument) -> Self {
         Self { message, rotor: Some(rotor), settings }
     }

@@ -59,7 +59,7 @@ impl App<'_> {
     }
 
     /// The spin speed of the newest step.
-    fn present_speed(&self) -> Option<f64> {
+    pub(super) fn present_speed(&self) -> Option<f64> {
         let feed = lock(&self.feed);
         let places = feed.history().places();
         let last = places.end.checked_sub(1).filter(|last| *last >= places.start)?;

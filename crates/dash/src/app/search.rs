@@ -21,7 +21,10 @@ impl App<'_> {
             return;
         }
         let Some((settings, rotor)) = self.machine() else { return };
-        let begun = Wish::read(words, &settings, &units).and_then(|wish| Search::begin(&rotor, &settings, wish));
+        // A speed on its way passes all from here to there.
+        let highest = self.present_speed().map_or(settings.speed, |now| now.max(settings.speed));
+        let present = rotor::Settings { speed: highest, ..settings.clone() };
+        let begun = Wish::read(words, &present, &units).and_then(|wish| Search::begin(&rotor, &settings, wish));
         match begun {
             Ok(search) => {
                 self.tell(Message::Good(search.words(&units)));

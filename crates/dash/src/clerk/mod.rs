@@ -72,8 +72,17 @@ pub(crate) fn spawn<C: Carrier>(
 ) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("clerk".into()).spawn(move || {
         let who = format!("dash:{}", std::process::id());
-        let mut clerk =
-            Clerk { carrier, bench, who, news, commander: None, rotor: None, known: None, ledger: Ledger::default() };
+        let mut clerk = Clerk {
+            carrier,
+            bench,
+            who,
+            news,
+            commander: None,
+            rotor: None,
+            known: None,
+            present_speed: 0.0,
+            ledger: Ledger::default(),
+        };
         loop {
             select_biased! {
                 recv(clerk.news) -> news => match news {
@@ -118,6 +127,8 @@ struct Clerk<C: Carrier> {
     commander: Option<C::Commander>,
     rotor: Option<Rotor>,
     known: Option<Known>,
+    /// Spin speed that was told of last.
+    present_speed: f64,
     ledger: Ledger,
 }
 
@@ -137,6 +148,7 @@ impl<C: Carrier> Clerk<C> {
             }
             News::Bulletin(bulletin) => {
                 let (run, revision) = (bulletin.run_id, bulletin.revision);
+                self.present_speed = bulletin.present_speed();
                 if self.known.as_ref().is_none_or(|known| known.run != run) {
                     self.rotor = bulletin.rotor().ok();
                 } else if self.known.as_ref().is_some_and(|known| known.revision >= revision) {
@@ -247,7 +259,7 @@ impl<C: Carrier> Clerk<C> {
 
     /// The minimum damping after a change that makes a stable rotor unstable.
     fn would_be_unstable(&self, before: &Settings, after: &Settings) -> Option<f64> {
-        StabilityLoss::between(self.rotor.as_ref()?, before, after).map(|loss| loss.then)
+        StabilityLoss::between(self.rotor.as_ref()?, before, after, self.present_speed).map(|loss| loss.then)
     }
 
     /// Waits until every change that led to the newest settings has been told. Those that are not told in time are one.

@@ -22,8 +22,10 @@ use orders::PER_TURN;
 
 /// Readings of the first order that are kept for the search of peaks; beyond, only one in so many.
 const MOST_READINGS: f64 = 2e5;
+/// A beat is so many times as narrow as the critical speed whose passage it tells of.
+const SHARPER: f64 = 2.0;
 /// Peaks that are not so many turns wide are ripple.
-const NARROW_TURNS: usize = 3;
+const NARROW_TURNS: usize = 2;
 /// Speeds at which the steady response is looked at over a leg, and then again about each of its peaks.
 const STEADY_POINTS: usize = 400;
 
@@ -71,12 +73,39 @@ pub struct RunUp {
     pub points: Vec<RunUpPoint>,
     /// Critical speeds, leg by leg and rising in speed.
     pub criticals: Vec<Critical>,
+    /// The largest of every turn of it.
+    pub largest: Largest,
     /// Whether it began on the steady orbit of its first speed; otherwise from rest in the centre.
     pub began_steady: bool,
     /// Steps taken.
     pub steps: u64,
     /// What tripped it, when, and at which speed.
     pub tripped: Option<(Trip, f64, f64)>,
+}
+
+/// The largest of all turns: each with the speed at which it was.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Largest {
+    /// Radius of any station, in `e_t`.
+    pub radius: (f64, f64),
+    /// Root mean square of any station's whirl slower than the spin, in `e_t`.
+    pub subsynchronous: (f64, f64),
+    /// Control force, in `w0^2 e_t`.
+    pub force: (f64, f64),
+}
+
+impl Largest {
+    fn see(&mut self, turn: &Turn, subsynchronous: Option<Vec<f64>>) {
+        let most = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
+        let slow = subsynchronous.map_or(0.0, |slow| most(&slow));
+        for (largest, value) in
+            [(&mut self.radius, most(&turn.radius)), (&mut self.subsynchronous, slow), (&mut self.force, turn.force)]
+        {
+            if value > largest.0 {
+                *largest = (value, turn.speed);
+            }
+        }
+    }
 }
 
 /// Why there is no run-up.
@@ -151,6 +180,7 @@ impl RunUpPlan {
         }
         Ok(RunUp {
             criticals: book.criticals(self),
+            largest: book.largest,
             points: book.points,
             began_steady: profile.from == 0.0 || orbit.is_some(),
             steps: taken,
@@ -181,6 +211,7 @@ struct Book {
     readings: Vec<Readings>,
     every: u64,
     count: u64,
+    largest: Largest,
 }
 
 /// What was read over a leg: speeds, and of every station the first order and the rest.
@@ -224,14 +255,20 @@ impl Book {
             readings: vec![Readings::new(stations); plan.profile.legs.len()],
             every: (turns * PER_TURN as f64 / MOST_READINGS).ceil().max(1.0) as u64,
             count: 0,
+            largest: Largest::default(),
         }
     }
 
     fn see(&mut self, machine: &Machine) {
         let sample = machine.sample();
-        let Self { tracker, readings, ends, every, count, .. } = self;
+        let Self { tracker, readings, ends, every, count, largest, .. } = self;
         tracker.see(&sample, |tracker| {
             *count += 1;
+            if count.is_multiple_of(PER_TURN as u64)
+                && let Some(turn) = tracker.turn()
+            {
+                largest.see(&turn, tracker.subsynchronous());
+            }
             if count.is_multiple_of(*every)
                 && let Some(turn) = tracker.turn()
             {
@@ -270,6 +307,7 @@ impl Book {
                 let mut found = peaks(&readings.speed, height);
                 found.retain(|peak| peak.width >= narrow && readings.rest[station][peak.at] < peak.height);
                 let steady = steady.get(station).map_or(&[][..], |peaks| peaks);
+                drop_beats(&mut found, steady, from > to);
                 for peak in &found {
                     // Each is the other's nearest.
                     let mine = nearest(steady, peak).filter(|s| nearest(&found, s).is_some_and(|p| p.at == peak.at));
@@ -280,6 +318,22 @@ impl Book {
         }
         criticals
     }
+}
+
+/// Drops peaks that are the beat of a critical speed passed: no steady peak is theirs, and they are lower and much sharper than one before
+/// them on the way.
+fn drop_beats(found: &mut Vec<Peak>, steady: &[Peak], downward: bool) {
+    let all = found.clone();
+    let has_steady =
+        |peak: &Peak| nearest(steady, peak).and_then(|s| nearest(&all, s)).is_some_and(|mine| mine.at == peak.at);
+    let is_before = |a: &Peak, b: &Peak| if downward { a.speed > b.speed } else { a.speed < b.speed };
+    let width = |peak: &Peak| peak.width as f64;
+    found.retain(|peak| {
+        has_steady(peak)
+            || !all.iter().any(|other| {
+                is_before(other, peak) && other.height > peak.height && width(other) > SHARPER * width(peak)
+            })
+    });
 }
 
 /// The one of `peaks` whose speed is nearest to that of `peak`.

@@ -153,6 +153,7 @@ struct TripDocument {
 /// # Errors
 /// A machine or a profile that cannot be made or stepped, a picture that cannot be written, an interrupt; a trip, once all is told.
 pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
+    args.machine.leaves_speed_alone(if args.profile.is_some() { "--profile" } else { "--to and --rate" })?;
     let machine = Machine::open(&args.machine, None, catalog::Default::Trips)?;
     if let Some(path) = &args.out {
         picture::check(path, args.force)?;
@@ -320,22 +321,14 @@ fn points_table(machine: &Machine, found: &RunUp) -> Table {
 /// The largest of everything, in words.
 fn levels(machine: &Machine, found: &RunUp) -> String {
     let units = machine.units();
-    let most = |of: &dyn Fn(&RunUpPoint) -> f64| {
-        found.points.iter().map(|p| (of(p), p.turn.speed)).max_by(|a, b| a.0.total_cmp(&b.0)).unwrap_or((0.0, 0.0))
-    };
-    let largest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
     let rounded = crate::output::rounded;
     let line = |what: &str, (value, speed): (f64, f64), unit: &str| {
         format!("{what} {} {unit} at {}\n", rounded(value), units.speed_text(rounded(speed).parse().unwrap_or(speed)))
     };
     let length = |(value, speed)| (units.length(value), speed);
-    let (force, at) = most(&|p| p.turn.force);
+    let study::runup::Largest { radius, subsynchronous, force: (force, at) } = found.largest;
     let force = (units.force(force, machine.bearing_mass()), at);
-    line("largest orbit", length(most(&|p| largest(&p.turn.radius))), units.length_unit())
-        + &line(
-            "largest subsynchronous whirl (rms)",
-            length(most(&|p| p.subsynchronous.as_deref().map_or(0.0, largest))),
-            units.length_unit(),
-        )
+    line("largest orbit", length(radius), units.length_unit())
+        + &line("largest subsynchronous whirl (rms)", length(subsynchronous), units.length_unit())
         + &line("largest force", force, units.force_unit())
 }

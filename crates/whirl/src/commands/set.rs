@@ -133,7 +133,7 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         catalog::assign_all(&rotor, units, &mut settings, &[], &args.assignments)?;
         settings.check(&rotor)?;
         if !args.force
-            && let Some(loss) = StabilityLoss::between(&rotor, &before, &settings)
+            && let Some(loss) = StabilityLoss::between(&rotor, &before, &settings, bulletin.present_speed())
         {
             return Err(NotDone::Unstable(loss));
         }

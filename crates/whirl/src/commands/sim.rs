@@ -71,6 +71,8 @@ impl LiveArgs {
         }
         if let Some(profile) = self.read_profile(&rotor)? {
             settings.speed = profile.ends_at();
+            // Whoever takes the speed off its profile, or puts it back, does not make it jump.
+            settings.ramp = profile.greatest_rate();
         }
         // A rotor from a file has clearances of its own.
         if self.machine.deadband.is_none() && rotor::builtin::ROTORS.contains(&self.machine.rotor.as_str()) {

@@ -170,11 +170,8 @@ impl Bench {
             answers: bulletin.is_some(),
             why,
             rotor: bulletin.map(|bulletin| bulletin.rotor_name.as_str().to_owned()),
-            speed: bulletin.map(|bulletin| match &bulletin.analysis {
-                // The speed of this moment, which may be on its way to the one that is set.
-                analysis if analysis.count > 0 => analysis.speed,
-                _ => bulletin.settings.get().speed,
-            }),
+            // Which may be on its way to the one that is set.
+            speed: bulletin.map(|bulletin| bulletin.present_speed()),
             units: Units::with(bulletin.and_then(|bulletin| bulletin.scales())),
             rate_hz: bulletin.map(|bulletin| bulletin.rate_hz),
             dtau: bulletin.map(|bulletin| bulletin.dtau),

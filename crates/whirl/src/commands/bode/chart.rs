@@ -21,9 +21,10 @@ pub(super) fn of(
     units: Units,
     scale: f64,
     unit: &str,
+    is_loop: bool,
 ) -> Vec<Chart> {
     match show {
-        Show::Nyquist => vec![nyquist(points, title.to_owned(), scale, unit)],
+        Show::Nyquist => vec![nyquist(points, title.to_owned(), scale, unit, is_loop)],
         Show::Amplitude => vec![amplitude(points, title.to_owned(), units, scale, unit)],
         Show::Phase => vec![phase(points, title.to_owned(), units)],
         Show::Bode => {
@@ -86,7 +87,8 @@ fn over(
     Chart { title, x, y, equal: false, series, notes: Vec::new() }
 }
 
-fn nyquist(points: &[FrequencyPoint], title: String, scale: f64, unit: &str) -> Chart {
+/// In the plane of its values; of the loop's gain with the point -1 and circles of one sensitivity around it, which hold there alone.
+fn nyquist(points: &[FrequencyPoint], title: String, scale: f64, unit: &str, is_loop: bool) -> Chart {
     let part = |name: &str, look: Look, color: Color, sign: f64| {
         let shown = points.iter().filter(|p| p.frequency * sign >= 0.0);
         Series::new(name, look, color, shown.map(|p| (p.value.re * scale, p.value.im * scale)).collect())
@@ -96,16 +98,21 @@ fn nyquist(points: &[FrequencyPoint], title: String, scale: f64, unit: &str) -> 
         part("backward whirl", Look::Dashed, Color::VERMILLION, -1.0),
     ];
     let mut notes = Vec::new();
-    for (k, sensitivity) in CIRCLES.into_iter().enumerate() {
-        let around = (0..=120).map(|i| C64::cis(std::f64::consts::TAU * f64::from(i) / 120.0) / sensitivity - 1.0);
+    let circles = if is_loop { &CIRCLES[..] } else { &[] };
+    for (k, sensitivity) in circles.iter().enumerate() {
+        let around = (0..=120).map(|i| C64::cis(std::f64::consts::TAU * f64::from(i) / 120.0) / *sensitivity - 1.0);
         let name = if k == 0 { "|S| = 3, 4, 5" } else { "" };
         series.push(Series::new(name, Look::Dotted, Color::GREY, around.map(|z| (z.re, z.im)).collect()));
     }
-    series.push(Series::new("", Look::Crosses, Color::BLACK, vec![(-1.0, 0.0)]));
-    notes.push(Note { at: (-1.0, 0.0), text: "-1".into(), side: Side::Below });
-    // What is far out says nothing of -1.
     let far = points.iter().map(|p| p.value.norm() * scale).filter(|a| a.is_finite()).fold(0.0, f64::max);
-    let end = (1.1 * far).clamp(1.6, 4.0);
+    let end = if is_loop {
+        series.push(Series::new("", Look::Crosses, Color::BLACK, vec![(-1.0, 0.0)]));
+        notes.push(Note { at: (-1.0, 0.0), text: "-1".into(), side: Side::Below });
+        // What is far out says nothing of -1.
+        (1.1 * far).clamp(1.6, 4.0)
+    } else {
+        1.1 * far.max(f64::MIN_POSITIVE)
+    };
     Chart {
         title,
         x: Axis::new(&format!("Re{unit}"), -end, end),

@@ -184,7 +184,7 @@ fn frequency(args: &BodeArgs, of: Of, speed: f64) -> Result<(), Failure> {
     };
     if let Some(path) = &args.out {
         let title = format!("{}, {} at {}", rotor.name(), name(of), units.speed_text(speed));
-        let charts = chart::of(&points, &title, args.show, units, scale, unit);
+        let charts = chart::of(&points, &title, args.show, units, scale, unit, of == Of::Loop);
         picture::draw(path, args.force, &charts)?;
     }
     let frequency = units.pick("frequency", "frequency (Hz)");

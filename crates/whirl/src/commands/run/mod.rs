@@ -69,12 +69,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     let mut machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?;
     let profile = args.profile.as_deref().map(|path| catalog::profile(&machine.rotor, path)).transpose()?;
     if let Some(profile) = &profile {
-        let sets_speed = |typed: &&String| typed.starts_with("speed=") || typed.starts_with("ramp=");
-        if let Some(typed) = args.machine.set.iter().find(sets_speed) {
-            return Err(Failure::Usage(format!(
-                "'{typed}' does nothing: the speed follows --profile. Expected one of the two"
-            )));
-        }
+        args.machine.leaves_speed_alone("--profile")?;
         machine.settings.speed = profile.ends_at();
     }
     let plan = plan(args, &machine, profile.as_ref())?;
@@ -106,7 +101,7 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
     if let Some(writer) = writer {
         writer.finish()?;
     }
-    print::print(args.format, &machine, outcome, seconds, spectrum)
+    print::print(args.format, &machine, outcome, seconds, spectrum, args.profile.as_deref())
 }
 
 /// What to simulate, checked.

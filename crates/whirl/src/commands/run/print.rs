@@ -92,8 +92,13 @@ pub(super) fn print(
     outcome: Outcome,
     seconds: f64,
     spectrum: Option<(usize, Spectrum, Vec<Peak>)>,
+    profile: Option<&str>,
 ) -> Result<(), Failure> {
     let (Machine { rotor, settings }, units) = (machine, machine.units());
+    let spin = profile.map_or_else(
+        || format!("at {}", units.speed_text(settings.speed)),
+        |path| format!("along {path}, which ends at {}", units.speed_text(settings.speed)),
+    );
     let mut table = Table::new(units.pick(
         &["mass", "max radius", "mean radius", "y", "z", "vy", "vz"],
         &["mass", "max radius (m)", "mean radius (m)", "y (m)", "z (m)", "vy (m/s)", "vz (m/s)"],
@@ -105,9 +110,9 @@ pub(super) fn print(
         table.row([Cell::from(&(k + 1))].into_iter().chain(numbers.map(Cell::from)));
     }
     let heading = format!(
-        "{} at {}, {} steps of {} to {}{}",
+        "{} {}, {} steps of {} to {}{}",
         rotor.name(),
-        units.speed_text(settings.speed),
+        spin,
         outcome.steps,
         steps(outcome.step),
         units.time_text(last.tau),
