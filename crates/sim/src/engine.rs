@@ -305,6 +305,32 @@ mod tests {
     }
 
     #[test]
+    fn stepping_filling_and_taking_orders_allocate_nothing() {
+        let (rotor, settings, mut engine) = engine("composite", 2.5, 0.01);
+        let exchange = Exchange::default();
+        let mut state = State::new(Layout::new(3));
+        let other = Settings { speed: 3.0, ..settings };
+        let mut orders = vec![
+            Box::new(Order::Settings { program: Box::new(program(&rotor, &other, 0.01)), revision: 2 }),
+            Box::new(Order::Impulse { mass: 0, velocity: C64::new(0.1, 0.0) }),
+            Box::new(Order::Restart),
+        ];
+        let counted = allocation_counter::measure(|| {
+            for step in 0..300 {
+                if step % 100 == 50 {
+                    let _ = exchange.orders.push(orders.pop().unwrap());
+                }
+                engine.take_orders(&exchange);
+                engine.step();
+                engine.fill(&mut state.row_mut(), step, false);
+            }
+        });
+        assert_eq!(counted.count_total, 0, "{counted:?}");
+        // The notices carry the orders back: freed here, as by the intake.
+        assert_eq!(std::iter::from_fn(|| exchange.notices.pop()).count(), 3);
+    }
+
+    #[test]
     fn what_is_not_finite_is_never_sent() {
         // A step far too large for these gains: the state doubles its digits with every step.
         let (rotor, mut settings, _) = engine("composite", 2.5, 1.0);
