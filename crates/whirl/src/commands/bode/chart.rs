@@ -33,6 +33,18 @@ pub(super) fn of(
     }
 }
 
+/// A line of phases in degrees, broken where it passes 180 and goes on at -180.
+pub(super) fn wrapped(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
+    let mut line: Vec<(f64, f64)> = Vec::with_capacity(points.len());
+    for point in points {
+        if line.last().is_some_and(|last| (last.1 - point.1).abs() > 180.0) {
+            line.push((f64::NAN, f64::NAN));
+        }
+        line.push(point);
+    }
+    line
+}
+
 fn amplitude(points: &[FrequencyPoint], title: String, units: Units, scale: f64, unit: &str) -> Chart {
     if unit.is_empty() {
         let decibels = |p: &FrequencyPoint| 20.0 * p.value.norm().max(f64::MIN_POSITIVE).log10();
@@ -70,15 +82,7 @@ fn over(
             .map(|p| (units.frequency(p.frequency).abs(), value(p)))
             .collect();
         shown.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut line: Vec<(f64, f64)> = Vec::with_capacity(shown.len());
-        for point in shown {
-            // A phase that passes 180 degrees goes on at -180.
-            if wraps && line.last().is_some_and(|last| (last.1 - point.1).abs() > 180.0) {
-                line.push((f64::NAN, f64::NAN));
-            }
-            line.push(point);
-        }
-        Series::new(name, look, color, line)
+        Series::new(name, look, color, if wraps { wrapped(shown) } else { shown })
     };
     let series = vec![
         side("forward whirl", Look::Solid, Color::BLUE, 1.0),

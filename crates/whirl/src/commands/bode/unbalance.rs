@@ -75,8 +75,10 @@ pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
     let mut table = Table::new(&headings);
     let every = if args.format.csv { 1 } else { points.len().div_ceil(ROWS).max(1) };
     for point in points.iter().step_by(every) {
-        let each = point.stations.iter().flat_map(|z| [units.length(z.norm()), degrees(*z)]);
-        table.row(std::iter::once(units.speed(point.speed)).chain(each).map(Cell::from));
+        // What does not move has no phase.
+        let phase = |z: &rotor::C64| if z.norm() == 0.0 { Cell::Without("none") } else { degrees(*z).into() };
+        let each = point.stations.iter().flat_map(|z| [units.length(z.norm()).into(), phase(z)]);
+        table.row(std::iter::once(units.speed(point.speed).into()).chain(each));
     }
     let told = |peak: &UnbalancePeak| {
         format!(
@@ -124,10 +126,15 @@ fn chart(machine: &Machine, range: Range, points: &[UnbalancePoint], title: Stri
     const LOOKS: [Look; 4] = [Look::Solid, Look::Dashed, Look::Dotted, Look::Thin];
     const COLORS: [Color; 5] = [Color::BLUE, Color::VERMILLION, Color::GREEN, Color::PURPLE, Color::BLACK];
     let units = machine.units();
-    let value = |z: rotor::C64| if is_phase { degrees(z) } else { units.length(z.norm()) };
+    let value = |z: rotor::C64| match is_phase {
+        true if z.norm() == 0.0 => f64::NAN,
+        true => degrees(z),
+        false => units.length(z.norm()),
+    };
     let line = |k: usize| {
         let at = |p: &UnbalancePoint| (units.speed(p.speed), value(p.stations[k]));
-        let shown = points.iter().map(at).collect();
+        let shown: Vec<(f64, f64)> = points.iter().map(at).collect();
+        let shown = if is_phase { super::chart::wrapped(shown) } else { shown };
         Series::new(&format!("mass {}", k + 1), LOOKS[k % LOOKS.len()], COLORS[k % COLORS.len()], shown)
     };
     let series: Vec<Series> = (0..machine.rotor.len()).map(line).collect();
