@@ -84,6 +84,26 @@ impl Profile {
         self.course().last().map_or(0.0, |(tau, _)| *tau)
     }
 
+    /// In words, in rpm, rpm/s and seconds where the rotor has scales: `the speed follows a profile: from 0 to 6 at 0.01, for 300, to 0
+    /// from 0.02 on`.
+    #[must_use]
+    pub fn told(&self, scales: Option<Scales>) -> String {
+        let units = ProfileUnits::of(scales);
+        let number = |value: f64| {
+            // What conversion leaves behind nine digits is not part of what was typed.
+            format!("{value:.8e}").parse().unwrap_or(value).to_string()
+        };
+        let legs = self.legs.iter().map(|leg| match *leg {
+            Leg::To { speed, rate } => format!("to {} at {}", number(speed / units.speed), number(rate / units.rate)),
+            Leg::Decay { speed, rate } => {
+                format!("to {} from {} on", number(speed / units.speed), number(rate / units.rate))
+            }
+            Leg::Dwell { duration } => format!("for {}", number(duration / units.time)),
+        });
+        let legs = legs.collect::<Vec<_>>().join(", ");
+        format!("the speed follows a profile: from {} {legs}", number(self.from / units.speed))
+    }
+
     /// The speed that it ends at.
     #[must_use]
     pub fn ends_at(&self) -> f64 {
@@ -150,6 +170,7 @@ mod tests {
         assert_eq!(course[..3], [(0.0, 0.0), (600.0, 6.0), (900.0, 6.0)]);
         // A time constant is 6 / 0.02 = 300.
         assert!((profile.duration() - (900.0 + 300.0 * (100.0_f64.ln() + 1.0))).abs() < 1e-9);
+        assert_eq!(profile.told(None), "the speed follows a profile: from 0 to 6 at 0.01, for 300, to 0 from 0.02 on");
         assert_eq!((profile.speeds(), profile.leg_words(2)), ([0.0, 6.0], "leg 3 (line 6)".into()));
     }
 }

@@ -86,6 +86,11 @@ impl<'a> Intake<'a> {
         self.bulletin.settings = SettingsDocument::of(&self.settings);
         self.analyse();
         self.log.note(&Happening::Started, When { step: 0, tau: 0.0 }, &self.bulletin);
+        if let Some(profile) = &self.profile {
+            // Nothing else of a bench tells of legs that are to come.
+            let told = Happening::Note(fitting(&profile.told(self.rotor.scales().copied())));
+            self.log.note(&told, When { step: 0, tau: 0.0 }, &self.bulletin);
+        }
         let mut beat = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
@@ -176,12 +181,13 @@ impl<'a> Intake<'a> {
                 return answer;
             }
         };
+        let mut left = false;
         let happened = match change {
             Change::Settings { settings, .. } => {
                 self.bulletin.settings = SettingsDocument::of(&settings);
                 self.bulletin.substeps = substeps;
                 if self.leaves_profile(&settings) {
-                    self.profile = None;
+                    left = self.profile.take().is_some();
                 }
                 self.settings = settings;
                 self.bulletin.revision = revision + 1;
@@ -199,6 +205,10 @@ impl<'a> Intake<'a> {
             Change::Note { text } => Happening::Note(text),
         };
         self.log.note_request(&happened, when, &self.bulletin, request);
+        if left {
+            // After the change itself, whose settings it carries.
+            self.log.note(&Happening::Note("the speed leaves its profile".into()), when, &self.bulletin);
+        }
         self.news = true;
         let settings = self.bulletin.settings.hash();
         Answer {
@@ -328,4 +338,12 @@ impl<'a> Intake<'a> {
         }
         self.bulletin.analysis = analysis;
     }
+}
+
+/// As much of a note as fits into one.
+fn fitting(told: &str) -> String {
+    if told.len() <= Change::MAX_NOTE {
+        return told.to_owned();
+    }
+    format!("{} ...", &told[..told.floor_char_boundary(Change::MAX_NOTE - 4)])
 }
