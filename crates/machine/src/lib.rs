@@ -25,7 +25,7 @@ pub use margins_over::{WORST, in_hand, worst_margins};
 pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
 pub use poles::{MachinePoles, PolesError, min_damping};
-pub use program::{Pace, ProfileError, Program, ProgramError, default_step, fastest};
+pub use program::{Pace, ProfileError, Program, ProgramError, default_step, default_step_over, fastest};
 pub use rotor::profile::Leg;
 pub use rotor::{LinearForm, SampledStep};
 pub use stability_loss::StabilityLoss;

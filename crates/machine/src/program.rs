@@ -224,6 +224,15 @@ pub fn default_step(rotor: &Rotor, settings: &Settings) -> Result<f64, ProgramEr
     })
 }
 
+/// The same for a spin speed that passes from one to another of `speeds`: the shorter of theirs.
+///
+/// # Errors
+/// As for [`default_step`].
+pub fn default_step_over(rotor: &Rotor, settings: &Settings, speeds: [f64; 2]) -> Result<f64, ProgramError> {
+    let at = |speed| default_step(rotor, &Settings { speed, ..settings.clone() });
+    Ok(at(speeds[0])?.min(at(speeds[1])?))
+}
+
 /// The fastest that is integrated under settings at a spin speed: the modes of the machine with every support bearing in and
 /// out of action, the control as immediate as it gets; and, where it comes late or in samples, without it too.
 ///

@@ -377,6 +377,16 @@ fn the_mouse_selects_nudges_and_zooms() {
     assert!(!app.time.is_live());
 }
 
+/// Lets the dashboard live on until it asks something.
+fn wait_for_a_question(app: &mut App<'_>) {
+    let begun = Instant::now();
+    while app.layers.is_empty() {
+        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
+        app.tick();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
 #[test]
 fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
     let (mut app, taken) = dashboard(&Options::default());
@@ -386,12 +396,7 @@ fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
     assert!(app.search.is_some(), "{:?}", app.message.0);
     type_in(&mut app, "S");
     assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("`:search stop` ends it")));
-    let begun = Instant::now();
-    while app.layers.is_empty() {
-        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
-        app.tick();
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    wait_for_a_question(&mut app);
     // Seen before it applies: the panels show the candidate beside the present gains.
     let screen = frame(&mut app);
     assert!(screen.contains("found over R 0..5: min damping 0.0388"), "{screen}");
@@ -424,12 +429,7 @@ fn where_a_clearance_is_set_gains_are_searched_for_any_deadband_or_said_not_to_b
     press(&mut app, &[Char(':')]);
     type_in(&mut app, "search 0..5");
     press(&mut app, &[Enter]);
-    let begun = Instant::now();
-    while app.layers.is_empty() {
-        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
-        app.tick();
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
+    wait_for_a_question(&mut app);
     let screen = frame(&mut app);
     assert!(screen.contains("no such gains hold for any deadband, see `:search full`"), "{screen}");
     let rows = app.beside.iter().map(|row| format!("{}: {}", row.word, row.detail));

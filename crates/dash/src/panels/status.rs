@@ -73,11 +73,10 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     add(view.bench.to_owned(), plain.bold());
     if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
         add(bulletin.rotor_name.as_str().to_owned(), plain);
-        let on_its_way = picture.era.as_ref().map(|era| era.speed).filter(|speed| {
-            let is_near = (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
-            // Old recordings, and benches that have told no poles yet, know of no other speed.
-            picture.poles().is_some() && !is_near && picture.era.as_ref().is_some_and(|era| era.settings == *settings)
-        });
+        // Old recordings, and benches that have told no poles yet, know of no other speed.
+        let told = picture.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
+        let is_there = |speed: f64| (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
+        let on_its_way = told.map(|era| era.speed).filter(|speed| !is_there(*speed));
         let speed = match picture.units() {
             units @ Units { scales: Some(_), .. } => match on_its_way {
                 Some(now) => format!("{} to {}", units.speed(now), units.speed_told(settings.speed)),

@@ -131,10 +131,7 @@ impl RunUpPlan {
     /// # Errors
     /// Settings that do not fit the rotor, or modes that cannot be found.
     pub fn new(rotor: Rotor, settings: Settings, profile: Profile, points: usize) -> Result<Self, ProgramError> {
-        let mut dtau = f64::INFINITY;
-        for speed in profile.speeds() {
-            dtau = dtau.min(machine::default_step(&rotor, &Settings { speed, ..settings.clone() })?);
-        }
+        let dtau = machine::default_step_over(&rotor, &settings, profile.speeds())?;
         Ok(Self { rotor, settings, profile, dtau, points })
     }
 
@@ -264,14 +261,12 @@ impl Book {
         let Self { tracker, readings, ends, every, count, largest, .. } = self;
         tracker.see(&sample, |tracker| {
             *count += 1;
-            if count.is_multiple_of(PER_TURN as u64)
-                && let Some(turn) = tracker.turn()
-            {
+            let [ends_turn, is_kept] = [PER_TURN as u64, *every].map(|each| count.is_multiple_of(each));
+            let Some(turn) = (ends_turn || is_kept).then(|| tracker.turn()).flatten() else { return };
+            if ends_turn {
                 largest.see(&turn, tracker.subsynchronous());
             }
-            if count.is_multiple_of(*every)
-                && let Some(turn) = tracker.turn()
-            {
+            if is_kept {
                 let leg = ends.iter().position(|end| turn.tau <= *end).unwrap_or(ends.len() - 1);
                 readings[leg].push(&turn);
             }

@@ -8,7 +8,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use machine::Program;
-use rotor::Settings;
 use rotor::profile::Profile;
 use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
 use study::spectrum::{self, Collector, Peak, Spectrum};
@@ -137,15 +136,16 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
     }
     // Where the speed changes, the step suits the lowest and the highest.
     let speeds = profile.map_or([settings.speed; 2], Profile::speeds);
-    let mut dtau = args.dtau.unwrap_or(f64::INFINITY);
-    for speed in speeds {
-        if args.dtau.is_some() {
-            let fastest = machine::fastest(rotor, settings, speed)?;
-            fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
-        } else {
-            dtau = dtau.min(machine::default_step(rotor, &Settings { speed, ..settings.clone() })?);
+    let dtau = match args.dtau {
+        Some(dtau) => {
+            for speed in speeds {
+                let fastest = machine::fastest(rotor, settings, speed)?;
+                fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
+            }
+            dtau
         }
-    }
+        None => machine::default_step_over(rotor, settings, speeds)?,
+    };
     let program = |dtau| {
         let program = Program::in_substeps(rotor, settings, dtau, 1)?;
         Ok::<_, Failure>(match profile {
