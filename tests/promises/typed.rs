@@ -46,6 +46,8 @@ fn a_setting_that_another_one_undoes_is_refused() {
         (format!("{run} --deadband 1 --set deadband=2"), undone("--deadband", "deadband=2")),
         (format!("{run} --set kd=1 --set feedback=off"), undone("kd=1", "feedback=off")),
         (format!("{run} --set trip=5"), "only a live bench trips".into()),
+        (format!("{run} --set ramp=0.1"), "only a live bench is on its way to a speed".into()),
+        ("poles jeffcott --speed 1 --set ramp=0.1".into(), "only a live bench is on its way to a speed".into()),
         ("response --over 0..1 --set speed=1".into(), undone("--over", "speed=1")),
         ("cycles --over 0..1 --set trip=1".into(), "only a live bench trips".into()),
     ] {

@@ -204,10 +204,15 @@ impl Machine {
     /// already, each with its key: `--set` is there for what has no option.
     ///
     /// # Errors
-    /// As for [`assign_all`]; an assignment that undoes an option; the trip limit, which nothing offline looks at.
+    /// As for [`assign_all`]; an assignment that undoes an option; what only a live bench looks at: the trip limit, and the ramp
+    /// to a speed, at which everything offline is already.
     pub(crate) fn set(&mut self, said: &[(&str, &str)], assignments: &[String]) -> Result<(), Failure> {
-        if let Some(trip) = assignments.iter().find(|typed| pair(typed).is_ok_and(|(key, _)| key == "trip")) {
-            return Err(Failure::Usage(format!("'{trip}' does nothing here: only a live bench trips")));
+        const LIVE: [(&str, &str); 2] = [("trip", "trips"), ("ramp", "is on its way to a speed")];
+        for typed in assignments {
+            let live = |(key, _): (&str, &str)| LIVE.into_iter().find(|(name, _)| *name == key.trim());
+            if let Some((_, does)) = pair(typed).ok().and_then(live) {
+                return Err(Failure::Usage(format!("'{typed}' does nothing here: only a live bench {does}")));
+            }
         }
         self.assign(said, assignments)
     }
