@@ -119,12 +119,12 @@ struct whirl_document_head { /* 16 bytes, whirl.DocumentHead */
     uint32_t reserved;
 };
 
-/* The whole slow picture of a bench in one message, so that its parts always fit together. Bulletin is it with the
+/* The whole slow picture of a bench in one message, so that its parts always fit together. BenchStatus is it with the
    documents that it names. */
-struct whirl_bulletin { /* 888 bytes, whirl.Bulletin */
+struct whirl_bench_status { /* 888 bytes, whirl.BenchStatus */
     /* 0: Which run of which process: as in the steps. */
     uint64_t run_id;
-    /* 8: Number of this bulletin in its run: rises by 1. */
+    /* 8: Number of this bench_status in its run: rises by 1. */
     uint64_t number;
     /* 16: Wall clock when it was made, nanoseconds since 1970. */
     uint64_t wall_ns;
@@ -187,7 +187,7 @@ struct whirl_event { /* 528 bytes, whirl.Event */
     uint32_t kind;
     /* 60: Impulse: the mass, counted from 0. Refused: the kind of the request (see message::RequestMessage::kind). */
     uint32_t detail;
-    /* 64: Runge-Kutta steps that make one step under settings, as message::BulletinMessage::substeps. */
+    /* 64: Runge-Kutta steps that make one step under settings, as message::BenchStatusMessage::substeps. */
     uint32_t substeps;
     /* 68: Always 0. */
     uint32_t reserved;
@@ -231,7 +231,7 @@ struct whirl_answer { /* 288 bytes, whirl.Answer */
     uint32_t accepted;
     /* 4: 1 if it was refused because the settings had changed meanwhile: look again and ask again. */
     uint32_t outdated;
-    /* 8: Runge-Kutta steps that make one step, as BulletinMessage::substeps, now and before the request. */
+    /* 8: Runge-Kutta steps that make one step, as BenchStatusMessage::substeps, now and before the request. */
     uint32_t substeps[2];
     /* 16: The revision now in force. */
     uint64_t revision;

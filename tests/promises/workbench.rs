@@ -64,7 +64,7 @@ fn dashboards_share_one_history_of_changes_and_ask_before_undo_does_harm() {
     let mut second = Screen::start(root.path(), &["dash"], SIZE);
     first.wait_words("RUNNING");
     second.wait_words("RUNNING");
-    // Two changes by others within one bulletin are two steps.
+    // Two changes by others within one bench status are two steps.
     assert_eq!(root.run(&["set", "speed=2.6"]).code, Some(0));
     assert_eq!(root.run(&["set", "deadband=0.5"]).code, Some(0));
     first.wait_words("R 2.6");

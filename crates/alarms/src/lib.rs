@@ -1,21 +1,21 @@
 //! Alarms: what of a running machine is past its limits, since when, and by how much.
 //!
-//! The dashboard and the recorder judge by the same rules, whoever of them runs: a [`Gauge`] takes a [`Reading`] of what
+//! The dashboard and the recorder judge by the same rules, whoever of them runs: a [`Sampler`] takes a [`Reading`] of what
 //! the bench sends, [`Alarms`] hold it against [`Limits`], and every crossing comes out as a [`Turn`]. Pure: no clock, no
 //! files, no screen.
 //!
 //! Not its job: showing alarms, ringing bells, or writing them down.
 
-mod gauge;
 mod limits;
 mod machine;
 mod reading;
+mod sampler;
 mod turn;
 mod watch;
 
-pub use gauge::Gauge;
 pub use limits::{LOW_DAMPING, Limit, Limits};
 pub use machine::{Alarms, Entry, Standing};
 pub use reading::{Reading, Sample};
+pub use sampler::Sampler;
 pub use turn::Turn;
 pub use watch::{Level, Watch};

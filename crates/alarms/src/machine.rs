@@ -10,7 +10,7 @@
 //!
 //! An alarm stays until a person has acknowledged it, even if all is well again by then. A value must come back past its
 //! limit by a margin before it counts as within: one that trembles about the limit is one alarm, not a hundred. How readings
-//! are taken is [`crate::Gauge`]'s business, what they are held against [`Limits`]'s.
+//! are taken is [`crate::Sampler`]'s business, what they are held against [`Limits`]'s.
 
 use std::collections::VecDeque;
 

@@ -17,7 +17,7 @@ use ratatui::widgets::Widget;
 use ratatui::widgets::canvas::{Canvas, Points};
 use rotor::{Settings, Spectrum, builtin};
 use wire::message::Analysis;
-use wire::{Bulletin, Channel, Point, SettingsDocument, State};
+use wire::{BenchStatus, Channel, Point, SettingsDocument, State};
 
 /// The screen of the promises.
 const SIZE: (u16, u16) = (200, 60);
@@ -68,7 +68,7 @@ impl Write for Sent {
     }
 }
 
-fn bulletin() -> Box<Bulletin> {
+fn bench_status() -> Box<BenchStatus> {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let feedback = builtin::feedback(&rotor, "composite").expect("built in");
     let settings = Settings::new(&rotor, SPEED, feedback);
@@ -79,17 +79,17 @@ fn bulletin() -> Box<Bulletin> {
         *place = [mode.pole.re, mode.pole.im];
     }
     let settings = SettingsDocument::of(&settings);
-    let mut bulletin = Bulletin::from(wire::message::BulletinMessage {
+    let mut bench_status = BenchStatus::from(wire::message::BenchStatusMessage {
         run_id: 7,
         rate_hz: 1000.0,
         dtau: 0.01,
         revision: 1,
         analysis,
-        ..wire::message::BulletinMessage::default()
+        ..wire::message::BenchStatusMessage::default()
     });
-    bulletin.set_rotor(&rotor);
-    bulletin.settings = settings;
-    Box::new(bulletin)
+    bench_status.set_rotor(&rotor);
+    bench_status.settings = settings;
+    Box::new(bench_status)
 }
 
 /// Masses that drift over ellipses, so that no two turns are alike.
@@ -121,7 +121,7 @@ fn fed(layout: &str) -> Headless {
     let layouts = built_in_layouts();
     let layout = layouts.iter().position(|built_in| built_in.name() == layout).expect("built in");
     let mut headless = Headless::new("bench", &Options { layout, layouts, ..Options::default() });
-    headless.read(bulletin());
+    headless.read(bench_status());
     (0..2 * POINTS).for_each(|seq| headless.hear(&state(seq)));
     headless
 }

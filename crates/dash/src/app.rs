@@ -310,8 +310,8 @@ impl<'a> App<'a> {
             Layer::Ask(_, settings, _) => (**settings).clone(),
             _ => return None,
         };
-        let (rotor, bulletin) = (picture.rotor.as_ref()?, picture.bulletin.as_ref()?);
-        Some(WhatIf::of(rotor, settings)?.on(rotor, bulletin.dtau, bulletin.rate_hz))
+        let (rotor, bench_status) = (picture.rotor.as_ref()?, picture.bench_status.as_ref()?);
+        Some(WhatIf::of(rotor, settings)?.on(rotor, bench_status.dtau, bench_status.rate_hz))
     }
 
     /// What became of an edit.

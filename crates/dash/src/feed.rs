@@ -4,9 +4,9 @@
 use std::sync::Arc;
 use std::time::Instant;
 
-use alarms::{Gauge, Reading};
+use alarms::{Reading, Sampler};
 use rotor::{Rotor, Settings};
-use wire::{Bulletin, Event, Happening, RecorderStatus, Step};
+use wire::{BenchStatus, Event, Happening, RecorderStatus, Step};
 
 use crate::contact::Contact;
 use crate::history::{Era, History};
@@ -27,10 +27,10 @@ pub(crate) struct Feed {
     history: History,
     heard: Option<Instant>,
     pace: Pace,
-    gauge: Gauge,
+    sampler: Sampler,
     journal: Journal,
     rotor: Option<Arc<Rotor>>,
-    bulletin: Option<Arc<Bulletin>>,
+    bench_status: Option<Arc<BenchStatus>>,
     contact: Contact,
     recorder: Option<Box<RecorderStatus>>,
     changes: u64,
@@ -49,10 +49,10 @@ impl Feed {
             history: History::new(bound),
             heard: None,
             pace: Pace::default(),
-            gauge: Gauge::default(),
+            sampler: Sampler::default(),
             journal: Journal::default(),
             rotor: None,
-            bulletin: None,
+            bench_status: None,
             contact: Contact::Waiting(why.to_owned()),
             recorder: None,
             changes: 0,
@@ -62,21 +62,21 @@ impl Feed {
     /// Takes in one state.
     pub(crate) fn hear(&mut self, state: &impl Step, now: Instant) {
         self.history.push(state);
-        self.gauge.hear(state);
+        self.sampler.hear(state);
         self.heard = Some(now);
         self.pace.count(now);
         self.contact = Contact::Live;
         self.changes += 1;
     }
 
-    /// Takes in one bulletin.
-    pub(crate) fn read(&mut self, bulletin: Box<Bulletin>) {
-        self.history.note_bulletin(&bulletin);
-        self.gauge.learn(&bulletin, self.history.lost());
-        if self.bulletin.as_ref().is_none_or(|last| last.run_id != bulletin.run_id) {
+    /// Takes in one bench status.
+    pub(crate) fn read(&mut self, bench_status: Box<BenchStatus>) {
+        self.history.note_bench_status(&bench_status);
+        self.sampler.learn(&bench_status, self.history.lost());
+        if self.bench_status.as_ref().is_none_or(|last| last.run_id != bench_status.run_id) {
             self.rotor = self.history.newest_era().and_then(|era| era.rotor.clone());
         }
-        self.bulletin = Some(Arc::from(bulletin));
+        self.bench_status = Some(Arc::from(bench_status));
         self.changes += 1;
     }
 
@@ -87,8 +87,8 @@ impl Feed {
     }
 
     /// Takes in settings of the past, for the steps that were made with them.
-    pub(crate) fn tell(&mut self, bulletin: &Bulletin) {
-        self.history.note_bulletin(bulletin);
+    pub(crate) fn tell(&mut self, bench_status: &BenchStatus) {
+        self.history.note_bench_status(bench_status);
     }
 
     /// Forgets every step; the next one gets the place `first`.
@@ -98,11 +98,11 @@ impl Feed {
     }
 
     /// What is in force at the moment that is looked at, which then stands for the present.
-    pub(crate) fn stand_at(&mut self, bulletin: Box<Bulletin>) {
+    pub(crate) fn stand_at(&mut self, bench_status: Box<BenchStatus>) {
         if self.rotor.is_none() {
-            self.rotor = bulletin.rotor().ok().map(Arc::new);
+            self.rotor = bench_status.rotor().ok().map(Arc::new);
         }
-        self.bulletin = Some(Arc::from(bulletin));
+        self.bench_status = Some(Arc::from(bench_status));
         self.contact = Contact::Live;
         self.changes += 1;
     }
@@ -123,7 +123,7 @@ impl Feed {
     /// Takes in an event.
     pub(crate) fn happen(&mut self, event: &Event) {
         let is_news = self.journal.hear(event, &self.units());
-        self.gauge.happen(event);
+        self.sampler.happen(event);
         if is_news && let Some(Happening::Note(_)) = event.happening() {
             self.history.note(event.run_id, event.seq);
         }
@@ -146,7 +146,7 @@ impl Feed {
 
     /// What is to be held against the alarms' limits: all that has come in since this was last asked.
     pub(crate) fn reading(&mut self) -> Reading {
-        self.gauge.take()
+        self.sampler.take()
     }
 
     /// When the last state came.
@@ -161,7 +161,7 @@ impl Feed {
 
     /// The settings in force, once they are known.
     pub(crate) fn settings(&self) -> Option<Settings> {
-        self.bulletin.as_ref().map(|bulletin| bulletin.settings.get().clone())
+        self.bench_status.as_ref().map(|bench_status| bench_status.settings.get().clone())
     }
 
     /// The rotor, once it is known.
@@ -171,7 +171,7 @@ impl Feed {
 
     /// The units that settings are typed and shown in.
     pub(crate) fn units(&self) -> Units {
-        Units::of(self.bulletin.as_ref().and_then(|bulletin| bulletin.scales()), Some(1.0))
+        Units::of(self.bench_status.as_ref().and_then(|bench_status| bench_status.scales()), Some(1.0))
     }
 
     /// What has happened.
@@ -181,7 +181,11 @@ impl Feed {
 
     /// Seconds from step to step, as the simulation means it; 0 while unknown.
     pub(crate) fn seconds(&self) -> f64 {
-        self.bulletin.as_ref().map(|bulletin| bulletin.rate_hz).filter(|rate| *rate > 0.0).map_or(0.0, f64::recip)
+        self.bench_status
+            .as_ref()
+            .map(|bench_status| bench_status.rate_hz)
+            .filter(|rate| *rate > 0.0)
+            .map_or(0.0, f64::recip)
     }
 
     /// Rises with everything that is taken in: a picture of the same count shows nothing new.
@@ -192,7 +196,7 @@ impl Feed {
     /// An era with the poles at the speed of the step that is looked at, where that is on its way to the one that is set.
     fn at_speed(&self, era: Arc<Era>, speed: Option<f64>) -> Arc<Era> {
         let Some(speed) = speed.filter(|speed| *speed != era.speed && !era.poles.is_empty()) else { return era };
-        // A step that came before its bulletin, or after it, at a speed that is set at once, is no ramp.
+        // A step that came before its bench status, or after it, at a speed that is set at once, is no ramp.
         if !(era.settings.ramp.is_finite() || era.speed != era.settings.speed) {
             return era;
         }
@@ -211,7 +215,7 @@ impl Feed {
         let place = |place: u64| (place - around.start) as usize;
         let era = |at: u64| if time.is_live() { self.history.newest_era() } else { self.history.era_at(at) };
         let track = self.history.track(&around);
-        // When another machine takes the name, its bulletin and its steps do not come at the same moment.
+        // When another machine takes the name, its bench status and its steps do not come at the same moment.
         let masses = track.masses();
         let fits = |era: &Arc<Era>| masses == 0 || era.settings.deadband.len() == masses;
         let era_now = view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned();
@@ -231,7 +235,7 @@ impl Feed {
             seconds,
             settings: self.settings(),
             rotor: self.rotor.clone(),
-            bulletin: self.bulletin.clone(),
+            bench_status: self.bench_status.clone(),
             events: self.journal.entries(),
             lost: self.history.lost(),
             rate: self.pace.rate(now),
@@ -280,8 +284,8 @@ pub(crate) mod tests {
 
     use super::*;
 
-    /// A bulletin of a built-in rotor at speed 2.5.
-    pub(crate) fn bulletin(rotor_name: &str, feedback: &str) -> Box<Bulletin> {
+    /// A bench status of a built-in rotor at speed 2.5.
+    pub(crate) fn bench_status(rotor_name: &str, feedback: &str) -> Box<BenchStatus> {
         let rotor = builtin::rotor(rotor_name).unwrap();
         let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
         settings.deadband.fill(1.0);
@@ -296,20 +300,20 @@ pub(crate) mod tests {
         for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
             *place = [mode.pole.re, mode.pole.im];
         }
-        let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
+        let mut bench_status = Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
             run_id: 7,
             pid: 1234,
             rate_hz: 1000.0,
             dtau: 0.01,
             revision: 1,
             analysis,
-            ..wire::message::BulletinMessage::default()
+            ..wire::message::BenchStatusMessage::default()
         }));
-        bulletin.set_rotor(&rotor);
-        bulletin.settings = SettingsDocument::of(&settings);
-        bulletin.health.lateness_p50_us = 50.0;
-        bulletin.health.lateness_p99_us = 120.0;
-        bulletin
+        bench_status.set_rotor(&rotor);
+        bench_status.settings = SettingsDocument::of(&settings);
+        bench_status.health.lateness_p50_us = 50.0;
+        bench_status.health.lateness_p99_us = 120.0;
+        bench_status
     }
 
     /// State number `seq` of masses that whirl on circles of radius 1.5, 2.5, 3.5 ... at half the spin speed.
@@ -336,7 +340,7 @@ pub(crate) mod tests {
     pub(crate) fn picture() -> Picture {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(bulletin("three-mass", "composite"));
+        feed.read(bench_status("three-mass", "composite"));
         (0..3000).for_each(|seq| feed.hear(&state(3, seq), now));
         feed.picture(&ViewTime::default(), now)
     }
@@ -355,9 +359,9 @@ pub(crate) mod tests {
     fn a_picture_of_the_past_is_whole_while_settings_stay_live() {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(bulletin("three-mass", "composite"));
+        feed.read(bench_status("three-mass", "composite"));
         (0..70_000).for_each(|seq| feed.hear(&state(3, seq), now));
-        let mut off = bulletin("three-mass", "off");
+        let mut off = bench_status("three-mass", "off");
         off.revision = 2;
         feed.read(off);
         (70_000..90_000).for_each(|seq| feed.hear(&state(3, seq).with_word(Channel::Revision, 2), now));

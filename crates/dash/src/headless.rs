@@ -8,7 +8,7 @@ use crossbeam::channel;
 use ratatui::backend::CrosstermBackend;
 use ratatui::layout::Rect;
 use ratatui::{Terminal, TerminalOptions, Viewport};
-use wire::{Bulletin, Step};
+use wire::{BenchStatus, Step};
 
 use crate::analysis::Desk;
 use crate::app::App;
@@ -42,9 +42,9 @@ impl Headless {
         lock(&self.feed).hear(state, Instant::now());
     }
 
-    /// Takes in a bulletin.
-    pub fn read(&mut self, bulletin: Box<Bulletin>) {
-        lock(&self.feed).read(bulletin);
+    /// Takes in a bench status.
+    pub fn read(&mut self, bench_status: Box<BenchStatus>) {
+        lock(&self.feed).read(bench_status);
     }
 
     /// A picture of what it shows now.
@@ -97,7 +97,7 @@ mod tests {
 
     fn headless(layout: usize, wishes: Wishes) -> Headless {
         let mut headless = Headless::new("default", &Options { layout, wishes, ..Options::default() });
-        headless.read(tests::bulletin("three-mass", "composite"));
+        headless.read(tests::bench_status("three-mass", "composite"));
         for seq in 0..9000 {
             headless.hear(&tests::state(3, seq));
         }

@@ -99,7 +99,7 @@ pub(crate) mod tests {
     use wire::{SettingsDocument, Text};
 
     use super::*;
-    use crate::feed::tests::bulletin;
+    use crate::feed::tests::bench_status;
 
     /// Event number `number` of a run, a second after the one before.
     pub(crate) fn event(number: u64, happening: &Happening, settings: &Settings) -> Box<Event> {
@@ -112,7 +112,7 @@ pub(crate) mod tests {
 
     #[test]
     fn changes_are_told_in_words_and_once() {
-        let mut settings = bulletin("three-mass", "composite").settings.get().clone();
+        let mut settings = bench_status("three-mass", "composite").settings.get().clone();
         let mut journal = Journal::default();
         assert!(journal.hear(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
@@ -130,7 +130,7 @@ pub(crate) mod tests {
 
     #[test]
     fn another_run_is_news_and_the_newest_stay() {
-        let settings = bulletin("three-mass", "composite").settings.get().clone();
+        let settings = bench_status("three-mass", "composite").settings.get().clone();
         let mut journal = Journal::default();
         for number in 1..=KEPT as u64 + 5 {
             journal.hear(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);

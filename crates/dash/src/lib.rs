@@ -1,6 +1,6 @@
 //! The dashboard: telemetry in, frames out, commands back.
 //!
-//! Three threads beside the one that draws. The **reader** ([`link`]) drains states and bulletins into a bounded
+//! Three threads beside the one that draws. The **reader** ([`link`]) drains states and bench statuses into a bounded
 //! [`feed`]; the **clerk** ([`clerk`]) carries edits to the simulation and knows what can be undone; the **keyboard**
 //! ([`input`]) turns terminal events into messages, as a fourth does with signals ([`signals`]). The loop in [`app`] takes input first, then answers,
 //! then the clock, and draws a [`picture::Picture`], made from the [`history`] and the [`view_time`]: pausing stops the view, never the data.

@@ -36,7 +36,7 @@ pub(crate) fn lock(feed: &Shared) -> MutexGuard<'_, Feed> {
 /// What the reader tells others, and is told.
 #[derive(Debug)]
 pub(crate) struct Wires {
-    /// Every bulletin and every event, for the clerk.
+    /// Every bench status and every event, for the clerk.
     pub(crate) news: Sender<News>,
     /// A token when something has come that should not wait for the next frame.
     pub(crate) wake: Sender<()>,
@@ -82,7 +82,7 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
     let mut told = (0, false);
     let mut looked = attached;
     while !wires.stop.load(Ordering::Relaxed) {
-        let bulletin = listener.bulletin()?;
+        let bench_status = listener.bench_status()?;
         let now = Instant::now();
         if now - looked > RECORDER {
             looked = now;
@@ -91,16 +91,16 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
         }
         let drained = {
             let mut feed = lock(feed);
-            if let Some(bulletin) = bulletin {
+            if let Some(bench_status) = bench_status {
                 // If the clerk is behind it has a newer one coming.
-                let _ = wires.news.try_send(News::Bulletin(Arc::new((*bulletin).clone())));
-                let news = (bulletin.revision, bulletin.trip.is_tripped());
+                let _ = wires.news.try_send(News::BenchStatus(Arc::new((*bench_status).clone())));
+                let news = (bench_status.revision, bench_status.trip.is_tripped());
                 if news != told {
                     told = news;
                     // A token that still lies there will do.
                     let _ = wires.wake.try_send(());
                 }
-                feed.read(bulletin);
+                feed.read(bench_status);
             }
             listener.events(|event| {
                 // What does not fit there shows by its revision.

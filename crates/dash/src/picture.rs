@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use rotor::{C64, Rotor, Settings};
 use wire::message::Trip;
-use wire::{Bulletin, RecorderStatus};
+use wire::{BenchStatus, RecorderStatus};
 
 use crate::contact::Contact;
 use crate::history::{Era, Mark, Track};
@@ -38,8 +38,8 @@ pub(crate) struct Picture {
     pub(crate) settings: Option<Settings>,
     /// Live: the rotor, once it is known.
     pub(crate) rotor: Option<Arc<Rotor>>,
-    /// Live: the latest bulletin.
-    pub(crate) bulletin: Option<Arc<Bulletin>>,
+    /// Live: the latest bench status.
+    pub(crate) bench_status: Option<Arc<BenchStatus>>,
     /// Live: what has happened, the oldest first.
     pub(crate) events: Arc<Vec<Entry>>,
     /// Live: steps that were sent and did not reach us.
@@ -74,7 +74,7 @@ impl Picture {
 
     /// The units that things are shown in.
     pub(crate) fn units(&self) -> Units {
-        let scales = self.bulletin.as_ref().and_then(|bulletin| bulletin.scales());
+        let scales = self.bench_status.as_ref().and_then(|bench_status| bench_status.scales());
         let mass = self.era.as_ref().and_then(|era| {
             let rotor = era.rotor.as_ref().or(self.rotor.as_ref())?;
             Some(rotor.masses().get(era.settings.feedback.bearing)?.mass)
@@ -98,7 +98,7 @@ impl Picture {
 
     /// The trip, while there is one; live.
     pub(crate) fn trip(&self) -> Option<Trip> {
-        self.bulletin.as_ref().map(|bulletin| bulletin.trip).filter(Trip::is_tripped)
+        self.bench_status.as_ref().map(|bench_status| bench_status.trip).filter(Trip::is_tripped)
     }
 
     /// How long before the newest step the cursor is.

@@ -144,9 +144,9 @@ mod tests {
     fn long_numbers(scales: Option<rotor::Scales>) -> (Picture, alarms::Alarms) {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
-        let mut bulletin = tests::bulletin("three-mass", "composite");
-        bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
-        let mut settings = bulletin.settings.get().clone();
+        let mut bench_status = tests::bench_status("three-mass", "composite");
+        bench_status.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+        let mut settings = bench_status.settings.get().clone();
         for (key, value) in [
             ("speed", 2.345_678_901_234),
             ("kd", -0.587_912_345_678),
@@ -156,10 +156,10 @@ mod tests {
         ] {
             settings.set(key.parse().unwrap(), value).unwrap();
         }
-        bulletin.settings = wire::SettingsDocument::of(&settings);
-        (bulletin.health.steps, bulletin.health.missed) = (123_456_789, 12_345);
-        (bulletin.health.lateness_p50_us, bulletin.health.lateness_p99_us) = (12_345.0, 123_456.0);
-        feed.read(bulletin);
+        bench_status.settings = wire::SettingsDocument::of(&settings);
+        (bench_status.health.steps, bench_status.health.missed) = (123_456_789, 12_345);
+        (bench_status.health.lateness_p50_us, bench_status.health.lateness_p99_us) = (12_345.0, 123_456.0);
+        feed.read(bench_status);
         for seq in 0..17_000_u64 {
             let mut state = tests::state(3, seq);
             for mass in 0..3 {
@@ -264,11 +264,11 @@ mod tests {
                 vec![1.0; masses - 1],
             )
             .unwrap();
-            let mut bulletin = tests::bulletin("jeffcott", "cancel");
-            bulletin.set_rotor(&rotor);
+            let mut bench_status = tests::bench_status("jeffcott", "cancel");
+            bench_status.set_rotor(&rotor);
             let settings = rotor::Settings::new(&rotor, 1.0, rotor::builtin::feedback(&rotor, "off").unwrap());
-            bulletin.settings = wire::SettingsDocument::of(&settings);
-            feed.read(bulletin);
+            bench_status.settings = wire::SettingsDocument::of(&settings);
+            feed.read(bench_status);
             (0..300).for_each(|seq| feed.hear(&tests::state(masses, seq), now));
             let drawn = frame(&feed.picture(&ViewTime::LIVE, now), 160, 50, false);
             assert!(drawn.contains(&format!("{masses}")) && drawn.contains("orbits"), "{drawn}");

@@ -18,7 +18,7 @@ use crate::options::{DashError, Ended, Options};
 use crate::signals;
 use crate::terminal::Screen;
 
-/// News that may wait for the clerk, who may wait a second for an answer: all events that a late reader is told, and bulletins.
+/// News that may wait for the clerk, who may wait a second for an answer: all events that a late reader is told, and bench statuses.
 pub(crate) const NEWS_WAITING: usize = 2 * wire::EVENTS_KEPT;
 /// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
 pub(crate) const EDITS_WAITING: usize = 64;

@@ -66,7 +66,7 @@ impl Units {
         speed: Unit { factor: 1.0, name: "R" },
     };
 
-    /// Those of a bench whose bulletin has `scales`, with a control bearing that carries the mass ratio `mass`.
+    /// Those of a bench whose bench status has `scales`, with a control bearing that carries the mass ratio `mass`.
     pub(crate) fn of(scales: Option<Scales>, mass: Option<f64>) -> Self {
         let (Some(scales), Some(mass)) = (scales, mass) else { return Self::DIMENSIONLESS };
         // One prefix for a rotor, whatever it does: numbers must not jump.

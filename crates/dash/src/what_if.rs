@@ -48,12 +48,12 @@ mod tests {
     #[test]
     fn the_candidate_is_what_the_simulation_would_say_of_it() {
         let rotor = builtin::rotor("three-mass").unwrap();
-        let bulletin = crate::feed::tests::bulletin("three-mass", "composite");
-        let settings = bulletin.settings.get().clone();
+        let bench_status = crate::feed::tests::bench_status("three-mass", "composite");
+        let settings = bench_status.settings.get().clone();
         let same = WhatIf::of(&rotor, settings.clone()).unwrap();
-        let told: Vec<C64> = bulletin.analysis.poles().collect();
+        let told: Vec<C64> = bench_status.analysis.poles().collect();
         assert!(same.poles.iter().zip(&told).all(|(a, b)| (a - b).norm() < 1e-12), "{same:?}");
-        assert!((same.min_damping - bulletin.analysis.min_damping).abs() < 1e-12 && !same.is_unstable());
+        assert!((same.min_damping - bench_status.analysis.min_damping).abs() < 1e-12 && !same.is_unstable());
         let off = Settings { feedback: settings.feedback.off(), ..settings.clone() };
         assert!(WhatIf::of(&rotor, off).unwrap().is_unstable());
         assert_eq!(same.on(&rotor, 0.01, 1000.0).refusal, None);

@@ -1,4 +1,4 @@
-//! The rotor on the stepping thread, and what it exchanges with the intake. Nothing here allocates or frees.
+//! The rotor on the stepping thread, and what it exchanges with the request thread. Nothing here allocates or frees.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -10,10 +10,10 @@ use wire::{Channel, MAX_SNAPSHOT, Point, RowMut, SnapshotHead};
 
 use crate::pacer::Wake;
 
-/// Orders that may be under way at once; the intake hands over one at a time.
+/// Orders that may be under way at once; the request thread hands over one at a time.
 const MAX_PENDING_CHANGES: usize = 4;
 
-/// What the intake tells the stepping thread to do before its next step. Boxed by the intake, and freed by it.
+/// What the request thread tells the stepping thread to do before its next step. Boxed by the request thread, and freed by it.
 #[derive(Debug)]
 pub(crate) enum Order {
     /// New settings, compiled; once carried out, the ones before are in their place.
@@ -57,7 +57,7 @@ impl Saved {
     }
 }
 
-/// Buffers for snapshots: one at every change, and the intake looks ten times a second.
+/// Buffers for snapshots: one at every change, and the request thread looks ten times a second.
 const SAVES: usize = 4;
 
 /// The queues between the two threads: bounded and lock-free.
@@ -105,7 +105,7 @@ impl Exchange {
         made
     }
 
-    /// Gives the buffers that are not in use room for so many words. On the intake's thread: this allocates.
+    /// Gives the buffers that are not in use room for so many words. On the request thread's thread: this allocates.
     pub(crate) fn make_room(&self, words: usize) {
         for _ in 0..self.blank.len() {
             let Some(blank) = self.blank.pop() else { return };
@@ -123,7 +123,7 @@ impl Default for Exchange {
             orders: ArrayQueue::new(MAX_PENDING_CHANGES),
             // Every order that can be under way, and the trips that those orders can lead to.
             notices: ArrayQueue::new(4 * MAX_PENDING_CHANGES),
-            // Two seconds of wake-ups: the intake looks ten times a second.
+            // Two seconds of wake-ups: the request thread looks ten times a second.
             measures: ArrayQueue::new(2048),
             counters: Counters::default(),
         }
@@ -178,7 +178,7 @@ impl Engine {
         let Some(mut saved) = exchange.blank.pop() else { return };
         saved.is_taken = saved.words.room() >= room;
         if !saved.is_taken {
-            // The intake gives it more.
+            // The request thread gives it more.
             let _ = exchange.saved.push(saved);
             return;
         }
@@ -191,7 +191,7 @@ impl Engine {
         self.save_at = self.seq + self.save_every;
     }
 
-    /// Carries out what the intake has ordered. Returns whether there was anything.
+    /// Carries out what the request thread has ordered. Returns whether there was anything.
     pub(crate) fn take_orders(&mut self, exchange: &Exchange) -> bool {
         let mut any = false;
         while let Some(mut order) = exchange.orders.pop() {
@@ -204,7 +204,7 @@ impl Engine {
                 Order::Restart => self.machine.restart(),
                 Order::Mark => {}
             }
-            // There is room: the intake has no more orders under way than the queue holds.
+            // There is room: the request thread has no more orders under way than the queue holds.
             let _ = exchange.notices.push(Notice::Done { order, step: self.seq, tau: self.tau() });
             any = true;
         }
@@ -326,7 +326,7 @@ mod tests {
             }
         });
         assert_eq!(counted.count_total, 0, "{counted:?}");
-        // The notices carry the orders back: freed here, as by the intake.
+        // The notices carry the orders back: freed here, as by the request thread.
         assert_eq!(std::iter::from_fn(|| exchange.notices.pop()).count(), 3);
     }
 

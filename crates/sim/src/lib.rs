@@ -2,8 +2,8 @@
 //!
 //! Two threads. The **stepping thread**, which is the caller of [`run`], allocates nothing, locks nothing, formats
 //! nothing and serves no request: it waits for a deadline, steps, and fills the sample that readers will see. The
-//! **intake thread** ([`intake`]) checks requests, hands them over through a bounded queue, computes poles, keeps the
-//! statistics and publishes bulletins.
+//! **request thread** ([`request_thread`]) checks requests, hands them over through a bounded queue, computes poles, keeps the
+//! statistics and publishes bench statuses.
 //!
 //! Catch-up policy: deadlines are absolute. After a stall the steps that are due run at once, back to back, and count
 //! as late; a stall of more than [`pacer::CATCH_UP_LIMIT`] is not caught up: its deadlines are given up and counted as
@@ -17,9 +17,9 @@ mod accuracy;
 mod clock;
 mod engine;
 mod health;
-mod intake;
 mod log;
 pub mod pacer;
+mod request_thread;
 
 use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,8 +32,8 @@ use wire::message::{Health, Trip};
 use wire::{BenchName, Carrier, Host, Layout, MAX_BURST, StateSender, WireError};
 
 use crate::engine::{Engine, Exchange};
-use crate::intake::Intake;
 use crate::pacer::Pacer;
+use crate::request_thread::RequestThread;
 
 /// How a simulation runs, apart from what it simulates.
 #[derive(Clone, Debug, PartialEq)]
@@ -153,25 +153,25 @@ pub fn run<C: Carrier>(
     // A snapshot a second.
     let engine = Engine::new(program, run_id, options.rate_hz.ceil() as u64);
     exchange.counters.speed_bits.store(engine.speed().to_bits(), Ordering::Relaxed);
-    let intake = Intake::new(rotor, settings, substeps, options, (run_id, started_ns), &exchange);
+    let requests = RequestThread::new(rotor, settings, substeps, options, (run_id, started_ns), &exchange);
 
     std::thread::scope(|scope| {
-        let clerk = std::thread::Builder::new().name("intake".into()).spawn_scoped(scope, || {
+        let answering = std::thread::Builder::new().name("requests".into()).spawn_scoped(scope, || {
             let _stop_at_end = StopAtEnd(stop);
-            intake.run(&host, stop)
+            requests.run(&host, stop)
         });
-        let clerk = clerk.map_err(|error| WireError::Internal(format!("no thread for requests: {error}")))?;
-        let stepped = step_until(stop, states, engine, &exchange, options, clerk.thread());
+        let answering = answering.map_err(|error| WireError::Internal(format!("no thread for requests: {error}")))?;
+        let stepped = step_until(stop, states, engine, &exchange, options, answering.thread());
         let elapsed = started.elapsed();
         stop.store(true, Ordering::Relaxed);
-        clerk.thread().unpark();
-        let (health, trip) = clerk.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
+        answering.thread().unpark();
+        let (health, trip) = answering.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         stepped?;
         Ok(Summary { bench: options.bench.clone(), rotor: rotor.name().to_owned(), elapsed, health, trip })
     })
 }
 
-/// Ends the stepping thread when the intake ends, however it ends: half a simulation must not live on.
+/// Ends the stepping thread when the request thread ends, however it ends: half a simulation must not live on.
 struct StopAtEnd<'a>(&'a AtomicBool);
 
 impl Drop for StopAtEnd<'_> {
@@ -192,7 +192,7 @@ fn step_until(
     mut engine: Engine,
     exchange: &Exchange,
     options: &Options,
-    clerk: &std::thread::Thread,
+    answering: &std::thread::Thread,
 ) -> Result<(), WireError> {
     clock::precise_sleep();
     let (clock, started_ns) = (clock::Monotonic::start(), wall_ns());
@@ -218,7 +218,7 @@ fn step_until(
                     exchange.report_trip(trip, engine.tau());
                 }
                 if ordered || tripped.is_some() {
-                    clerk.unpark();
+                    answering.unpark();
                 }
             })?;
             sent += burst;

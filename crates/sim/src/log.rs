@@ -3,14 +3,14 @@
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
-use wire::{Bulletin, Event, Happening, NewsSender, Request, Text, WireError};
+use wire::{BenchStatus, Event, Happening, NewsSender, Request, Text, WireError};
 
 use crate::engine::Exchange;
 
 /// The name under which the simulation itself acts.
 const OURSELVES: &str = "sim";
 
-/// Events of this run, made by the intake and sent in order.
+/// Events of this run, made by the request thread and sent in order.
 #[derive(Debug, Default)]
 pub(crate) struct Log {
     number: u64,
@@ -36,30 +36,36 @@ impl When {
 }
 
 impl Log {
-    /// Notes what the simulation did by itself; `bulletin` has the settings now in force.
-    pub(crate) fn note(&mut self, happening: &Happening, when: When, bulletin: &Bulletin) {
-        self.add(happening, when, bulletin, |event| event.who = Text::new(OURSELVES));
+    /// Notes what the simulation did by itself; `bench_status` has the settings now in force.
+    pub(crate) fn note(&mut self, happening: &Happening, when: When, bench_status: &BenchStatus) {
+        self.add(happening, when, bench_status, |event| event.who = Text::new(OURSELVES));
     }
 
     /// Notes what came of a request.
-    pub(crate) fn note_request(&mut self, happening: &Happening, when: When, bulletin: &Bulletin, request: &Request) {
-        self.add(happening, when, bulletin, |event| {
+    pub(crate) fn note_request(
+        &mut self,
+        happening: &Happening,
+        when: When,
+        bench_status: &BenchStatus,
+        request: &Request,
+    ) {
+        self.add(happening, when, bench_status, |event| {
             event.who = request.who;
             event.why = request.why;
         });
     }
 
-    fn add(&mut self, happening: &Happening, when: When, bulletin: &Bulletin, sign: impl FnOnce(&mut Event)) {
+    fn add(&mut self, happening: &Happening, when: When, bench_status: &BenchStatus, sign: impl FnOnce(&mut Event)) {
         self.number += 1;
         let mut event = happening.event();
-        event.run_id = bulletin.run_id;
+        event.run_id = bench_status.run_id;
         event.number = self.number;
         event.seq = when.step;
         event.tau = when.tau;
         event.wall_ns = crate::wall_ns();
-        event.revision = bulletin.revision;
-        event.settings = bulletin.settings.clone();
-        event.substeps = bulletin.substeps;
+        event.revision = bench_status.revision;
+        event.settings = bench_status.settings.clone();
+        event.substeps = bench_status.substeps;
         sign(&mut event);
         self.waiting.push(*event);
     }

@@ -10,8 +10,8 @@ use rotor::{C64, Settings, Spectrum, builtin};
 use sim::{Options, Summary};
 use wire::message::Flags;
 use wire::{
-    Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, Glance, Happening, Listener, Memory, State, Step,
-    WireError,
+    Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, Glance, Happening, Listener, Memory, State,
+    Step, WireError,
 };
 
 /// How long anything may take: far more than it does, because test machines are slow.
@@ -25,22 +25,22 @@ struct Bench {
     listener: <Memory as Carrier>::Listener,
     commander: <Memory as Carrier>::Commander,
     carrier: Memory,
-    bulletin: Option<Box<Bulletin>>,
+    bench_status: Option<Box<BenchStatus>>,
     states: Vec<State>,
     events: Vec<Event>,
 }
 
 impl Bench {
     /// Reads on until `found` sees what it wants.
-    fn wait<T>(&mut self, what: &str, mut found: impl FnMut(&Bulletin, &[State]) -> Option<T>) -> T {
+    fn wait<T>(&mut self, what: &str, mut found: impl FnMut(&BenchStatus, &[State]) -> Option<T>) -> T {
         let start = Instant::now();
         loop {
             let states = &mut self.states;
             self.listener.drain(|state| states.push(State::of(&state))).unwrap();
-            if let Some(bulletin) = self.listener.bulletin().unwrap() {
-                self.bulletin = Some(bulletin);
+            if let Some(bench_status) = self.listener.bench_status().unwrap() {
+                self.bench_status = Some(bench_status);
             }
-            if let Some(found) = self.bulletin.as_ref().and_then(|bulletin| found(bulletin, &self.states)) {
+            if let Some(found) = self.bench_status.as_ref().and_then(|bench_status| found(bench_status, &self.states)) {
                 return found;
             }
             assert!(start.elapsed() < PATIENCE, "{what} did not come");
@@ -95,7 +95,7 @@ fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) 
             listener,
             commander,
             carrier: carrier.clone(),
-            bulletin: None,
+            bench_status: None,
             states: Vec::new(),
             events: Vec::new(),
         };
@@ -128,17 +128,17 @@ fn every_step_is_sent_once_and_in_order() {
 }
 
 #[test]
-fn the_bulletin_tells_the_rotor_the_settings_and_the_poles() {
+fn the_bench_status_tells_the_rotor_the_settings_and_the_poles() {
     beside("composite", 1000.0, |bench, settings| {
-        let bulletin = bench.wait("poles", |b, _| (b.analysis.revision == 1).then(|| Box::new(b.clone())));
-        let rotor = bulletin.rotor().unwrap();
+        let bench_status = bench.wait("poles", |b, _| (b.analysis.revision == 1).then(|| Box::new(b.clone())));
+        let rotor = bench_status.rotor().unwrap();
         assert_eq!(rotor, builtin::rotor("three-mass").unwrap());
-        assert_eq!(bulletin.settings.get().clone(), settings);
+        assert_eq!(bench_status.settings.get().clone(), settings);
         let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).unwrap();
-        assert_eq!(bulletin.analysis.min_damping, spectrum.min_damping());
-        let poles: Vec<C64> = bulletin.analysis.poles().collect();
+        assert_eq!(bench_status.analysis.min_damping, spectrum.min_damping());
+        let poles: Vec<C64> = bench_status.analysis.poles().collect();
         assert_eq!(poles, spectrum.modes.iter().map(|m| m.pole).collect::<Vec<_>>());
-        assert_eq!((bulletin.rate_hz, bulletin.dtau, bulletin.pid), (1000.0, 0.01, std::process::id()));
+        assert_eq!((bench_status.rate_hz, bench_status.dtau, bench_status.pid), (1000.0, 0.01, std::process::id()));
     });
 }
 
@@ -152,9 +152,9 @@ fn a_change_of_settings_is_answered_with_the_step_that_took_it() {
         let first = bench.wait("the new speed", |_, states| states.iter().position(|s| s.speed() == 3.0));
         let (before, after) = (bench.states[first - 1], bench.states[first]);
         assert_eq!((after.seq(), after.revision(), before.revision()), (answer.applied_at_step, 2, 1));
-        let bulletin = bench.wait("its poles", |b, _| (b.analysis.revision == 2).then(|| Box::new(b.clone())));
-        assert_eq!(bulletin.settings.get().clone(), settings);
-        assert_eq!(bulletin.changed_by.as_str(), "test");
+        let bench_status = bench.wait("its poles", |b, _| (b.analysis.revision == 2).then(|| Box::new(b.clone())));
+        assert_eq!(bench_status.settings.get().clone(), settings);
+        assert_eq!(bench_status.changed_by.as_str(), "test");
         // Based on a revision that is no longer in force: refused, and told why.
         let answer = bench.ask(&Change::Settings { base_revision: 1, settings });
         assert_eq!((answer.is_accepted(), answer.outdated, answer.revision), (false, 1, 2));

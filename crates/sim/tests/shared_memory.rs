@@ -58,12 +58,12 @@ fn a_bench_with_a_dashboard_takes_less_than_4_mb_of_shared_memory() {
                 listener.drain(|step| last = step.seq()).unwrap();
                 listener.events(|_| ()).unwrap();
                 listener.snapshots(|_, _| ()).unwrap();
-                let Some(bulletin) = listener.bulletin().unwrap() else { continue };
+                let Some(bench_status) = listener.bench_status().unwrap() else { continue };
                 if last / 100 > asked {
                     asked = last / 100;
                     speed += 0.01;
-                    let settings = Settings { speed, ..bulletin.settings.get().clone() };
-                    let change = Change::Settings { base_revision: bulletin.revision, settings };
+                    let settings = Settings { speed, ..bench_status.settings.get().clone() };
+                    let change = Change::Settings { base_revision: bench_status.revision, settings };
                     commander.ask(&change.request("test", "").unwrap(), Duration::from_secs(60)).unwrap();
                 }
             }

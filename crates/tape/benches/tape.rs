@@ -14,7 +14,7 @@ use rerun::{RecordingStreamBuilder, Scalars, TimeColumn};
 use rotor::{Settings, Stepper, builtin};
 use tape::{Batch, Head, Recording};
 use wire::message::Flags;
-use wire::{Bulletin, Channel, Layout, Moment, Point, SettingsDocument, State, Step};
+use wire::{BenchStatus, Channel, Layout, Moment, Point, SettingsDocument, State, Step};
 
 /// Ten minutes at 1000 steps a second.
 const STEPS: usize = 600_000;
@@ -83,15 +83,15 @@ fn session() -> (Head, Vec<State>) {
     let rotor = builtin::rotor("three-mass").unwrap();
     let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
     settings.deadband.fill(1.0);
-    let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
+    let mut bench_status = Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
         run_id: 7,
         rate_hz: 1000.0,
         dtau: 0.01,
         revision: 1,
-        ..wire::message::BulletinMessage::default()
+        ..wire::message::BenchStatusMessage::default()
     }));
-    bulletin.set_rotor(&rotor);
-    bulletin.settings = SettingsDocument::of(&settings);
+    bench_status.set_rotor(&rotor);
+    bench_status.settings = SettingsDocument::of(&settings);
     let mut stepper: Box<dyn Stepper> = rotor::stepper(&settings.closed_loop(&rotor));
     let step = |seq: usize| {
         stepper.step(0.01);
@@ -114,7 +114,7 @@ fn session() -> (Head, Vec<State>) {
         state
     };
     let states = (0..STEPS).map(step).collect();
-    (Head::live(bulletin, "bench"), states)
+    (Head::live(bench_status, "bench"), states)
 }
 
 fn we_write(path: &Path, head: &Head, states: &[State], rows: usize) {

@@ -12,7 +12,7 @@ use alarms::{Limits, Watch};
 use rotor::{Settings, builtin};
 use tape::Keep;
 use tape::recorder::{self, Order};
-use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Listener, Memory};
+use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Listener, Memory};
 
 /// Steps a second; with [`DTAU`], 20 units of `tau` a second.
 const RATE_HZ: f64 = 200.0;
@@ -69,10 +69,10 @@ fn play(carrier: &Memory, bench: &BenchName, rotor: &rotor::Rotor) -> Result<(),
         if answer.is_accepted() { Ok(answer) } else { Err(answer.reason.as_str().into()) }
     };
     let mut edit = |listener: &mut <Memory as Carrier>::Listener, why: &str, change: &dyn Fn(&mut Settings)| {
-        let bulletin = newest(listener)?;
-        let mut settings = bulletin.settings.get().clone();
+        let bench_status = newest(listener)?;
+        let mut settings = bench_status.settings.get().clone();
         change(&mut settings);
-        ask(&Change::Settings { base_revision: bulletin.revision, settings }, why)
+        ask(&Change::Settings { base_revision: bench_status.revision, settings }, why)
     };
     for speed in [1.2, 1.4, 1.6, 1.8, 2.0, 2.2] {
         edit(&mut listener, "run-up", &|settings| settings.speed = speed)?;
@@ -91,22 +91,22 @@ fn play(carrier: &Memory, bench: &BenchName, rotor: &rotor::Rotor) -> Result<(),
     ask(&Change::Note { text: "again from rest, with the composite gains".into() })?;
     for speed in [2.4, 2.8, 3.2] {
         std::thread::sleep(Duration::from_millis(900));
-        let bulletin = newest(&mut listener)?;
-        let mut settings = bulletin.settings.get().clone();
+        let bench_status = newest(&mut listener)?;
+        let mut settings = bench_status.settings.get().clone();
         settings.speed = speed;
-        ask(&Change::Settings { base_revision: bulletin.revision, settings })?;
+        ask(&Change::Settings { base_revision: bench_status.revision, settings })?;
     }
     ask(&Change::Impulse { mass: 1, velocity: rotor::C64::new(1.0, 0.0) })?;
     std::thread::sleep(Duration::from_millis(1200));
     Ok(())
 }
 
-/// The next bulletin.
-fn newest(listener: &mut impl Listener) -> Result<Box<Bulletin>, Box<dyn Error>> {
+/// The next bench status.
+fn newest(listener: &mut impl Listener) -> Result<Box<BenchStatus>, Box<dyn Error>> {
     let start = std::time::Instant::now();
     while start.elapsed() < PATIENCE {
-        if let Some(bulletin) = listener.bulletin()? {
-            return Ok(bulletin);
+        if let Some(bench_status) = listener.bench_status()? {
+            return Ok(bench_status);
         }
         std::thread::sleep(Duration::from_millis(5));
     }

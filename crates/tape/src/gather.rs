@@ -6,7 +6,7 @@
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
 
-use wire::{Bulletin, Event, Moment, Step};
+use wire::{BenchStatus, Event, Moment, Step};
 
 use crate::batch::Batch;
 use crate::event::{Remark, What};
@@ -17,7 +17,7 @@ use crate::snapshot::Snapshot;
 #[derive(Debug)]
 pub(crate) struct Gatherer {
     run_id: Option<u64>,
-    /// The first bulletin of the run has come, and what is gathered can go on tape.
+    /// The first bench status of the run has come, and what is gathered can go on tape.
     begun: bool,
     batch: Batch,
     opened: Instant,
@@ -29,7 +29,7 @@ pub(crate) struct Gatherer {
     /// Steps in both.
     rows_out: usize,
     /// Of a run of which no step has been heard yet.
-    bulletin: Option<Box<Bulletin>>,
+    bench_status: Option<Box<BenchStatus>>,
     events: Vec<Event>,
     /// Snapshots that follow the steps being gathered.
     snapshots: Vec<(u64, Snapshot)>,
@@ -54,7 +54,7 @@ impl Gatherer {
             out: VecDeque::new(),
             held: VecDeque::new(),
             rows_out: 0,
-            bulletin: None,
+            bench_status: None,
             events: Vec::new(),
             snapshots: Vec::new(),
             lost: 0,
@@ -102,12 +102,12 @@ impl Gatherer {
         }
     }
 
-    /// Takes in the latest bulletin.
-    pub(crate) fn bulletin(&mut self, bulletin: Box<Bulletin>) {
-        if self.begun && self.run_id == Some(bulletin.run_id) {
-            self.out.push_back(Item::Bulletin(bulletin, self.last.unwrap_or_default()));
+    /// Takes in the latest bench status.
+    pub(crate) fn bench_status(&mut self, bench_status: Box<BenchStatus>) {
+        if self.begun && self.run_id == Some(bench_status.run_id) {
+            self.out.push_back(Item::BenchStatus(bench_status, self.last.unwrap_or_default()));
         } else {
-            self.bulletin = Some(bulletin);
+            self.bench_status = Some(bench_status);
             self.begin_tape();
         }
     }
@@ -174,14 +174,16 @@ impl Gatherer {
         self.batch = Batch::new(state.masses());
     }
 
-    /// Begins the tape of a run once both a step and a bulletin of it have come.
+    /// Begins the tape of a run once both a step and a bench status of it have come.
     fn begin_tape(&mut self) {
         if self.begun {
             return;
         }
         let (Some(run_id), Some(last)) = (self.run_id, self.last) else { return };
-        let Some(bulletin) = self.bulletin.take_if(|bulletin| bulletin.run_id == run_id) else { return };
-        self.out.push_back(Item::Run(bulletin, last));
+        let Some(bench_status) = self.bench_status.take_if(|bench_status| bench_status.run_id == run_id) else {
+            return;
+        };
+        self.out.push_back(Item::Run(bench_status, last));
         let (ours, others): (Vec<_>, Vec<_>) =
             std::mem::take(&mut self.events).into_iter().partition(|e| e.run_id == run_id);
         self.events = others;
@@ -232,8 +234,11 @@ mod tests {
         state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 0, seq as f64)
     }
 
-    fn bulletin(run_id: u64) -> Box<Bulletin> {
-        Box::new(Bulletin::from(wire::message::BulletinMessage { run_id, ..wire::message::BulletinMessage::default() }))
+    fn bench_status(run_id: u64) -> Box<BenchStatus> {
+        Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
+            run_id,
+            ..wire::message::BenchStatusMessage::default()
+        }))
     }
 
     /// What comes out, as words.
@@ -241,10 +246,10 @@ mod tests {
         gatherer.flush(None);
         std::iter::from_fn(|| gatherer.next())
             .map(|item| match item {
-                Item::Run(bulletin, at) => format!("run {} at {}", bulletin.run_id, at.seq),
+                Item::Run(bench_status, at) => format!("run {} at {}", bench_status.run_id, at.seq),
                 Item::Steps(batch) => format!("{:?}", batch.seq),
                 Item::Event(event) => format!("event {}", event.number),
-                Item::Bulletin(..) => "bulletin".to_owned(),
+                Item::BenchStatus(..) => "bench_status".to_owned(),
                 Item::Remark(remark) => remark.text(),
                 Item::Snapshot(snapshot, at) => format!("snapshot {} at {}", snapshot.next, at.seq),
             })
@@ -260,7 +265,7 @@ mod tests {
             gatherer.state(&state(1, seq), now);
         }
         assert!(told(&mut gatherer).is_empty(), "no head yet");
-        gatherer.bulletin(bulletin(1));
+        gatherer.bench_status(bench_status(1));
         gatherer.event(&Event::from(wire::EventMessage { run_id: 1, number: 5, ..wire::EventMessage::default() }));
         assert_eq!(told(&mut gatherer), ["run 1 at 10", "event 4", "[5, 6]", "2 steps lost", "[9, 10]", "event 5"]);
         assert_eq!(gatherer.lost(), 2);
@@ -270,12 +275,12 @@ mod tests {
     fn a_new_run_waits_for_its_own_head_and_the_old_one_is_finished_first() {
         let mut gatherer = Gatherer::new();
         let now = Instant::now();
-        gatherer.bulletin(bulletin(1));
+        gatherer.bench_status(bench_status(1));
         gatherer.state(&state(1, 7), now);
         gatherer.state(&state(2, 0), now);
         gatherer.event(&Event::from(wire::EventMessage { run_id: 2, number: 1, ..wire::EventMessage::default() }));
         assert_eq!(told(&mut gatherer), ["run 1 at 7", "[7]"]);
-        gatherer.bulletin(bulletin(2));
+        gatherer.bench_status(bench_status(2));
         assert_eq!(told(&mut gatherer), ["run 2 at 0", "event 1", "[0]"]);
         assert_eq!(gatherer.lost(), 0, "another run is no loss");
     }
@@ -284,7 +289,7 @@ mod tests {
     fn a_writer_that_is_behind_costs_steps_and_not_memory() {
         let mut gatherer = Gatherer::new();
         let now = Instant::now();
-        gatherer.bulletin(bulletin(1));
+        gatherer.bench_status(bench_status(1));
         let most = Gatherer::MOST_ROWS as u64;
         (0..most + 5).for_each(|seq| gatherer.state(&state(1, seq), now));
         let rows: usize = std::iter::from_fn(|| gatherer.next()).map(|item| rows(&item)).sum();
@@ -304,13 +309,13 @@ mod tests {
         let mut gatherer = Gatherer::new();
         gatherer.snapshot(1, snapshot(3));
         gatherer.state(&step(1, 5), now);
-        gatherer.bulletin(bulletin(1));
+        gatherer.bench_status(bench_status(1));
         gatherer.snapshot(1, snapshot(6));
         gatherer.state(&step(1, 6), now);
         gatherer.snapshot(2, snapshot(0));
         gatherer.flush(None);
         gatherer.state(&step(2, 0), now);
-        gatherer.bulletin(bulletin(2));
+        gatherer.bench_status(bench_status(2));
         gatherer.flush(None);
         assert_eq!(
             told(&mut gatherer),

@@ -2,7 +2,7 @@
 //!
 //! Only this crate knows rerun, and only with the cargo feature `rerun`, which takes minutes to build. Everything that can
 //! do without is outside it: gathering steps from a bench, the queue to the writing thread ([`recorder`]),
-//! which files it is kept in ([`Reel`]), what a file says about itself ([`schema`]), and what is
+//! which files it is kept in ([`FileRotation`]), what a file says about itself ([`schema`]), and what is
 //! made of a recording ([`Info`]). Nothing of rerun shows in the public interface: a [`Recording`] speaks in
 //! `wire` and `rotor` types, and without the feature opening one says how to get it.
 //!
@@ -10,6 +10,7 @@
 
 #![cfg_attr(not(feature = "rerun"), allow(dead_code, reason = "much of it serves the encoder and the reader"))]
 
+mod alarm_recorder;
 mod batch;
 mod contents;
 mod damage;
@@ -18,13 +19,12 @@ mod error;
 mod event;
 mod gather;
 mod info;
-mod judge;
 mod offline;
 #[cfg(any(feature = "rerun", test))]
 mod order;
 pub mod recorder;
 mod recording;
-mod reel;
+mod rotation;
 mod row;
 #[cfg(feature = "rerun")]
 mod rrd;
@@ -43,7 +43,7 @@ pub use event::{Event, Remark, What};
 pub use info::{AlarmInfo, At, Damping, Info, Peak, TripInfo};
 pub use offline::OfflineTape;
 pub use recording::Recording;
-pub use reel::{Keep, Reel};
+pub use rotation::{FileRotation, Keep};
 pub use session::{Gap, Revision, Session, Source, Span};
 pub use sink::{Head, Sink, available, create, join};
 pub use snapshot::Snapshot;

@@ -7,7 +7,7 @@ use files::Existing;
 use machine::{Machine, Words};
 use rotor::{C64, Rotor, Settings};
 use wire::message::Flags;
-use wire::{Bulletin, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Text};
+use wire::{BenchStatus, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Text};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
@@ -71,11 +71,11 @@ impl OfflineTape {
         every: u64,
     ) -> Result<Self, TapeError> {
         files::check(target, existing)?;
-        let mut bulletin = Box::<Bulletin>::default();
-        bulletin.version = Text::new(env!("CARGO_PKG_VERSION"));
-        bulletin.set_rotor(rotor);
-        bulletin.settings = SettingsDocument::of(settings);
-        (bulletin.dtau, bulletin.revision, bulletin.changed_by) = (dtau, 1, Text::new("run"));
+        let mut bench_status = Box::<BenchStatus>::default();
+        bench_status.version = Text::new(env!("CARGO_PKG_VERSION"));
+        bench_status.set_rotor(rotor);
+        bench_status.settings = SettingsDocument::of(settings);
+        (bench_status.dtau, bench_status.revision, bench_status.changed_by) = (dtau, 1, Text::new("run"));
         let session = Session {
             schema: schema::VERSION,
             whirl: env!("CARGO_PKG_VERSION").to_owned(),
@@ -90,7 +90,7 @@ impl OfflineTape {
         };
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let part = target.with_file_name(format!(".{name}-{}.part", std::process::id()));
-        let head = Head { session, bulletin, standing: Vec::new(), snapshot: None };
+        let head = Head { session, bench_status, standing: Vec::new(), snapshot: None };
         let mut sink = sink::create(&part, &head)?;
         let part = Unfinished(part);
         sink.revision(&head.revision(), Moment::default())?;

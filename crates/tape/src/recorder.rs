@@ -13,11 +13,11 @@ use wire::{
     BenchName, Carrier, HostState, Keeping, Listener, RecorderSender, RecorderState, RecorderStatus, Text, WireError,
 };
 
+use crate::alarm_recorder::AlarmRecorder;
 use crate::error::TapeError;
 use crate::event::{Remark, What};
 use crate::gather::Gatherer;
-use crate::judge::Judge;
-use crate::reel::{Keep, Reel};
+use crate::rotation::{FileRotation, Keep};
 use crate::sink::Item;
 use crate::snapshot::Snapshot;
 
@@ -46,8 +46,8 @@ pub struct Order {
 }
 
 impl Order {
-    fn reel(&self) -> Result<Reel, TapeError> {
-        Reel::new(&self.path, self.bench.as_str(), self.keep.clone(), self.limits.clone())
+    fn rotation(&self) -> Result<FileRotation, TapeError> {
+        FileRotation::new(&self.path, self.bench.as_str(), self.keep.clone(), self.limits.clone())
     }
 }
 
@@ -101,7 +101,7 @@ pub fn record<C: Carrier>(
     stop: &AtomicBool,
     progress: impl FnMut(Progress),
 ) -> Result<Summary, TapeError> {
-    let reel = order.reel()?;
+    let rotation = order.rotation()?;
     let mut voice = Voice::new(carrier.recorder(&order.bench)?, order);
     let tally = Tally::default();
     let (sender, receiver) = bounded(QUEUE);
@@ -109,7 +109,7 @@ pub fn record<C: Carrier>(
     let result = std::thread::scope(|scope| {
         let writer = std::thread::Builder::new()
             .name("tape".into())
-            .spawn_scoped(scope, || write(reel, receiver, &tally))
+            .spawn_scoped(scope, || write(rotation, receiver, &tally))
             .map_err(|error| WireError::Internal(format!("no thread for writing: {error}")))?;
         let heard = listen(&mut listener, &sender, order, stop, &tally, &mut voice, progress);
         // The writer ends when there is nobody left to send it anything.
@@ -137,7 +137,7 @@ fn listen(
     mut progress: impl FnMut(Progress),
 ) -> Result<(u64, &'static str), TapeError> {
     let mut gatherer = Gatherer::new();
-    let mut judge = Judge::new(order.limits.clone());
+    let mut alarms = AlarmRecorder::new(order.limits.clone());
     let began = Instant::now();
     let mut heard = began;
     let mut told = None::<Instant>;
@@ -145,19 +145,19 @@ fn listen(
         let now = Instant::now();
         let states = listener.drain(|state| {
             gatherer.state(&state, now);
-            judge.state(&state);
+            alarms.state(&state);
         })?;
-        // Events before the bulletin: it must not be news what an event has told already.
+        // Events before the bench status: it must not be news what an event has told already.
         listener.events(|event| {
             gatherer.event(event);
-            judge.event(event);
+            alarms.event(event);
         })?;
         listener.snapshots(|head, words| gatherer.snapshot(head.run_id, Snapshot::new(head.seq, words)))?;
-        if let Some(bulletin) = listener.bulletin()? {
-            judge.bulletin(&bulletin, gatherer.lost());
-            gatherer.bulletin(bulletin);
+        if let Some(bench_status) = listener.bench_status()? {
+            alarms.bench_status(&bench_status, gatherer.lost());
+            gatherer.bench_status(bench_status);
         }
-        note(&mut gatherer, judge.turns(Some(now)));
+        note(&mut gatherer, alarms.turns(Some(now)));
         gatherer.flush(Some(now));
         if !deliver(&mut gatherer, sender) {
             // The writer has ended, and says itself why.
@@ -182,7 +182,7 @@ fn listen(
         }
         std::thread::sleep(LISTEN);
     };
-    note(&mut gatherer, judge.turns(None));
+    note(&mut gatherer, alarms.turns(None));
     gatherer.flush(None);
     while let Some(item) = gatherer.next() {
         if sender.send(Message::Item(item)).is_err() {
@@ -221,21 +221,21 @@ fn deliver(gatherer: &mut Gatherer, sender: &Sender<Message>) -> bool {
 }
 
 /// The writing thread. Returns the files. The receiver goes with it, so that the listening thread notices its end.
-fn write(mut reel: Reel, receiver: Receiver<Message>, tally: &Tally) -> Result<Vec<PathBuf>, TapeError> {
+fn write(mut rotation: FileRotation, receiver: Receiver<Message>, tally: &Tally) -> Result<Vec<PathBuf>, TapeError> {
     for message in receiver {
         match message {
             Message::Item(item) => {
-                let taken = reel.take(item);
-                tally.rows.store(reel.rows(), Ordering::Relaxed);
-                tally.bytes.store(reel.bytes(), Ordering::Relaxed);
-                tally.parts.store(reel.parts(), Ordering::Relaxed);
+                let taken = rotation.take(item);
+                tally.rows.store(rotation.rows(), Ordering::Relaxed);
+                tally.bytes.store(rotation.bytes(), Ordering::Relaxed);
+                tally.parts.store(rotation.parts(), Ordering::Relaxed);
                 taken?;
             }
-            Message::End(why) => return reel.finish(why),
+            Message::End(why) => return rotation.finish(why),
         }
     }
     // The listening thread has failed, and says itself why.
-    reel.finish("the bench could not be listened to any longer")
+    rotation.finish("the bench could not be listened to any longer")
 }
 
 /// Tells the bench's other readers how the recording stands.
@@ -289,7 +289,7 @@ fn absolute(path: &Path) -> PathBuf {
 /// # Errors
 /// The path is taken or no place for a file, or this build cannot record.
 pub fn check(order: &Order) -> Result<(), TapeError> {
-    order.reel().map(drop)
+    order.rotation().map(drop)
 }
 
 /// Whether what is kept can be kept: how much memory, or how short a stretch.

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use alarms::Turn;
 use rotor::{Rotor, Scales};
 use wire::message::{Analysis, Flags, Trip};
-use wire::{Bulletin, Channel, Happening, SettingsDocument, State, Step, Text};
+use wire::{BenchStatus, Channel, Happening, SettingsDocument, State, Step, Text};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
@@ -327,33 +327,33 @@ impl Recording {
 
     /// The whole slow picture as it stood at step `seq`.
     #[must_use]
-    pub fn bulletin_at(&self, seq: u64) -> Box<Bulletin> {
+    pub fn bench_status_at(&self, seq: u64) -> Box<BenchStatus> {
         let Contents { session, rotor, scales, health, .. } = &self.contents;
-        let mut bulletin = Box::<Bulletin>::default();
-        bulletin.run_id = session.run_id;
-        bulletin.started_ns = session.started_ns;
-        bulletin.version = Text::new(&session.simulation);
-        bulletin.set_rotor(rotor);
-        bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
-        bulletin.rate_hz = session.rate_hz;
-        bulletin.dtau = session.dtau;
+        let mut bench_status = Box::<BenchStatus>::default();
+        bench_status.run_id = session.run_id;
+        bench_status.started_ns = session.started_ns;
+        bench_status.version = Text::new(&session.simulation);
+        bench_status.set_rotor(rotor);
+        bench_status.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+        bench_status.rate_hz = session.rate_hz;
+        bench_status.dtau = session.dtau;
         if let Some(revision) = self.settings_at(seq) {
-            bulletin.settings = SettingsDocument::of(&revision.settings);
-            bulletin.revision = revision.revision;
-            bulletin.substeps = revision.substeps;
-            bulletin.applied_at_step = revision.from;
-            bulletin.changed_by = Text::new(&revision.who);
-            bulletin.analysis = analysis(revision);
+            bench_status.settings = SettingsDocument::of(&revision.settings);
+            bench_status.revision = revision.revision;
+            bench_status.substeps = revision.substeps;
+            bench_status.applied_at_step = revision.from;
+            bench_status.changed_by = Text::new(&revision.who);
+            bench_status.analysis = analysis(revision);
         }
         let told = health.partition_point(|(at, _)| at.seq <= seq);
-        bulletin.number = told as u64;
+        bench_status.number = told as u64;
         if let Some((at, health)) = health.get(told.max(1) - 1) {
-            bulletin.wall_ns = at.wall_ns;
-            bulletin.health = *health;
+            bench_status.wall_ns = at.wall_ns;
+            bench_status.health = *health;
         }
         let tripped = self.trips.partition_point(|(from, _)| *from <= seq);
-        bulletin.trip = tripped.checked_sub(1).map_or_else(Trip::default, |at| self.trips[at].1);
-        bulletin
+        bench_status.trip = tripped.checked_sub(1).map_or_else(Trip::default, |at| self.trips[at].1);
+        bench_status
     }
 
     /// A stretch, decoded.

@@ -7,7 +7,7 @@
 //! | `/settings` | every change: the settings whole, as JSON, and as text for people; `/settings/values`, each as a series |
 //! | `/poles` | under each of them: the poles as points, exact in JSON with the settings; `/poles/min_damping` |
 //! | `/events` | who did what, when and why; trips, alarms, losses |
-//! | `/health` | how the simulation and the recorder keep up, as often as bulletins come |
+//! | `/health` | how the simulation and the recorder keep up, as often as bench statuses come |
 //! | `/snapshots` | all of the machine now and then, to go on from: step made next, its length (bits of a double), [`machine::Machine::save`] |
 //! | `/orbits/massN` | curves for the eye, thinned out; `/orbits/massN/deadband`, the clearance in force |
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use alarms::{Level, Limits};
 use machine::MachinePoles;
 use rotor::Spectrum;
-use wire::{Bulletin, Happening, Moment};
+use wire::{BenchStatus, Happening, Moment};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
@@ -18,13 +18,13 @@ use crate::snapshot::Snapshot;
 #[derive(Clone, Debug)]
 pub(crate) enum Item {
     /// A run begins, or the recording does, with this as the slow picture.
-    Run(Box<Bulletin>, Moment),
+    Run(Box<BenchStatus>, Moment),
     /// Consecutive steps.
     Steps(Batch),
     /// Something happened on the bench.
     Event(Box<wire::Event>),
     /// The slow picture, as often as it comes.
-    Bulletin(Box<Bulletin>, Moment),
+    BenchStatus(Box<BenchStatus>, Moment),
     /// The recorder has something to say.
     Remark(Remark),
     /// All of the machine, as it is before the step of that moment.
@@ -37,7 +37,7 @@ pub struct Head {
     /// Whose session it is.
     pub session: Session,
     /// The slow picture as it stands at the beginning; its settings are those in force.
-    pub bulletin: Box<Bulletin>,
+    pub bench_status: Box<BenchStatus>,
     /// The alarms in force: of each the turn with which it rose, and the last one.
     pub standing: Vec<Remark>,
     /// All of the machine, before a step that the file may begin after.
@@ -74,7 +74,7 @@ pub trait Sink: Send {
     ///
     /// # Errors
     /// As [`Sink::steps`].
-    fn health(&mut self, bulletin: &Bulletin, at: Moment) -> Result<(), TapeError>;
+    fn health(&mut self, bench_status: &BenchStatus, at: Moment) -> Result<(), TapeError>;
 
     /// Puts all of the machine on tape, as it is before the step of that moment. May wait for the next steps.
     ///
@@ -131,20 +131,20 @@ pub fn join(parts: &[PathBuf], target: &Path) -> Result<u64, TapeError> {
 impl Head {
     /// The head of a recording that begins with this picture of a bench called `bench`.
     #[must_use]
-    pub fn live(bulletin: Box<Bulletin>, bench: &str) -> Self {
+    pub fn live(bench_status: Box<BenchStatus>, bench: &str) -> Self {
         let session = Session {
             schema: schema::VERSION,
             whirl: env!("CARGO_PKG_VERSION").to_owned(),
-            simulation: bulletin.version.as_str().to_owned(),
-            run_id: bulletin.run_id,
+            simulation: bench_status.version.as_str().to_owned(),
+            run_id: bench_status.run_id,
             bench: bench.to_owned(),
             source: Source::Live,
-            started_ns: bulletin.started_ns,
-            rate_hz: bulletin.rate_hz,
-            dtau: bulletin.dtau,
+            started_ns: bench_status.started_ns,
+            rate_hz: bench_status.rate_hz,
+            dtau: bench_status.dtau,
             limits: None,
         };
-        Self { session, bulletin, standing: Vec::new(), snapshot: None }
+        Self { session, bench_status, standing: Vec::new(), snapshot: None }
     }
 
     /// The same of a bench that is held against limits.
@@ -172,41 +172,41 @@ impl Head {
 
     /// What came into force with an event that happened before the recording began: those that came late are told of it.
     pub(crate) fn earlier(&self, event: &wire::Event) -> Option<Revision> {
-        let bulletin = &self.bulletin;
+        let bench_status = &self.bench_status;
         let changed = matches!(event.happening(), Some(Happening::Started | Happening::Settings));
-        if !changed || event.run_id != bulletin.run_id || event.revision >= bulletin.revision {
+        if !changed || event.run_id != bench_status.run_id || event.revision >= bench_status.revision {
             return None;
         }
         let (who, why) = (event.who.as_str(), event.why.as_str());
         let (settings, substeps) = (event.settings.get().clone(), event.substeps);
-        let rotor = bulletin.rotor().ok();
+        let rotor = bench_status.rotor().ok();
         Some(revision_of(rotor.as_ref(), event.revision, event.seq, (who, why), settings, substeps))
     }
 
     /// What came into force with an event, if anything did; it is in force from here on.
     pub(crate) fn follow(&mut self, event: &wire::Event) -> Option<Revision> {
-        let bulletin = &mut self.bulletin;
-        if event.run_id != bulletin.run_id || event.revision <= bulletin.revision {
+        let bench_status = &mut self.bench_status;
+        if event.run_id != bench_status.run_id || event.revision <= bench_status.revision {
             return None;
         }
-        bulletin.settings = event.settings.clone();
-        bulletin.substeps = event.substeps;
-        bulletin.revision = event.revision;
-        bulletin.applied_at_step = event.seq;
-        bulletin.changed_by = event.who;
+        bench_status.settings = event.settings.clone();
+        bench_status.substeps = event.substeps;
+        bench_status.revision = event.revision;
+        bench_status.applied_at_step = event.seq;
+        bench_status.changed_by = event.who;
         let (who, why) = (event.who.as_str(), event.why.as_str());
         let (settings, substeps) = (event.settings.get().clone(), event.substeps);
-        let rotor = bulletin.rotor().ok();
+        let rotor = bench_status.rotor().ok();
         Some(revision_of(rotor.as_ref(), event.revision, event.seq, (who, why), settings, substeps))
     }
 
     /// The settings in force at the beginning.
     #[must_use]
     pub fn revision(&self) -> Revision {
-        let bulletin = &self.bulletin;
-        let (who, settings) = (bulletin.changed_by.as_str(), bulletin.settings.get().clone());
-        let (from, substeps) = (bulletin.applied_at_step, bulletin.substeps);
-        revision_of(bulletin.rotor().ok().as_ref(), bulletin.revision, from, (who, ""), settings, substeps)
+        let bench_status = &self.bench_status;
+        let (who, settings) = (bench_status.changed_by.as_str(), bench_status.settings.get().clone());
+        let (from, substeps) = (bench_status.applied_at_step, bench_status.substeps);
+        revision_of(bench_status.rotor().ok().as_ref(), bench_status.revision, from, (who, ""), settings, substeps)
     }
 }
 

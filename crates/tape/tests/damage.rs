@@ -16,7 +16,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use common::{RUN, at, batch, bulletin, state, states};
+use common::{RUN, at, batch, bench_status, state, states};
 use rustix::time::{ClockId, clock_gettime};
 use tape::{DamageKind, Event, Head, Info, LostSteps, Recording, Remark, What};
 use wire::message::Trip;
@@ -43,13 +43,13 @@ impl Random {
 
 /// A small recording of ours: settings, steps, an event and a trip, an end.
 fn write(path: &Path) {
-    let head = Head::live(bulletin(), "rig");
+    let head = Head::live(bench_status(), "rig");
     let mut sink = tape::create(path, &head).unwrap();
     sink.revision(&head.revision(), at(0)).unwrap();
     for number in 0..BATCHES {
         sink.steps(&batch(number * ROWS..(number + 1) * ROWS)).unwrap();
         if number == 3 {
-            sink.health(&bulletin(), at(150)).unwrap();
+            sink.health(&bench_status(), at(150)).unwrap();
             let trip = Trip { cause: 1, mass: 2, step: 155, radius: 1000.5, limit: 1000.0 };
             let mut event = Happening::Tripped(trip).event();
             (event.run_id, event.number, event.seq, event.tau, event.revision) = (RUN, 10, 155, 1.55, 3);
@@ -125,7 +125,7 @@ impl Patient {
                     assert!(!serde_json::to_string(&info).unwrap().is_empty());
                     let _ = recording.turns();
                     let changes: Vec<u64> = recording.revisions().iter().map(|revision| revision.from).collect();
-                    changes.into_iter().for_each(|seq| drop(recording.bulletin_at(seq)));
+                    changes.into_iter().for_each(|seq| drop(recording.bench_status_at(seq)));
                     Some(Read { states: states(&mut recording), info })
                 }
                 Err(error) => {

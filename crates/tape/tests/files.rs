@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use alarms::{Level, Limit, Limits, Turn, Watch};
-use common::{RUN, at, batch, bulletin, state, states};
+use common::{RUN, at, batch, bench_status, state, states};
 use rotor::builtin;
 use tape::{Event, Head, Info, Recording, Remark, What};
 use wire::message::Trip;
@@ -16,17 +16,17 @@ use wire::{Happening, SettingsDocument, State, Step, Text};
 
 /// A recording of steps 100 to 5100 with 50 missing, a change of settings and a trip.
 fn write(path: &Path) -> Vec<u64> {
-    let head = Head::live(bulletin(), "rig").judged_by(limits());
+    let head = Head::live(bench_status(), "rig").judged_by(limits());
     let mut sink = tape::create(path, &head).unwrap();
     let mut ends = vec![];
     sink.revision(&head.revision(), at(100)).unwrap();
     for first in (100..2100).step_by(500) {
         sink.steps(&batch(first..first + 500)).unwrap();
-        sink.health(&bulletin(), at(first + 499)).unwrap();
+        sink.health(&bench_status(), at(first + 499)).unwrap();
         ends.push(sink.bytes());
     }
     let mut event = Happening::Settings.event();
-    let mut settings = bulletin().settings.get().clone();
+    let mut settings = bench_status().settings.get().clone();
     settings.assign("kd", "-0.125").unwrap();
     event.settings = SettingsDocument::of(&settings);
     (event.run_id, event.number, event.seq, event.tau, event.revision) = (RUN, 9, 2100, 21.0, 4);
@@ -102,11 +102,11 @@ fn what_is_written_is_what_is_read() {
     assert_eq!(recording.settings_at(2099).unwrap().revision, 3);
     let changed = recording.settings_at(2100).unwrap();
     assert_eq!((changed.revision, changed.settings.feedback.signals[0].gains[0].at(2.5)), (4, -0.125));
-    let before = recording.bulletin_at(2000);
+    let before = recording.bench_status_at(2000);
     assert_eq!((before.revision, before.changed_by.as_str(), before.trip.is_tripped()), (3, "set:1", false));
-    assert_eq!(before.settings.get().clone(), bulletin().settings.get().clone());
+    assert_eq!(before.settings.get().clone(), bench_status().settings.get().clone());
     assert_eq!(before.analysis.count, 6);
-    assert!(recording.bulletin_at(5000).trip.is_tripped());
+    assert!(recording.bench_status_at(5000).trip.is_tripped());
     let events = recording.events();
     assert_eq!(events.iter().map(|e| e.number).collect::<Vec<_>>(), [9, 10]);
     assert_eq!(events[0].text(), "settings changed by dash:7 (typed)");
@@ -213,7 +213,7 @@ fn what_is_no_recording_is_told_so() {
 fn a_place_that_is_taken_or_missing_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.rrd");
-    let head = Head::live(bulletin(), "rig");
+    let head = Head::live(bench_status(), "rig");
     tape::create(&path, &head).unwrap().finish().unwrap();
     let refused = |path: &Path| tape::create(path, &head).err().unwrap();
     assert!(refused(&path).to_string().contains("is already there"));
@@ -255,7 +255,7 @@ fn is_a_run_up_that_was_saved(path: &Path) -> Recording {
     let tripped = recording.events().iter().find(|e| e.happening.name() == "tripped").unwrap();
     let before = recording.settings_at(tripped.at.seq).unwrap();
     assert!(before.min_damping < 0.0 && before.settings.speed == 2.2);
-    assert!(recording.bulletin_at(tripped.at.seq).trip.is_tripped());
+    assert!(recording.bench_status_at(tripped.at.seq).trip.is_tripped());
     let after = recording.revisions().last().unwrap();
     assert!(after.min_damping > 0.0 && after.settings.speed == 3.2);
     let last = read.last().unwrap();

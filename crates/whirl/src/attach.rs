@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use wire::{BenchName, Bulletin, Carrier, Glance, Root, SharedMemory, WireError};
+use wire::{BenchName, BenchStatus, Carrier, Glance, Root, SharedMemory, WireError};
 
 use crate::failure::Failure;
 use crate::logging;
@@ -105,15 +105,15 @@ fn patiently<T>(room: Duration, attach: impl Fn() -> Result<T, WireError>) -> Re
     }
 }
 
-/// The present bulletin of a bench.
+/// The present bench status of a bench.
 ///
 /// # Errors
 /// The bench does not speak up.
-pub(crate) fn first_bulletin(listener: &mut impl Glance, bench: &BenchName) -> Result<Box<Bulletin>, Failure> {
+pub(crate) fn first_bench_status(listener: &mut impl Glance, bench: &BenchName) -> Result<Box<BenchStatus>, Failure> {
     let start = Instant::now();
     loop {
-        if let Some(bulletin) = listener.bulletin()? {
-            return Ok(bulletin);
+        if let Some(bench_status) = listener.bench_status()? {
+            return Ok(bench_status);
         }
         if start.elapsed() > FIRST_WORD {
             return Err(WireError::NoAnswer(bench.clone()).into());

@@ -3,7 +3,7 @@
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
-//! * [`attach`] finds a running bench. [`companion`] starts the processes behind a dashboard,
+//! * [`attach`] finds a running bench. [`child_process`] starts the processes behind a dashboard,
 //!   [`recordings`] the one that records it.
 //! * [`layouts`] are the screens of the dashboard, built in and a person's own; [`folders`] is where those are.
 //! * [`amount`] reads durations and sizes as typed.
@@ -15,9 +15,9 @@
 mod amount;
 mod attach;
 mod catalog;
+mod child_process;
 mod cli;
 mod commands;
-mod companion;
 mod dispatch;
 mod failure;
 mod folders;

@@ -6,8 +6,8 @@ use std::time::{SystemTime, UNIX_EPOCH};
 use dash::{OutsideError, Scribe, ScribeNews};
 use wire::BenchName;
 
+use crate::child_process::ChildProcess;
 use crate::commands::record;
-use crate::companion::Companion;
 use crate::failure::Failure;
 use crate::output;
 use crate::place::Force;
@@ -18,7 +18,7 @@ const FOLDER: &str = "recordings";
 /// Records one bench, again and again if it must be.
 pub(crate) struct Recordings {
     bench: BenchName,
-    recorder: Option<Companion>,
+    recorder: Option<ChildProcess>,
     /// The file of a recorder that has not said yet that it records.
     starting: Option<PathBuf>,
     /// How recordings ended that the dashboard has not been told of, or not in words that last beyond its screen.
@@ -64,7 +64,7 @@ impl Recordings {
 }
 
 /// How a recorder that has ended did.
-fn outcome(recorder: &mut Companion) -> Result<String, Failure> {
+fn outcome(recorder: &mut ChildProcess) -> Result<String, Failure> {
     if recorder.did_well() { Ok(recorder.last_words()) } else { Err(recorder.failure()) }
 }
 
@@ -96,7 +96,7 @@ impl Scribe for Recordings {
 
     fn news(&mut self) -> Option<ScribeNews> {
         if self.starting.is_some() {
-            let ready = self.recorder.as_mut().map_or(Ok(true), Companion::is_ready);
+            let ready = self.recorder.as_mut().map_or(Ok(true), ChildProcess::is_ready);
             if let Ok(false) = ready {
                 return None;
             }

@@ -40,7 +40,7 @@ message! {
         pub kind: u32,
         /// Impulse: the mass, counted from 0. Refused: the kind of the request (see [`crate::message::RequestMessage::kind`]).
         pub detail: u32,
-        /// Runge-Kutta steps that make one step under `settings`, as [`crate::message::BulletinMessage::substeps`].
+        /// Runge-Kutta steps that make one step under `settings`, as [`crate::message::BenchStatusMessage::substeps`].
         pub substeps: u32,
         /// Always 0.
         pub reserved: u32,

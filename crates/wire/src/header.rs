@@ -4,7 +4,7 @@
 use std::fmt::Write as _;
 
 use crate::channels::{CHANNELS, Scope, channels_of};
-use crate::message::{Analysis, Answer, BulletinMessage, Flags, Health, RequestMessage, Trip};
+use crate::message::{Analysis, Answer, BenchStatusMessage, Flags, Health, RequestMessage, Trip};
 use crate::wire_struct::{Message, MessageTable};
 use crate::{
     DOCUMENTS_KEPT, DocumentHead, EVENTS_KEPT, EventMessage, MAX_BURST, MAX_DOCUMENT, MAX_SNAPSHOT, RecorderStatus,
@@ -22,7 +22,7 @@ pub fn messages() -> Vec<MessageTable> {
         Health::table(),
         Trip::table(),
         DocumentHead::table(),
-        BulletinMessage::table(),
+        BenchStatusMessage::table(),
         EventMessage::table(),
         RequestMessage::table(),
         Answer::table(),

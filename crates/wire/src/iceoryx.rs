@@ -20,7 +20,7 @@ pub const MAX_READERS: usize = 16;
 /// They have places of their own, so that a house full of readers keeps nobody from commanding.
 pub(crate) const MAX_GLANCES: usize = 16;
 
-/// Who hears bulletins and the recorder's status, and who asks: every reader may, and some more.
+/// Who hears bench statuses and the recorder's status, and who asks: every reader may, and some more.
 pub(crate) const MAX_PARTIES: usize = MAX_READERS + MAX_GLANCES;
 
 /// Nodes that may have one service open: two a party, and those who come only to be told that the house is full.

@@ -10,7 +10,7 @@
 //! |---|---|---|
 //! | `whirl/NAME/state` | publish-subscribe of slices of 64-bit words | every step, in order, a row of [`CHANNELS`] each; those that fall due together in one message, up to [`MAX_BURST`]; oldest dropped if a reader sleeps |
 //! | `whirl/NAME/document` | publish-subscribe of slices of bytes, with a [`DocumentHead`] | rotor and settings as text, before the first message that names them by hash; those that can still be named reach late readers |
-//! | `whirl/NAME/bulletin` | publish-subscribe of [`message::BulletinMessage`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
+//! | `whirl/NAME/status` | publish-subscribe of [`message::BenchStatusMessage`] | the whole slow picture: rotor, settings, poles, health; on change and ten times a second |
 //! | `whirl/NAME/event` | publish-subscribe of [`EventMessage`] | what happens, numbered, with the settings in force after it; the last [`EVENTS_KEPT`] reach late readers |
 //! | `whirl/NAME/snapshot` | publish-subscribe of slices of 64-bit words, with a [`SnapshotHead`] | all that decides how the machine goes on, at every change and once a second |
 //! | `whirl/NAME/recorder` | publish-subscribe of [`RecorderStatus`] | from the recorder, if there is one: file, size, losses; at least once a second |
@@ -18,7 +18,7 @@
 //! | `whirl/NAME/wake` | event | tells the simulation that a request waits |
 
 mod bench_name;
-mod bulletin;
+mod bench_status;
 mod census;
 mod channels;
 mod document;
@@ -48,7 +48,7 @@ mod text;
 mod wire_struct;
 
 pub use bench_name::BenchName;
-pub use bulletin::Bulletin;
+pub use bench_status::BenchStatus;
 pub use census::{BenchEntry, Party, clean};
 pub use channels::{CHANNELS, Channel, ChannelRow, Dimension, OnceWas, PAIRS, Pair, Scope, WHOLES, channels_of};
 pub use document::{

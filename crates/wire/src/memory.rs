@@ -6,13 +6,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead};
-use crate::message::BulletinMessage;
+use crate::message::BenchStatusMessage;
 use crate::outbox::{Outbox, Shelf};
 use crate::ports::{check_burst, check_document, check_snapshot};
 use crate::snapshot::{SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
-    Answer, BenchName, Bulletin, Carrier, Commander, EVENTS_KEPT, Event, EventMessage, Glance, Host, HostState, Inbox,
-    Layout, Listener, MAX_READERS, NewsSender, RecorderSender, RecorderStatus, Request, Row, RowMut, State,
+    Answer, BenchName, BenchStatus, Carrier, Commander, EVENTS_KEPT, Event, EventMessage, Glance, Host, HostState,
+    Inbox, Layout, Listener, MAX_READERS, NewsSender, RecorderSender, RecorderStatus, Request, Row, RowMut, State,
     StateSender, Step, WireError,
 };
 
@@ -38,7 +38,7 @@ struct Bench {
     room: Option<usize>,
     host: Mutex<Weak<()>>,
     mailboxes: Mutex<Vec<Weak<Mailbox>>>,
-    bulletin: Mutex<(u64, BulletinMessage)>,
+    bench_status: Mutex<(u64, BenchStatusMessage)>,
     documents: Mutex<VecDeque<(DocumentHead, Arc<str>)>>,
     events: Mutex<EventLog>,
     snapshots: Mutex<Vec<Weak<SnapshotBox>>>,
@@ -101,7 +101,7 @@ impl Carrier for Memory {
         let claim = Arc::new(());
         *holder = Arc::downgrade(&claim);
         drop(holder);
-        lock(&bench.bulletin).0 = 0;
+        lock(&bench.bench_status).0 = 0;
         lock(&bench.events).kept.clear();
         *lock(&bench.last_snapshot) = None;
         Ok(MemoryHost { bench, claim })
@@ -227,12 +227,12 @@ impl MemoryNews {
 }
 
 impl NewsSender for MemoryNews {
-    fn bulletin(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
-        bulletin.rotor_document().map_or(Ok(()), |rotor| self.document(rotor))?;
-        self.document(&bulletin.settings)?;
-        let mut last = lock(&self.bench.bulletin);
+    fn bench_status(&mut self, bench_status: &BenchStatus) -> Result<(), WireError> {
+        bench_status.rotor_document().map_or(Ok(()), |rotor| self.document(rotor))?;
+        self.document(&bench_status.settings)?;
+        let mut last = lock(&self.bench.bench_status);
         last.0 += 1;
-        last.1 = bulletin.message();
+        last.1 = bench_status.message();
         Ok(())
     }
 
@@ -337,14 +337,14 @@ impl MemoryGlance {
 }
 
 impl Glance for MemoryGlance {
-    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        let (number, message) = *lock(&self.bench.bulletin);
+    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
+        let (number, message) = *lock(&self.bench.bench_status);
         if number != self.seen && number > 0 {
-            self.shelf.hold_bulletin(message);
+            self.shelf.hold_bench_status(message);
         }
         self.seen = number;
         self.read_documents();
-        Ok(self.shelf.bulletin())
+        Ok(self.shelf.bench_status())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
@@ -369,8 +369,8 @@ pub struct MemoryListener {
 }
 
 impl Glance for MemoryListener {
-    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        self.glance.bulletin()
+    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
+        self.glance.bench_status()
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {

@@ -70,13 +70,13 @@ impl std::ops::BitOrAssign for Flags {
 }
 
 message! {
-    "whirl.Bulletin"
-    /// The whole slow picture of a bench in one message, so that its parts always fit together. [`crate::Bulletin`] is it with
+    "whirl.BenchStatus"
+    /// The whole slow picture of a bench in one message, so that its parts always fit together. [`crate::BenchStatus`] is it with
     /// the documents that it names.
-    pub struct BulletinMessage {
+    pub struct BenchStatusMessage {
         /// Which run of which process: as in the steps.
         pub run_id: u64,
-        /// Number of this bulletin in its run: rises by 1.
+        /// Number of this bench status in its run: rises by 1.
         pub number: u64,
         /// Wall clock when it was made, nanoseconds since 1970.
         pub wall_ns: u64,
@@ -119,7 +119,7 @@ message! {
     }
 }
 
-impl BulletinMessage {
+impl BenchStatusMessage {
     /// The scales of an SI rotor; everything else in the messages is dimensionless.
     #[must_use]
     pub fn scales(&self) -> Option<Scales> {
@@ -280,7 +280,7 @@ message! {
         pub accepted: u32,
         /// 1 if it was refused because the settings had changed meanwhile: look again and ask again.
         pub outdated: u32,
-        /// Runge-Kutta steps that make one step, as [`BulletinMessage::substeps`], now and before the request.
+        /// Runge-Kutta steps that make one step, as [`BenchStatusMessage::substeps`], now and before the request.
         pub substeps: [u32; 2],
         /// The revision now in force.
         pub revision: u64,

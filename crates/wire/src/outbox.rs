@@ -2,7 +2,7 @@
 //!
 //! A document is sent before the first message that names it. Its service keeps the last [`DOCUMENTS_KEPT`] for readers that
 //! come late or sleep; one that is named again after many others have been sent is sent again, so that all that the last
-//! [`crate::EVENTS_KEPT`] events and the last bulletin name are always among those kept.
+//! [`crate::EVENTS_KEPT`] events and the last bench status name are always among those kept.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use crate::document::{
     Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, RotorDocument, SettingsDocument,
 };
-use crate::message::BulletinMessage;
-use crate::{Bulletin, Event, EventMessage};
+use crate::message::BenchStatusMessage;
+use crate::{BenchStatus, Event, EventMessage};
 
 /// A document that is among the last so many that were sent is not sent again.
 const RECENT: usize = 8;
@@ -43,7 +43,7 @@ impl Outbox {
 pub(crate) struct Shelf {
     rotors: VecDeque<RotorDocument>,
     settings: VecDeque<SettingsDocument>,
-    bulletin: Option<Box<BulletinMessage>>,
+    bench_status: Option<Box<BenchStatusMessage>>,
     events: VecDeque<(EventMessage, Instant)>,
 }
 
@@ -79,17 +79,17 @@ impl Shelf {
         }
     }
 
-    /// Takes in the latest bulletin.
-    pub(crate) fn hold_bulletin(&mut self, message: BulletinMessage) {
-        self.bulletin = Some(Box::new(message));
+    /// Takes in the latest bench status.
+    pub(crate) fn hold_bench_status(&mut self, message: BenchStatusMessage) {
+        self.bench_status = Some(Box::new(message));
     }
 
-    /// The latest bulletin, once, when its documents are here.
-    pub(crate) fn bulletin(&mut self) -> Option<Box<Bulletin>> {
-        let message = self.bulletin.as_ref()?;
+    /// The latest bench status, once, when its documents are here.
+    pub(crate) fn bench_status(&mut self) -> Option<Box<BenchStatus>> {
+        let message = self.bench_status.as_ref()?;
         let (rotor, settings) = (find(&self.rotors, message.rotor)?, find(&self.settings, message.settings)?);
-        let message = self.bulletin.take()?;
-        Some(Box::new(Bulletin::resolved(*message, rotor, settings)))
+        let message = self.bench_status.take()?;
+        Some(Box::new(BenchStatus::resolved(*message, rotor, settings)))
     }
 
     /// Takes in an event.
@@ -118,7 +118,7 @@ mod tests {
     use super::*;
     use crate::EVENTS_KEPT;
 
-    /// Whatever is changed and undone: what the last events and the last bulletin name is among the last documents.
+    /// Whatever is changed and undone: what the last events and the last bench status name is among the last documents.
     #[test]
     fn what_can_still_be_named_is_kept() {
         let mut random = 1_u64;

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use crate::document::MAX_DOCUMENT;
 use crate::{
-    Answer, BenchName, Bulletin, Event, Layout, MAX_SNAPSHOT, RecorderStatus, Request, Row, RowMut, SnapshotHead,
+    Answer, BenchName, BenchStatus, Event, Layout, MAX_SNAPSHOT, RecorderStatus, Request, Row, RowMut, SnapshotHead,
     WireError,
 };
 
@@ -69,7 +69,7 @@ pub trait Host: Send + Sync {
     /// Another simulation holds it, or it cannot be made.
     fn states(&self, layout: Layout) -> Result<Self::States, WireError>;
 
-    /// The port for bulletins, events and the documents that they name; there is one.
+    /// The port for bench statuses, events and the documents that they name; there is one.
     ///
     /// # Errors
     /// It cannot be made.
@@ -101,18 +101,18 @@ pub trait StateSender {
     fn send(&mut self, count: usize, fill: impl FnMut(usize, &mut RowMut<'_>)) -> Result<(), WireError>;
 }
 
-/// Sends bulletins and events, and before them the documents that they name, unless readers have those already.
+/// Sends bench statuses and events, and before them the documents that they name, unless readers have those already.
 pub trait NewsSender {
-    /// Sends a bulletin. The last one also reaches readers that come later.
+    /// Sends a bench status. The last one also reaches readers that come later.
     ///
     /// # Errors
     /// There is no memory for it, a document is too large, or the carrier fails.
-    fn bulletin(&mut self, bulletin: &Bulletin) -> Result<(), WireError>;
+    fn bench_status(&mut self, bench_status: &BenchStatus) -> Result<(), WireError>;
 
     /// Sends an event. The last [`crate::EVENTS_KEPT`] also reach readers that come later.
     ///
     /// # Errors
-    /// As for a bulletin.
+    /// As for a bench status.
     fn event(&mut self, event: &Event) -> Result<(), WireError>;
 
     /// Sends a snapshot: the words of `machine::Machine::save`, at most [`crate::MAX_SNAPSHOT`]. The last one also reaches
@@ -123,7 +123,7 @@ pub trait NewsSender {
     fn snapshot(&mut self, head: &SnapshotHead, words: &[u64]) -> Result<(), WireError>;
 
     /// Tells readers that have come since the last call what they have missed; to be called a few times a second, before
-    /// the bulletin.
+    /// the bench status.
     ///
     /// # Errors
     /// The carrier fails.
@@ -185,11 +185,11 @@ pub enum HostState {
 /// Sees how a bench stands, and how its recorder does, without its motion. Stays usable when the simulation dies and
 /// hears the next one of the same name.
 pub trait Glance {
-    /// The latest bulletin that has arrived since the last call.
+    /// The latest bench status that has arrived since the last call.
     ///
     /// # Errors
     /// The carrier fails.
-    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError>;
+    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError>;
 
     /// The latest that has been heard of a recorder; `None` if nothing has. One that has gone without a word is
     /// [`crate::RecorderState::Died`]. Takes up to a millisecond: not for every turn of a loop.

@@ -1,14 +1,14 @@
-//! How a bench stands, over shared memory: its bulletins, and the status of its recorder.
+//! How a bench stands, over shared memory: its bench statuses, and the status of its recorder.
 
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 
 use crate::document::DocumentHead;
 use crate::iceoryx::{Ipc, MAX_PARTIES, full, internal, opened, service};
-use crate::message::BulletinMessage;
+use crate::message::BenchStatusMessage;
 use crate::outbox::Shelf;
-use crate::shared_news::{self, BulletinService, RecorderService};
-use crate::{BenchName, Bulletin, Glance, RecorderStatus, Root, WireError};
+use crate::shared_news::{self, BenchStatusService, RecorderService};
+use crate::{BenchName, BenchStatus, Glance, RecorderStatus, Root, WireError};
 
 /// See [`Glance`].
 #[derive(Debug)]
@@ -16,7 +16,7 @@ pub struct SharedGlance {
     /// What was read of documents, and waits for them.
     pub(crate) shelf: Shelf,
     documents: Subscriber<Ipc, [u8], DocumentHead>,
-    bulletins: Subscriber<Ipc, BulletinMessage, ()>,
+    bench_statuses: Subscriber<Ipc, BenchStatusMessage, ()>,
     recorders: Subscriber<Ipc, RecorderStatus, ()>,
     /// The last that was heard of a recorder.
     recorder: Option<Box<RecorderStatus>>,
@@ -27,18 +27,18 @@ pub struct SharedGlance {
 impl SharedGlance {
     pub(crate) fn new(node: &Node<Ipc>, bench: &BenchName, root: &Root) -> Result<Self, WireError> {
         // Not made: without it the simulation has only begun, or ended.
-        let bulletins: BulletinService =
-            opened(bench, || Ok(service(node, bench, "bulletin")?.publish_subscribe::<BulletinMessage>().open()))?;
+        let bench_statuses: BenchStatusService =
+            opened(bench, || Ok(service(node, bench, "status")?.publish_subscribe::<BenchStatusMessage>().open()))?;
         let recorder_service = shared_news::recorder_service(node, bench)?;
         let refused = |error| full(bench, "processes that look at it", MAX_PARTIES, &error);
-        // Before the bulletins: whose documents are then never later than they are.
+        // before the bench statuses: whose documents are then never later than they are.
         let documents = shared_news::document_service(node, bench)?.subscriber_builder().create().map_err(refused)?;
-        let bulletins = bulletins.subscriber_builder().create().map_err(refused)?;
+        let bench_statuses = bench_statuses.subscriber_builder().create().map_err(refused)?;
         let recorders = recorder_service.subscriber_builder().create().map_err(refused)?;
         Ok(Self {
             shelf: Shelf::default(),
             documents,
-            bulletins,
+            bench_statuses,
             recorders,
             recorder: None,
             recorder_service,
@@ -58,12 +58,12 @@ impl SharedGlance {
 }
 
 impl Glance for SharedGlance {
-    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        while let Some(sample) = self.bulletins.receive().map_err(internal)? {
-            self.shelf.hold_bulletin(*sample.payload());
+    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
+        while let Some(sample) = self.bench_statuses.receive().map_err(internal)? {
+            self.shelf.hold_bench_status(*sample.payload());
         }
         self.read_documents()?;
-        Ok(self.shelf.bulletin())
+        Ok(self.shelf.bench_status())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {

@@ -20,7 +20,7 @@ use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
 use crate::shared_glance::SharedGlance;
 use crate::shared_news::{self, NewsServices, RECORDER_ROLE, SharedNews, SharedRecorder};
 use crate::{
-    BenchName, Bulletin, Carrier, Event, EventMessage, Glance, Host, HostState, Layout, Listener, MAX_BURST,
+    BenchName, BenchStatus, Carrier, Event, EventMessage, Glance, Host, HostState, Layout, Listener, MAX_BURST,
     RecorderStatus, Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, WireError,
 };
 
@@ -246,8 +246,8 @@ pub struct SharedListener {
 }
 
 impl Glance for SharedListener {
-    fn bulletin(&mut self) -> Result<Option<Box<Bulletin>>, WireError> {
-        self.glance.bulletin()
+    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
+        self.glance.bench_status()
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {

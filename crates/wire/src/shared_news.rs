@@ -1,4 +1,4 @@
-//! Documents, bulletins, events and the recorder's status over shared memory: the services of a bench that carry news, not
+//! Documents, bench statuses, events and the recorder's status over shared memory: the services of a bench that carry news, not
 //! motion.
 
 use std::time::Duration;
@@ -11,27 +11,28 @@ use iceoryx2::service::port_factory::publish_subscribe;
 
 use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead, MAX_DOCUMENT};
 use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, MAX_READERS, internal, opened, port, service};
-use crate::message::BulletinMessage;
+use crate::message::BenchStatusMessage;
 use crate::name_lock::NameLock;
 use crate::outbox::Outbox;
 use crate::ports::{check_document, check_snapshot};
 use crate::snapshot::{MAX_SNAPSHOT, SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
-    BenchName, Bulletin, EVENTS_KEPT, Event, EventMessage, NewsSender, RecorderSender, RecorderStatus, Root, WireError,
+    BenchName, BenchStatus, EVENTS_KEPT, Event, EventMessage, NewsSender, RecorderSender, RecorderStatus, Root,
+    WireError,
 };
 
 /// The node name of a recorder's status: its process lives as long as the node does, and the kernel drops its locks.
 pub(crate) const RECORDER_ROLE: &str = "record";
 
-/// Bulletins a reader may fall behind by: only the latest counts.
-const BULLETINS_BUFFERED: usize = 4;
+/// Bench statuses a reader may fall behind by: only the latest counts.
+const BENCH_STATUSES_BUFFERED: usize = 4;
 /// Statuses that a reader may fall behind by: only the latest counts.
 const STATUSES_BUFFERED: usize = 4;
 
 pub(crate) type EventService = publish_subscribe::PortFactory<Ipc, EventMessage, ()>;
 pub(crate) type DocumentService = publish_subscribe::PortFactory<Ipc, [u8], DocumentHead>;
 pub(crate) type SnapshotService = publish_subscribe::PortFactory<Ipc, [u64], SnapshotHead>;
-pub(crate) type BulletinService = publish_subscribe::PortFactory<Ipc, BulletinMessage, ()>;
+pub(crate) type BenchStatusService = publish_subscribe::PortFactory<Ipc, BenchStatusMessage, ()>;
 pub(crate) type RecorderService = publish_subscribe::PortFactory<Ipc, RecorderStatus, ()>;
 
 pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<EventService, WireError> {
@@ -81,13 +82,13 @@ pub(crate) fn snapshot_service(node: &Node<Ipc>, bench: &BenchName) -> Result<Sn
     })
 }
 
-pub(crate) fn bulletin_service(node: &Node<Ipc>, bench: &BenchName) -> Result<BulletinService, WireError> {
+pub(crate) fn bench_status_service(node: &Node<Ipc>, bench: &BenchName) -> Result<BenchStatusService, WireError> {
     opened(bench, || {
-        Ok(service(node, bench, "bulletin")?
-            .publish_subscribe::<BulletinMessage>()
+        Ok(service(node, bench, "status")?
+            .publish_subscribe::<BenchStatusMessage>()
             .enable_safe_overflow(true)
             .history_size(1)
-            .subscriber_max_buffer_size(BULLETINS_BUFFERED)
+            .subscriber_max_buffer_size(BENCH_STATUSES_BUFFERED)
             .subscriber_max_borrowed_samples(2)
             .max_publishers(1)
             .max_subscribers(MAX_PARTIES)
@@ -130,7 +131,7 @@ pub(crate) fn has_recorder(service: &RecorderService) -> bool {
 #[derive(Debug)]
 pub(crate) struct NewsServices {
     documents: DocumentService,
-    bulletins: BulletinService,
+    bench_statuses: BenchStatusService,
     events: EventService,
     snapshots: SnapshotService,
 }
@@ -139,7 +140,7 @@ impl NewsServices {
     pub(crate) fn open(node: &Node<Ipc>, bench: &BenchName) -> Result<Self, WireError> {
         Ok(Self {
             documents: document_service(node, bench)?,
-            bulletins: bulletin_service(node, bench)?,
+            bench_statuses: bench_status_service(node, bench)?,
             events: event_service(node, bench)?,
             snapshots: snapshot_service(node, bench)?,
         })
@@ -150,7 +151,7 @@ impl NewsServices {
 #[derive(Debug)]
 pub struct SharedNews {
     documents: Publisher<Ipc, [u8], DocumentHead>,
-    bulletins: Publisher<Ipc, BulletinMessage, ()>,
+    bench_statuses: Publisher<Ipc, BenchStatusMessage, ()>,
     events: Publisher<Ipc, EventMessage, ()>,
     snapshots: Publisher<Ipc, [u64], SnapshotHead>,
     outbox: Outbox,
@@ -164,7 +165,12 @@ impl SharedNews {
         Ok(Self {
             snapshots: snapshots.max_loaned_samples(1).create().map_err(internal)?,
             documents: documents.max_loaned_samples(1).create().map_err(internal)?,
-            bulletins: services.bulletins.publisher_builder().max_loaned_samples(1).create().map_err(internal)?,
+            bench_statuses: services
+                .bench_statuses
+                .publisher_builder()
+                .max_loaned_samples(1)
+                .create()
+                .map_err(internal)?,
             events: services.events.publisher_builder().max_loaned_samples(1).create().map_err(internal)?,
             outbox: Outbox::default(),
             _name: name,
@@ -185,11 +191,11 @@ impl SharedNews {
 }
 
 impl NewsSender for SharedNews {
-    fn bulletin(&mut self, bulletin: &Bulletin) -> Result<(), WireError> {
-        bulletin.rotor_document().map_or(Ok(()), |rotor| self.document(rotor))?;
-        self.document(&bulletin.settings)?;
-        let mut sample = self.bulletins.loan().map_err(internal)?;
-        *sample.payload_mut() = bulletin.message();
+    fn bench_status(&mut self, bench_status: &BenchStatus) -> Result<(), WireError> {
+        bench_status.rotor_document().map_or(Ok(()), |rotor| self.document(rotor))?;
+        self.document(&bench_status.settings)?;
+        let mut sample = self.bench_statuses.loan().map_err(internal)?;
+        *sample.payload_mut() = bench_status.message();
         sample.send().map_err(internal)?;
         Ok(())
     }

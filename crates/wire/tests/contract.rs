@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 use rotor::{C64, Settings, builtin};
 use wire::{
-    Answer, BenchName, Bulletin, Carrier, Change, Channel, Commander, EVENTS_KEPT, Glance, Happening, Host, HostState,
-    Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT, NewsSender, RecorderSender, RecorderState,
-    RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead, StateSender, Step, WireError,
+    Answer, BenchName, BenchStatus, Carrier, Change, Channel, Commander, EVENTS_KEPT, Glance, Happening, Host,
+    HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT, NewsSender, RecorderSender,
+    RecorderState, RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead, StateSender, Step, WireError,
 };
 
 /// A rotor of three masses.
@@ -84,13 +84,13 @@ fn settings(speed: f64) -> SettingsDocument {
     SettingsDocument::of(&Settings::new(&rotor, speed, builtin::feedback(&rotor, "cancel").unwrap()))
 }
 
-/// A bulletin of the three-mass rotor.
-fn bulletin(revision: u64) -> Bulletin {
-    let mut bulletin = Bulletin::default();
-    bulletin.set_rotor(&builtin::rotor("three-mass").unwrap());
-    bulletin.settings = settings(revision as f64);
-    bulletin.revision = revision;
-    bulletin
+/// A bench status of the three-mass rotor.
+fn bench_status(revision: u64) -> BenchStatus {
+    let mut bench_status = BenchStatus::default();
+    bench_status.set_rotor(&builtin::rotor("three-mass").unwrap());
+    bench_status.settings = settings(revision as f64);
+    bench_status.revision = revision;
+    bench_status
 }
 
 fn nobody_home(carrier: &impl Carrier) {
@@ -135,7 +135,7 @@ fn of_six_that_start_together_one_has_the_name_and_the_others_are_told_so(carrie
 fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
     let name = bench("full");
     let host = carrier.host(&name).unwrap();
-    let (_states, mut bulletins) = (host.states(LAYOUT).unwrap(), host.news().unwrap());
+    let (_states, mut bench_statuses) = (host.states(LAYOUT).unwrap(), host.news().unwrap());
     let mut readers: Vec<_> = (0..MAX_READERS).map(|_| carrier.listen(&name).unwrap()).collect();
     // Each of them a dashboard, which asks too.
     let _asking: Vec<_> = readers.iter().map(|_| carrier.command(&name).unwrap()).collect();
@@ -145,8 +145,8 @@ fn in_a_full_house_who_looks_or_asks_still_gets_in(carrier: &impl Carrier) {
     assert_eq!(host.listeners(), MAX_READERS);
 
     let mut glance = carrier.glance(&name).unwrap();
-    bulletins.bulletin(&bulletin(7)).unwrap();
-    assert_eq!(wait_for("a bulletin", || glance.bulletin().unwrap()).revision, 7);
+    bench_statuses.bench_status(&bench_status(7)).unwrap();
+    assert_eq!(wait_for("a bench status", || glance.bench_status().unwrap()).revision, 7);
     assert_eq!(glance.recorder().unwrap(), None);
     thread::scope(|scope| {
         scope.spawn(|| {
@@ -218,19 +218,19 @@ fn a_sleeping_reader_loses_the_oldest_and_holds_nobody_up(carrier: &impl Carrier
     assert_eq!(seen, (sent - seen.len() as u64..sent).collect::<Vec<_>>());
 }
 
-fn the_last_bulletin_reaches_who_comes_later(carrier: &impl Carrier) {
+fn the_last_bench_status_reaches_who_comes_later(carrier: &impl Carrier) {
     let name = bench("news");
     let host = carrier.host(&name).unwrap();
-    let mut bulletins = host.news().unwrap();
-    (1..=3).for_each(|revision| bulletins.bulletin(&bulletin(revision)).unwrap());
+    let mut bench_statuses = host.news().unwrap();
+    (1..=3).for_each(|revision| bench_statuses.bench_status(&bench_status(revision)).unwrap());
     let mut listener = carrier.listen(&name).unwrap();
     // Shared memory delivers history with the next send.
-    bulletins.welcome().unwrap();
-    bulletins.bulletin(&bulletin(4)).unwrap();
-    let heard = wait_for("a bulletin", || listener.bulletin().unwrap());
+    bench_statuses.welcome().unwrap();
+    bench_statuses.bench_status(&bench_status(4)).unwrap();
+    let heard = wait_for("a bench status", || listener.bench_status().unwrap());
     assert_eq!((heard.revision, heard.rotor().unwrap()), (4, builtin::rotor("three-mass").unwrap()));
     assert_eq!(heard.settings, settings(4.0));
-    assert!(listener.bulletin().unwrap().is_none());
+    assert!(listener.bench_status().unwrap().is_none());
 }
 
 /// However settings are changed and changed back, whoever comes late, or slept, can put back all that the last events tell of.
@@ -239,7 +239,7 @@ fn documents_that_are_named_reach_who_comes_late_or_sleeps(carrier: &impl Carrie
     let host = carrier.host(&name).unwrap();
     let _states = host.states(LAYOUT).unwrap();
     let mut sender = host.news().unwrap();
-    sender.bulletin(&bulletin(1)).unwrap();
+    sender.bench_status(&bench_status(1)).unwrap();
     let mut sleeper = carrier.listen(&name).unwrap();
     let speed = |number: u64| if number.is_multiple_of(3) { 1.0 } else { number as f64 };
     for number in 1..=400 {
@@ -251,15 +251,15 @@ fn documents_that_are_named_reach_who_comes_late_or_sleeps(carrier: &impl Carrie
     let mut late = carrier.listen(&name).unwrap();
     let mut glance = carrier.glance(&name).unwrap();
     sender.welcome().unwrap();
-    sender.bulletin(&bulletin(1)).unwrap();
+    sender.bench_status(&bench_status(1)).unwrap();
     for listener in [&mut sleeper, &mut late] {
         let mut told = Vec::new();
         listener.events(|event| told.push((event.number, event.settings.get().speed))).unwrap();
         let last: Vec<_> = (401 - EVENTS_KEPT as u64..=400).map(|number| (number, speed(number))).collect();
         assert_eq!(told, last);
-        assert_eq!(listener.bulletin().unwrap().unwrap().settings, settings(1.0));
+        assert_eq!(listener.bench_status().unwrap().unwrap().settings, settings(1.0));
     }
-    assert_eq!(glance.bulletin().unwrap().unwrap().rotor().unwrap().len(), 3);
+    assert_eq!(glance.bench_status().unwrap().unwrap().rotor().unwrap().len(), 3);
 }
 
 fn snapshots_arrive_whole_and_the_last_one_for_who_comes_later(carrier: &impl Carrier) {
@@ -498,7 +498,7 @@ macro_rules! on {
             every_state_in_order
             states_that_are_sent_together_arrive_one_by_one
             a_sleeping_reader_loses_the_oldest_and_holds_nobody_up
-            the_last_bulletin_reaches_who_comes_later
+            the_last_bench_status_reaches_who_comes_later
             documents_that_are_named_reach_who_comes_late_or_sleeps
             snapshots_arrive_whole_and_the_last_one_for_who_comes_later
             every_event_in_order_and_the_last_ones_for_who_comes_later

@@ -99,9 +99,9 @@ fn messages_are_narrow() {
         size("whirl.Request")
     );
     assert!(
-        size("whirl.Bulletin") <= 1024 && size("whirl.Answer") <= 320,
+        size("whirl.BenchStatus") <= 1024 && size("whirl.Answer") <= 320,
         "{} {}",
-        size("whirl.Bulletin"),
+        size("whirl.BenchStatus"),
         size("whirl.Answer")
     );
 }

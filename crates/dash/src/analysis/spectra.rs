@@ -209,7 +209,7 @@ mod tests {
     fn picture(steps: u64, speed: impl Fn(u64) -> f64) -> Picture {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(tests::bulletin("three-mass", "composite"));
+        feed.read(tests::bench_status("three-mass", "composite"));
         for seq in 0..steps {
             let state = tests::state(3, seq);
             let p = C64::from_polar(2.0, 2.5 * state.tau()) + C64::from_polar(0.5, -1.25 * state.tau());

@@ -6,7 +6,7 @@ use ratatui::buffer::Buffer;
 use wire::Channel;
 
 use super::*;
-use crate::feed::tests::{bulletin, state};
+use crate::feed::tests::{bench_status, state};
 
 /// Numbers that look random, the same every time: an xorshift generator.
 struct Dice(u64);
@@ -137,7 +137,7 @@ fn play(events: u64, seed: u64) {
                     1 if dice.below(20) == 0 => {
                         // Another machine takes the name.
                         (run, seq, masses) = (run + 1, 0, if masses == 3 { 1 } else { 3 });
-                        let mut news = bulletin(if masses == 3 { "three-mass" } else { "jeffcott" }, "off");
+                        let mut news = bench_status(if masses == 3 { "three-mass" } else { "jeffcott" }, "off");
                         news.run_id = run;
                         feed.read(news);
                     }
@@ -150,7 +150,7 @@ fn play(events: u64, seed: u64) {
                         } else {
                             "cancel"
                         };
-                        let mut news = bulletin(if masses == 3 { "three-mass" } else { "jeffcott" }, feedback);
+                        let mut news = bench_status(if masses == 3 { "three-mass" } else { "jeffcott" }, feedback);
                         (news.run_id, news.revision) = (run, revision);
                         feed.read(news);
                     }

@@ -10,7 +10,7 @@ use KeyCode::{Char, Down, Enter, Esc, Left, Right, Tab, Up};
 /// A dashboard with a feed of the three-mass rotor, and where its edits go.
 pub(super) fn dashboard(options: &Options) -> (App<'static>, Receiver<Edit>) {
     let mut feed = Feed::new("");
-    feed.read(tests::bulletin("three-mass", "composite"));
+    feed.read(tests::bench_status("three-mass", "composite"));
     (0..3000).for_each(|seq| feed.hear(&tests::state(3, seq), Instant::now()));
     let (edits, taken) = channel::bounded(64);
     let feed = Arc::new(Mutex::new(feed));
@@ -93,7 +93,7 @@ fn an_impulse_strikes_the_mass_with_the_bearing() {
 
 /// The clerk asks whether all gains shall be zero.
 fn asks_about_off(app: &mut App<'_>) -> Settings {
-    let settings = tests::bulletin("three-mass", "off").settings.get().clone();
+    let settings = tests::bench_status("three-mass", "off").settings.get().clone();
     app.learn(Outcome::Asks(Edit::Off, Box::new(settings.clone()), -0.0306));
     settings
 }
@@ -302,7 +302,7 @@ fn a_filter_holds_for_all_lists_and_the_selected_setting_is_never_hidden() {
 #[test]
 fn lists_scroll_by_key_and_wheel() {
     let (mut app, _taken) = dashboard(&Options::default());
-    let settings = tests::bulletin("three-mass", "composite").settings.get().clone();
+    let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
     for number in 1..=90 {
         let note = wire::Happening::Note(format!("no. {number}."));
         lock(&app.feed).happen(&crate::journal::tests::event(number, &note, &settings));
@@ -637,10 +637,10 @@ fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
 fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
     let (mut app, taken) = dashboard(&Options::default());
     {
-        let mut bulletin = tests::bulletin("three-mass", "composite");
+        let mut bench_status = tests::bench_status("three-mass", "composite");
         let scales = crate::units::tests::SI;
-        bulletin.scales = [scales.w0, scales.k_t, scales.m_t, scales.e_t];
-        lock(&app.feed).read(bulletin);
+        bench_status.scales = [scales.w0, scales.k_t, scales.m_t, scales.e_t];
+        lock(&app.feed).read(bench_status);
     }
     let shown = frame(&mut app);
     assert!(shown.contains("23873 rpm") && !shown.contains("R 2.5") && shown.contains("23873.24"), "{shown}");

@@ -123,10 +123,10 @@ mod tests {
     use wire::{SettingsDocument, Text};
 
     use super::*;
-    use crate::feed::tests::bulletin;
+    use crate::feed::tests::bench_status;
 
     fn start() -> Settings {
-        bulletin("three-mass", "composite").settings.get().clone()
+        bench_status("three-mass", "composite").settings.get().clone()
     }
 
     /// A change to `settings` as the simulation tells it.

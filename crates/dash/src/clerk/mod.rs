@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
 use machine::StabilityLoss;
 use rotor::{Rotor, Settings};
-use wire::{Answer, BenchName, Bulletin, Carrier, Change, Commander, Event, WireError};
+use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, WireError};
 
 use crate::units::Units;
 pub(crate) use edit::{Edit, carry_over};
@@ -38,7 +38,7 @@ const REDO: &str = "redo";
 #[derive(Clone, Debug)]
 pub(crate) enum News {
     /// How things stand.
-    Bulletin(Arc<Bulletin>),
+    BenchStatus(Arc<BenchStatus>),
     /// Something has happened.
     Event(Box<Event>),
 }
@@ -137,7 +137,7 @@ impl<C: Carrier> Clerk<C> {
         match news {
             News::Event(event) => {
                 self.ledger.hear(&event);
-                // It may come before the bulletin that tells the same.
+                // It may come before the bench status that tells the same.
                 if let Some(known) = &mut self.known
                     && known.run == event.run_id
                     && known.revision < event.revision
@@ -146,16 +146,16 @@ impl<C: Carrier> Clerk<C> {
                     known.by = event.who.as_str().to_owned();
                 }
             }
-            News::Bulletin(bulletin) => {
-                let (run, revision) = (bulletin.run_id, bulletin.revision);
-                self.present_speed = bulletin.present_speed();
+            News::BenchStatus(bench_status) => {
+                let (run, revision) = (bench_status.run_id, bench_status.revision);
+                self.present_speed = bench_status.present_speed();
                 if self.known.as_ref().is_none_or(|known| known.run != run) {
-                    self.rotor = bulletin.rotor().ok();
+                    self.rotor = bench_status.rotor().ok();
                 } else if self.known.as_ref().is_some_and(|known| known.revision >= revision) {
                     return;
                 }
-                let by = bulletin.changed_by.as_str().to_owned();
-                self.known = Some(Known { run, revision, settings: bulletin.settings.get().clone(), by });
+                let by = bench_status.changed_by.as_str().to_owned();
+                self.known = Some(Known { run, revision, settings: bench_status.settings.get().clone(), by });
             }
         }
     }

@@ -5,7 +5,7 @@ use rotor::{C64, Key};
 use wire::{Happening, Host, Inbox, Memory, NewsSender, SettingsDocument, Text};
 
 use super::*;
-use crate::feed::tests::bulletin;
+use crate::feed::tests::bench_status;
 
 /// What another console does before an edit, by its number.
 type Elsewhere<'a> = &'a [(usize, &'a str, f64)];
@@ -19,8 +19,8 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
     let (send_edit, edit) = channel::unbounded();
     let (tell, news) = channel::unbounded();
     let (outcome, outcomes) = channel::unbounded();
-    let mut current = bulletin("three-mass", "composite");
-    let event = |current: &Bulletin, happening: Happening, who: &str, why: &str| {
+    let mut current = bench_status("three-mass", "composite");
+    let event = |current: &BenchStatus, happening: Happening, who: &str, why: &str| {
         let mut event = happening.event();
         (event.run_id, event.revision) = (current.run_id, current.revision);
         event.settings = current.settings.clone();
@@ -28,7 +28,7 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
         event.wall_ns = 1_000_000_000;
         News::Event(event)
     };
-    tell.send(News::Bulletin(Arc::new((*current).clone()))).unwrap();
+    tell.send(News::BenchStatus(Arc::new((*current).clone()))).unwrap();
     tell.send(event(&current, Happening::Started, "sim", "")).unwrap();
     spawn(carrier.clone(), bench, edit, news, outcome).unwrap();
     let mut told = Vec::new();
@@ -52,7 +52,7 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
                     Change::Settings { base_revision, .. } if base_revision != current.revision => {
                         // The news that another console has been at work comes after the refusal.
                         untold.drain(..).for_each(|event| tell.send(event).unwrap());
-                        tell.send(News::Bulletin(Arc::new((*current).clone()))).unwrap();
+                        tell.send(News::BenchStatus(Arc::new((*current).clone()))).unwrap();
                         Answer { outdated: 1, ..Answer::refused(current.revision, "changed meanwhile") }
                     }
                     Change::Settings { settings, .. } => {
@@ -70,14 +70,14 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings)
             }
         };
         told.push(outcome);
-        sender.bulletin(&current).unwrap();
+        sender.bench_status(&current).unwrap();
         thread::yield_now();
     }
     (told, current.settings.get().clone())
 }
 
 fn start() -> Settings {
-    bulletin("three-mass", "composite").settings.get().clone()
+    bench_status("three-mass", "composite").settings.get().clone()
 }
 
 fn key(name: &str) -> Key {

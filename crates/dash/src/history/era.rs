@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use machine::MachinePoles;
 use rotor::{C64, Rotor, Settings};
-use wire::Bulletin;
+use wire::BenchStatus;
 use wire::message::Analysis;
 
 /// Settings that were in force over some steps, and what follows from them.
@@ -29,17 +29,17 @@ pub(crate) struct Era {
 }
 
 impl Era {
-    /// What a bulletin tells of. The rotor of a run never changes: `rotor` is the one known from an earlier bulletin.
-    pub(crate) fn of(bulletin: &Bulletin, rotor: Option<Arc<Rotor>>) -> Self {
+    /// What a bench status tells of. The rotor of a run never changes: `rotor` is the one known from an earlier bench status.
+    pub(crate) fn of(bench_status: &BenchStatus, rotor: Option<Arc<Rotor>>) -> Self {
         Self {
-            run_id: bulletin.run_id,
-            revision: bulletin.revision,
-            who: bulletin.changed_by.as_str().to_owned(),
-            rotor: rotor.or_else(|| bulletin.rotor().ok().map(Arc::new)),
-            settings: bulletin.settings.get().clone(),
-            speed: bulletin.analysis.speed,
-            poles: bulletin.analysis.poles().collect(),
-            min_damping: bulletin.analysis.min_damping,
+            run_id: bench_status.run_id,
+            revision: bench_status.revision,
+            who: bench_status.changed_by.as_str().to_owned(),
+            rotor: rotor.or_else(|| bench_status.rotor().ok().map(Arc::new)),
+            settings: bench_status.settings.get().clone(),
+            speed: bench_status.analysis.speed,
+            poles: bench_status.analysis.poles().collect(),
+            min_damping: bench_status.analysis.min_damping,
         }
     }
 

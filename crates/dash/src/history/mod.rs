@@ -13,7 +13,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use wire::message::Flags;
-use wire::{Bulletin, Layout, Step};
+use wire::{BenchStatus, Layout, Step};
 
 pub(crate) use block::Channel;
 use block::{Block, STEPS};
@@ -199,15 +199,16 @@ impl History {
         }
     }
 
-    /// Takes in one bulletin: its settings and poles become an era, if they are news.
-    pub(crate) fn note_bulletin(&mut self, bulletin: &Bulletin) {
+    /// Takes in one bench status: its settings and poles become an era, if they are news.
+    pub(crate) fn note_bench_status(&mut self, bench_status: &BenchStatus) {
         let last = self.eras.back();
-        let is_same = last.is_some_and(|era| era.run_id == bulletin.run_id && era.revision == bulletin.revision);
-        if is_same && last.is_some_and(|era| era.has_same_poles(&bulletin.analysis)) {
+        let is_same =
+            last.is_some_and(|era| era.run_id == bench_status.run_id && era.revision == bench_status.revision);
+        if is_same && last.is_some_and(|era| era.has_same_poles(&bench_status.analysis)) {
             return;
         }
-        let rotor = last.filter(|era| era.run_id == bulletin.run_id).and_then(|era| era.rotor.clone());
-        let era = Era::of(bulletin, rotor);
+        let rotor = last.filter(|era| era.run_id == bench_status.run_id).and_then(|era| era.rotor.clone());
+        let era = Era::of(bench_status, rotor);
         if is_same {
             self.eras.pop_back();
         } else if self.eras.len() == NOTES_KEPT {

@@ -1,7 +1,7 @@
 use wire::State;
 
 use super::*;
-use crate::feed::tests::{bulletin, state};
+use crate::feed::tests::{bench_status, state};
 
 fn with_revision(revision: u64, state: State) -> State {
     state.with_word(wire::Channel::Revision, revision)
@@ -142,17 +142,17 @@ fn a_held_machine_keeps_what_tripped_it() {
 fn settings_are_known_for_every_step() {
     let mut history = History::new(BOUND);
     let told = |revision, feedback| {
-        let mut bulletin = bulletin("three-mass", feedback);
-        bulletin.revision = revision;
-        bulletin
+        let mut bench_status = bench_status("three-mass", feedback);
+        bench_status.revision = revision;
+        bench_status
     };
-    history.note_bulletin(&told(1, "composite"));
-    history.note_bulletin(&told(1, "composite"));
+    history.note_bench_status(&told(1, "composite"));
+    history.note_bench_status(&told(1, "composite"));
     (0..10).for_each(|seq| history.push(&state(3, seq)));
     // The steps come before the news of them; revision 2 is never told of.
     (10..20).for_each(|seq| history.push(&with_revision(2, state(3, seq))));
     (20..30).for_each(|seq| history.push(&with_revision(3, state(3, seq))));
-    history.note_bulletin(&told(3, "off"));
+    history.note_bench_status(&told(3, "off"));
     let revision = |place| history.era_at(place).map(|era| era.revision);
     assert_eq!([0, 9, 10, 19, 20, 29].map(revision), [1, 1, 1, 1, 3, 3].map(Some));
     let eras: Vec<_> = history.eras(&(5..25)).into_iter().map(|(at, era)| (at, era.revision)).collect();
@@ -166,9 +166,9 @@ fn eras_and_marks_are_let_go_of_with_their_steps() {
     let mut history = History::new(0);
     for seq in 0..40_000 {
         if seq % 100 == 0 {
-            let mut news = bulletin("three-mass", "composite");
+            let mut news = bench_status("three-mass", "composite");
             news.revision = seq / 100;
-            history.note_bulletin(&news);
+            history.note_bench_status(&news);
         }
         history.push(&with_revision(seq / 100, state(3, seq)));
     }

@@ -196,7 +196,7 @@ mod tests {
     #[test]
     fn an_unstable_rotor_says_so_in_words() {
         let mut picture = tests::picture();
-        let era = std::sync::Arc::new(Era::of(&tests::bulletin("three-mass", "off"), None));
+        let era = std::sync::Arc::new(Era::of(&tests::bench_status("three-mass", "off"), None));
         picture.eras.push((2000, era.clone()));
         picture.era = Some(era);
         for (width, height) in [(44, 12), (26, 7), (20, 3)] {

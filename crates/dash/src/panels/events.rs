@@ -125,7 +125,7 @@ mod tests {
     fn who_did_what_and_why_is_told_newest_first() {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
-        let mut settings = tests::bulletin("three-mass", "composite").settings.get().clone();
+        let mut settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         feed.happen(&event(1, &Happening::Started, &settings));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
         let mut change = event(2, &Happening::Settings, &settings);
@@ -150,8 +150,8 @@ mod tests {
     #[test]
     fn where_one_looks_back_there_is_what_had_happened_by_then() {
         let mut feed = Feed::new("");
-        feed.read(tests::bulletin("three-mass", "composite"));
-        let settings = tests::bulletin("three-mass", "composite").settings.get().clone();
+        feed.read(tests::bench_status("three-mass", "composite"));
+        let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         for number in 1..=100 {
             feed.happen(&event(number, &Happening::Note(format!("number {number}")), &settings));
         }
@@ -185,7 +185,7 @@ mod tests {
     fn a_long_list_is_scrolled_and_filtered() {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
-        let settings = tests::bulletin("three-mass", "composite").settings.get().clone();
+        let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         for number in 1..=40 {
             let text = format!("{} {number}", if number % 4 == 0 { "Hum" } else { "quiet" });
             feed.happen(&event(number, &Happening::Note(text), &settings));

@@ -193,12 +193,12 @@ mod tests {
     #[test]
     fn val_shapes_are_those_of_the_report() {
         let shape_at = |speed: f64| {
-            let mut bulletin = tests::bulletin("three-mass", "off");
-            let mut settings = bulletin.settings.get().clone();
+            let mut bench_status = tests::bench_status("three-mass", "off");
+            let mut settings = bench_status.settings.get().clone();
             settings.speed = speed;
-            bulletin.settings = wire::SettingsDocument::of(&settings);
+            bench_status.settings = wire::SettingsDocument::of(&settings);
             let mut feed = Feed::new("");
-            feed.read(bulletin);
+            feed.read(bench_status);
             feed.hear(&tests::state(3, 0), std::time::Instant::now());
             let picture = feed.picture(&ViewTime::LIVE, std::time::Instant::now());
             // The mode on its threshold is the one next to zero damping.

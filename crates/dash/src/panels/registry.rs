@@ -211,12 +211,12 @@ mod tests {
     use crate::view_time::ViewTime;
 
     #[test]
-    fn regress_a_bulletin_of_another_machine_than_the_steps_breaks_no_panel() {
+    fn regress_a_bench_status_of_another_machine_than_the_steps_breaks_no_panel() {
         let now = std::time::Instant::now();
-        for (steps_of, bulletin_of, feedback) in [(1, "three-mass", "individual"), (3, "jeffcott", "cancel")] {
+        for (steps_of, bench_status_of, feedback) in [(1, "three-mass", "individual"), (3, "jeffcott", "cancel")] {
             let mut feed = crate::feed::Feed::new("");
             (0..300).for_each(|seq| feed.hear(&tests::state(steps_of, seq), now));
-            feed.read(tests::bulletin(bulletin_of, feedback));
+            feed.read(tests::bench_status(bench_status_of, feedback));
             let picture = feed.picture(&ViewTime::LIVE, now);
             let mut panels = Panels::new();
             for kind in 0..KINDS.len() {
@@ -230,10 +230,10 @@ mod tests {
     fn eventful(scales: Option<rotor::Scales>) -> (crate::feed::Feed, std::time::Instant) {
         let now = std::time::Instant::now();
         let mut feed = crate::feed::Feed::new("");
-        let mut bulletin = tests::bulletin("three-mass", "composite");
-        bulletin.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
-        feed.read(bulletin);
-        let settings = tests::bulletin("three-mass", "composite").settings.get().clone();
+        let mut bench_status = tests::bench_status("three-mass", "composite");
+        bench_status.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+        feed.read(bench_status);
+        let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         for seq in (0..17_000).filter(|seq| *seq % 4001 != 4000) {
             let state = tests::state(3, seq).with(wire::Channel::Vy, 1, 1.5);
             feed.hear(&state.with_word(wire::Channel::WallNs, 50_000_000_000_000 + seq * 1_000_000), now);

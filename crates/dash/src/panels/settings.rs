@@ -82,8 +82,10 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let keys = picture.settings.as_ref().map(rows).unwrap_or_default();
     let shown = shown_rows(&keys, view.filter, cursor.row);
     let passed = told(view.filter, shown.len(), keys.len());
-    let title = match &picture.bulletin {
-        Some(bulletin) => format!(" settings  rev {} by {} {passed}", bulletin.revision, bulletin.changed_by.as_str()),
+    let title = match &picture.bench_status {
+        Some(bench_status) => {
+            format!(" settings  rev {} by {} {passed}", bench_status.revision, bench_status.changed_by.as_str())
+        }
         None => " settings ".to_owned(),
     };
     let inner = framed(Line::from(title), area, buffer);
@@ -183,7 +185,7 @@ mod tests {
     #[test]
     fn the_selected_row_stays_in_view() {
         let mut picture = tests::picture();
-        picture.settings = Some(tests::bulletin("three-mass", "individual").settings.get().clone());
+        picture.settings = Some(tests::bench_status("three-mass", "individual").settings.get().clone());
         let cursor = Cursor { row: 10, typed: None };
         let frame = drawn(36, 5, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
         assert!(frame.contains("▶ cc.2"), "{frame}");
@@ -193,7 +195,7 @@ mod tests {
 
     #[test]
     fn deadbands_that_differ_have_a_row_each() {
-        let mut settings = tests::bulletin("three-mass", "composite").settings.get().clone();
+        let mut settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 1);
         settings.deadband[1] = 0.0;
         assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 3);
@@ -201,7 +203,7 @@ mod tests {
 
     #[test]
     fn a_scheduled_gain_says_so() {
-        let settings = tests::bulletin("jeffcott", "cancel").settings.get().clone();
+        let settings = tests::bench_status("jeffcott", "cancel").settings.get().clone();
         let kc = rows(&settings).into_iter().find(|key| key.parameter.name == "kc").unwrap();
         assert_eq!(value_of(&settings, &Units::DIMENSIONLESS, kc), "-1.25 linear");
     }

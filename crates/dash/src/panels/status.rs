@@ -71,8 +71,8 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         add("read-only".to_owned(), theme::loud(theme::WARN));
     }
     add(view.bench.to_owned(), plain.bold());
-    if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
-        add(bulletin.rotor_name.as_str().to_owned(), plain);
+    if let (Some(bench_status), Some(settings)) = (&picture.bench_status, &picture.settings) {
+        add(bench_status.rotor_name.as_str().to_owned(), plain);
         // Old recordings, and benches that have told no poles yet, know of no other speed.
         let told = picture.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
         let is_there = |speed: f64| (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
@@ -89,10 +89,10 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         };
         add(speed, plain);
         add(format!("{:.0}/s", picture.rate), plain);
-        if bulletin.substeps > 1 {
-            add(format!("{} substeps", bulletin.substeps), plain);
+        if bench_status.substeps > 1 {
+            add(format!("{} substeps", bench_status.substeps), plain);
         }
-        let health = &bulletin.health;
+        let health = &bench_status.health;
         let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
         add(format!("late {p50:.0}/{p99:.0} us"), plain);
         if health.missed > 0 {
@@ -333,9 +333,9 @@ mod tests {
         assert!(top(&picture, false).starts_with(" WAITING   waiting for bench 'x'"));
         picture.contact = Contact::Live;
         picture.tripped = true;
-        let mut bulletin = tests::bulletin("three-mass", "off");
-        bulletin.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
-        picture.bulletin = Some(std::sync::Arc::from(bulletin));
+        let mut bench_status = tests::bench_status("three-mass", "off");
+        bench_status.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
+        picture.bench_status = Some(std::sync::Arc::from(bench_status));
         let line = top(&picture, false);
         assert!(
             line.starts_with(

@@ -117,7 +117,7 @@ type Column = (f64, [f64; 2]);
 fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
     let picture = view.picture;
     let window = picture.window.clone();
-    let dtau = picture.bulletin.as_ref().map_or(0.0, |bulletin| bulletin.dtau);
+    let dtau = picture.bench_status.as_ref().map_or(0.0, |bench_status| bench_status.dtau);
     let tau = short(window.len() as f64 * dtau, 3);
     let which = if view.time.is_live() { "last " } else { "" };
     let mut title = vec![Span::raw(format!(" {which}{tau} tau "))];
@@ -340,7 +340,7 @@ mod tests {
     fn the_cursor_reads_what_was_and_losses_are_marked() {
         let now = std::time::Instant::now();
         let mut feed = crate::feed::Feed::new("");
-        feed.read(tests::bulletin("three-mass", "composite"));
+        feed.read(tests::bench_status("three-mass", "composite"));
         (0..2000).chain(2100..4000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
         let mut time = ViewTime::LIVE;
         time.at(1000, &feed.history().places(), feed.seconds());
@@ -358,7 +358,7 @@ mod tests {
     fn chosen_strips_have_their_names_their_values_under_the_cursor_and_their_units() {
         let now = std::time::Instant::now();
         let mut feed = crate::feed::Feed::new("");
-        feed.read(tests::bulletin("three-mass", "composite"));
+        feed.read(tests::bench_status("three-mass", "composite"));
         (0..4000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
         let mut time = ViewTime::LIVE;
         time.at(1000, &feed.history().places(), feed.seconds());

@@ -55,9 +55,9 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
         Repeat::From(from) => add(format!("  loop from {}", at(from)), theme::loud(theme::KEY)),
         Repeat::Over(from, to) => add(format!("  loop {}..{}", at(from), at(to)), theme::loud(theme::KEY)),
     }
-    if let (Some(bulletin), Some(settings)) = (&picture.bulletin, &picture.settings) {
+    if let (Some(bench_status), Some(settings)) = (&picture.bench_status, &picture.settings) {
         let speed = picture.units().speed_told(settings.speed);
-        add(format!("  {}  {speed}", bulletin.rotor_name.as_str()), plain);
+        add(format!("  {}  {speed}", bench_status.rotor_name.as_str()), plain);
     }
     Line::from(line).render(area, buffer);
     draw_alarms(view.alarms, area, buffer);

@@ -196,7 +196,7 @@ mod tests {
     fn run_up() -> Picture {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(tests::bulletin("three-mass", "composite"));
+        feed.read(tests::bench_status("three-mass", "composite"));
         for seq in 0..40_000_u64 {
             let state = tests::state(3, seq);
             let tau = state.tau();

@@ -44,7 +44,7 @@ impl Loaded {
             self.told = changes.partition_point(|from| *from <= self.range.start).saturating_sub(1);
         }
         while let Some(from) = changes.get(self.told).filter(|from| **from < end) {
-            feed.tell(&past.bulletin_at(*from));
+            feed.tell(&past.bench_status_at(*from));
             self.told += 1;
         }
         let (from, runs) = (self.range.end, &mut self.runs);

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use alarms::{Limits, Turn};
-use wire::{Bulletin, Happening, Moment, State};
+use wire::{BenchStatus, Happening, Moment, State};
 
 use crate::hands::OutsideError;
 use crate::units::Units;
@@ -74,7 +74,7 @@ pub trait Past {
     fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError>;
 
     /// The whole slow picture as it stood at step `seq`: rotor, settings, poles, trip, rate.
-    fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin>;
+    fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus>;
 
     /// The first step made with each of the settings, ascending; the first may lie before the span.
     fn changes(&self) -> Vec<u64>;
@@ -103,7 +103,7 @@ pub trait Past {
         Ok(None)
     }
 
-    /// From which step on steps are how long, in `tau`, ascending, where they are not all as long as the bulletin says.
+    /// From which step on steps are how long, in `tau`, ascending, where they are not all as long as the bench status says.
     fn paces(&self) -> Vec<(u64, f64)> {
         Vec::new()
     }

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use alarms::{Alarms, Level, Limits, Turn, Watch};
 use rotor::Settings;
-use wire::{Bulletin, Happening, SettingsDocument, State, Step};
+use wire::{BenchStatus, Happening, SettingsDocument, State, Step};
 
 use super::branch::Branch;
 use super::loaded::Loaded;
@@ -74,11 +74,11 @@ impl Player {
     /// A player at the beginning of `past`, which fills `feed` and moves `time`.
     pub(crate) fn new(mut past: Box<dyn Past>, feed: &mut Feed, time: &mut ViewTime) -> Result<Self, String> {
         let Some([first, last]) = past.span() else { return Err("there are no steps in it".into()) };
-        let bulletin = past.bulletin_at(first.seq);
+        let bench_status = past.bench_status_at(first.seq);
         let mut player = Self {
             ends: [first.seq, last.seq],
-            rate: if bulletin.rate_hz > 0.0 { bulletin.rate_hz } else { 1000.0 },
-            masses: bulletin.masses as usize,
+            rate: if bench_status.rate_hz > 0.0 { bench_status.rate_hz } else { 1000.0 },
+            masses: bench_status.masses as usize,
             events: past.events(),
             missing: past.missing(),
             turns: past.turns(),
@@ -299,23 +299,23 @@ impl Player {
                 time.at(place, &kept, 1.0 / self.rate);
             }
         }
-        let mut bulletin = self.past.bulletin_at(seq);
+        let mut bench_status = self.past.bench_status_at(seq);
         if self.branch.is_some() {
             let acts = self.gathered();
             if let Some(branch) = &mut self.branch {
                 branch.advance(wanted.start..seq + 1, &acts);
                 // What edits apply to is what is in force beside, once there is something beside.
-                bulletin.settings = SettingsDocument::of(branch.settings());
+                bench_status.settings = SettingsDocument::of(branch.settings());
             }
             self.acts = Some(acts);
         }
-        self.recall_alarms(seq, &bulletin, feed);
-        feed.stand_at(bulletin);
+        self.recall_alarms(seq, &bench_status, feed);
+        feed.stand_at(bench_status);
         Ok(())
     }
 
     /// Has alarms stand as they stood at step `seq`.
-    fn recall_alarms(&mut self, seq: u64, bulletin: &Bulletin, feed: &Feed) {
+    fn recall_alarms(&mut self, seq: u64, bench_status: &BenchStatus, feed: &Feed) {
         let turned = self.turns.partition_point(|turn| turn.at.seq <= seq);
         if self.alarms.0 != turned {
             self.alarms = (turned, Alarms::recalled(self.limits.clone(), &self.turns[..turned]));
@@ -330,12 +330,12 @@ impl Player {
             let [y, z] = track.force(0);
             force = Some(y.hypot(z));
         }
-        let damping = (bulletin.analysis.count > 0).then_some(bulletin.analysis.min_damping);
+        let damping = (bench_status.analysis.count > 0).then_some(bench_status.analysis.min_damping);
         // Shares and counts over a stretch of time are known where they crossed a limit, and nowhere else.
         let past = |watch: Watch| alarms.standings().find(|(of, ..)| *of == watch).map(|(_, standing, _)| standing);
         let kept = |watch| past(watch).filter(|standing| standing.at > Level::Fine).and_then(|standing| standing.value);
         let values = Watch::ALL.map(|watch| match watch {
-            Watch::Trip => Some(f64::from(u8::from(bulletin.trip.is_tripped()))),
+            Watch::Trip => Some(f64::from(u8::from(bench_status.trip.is_tripped()))),
             Watch::Damping => damping,
             Watch::Orbit => orbit,
             Watch::Force => force,
@@ -372,7 +372,7 @@ impl Player {
             .collect();
         let changes = self.past.changes();
         acts.extend(changes.into_iter().map(|seq| {
-            let there = self.past.bulletin_at(seq);
+            let there = self.past.bench_status_at(seq);
             (seq, Act::Settings(there.settings.get().clone(), there.substeps.max(1)))
         }));
         acts.extend(self.past.paces().into_iter().map(|(seq, dtau)| (seq, Act::Pace(dtau))));
@@ -429,17 +429,17 @@ impl Player {
         let place = self.loaded.place_of(seq).ok_or("no step to run on from")?;
         let at = self.state(seq)?.map_or_else(|| self.state(self.loaded.seq_of(place)), |state| Ok(Some(state)))?;
         let state = at.ok_or("the step to run on from is missing")?;
-        let bulletin = self.past.bulletin_at(state.seq());
-        let rotor = bulletin.rotor().map_err(|error| error.to_string())?;
-        let settings = bulletin.settings.get().clone();
+        let bench_status = self.past.bench_status_at(state.seq());
+        let rotor = bench_status.rotor().map_err(|error| error.to_string())?;
+        let settings = bench_status.settings.get().clone();
         settings.check(&rotor).map_err(|error| error.to_string())?;
-        let substeps = bulletin.substeps.max(1);
+        let substeps = bench_status.substeps.max(1);
         let line = self.line(&state, &settings, substeps)?;
-        let (dtau, rate_hz) = (bulletin.dtau, bulletin.rate_hz);
+        let (dtau, rate_hz) = (bench_status.dtau, bench_status.rate_hz);
         let mut root = Root { rotor, dtau, rate_hz, state, settings, substeps, line, whole: None };
         // What cannot be read costs what the loop held, and no more.
         if let Ok(Some(snapshot)) = self.past.snapshot_before(root.state.seq()) {
-            let then = self.past.bulletin_at(snapshot.0);
+            let then = self.past.bench_status_at(snapshot.0);
             let acts = self.gathered();
             root.whole = root.recalled(snapshot, (then.settings.get(), then.substeps.max(1)), &acts);
             self.acts = Some(acts);
@@ -466,7 +466,7 @@ impl Player {
         let changes = self.past.changes();
         let faster = changes.into_iter().rev().take_while(|from| *from > rest).filter(|from| *from <= state.seq());
         let turned = faster.into_iter().find(|from| {
-            let [before, after] = [from - 1, *from].map(|seq| self.past.bulletin_at(seq));
+            let [before, after] = [from - 1, *from].map(|seq| self.past.bench_status_at(seq));
             before.settings.get().speed != after.settings.get().speed || before.substeps.max(1) != after.substeps.max(1)
         });
         let made = |steps: u64| steps * u64::from(substeps);
@@ -482,7 +482,7 @@ impl Player {
         let first = self.state(self.ends[0])?;
         let begun =
             first.map(|first| Line { tau: first.tau(), angle: first.angle(), steps: made(state.seq() - first.seq()) });
-        let dtau = self.past.bulletin_at(state.seq()).dtau / f64::from(substeps);
+        let dtau = self.past.bench_status_at(state.seq()).dtau / f64::from(substeps);
         // Whichever arrives at the time and the angle that were recorded.
         let arrives = |line: &Line| {
             let passed = line.steps as f64 * dtau;

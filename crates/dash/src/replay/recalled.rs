@@ -7,7 +7,7 @@ use machine::{Machine, Pace, Program, Words};
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Rotor, Settings, builtin};
 use wire::message::Flags;
-use wire::{Bulletin, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Step};
+use wire::{BenchStatus, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Step};
 
 use crate::hands::OutsideError;
 
@@ -134,15 +134,15 @@ impl Past for Recorded {
         Ok(())
     }
 
-    fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin> {
+    fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus> {
         let after = self.revisions.partition_point(|(from, ..)| *from <= seq);
         let (from, settings, substeps) = &self.revisions[after - 1];
-        let mut bulletin = Box::<Bulletin>::default();
-        bulletin.set_rotor(&self.rotor);
-        bulletin.settings = SettingsDocument::of(settings);
-        (bulletin.revision, bulletin.applied_at_step, bulletin.substeps) = (after as u64, *from, *substeps);
-        (bulletin.dtau, bulletin.rate_hz) = (DTAU, 1000.0);
-        bulletin
+        let mut bench_status = Box::<BenchStatus>::default();
+        bench_status.set_rotor(&self.rotor);
+        bench_status.settings = SettingsDocument::of(settings);
+        (bench_status.revision, bench_status.applied_at_step, bench_status.substeps) = (after as u64, *from, *substeps);
+        (bench_status.dtau, bench_status.rate_hz) = (DTAU, 1000.0);
+        bench_status
     }
 
     fn changes(&self) -> Vec<u64> {

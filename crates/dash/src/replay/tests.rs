@@ -5,13 +5,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alarms::{Alarms, Gauge, Level, Limit, Limits, Turn, Watch};
+use alarms::{Alarms, Level, Limit, Limits, Sampler, Turn, Watch};
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use rotor::{C64, Key, Settings, Spectrum, builtin};
 use wire::message::{Analysis, Flags, Trip};
 use wire::{
-    BenchName, Bulletin, Carrier, Change, Channel, Commander, Event, Glance, Happening, Listener, Memory, Moment,
+    BenchName, BenchStatus, Carrier, Change, Channel, Commander, Event, Glance, Happening, Listener, Memory, Moment,
     State, Step,
 };
 
@@ -30,7 +30,7 @@ use crate::view_time::ViewTime;
 /// A session in memory.
 #[derive(Clone)]
 pub(crate) struct Session {
-    bulletin: Box<Bulletin>,
+    bench_status: Box<BenchStatus>,
     pub(crate) states: Vec<State>,
     events: Vec<Event>,
 }
@@ -61,21 +61,21 @@ impl Past for Session {
         Ok(())
     }
 
-    fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin> {
+    fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus> {
         let event = self.in_force(seq);
-        let mut bulletin = self.bulletin.clone();
-        bulletin.settings = event.settings.clone();
-        bulletin.substeps = event.substeps;
-        bulletin.revision = event.revision;
-        let rotor = bulletin.rotor().unwrap();
+        let mut bench_status = self.bench_status.clone();
+        bench_status.settings = event.settings.clone();
+        bench_status.substeps = event.substeps;
+        bench_status.revision = event.revision;
+        let rotor = bench_status.rotor().unwrap();
         let spectrum = Spectrum::of(&event.settings.get().clone().closed_loop(&rotor)).unwrap();
-        bulletin.analysis = Analysis { count: 6, min_damping: spectrum.min_damping(), ..Analysis::default() };
-        for (place, mode) in bulletin.analysis.poles.iter_mut().zip(&spectrum.modes) {
+        bench_status.analysis = Analysis { count: 6, min_damping: spectrum.min_damping(), ..Analysis::default() };
+        for (place, mode) in bench_status.analysis.poles.iter_mut().zip(&spectrum.modes) {
             *place = [mode.pole.re, mode.pole.im];
         }
         let mut trips = self.events.iter().rev().filter(|event| matches!(event.kind, 5 | 6));
-        bulletin.trip = trips.find(|event| event.seq <= seq).map_or_else(Trip::default, |event| event.trip);
-        bulletin
+        bench_status.trip = trips.find(|event| event.seq <= seq).map_or_else(Trip::default, |event| event.trip);
+        bench_status
     }
 
     fn changes(&self) -> Vec<u64> {
@@ -102,11 +102,11 @@ impl Past for Session {
 
     /// As a recorder judges, only more often.
     fn turns(&self) -> Vec<Turn> {
-        let (mut gauge, mut alarms) = (Gauge::default(), Alarms::new(limits()));
+        let (mut sampler, mut alarms) = (Sampler::default(), Alarms::new(limits()));
         let mut turns = Vec::new();
         for stretch in self.states.chunks(50) {
-            stretch.iter().for_each(|state| gauge.hear(state));
-            turns.extend(alarms.read(&gauge.take()));
+            stretch.iter().for_each(|state| sampler.hear(state));
+            turns.extend(alarms.read(&sampler.take()));
         }
         turns
     }
@@ -169,13 +169,13 @@ fn simulated(dtau: f64) -> Session {
             }
         };
         let mut commander = carrier.command(&options.bench).unwrap();
-        let (mut states, mut events, mut bulletin) = (Vec::new(), Vec::new(), None);
+        let (mut states, mut events, mut bench_status) = (Vec::new(), Vec::new(), None);
         let mut wait_for = |count: usize| {
             let target = states.len() + count;
             while states.len() < target {
                 listener.drain(|state| states.push(State::of(&state))).unwrap();
                 listener.events(|event| events.push(event.clone())).unwrap();
-                bulletin = listener.bulletin().unwrap().or(bulletin.take());
+                bench_status = listener.bench_status().unwrap().or(bench_status.take());
                 assert!(start.elapsed() < Duration::from_secs(60), "{} steps only", states.len());
                 thread::sleep(Duration::from_millis(1));
             }
@@ -216,7 +216,7 @@ fn simulated(dtau: f64) -> Session {
         listener.drain(|state| states.push(State::of(&state))).unwrap();
         listener.events(|event| events.push(event.clone())).unwrap();
         events.retain(|event| !matches!(event.happening(), Some(Happening::Late { .. })));
-        Session { bulletin: bulletin.unwrap(), states, events }
+        Session { bench_status: bench_status.unwrap(), states, events }
     })
 }
 
@@ -532,8 +532,8 @@ impl Past for Long {
         Ok(())
     }
 
-    fn bulletin_at(&mut self, _: u64) -> Box<Bulletin> {
-        self.0.bulletin_at(0)
+    fn bench_status_at(&mut self, _: u64) -> Box<BenchStatus> {
+        self.0.bench_status_at(0)
     }
 
     fn changes(&self) -> Vec<u64> {

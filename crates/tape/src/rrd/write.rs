@@ -11,7 +11,7 @@ use rerun::log::{Chunk, ChunkError, LogMsg, RowId};
 use rerun::{AsComponents, EntityPath, StoreKind, TimePoint};
 use rotor::Rotor;
 use wire::message::Health;
-use wire::{Bulletin, Happening, Moment};
+use wire::{BenchStatus, Happening, Moment};
 
 use super::{chunks, scene, view};
 use crate::batch::Batch;
@@ -58,8 +58,10 @@ impl Writer {
     /// # Errors
     /// It is there, or cannot be made, or not even its head can be written.
     pub(crate) fn create(path: &Path, head: &Head) -> Result<Self, TapeError> {
-        let rotor =
-            head.bulletin.rotor().map_err(|error| TapeError::place(path, format!("no rotor to record: {error}")))?;
+        let rotor = head
+            .bench_status
+            .rotor()
+            .map_err(|error| TapeError::place(path, format!("no rotor to record: {error}")))?;
         let ledger = Ledger::create(path).map_err(|error| TapeError::unfit(path, &error))?;
         let run = format!("{:016x}", head.session.run_id);
         // Parts of one run share the id: a viewer that is given several puts them together.
@@ -91,7 +93,7 @@ impl Writer {
         let info = RecordingInfo::new().with_name(name.trim()).with_start_time(started);
         let properties = Chunk::builder(EntityPath::properties());
         self.put(properties.with_archetype_auto_row(TimePoint::STATIC, &info).build())?;
-        let document = SessionDocument::new(&head.session, &self.rotor, head.bulletin.scales());
+        let document = SessionDocument::new(&head.session, &self.rotor, head.bench_status.scales());
         let about = document::text(&document);
         self.about(&about)?;
         let names = SeriesLines::new().with_names(HEALTH);
@@ -241,8 +243,8 @@ impl Sink for Writer {
         self.log(remark.at, remark.text(), level, &document)
     }
 
-    fn health(&mut self, bulletin: &Bulletin, at: Moment) -> Result<(), TapeError> {
-        self.health.push((at, bulletin.health));
+    fn health(&mut self, bench_status: &BenchStatus, at: Moment) -> Result<(), TapeError> {
+        self.health.push((at, bench_status.health));
         Ok(())
     }
 

@@ -4,27 +4,27 @@
 use rotor::{Settings, builtin};
 use tape::{Batch, Recording};
 use wire::message::Flags;
-use wire::{Bulletin, Channel, Layout, Moment, Point, SettingsDocument, State, Step, Text};
+use wire::{BenchStatus, Channel, Layout, Moment, Point, SettingsDocument, State, Step, Text};
 
 pub(crate) const RUN: u64 = 0xfeed_beef_0123_4567;
 
-pub(crate) fn bulletin() -> Box<Bulletin> {
+pub(crate) fn bench_status() -> Box<BenchStatus> {
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
-    let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
+    let mut bench_status = Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
         run_id: RUN,
         rate_hz: 1000.0,
         dtau: 0.01,
         revision: 3,
-        ..wire::message::BulletinMessage::default()
+        ..wire::message::BenchStatusMessage::default()
     }));
-    bulletin.set_rotor(&rotor);
-    bulletin.settings = SettingsDocument::of(&settings);
-    bulletin.applied_at_step = 17;
-    bulletin.changed_by = Text::new("set:1");
-    bulletin.version = Text::new("0.1.0");
-    bulletin.started_ns = 1_700_000_000_000_000_000;
-    bulletin
+    bench_status.set_rotor(&rotor);
+    bench_status.settings = SettingsDocument::of(&settings);
+    bench_status.applied_at_step = 17;
+    bench_status.changed_by = Text::new("set:1");
+    bench_status.version = Text::new("0.1.0");
+    bench_status.started_ns = 1_700_000_000_000_000_000;
+    bench_status
 }
 
 pub(crate) fn state(seq: u64) -> State {

@@ -10,9 +10,9 @@ use tape::recorder::{self, Order, Progress, Summary};
 use wire::{BenchName, Keeping};
 
 use crate::attach::{self, BenchArgs};
+use crate::child_process::ChildProcess;
 use crate::commands::config;
 use crate::commands::sim::{READY, stop_when_stdin_closes};
-use crate::companion::Companion;
 use crate::failure::Failure;
 use crate::place::Force;
 use crate::{amount, interrupt, output};
@@ -74,7 +74,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     }
     let carrier = attach::carrier("record")?;
     let mut listener = attach::listen(&carrier, &order.bench)?;
-    let rate_hz = attach::first_bulletin(&mut listener, &order.bench)?.rate_hz;
+    let rate_hz = attach::first_bench_status(&mut listener, &order.bench)?.rate_hz;
     recorder::check_window(&order.keep, rate_hz).map_err(Failure::Usage)?;
     let mut line = Line::new();
     let mut ready = args.as_child;
@@ -93,7 +93,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
 ///
 /// # Errors
 /// It cannot be started.
-pub(crate) fn launch(path: &Path, force: Force, bench: &BenchName) -> Result<Companion, Failure> {
+pub(crate) fn launch(path: &Path, force: Force, bench: &BenchName) -> Result<ChildProcess, Failure> {
     let path =
         path.to_str().ok_or_else(|| Failure::Usage(format!("'{}': expected a name in UTF-8", path.display())))?;
     let bench = format!("--bench={bench}");
@@ -102,7 +102,7 @@ pub(crate) fn launch(path: &Path, force: Force, bench: &BenchName) -> Result<Com
         arguments.push("--force");
     }
     arguments.extend(["--", path]);
-    Companion::launch("recorder", FAREWELL, arguments.into_iter().map(str::to_owned).collect())
+    ChildProcess::launch("recorder", FAREWELL, arguments.into_iter().map(str::to_owned).collect())
 }
 
 fn in_words(summary: &Summary) -> String {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use alarms::{Limits, Turn};
 use dash::{OutsideError, Past, PastEvent, PastWhat};
 use tape::{Gap, Recording, What};
-use wire::{Bulletin, Moment, State};
+use wire::{BenchStatus, Moment, State};
 
 use crate::commands::dash::{ScreenArgs, ended};
 use crate::failure::Failure;
@@ -87,8 +87,8 @@ impl Past for Tape {
         visited.map_err(OutsideError::new)
     }
 
-    fn bulletin_at(&mut self, seq: u64) -> Box<Bulletin> {
-        self.recording.bulletin_at(seq)
+    fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus> {
+        self.recording.bench_status_at(seq)
     }
 
     fn changes(&self) -> Vec<u64> {

@@ -125,19 +125,19 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
     let who = format!("set:{}", std::process::id());
     let mut outdated = None;
     for _ in 0..TRIES {
-        let bulletin = attach::first_bulletin(&mut glance, &bench)?;
-        let rotor = bulletin.rotor().map_err(|error| Failure::Work(error.to_string()))?;
-        let units = Units::with(bulletin.scales());
-        let before = bulletin.settings.get().clone();
+        let bench_status = attach::first_bench_status(&mut glance, &bench)?;
+        let rotor = bench_status.rotor().map_err(|error| Failure::Work(error.to_string()))?;
+        let units = Units::with(bench_status.scales());
+        let before = bench_status.settings.get().clone();
         let mut settings = before.clone();
         catalog::assign_all(&rotor, units, &mut settings, &[], &args.assignments)?;
         settings.check(&rotor)?;
         if !args.force
-            && let Some(loss) = StabilityLoss::between(&rotor, &before, &settings, bulletin.present_speed())
+            && let Some(loss) = StabilityLoss::between(&rotor, &before, &settings, bench_status.present_speed())
         {
             return Err(NotDone::Unstable(loss));
         }
-        let base_revision = bulletin.revision;
+        let base_revision = bench_status.revision;
         let request = Change::Settings { base_revision, settings }.request(&who, &args.why)?;
         let answer = commander.ask(&request, PATIENCE)?;
         if answer.is_accepted() {

@@ -3,7 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
-use wire::{Bulletin, Glance, Keeping, MAX_READERS, RecorderState, RecorderStatus, Root, WireError};
+use wire::{BenchStatus, Glance, Keeping, MAX_READERS, RecorderState, RecorderStatus, Root, WireError};
 
 use crate::attach;
 use crate::failure::Failure;
@@ -150,32 +150,32 @@ impl Attached {
 }
 
 impl Bench {
-    /// A bench as its bulletin tells it; without one, as it is seen from outside, and why there is none.
+    /// A bench as its bench status tells it; without one, as it is seen from outside, and why there is none.
     fn new(
         name: String,
-        told: Result<Box<Bulletin>, String>,
+        told: Result<Box<BenchStatus>, String>,
         attached: Vec<Attached>,
         recording: Option<Recording>,
     ) -> Self {
-        let (bulletin, why) = match told {
-            Ok(bulletin) => (Some(bulletin), None),
+        let (bench_status, why) = match told {
+            Ok(bench_status) => (Some(bench_status), None),
             Err(why) => (None, Some(why)),
         };
-        let bulletin = bulletin.as_deref();
-        let health = bulletin.map(|bulletin| &bulletin.health);
-        let trip = bulletin.map(|bulletin| bulletin.trip);
+        let bench_status = bench_status.as_deref();
+        let health = bench_status.map(|bench_status| &bench_status.health);
+        let trip = bench_status.map(|bench_status| bench_status.trip);
         let readers = attached.iter().filter(|party| party.is_reader()).count();
         Self {
             name,
-            answers: bulletin.is_some(),
+            answers: bench_status.is_some(),
             why,
-            rotor: bulletin.map(|bulletin| bulletin.rotor_name.as_str().to_owned()),
+            rotor: bench_status.map(|bench_status| bench_status.rotor_name.as_str().to_owned()),
             // Which may be on its way to the one that is set.
-            speed: bulletin.map(|bulletin| bulletin.present_speed()),
-            units: Units::with(bulletin.and_then(|bulletin| bulletin.scales())),
-            rate_hz: bulletin.map(|bulletin| bulletin.rate_hz),
-            dtau: bulletin.map(|bulletin| bulletin.dtau),
-            substeps: bulletin.map(|bulletin| bulletin.substeps),
+            speed: bench_status.map(|bench_status| bench_status.present_speed()),
+            units: Units::with(bench_status.and_then(|bench_status| bench_status.scales())),
+            rate_hz: bench_status.map(|bench_status| bench_status.rate_hz),
+            dtau: bench_status.map(|bench_status| bench_status.dtau),
+            substeps: bench_status.map(|bench_status| bench_status.substeps),
             steps: health.map(|health| health.steps),
             late: health.map(|health| health.late),
             missed: health.map(|health| health.missed),
@@ -188,25 +188,25 @@ impl Bench {
                 p50: health.map(|health| health.cost_p50_us),
                 p99: health.map(|health| health.cost_p99_us),
             },
-            min_damping: bulletin
-                .map(|bulletin| bulletin.analysis)
+            min_damping: bench_status
+                .map(|bench_status| bench_status.analysis)
                 .filter(|analysis| analysis.count > 0)
                 .map(|analysis| analysis.min_damping),
-            revision: bulletin.map(|bulletin| bulletin.revision),
+            revision: bench_status.map(|bench_status| bench_status.revision),
             subscribers: readers as u32,
             full: readers.max(health.map_or(0, |health| health.subscribers as usize)) >= MAX_READERS,
             recording,
             tripped: trip.map(|trip| trip.is_tripped()),
             trip: trip
                 .filter(|trip| trip.is_tripped())
-                .map(|trip| trip.told(bulletin.and_then(|bulletin| bulletin.scales()))),
-            run_id: bulletin.map(|bulletin| format!("{:016x}", bulletin.run_id)),
+                .map(|trip| trip.told(bench_status.and_then(|bench_status| bench_status.scales()))),
+            run_id: bench_status.map(|bench_status| format!("{:016x}", bench_status.run_id)),
             // Of one that says nothing: iceoryx2 knows it.
-            pid: bulletin.map_or_else(
+            pid: bench_status.map_or_else(
                 || attached.iter().find(|party| party.role == "sim").map_or(0, |party| party.pid),
-                |bulletin| bulletin.pid,
+                |bench_status| bench_status.pid,
             ),
-            version: bulletin.map(|bulletin| bulletin.version.as_str().to_owned()),
+            version: bench_status.map(|bench_status| bench_status.version.as_str().to_owned()),
             attached,
         }
     }
@@ -265,8 +265,8 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
         let recorded = entry.parties.iter().any(|party| party.role == "record");
         let (told, recording) = match glance {
             Ok(mut glance) => {
-                let bulletin = attach::first_bulletin(&mut glance, &entry.name);
-                let told = bulletin.map_err(|_| "it is stopped, or overloaded".to_owned());
+                let bench_status = attach::first_bench_status(&mut glance, &entry.name);
+                let told = bench_status.map_err(|_| "it is stopped, or overloaded".to_owned());
                 (told, if recorded { first_word(&mut glance) } else { None })
             }
             Err(error) => (Err(error.to_string()), None),

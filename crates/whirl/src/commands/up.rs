@@ -6,9 +6,9 @@ use std::time::Duration;
 use dash::{Keeper, OutsideError};
 
 use crate::attach;
+use crate::child_process::ChildProcess;
 use crate::commands::dash::{ScreenArgs, ended};
 use crate::commands::sim::LiveArgs;
-use crate::companion::Companion;
 use crate::failure::Failure;
 use crate::place::Force;
 use crate::recordings::Recordings;
@@ -47,7 +47,7 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
         args.force.check(path)?;
     }
     let carrier = attach::dashboard_carrier()?;
-    let mut simulation = Simulation(Companion::start("simulation", FAREWELL, live.to_arguments())?);
+    let mut simulation = Simulation(ChildProcess::start("simulation", FAREWELL, live.to_arguments())?);
     let mut scribe = Recordings::of(bench.clone());
     if let Some(path) = &args.record
         && let Err(failure) = scribe.begin(path, args.force)
@@ -64,7 +64,7 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
 }
 
 /// The simulation that the dashboard shows, and can start again.
-struct Simulation(Companion);
+struct Simulation(ChildProcess);
 
 impl Keeper for Simulation {
     fn ended(&mut self) -> Option<String> {

@@ -144,8 +144,9 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
     let stop = interrupt::flag()?;
     let mut listener = attach::listen(&attach::carrier("tail")?, &bench)?;
     let mut printer: Box<dyn Printer> = if args.events {
-        let bulletin = attach::first_bulletin(&mut listener, &bench)?;
-        let (units, teller) = (Units::with(bulletin.scales()), events::Teller::of(bulletin.rotor().ok().as_ref()));
+        let bench_status = attach::first_bench_status(&mut listener, &bench)?;
+        let (units, teller) =
+            (Units::with(bench_status.scales()), events::Teller::of(bench_status.rotor().ok().as_ref()));
         Box::new(Happenings { teller, units, json: args.json })
     } else {
         Box::new(Steps { every: args.every, json: args.json, last: None, untold: 0, lost: 0 })

@@ -1,4 +1,4 @@
-//! A bulletin as it is read: the message, with the documents that it names.
+//! A bench status as it is read: the message, with the documents that it names.
 
 use std::ops::{Deref, DerefMut};
 
@@ -6,33 +6,33 @@ use rotor::{Rotor, RotorError};
 
 use crate::Text;
 use crate::document::{Document, RotorDocument, SettingsDocument};
-use crate::message::BulletinMessage;
+use crate::message::BenchStatusMessage;
 
 /// The whole slow picture of a bench: what the message says, the rotor and the settings. Their hashes in the message are
 /// those of the documents here whenever it is sent.
 #[derive(Clone, Debug, Default)]
-pub struct Bulletin {
-    message: BulletinMessage,
+pub struct BenchStatus {
+    message: BenchStatusMessage,
     rotor: Option<RotorDocument>,
     /// The settings in force.
     pub settings: SettingsDocument,
 }
 
-impl Bulletin {
+impl BenchStatus {
     /// The spin speed when this was told, which may be on its way to the one that is set.
     #[must_use]
     pub fn present_speed(&self) -> f64 {
         if self.analysis.count > 0 { self.analysis.speed } else { self.settings.get().speed }
     }
 
-    pub(crate) fn resolved(message: BulletinMessage, rotor: RotorDocument, settings: SettingsDocument) -> Self {
+    pub(crate) fn resolved(message: BenchStatusMessage, rotor: RotorDocument, settings: SettingsDocument) -> Self {
         Self { message, rotor: Some(rotor), settings }
     }
 
     /// The rotor that is simulated.
     ///
     /// # Errors
-    /// It has not been told: a bulletin that was not received.
+    /// It has not been told: a bench status that was not received.
     pub fn rotor(&self) -> Result<Rotor, RotorError> {
         match &self.rotor {
             Some(rotor) => Ok(rotor.get().clone()),
@@ -56,28 +56,28 @@ impl Bulletin {
 
     /// The message, which names the documents.
     #[must_use]
-    pub fn message(&self) -> BulletinMessage {
+    pub fn message(&self) -> BenchStatusMessage {
         let rotor = self.rotor.as_ref().map_or(0, Document::hash);
-        BulletinMessage { rotor, settings: self.settings.hash(), ..self.message }
+        BenchStatusMessage { rotor, settings: self.settings.hash(), ..self.message }
     }
 }
 
-impl From<BulletinMessage> for Bulletin {
-    fn from(message: BulletinMessage) -> Self {
+impl From<BenchStatusMessage> for BenchStatus {
+    fn from(message: BenchStatusMessage) -> Self {
         Self { message, ..Self::default() }
     }
 }
 
-impl Deref for Bulletin {
-    type Target = BulletinMessage;
+impl Deref for BenchStatus {
+    type Target = BenchStatusMessage;
 
-    fn deref(&self) -> &BulletinMessage {
+    fn deref(&self) -> &BenchStatusMessage {
         &self.message
     }
 }
 
-impl DerefMut for Bulletin {
-    fn deref_mut(&mut self) -> &mut BulletinMessage {
+impl DerefMut for BenchStatus {
+    fn deref_mut(&mut self) -> &mut BenchStatusMessage {
         &mut self.message
     }
 }
@@ -90,11 +90,11 @@ mod tests {
     fn a_rotor_survives_the_journey() {
         for name in rotor::builtin::ROTORS {
             let rotor = rotor::builtin::rotor(name).unwrap();
-            let mut bulletin = Bulletin::default();
-            bulletin.set_rotor(&rotor);
-            assert_eq!(bulletin.rotor().unwrap(), rotor);
-            assert_eq!(bulletin.message().rotor, Document::of(&rotor).hash());
+            let mut bench_status = BenchStatus::default();
+            bench_status.set_rotor(&rotor);
+            assert_eq!(bench_status.rotor().unwrap(), rotor);
+            assert_eq!(bench_status.message().rotor, Document::of(&rotor).hash());
         }
-        assert!(Bulletin::default().rotor().is_err());
+        assert!(BenchStatus::default().rotor().is_err());
     }
 }

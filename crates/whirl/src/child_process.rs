@@ -11,7 +11,7 @@ use crate::commands::sim::READY;
 use crate::failure::Failure;
 
 /// A process that we started. It ends with us, however we end: its standard input is a pipe from us.
-pub(crate) struct Companion {
+pub(crate) struct ChildProcess {
     /// What it is, for messages.
     what: &'static str,
     /// How long it may take to end before it is killed.
@@ -28,7 +28,7 @@ pub(crate) struct Companion {
 
 type Greeting = (String, BufReader<ChildStdout>);
 
-impl Companion {
+impl ChildProcess {
     /// Starts `whirl` with these arguments and waits until it says that it has what it needs, or ends for lack of that:
     /// another's bench of the same name must not be taken for it.
     ///
@@ -39,7 +39,7 @@ impl Companion {
         companion.wait().map(|()| companion)
     }
 
-    /// The same without waiting: [`Companion::is_ready`] tells.
+    /// The same without waiting: [`ChildProcess::is_ready`] tells.
     ///
     /// # Errors
     /// It cannot be started.
@@ -67,7 +67,7 @@ impl Companion {
     /// Waits until it has said that it has what it needs.
     ///
     /// # Errors
-    /// As [`Companion::is_ready`].
+    /// As [`ChildProcess::is_ready`].
     pub(crate) fn wait(&mut self) -> Result<(), Failure> {
         match self.greeting.take() {
             None => Ok(()),
@@ -103,7 +103,7 @@ impl Companion {
     /// The same, anew.
     ///
     /// # Errors
-    /// As [`Companion::start`].
+    /// As [`ChildProcess::start`].
     pub(crate) fn start_again(&self) -> Result<Self, Failure> {
         Self::start(self.what, self.farewell, self.arguments.clone())
     }
@@ -180,7 +180,7 @@ impl Companion {
     }
 }
 
-impl Drop for Companion {
+impl Drop for ChildProcess {
     fn drop(&mut self) {
         // After a panic: nobody is left to tell.
         let _ = self.end();

@@ -36,7 +36,7 @@ impl Wait {
             }
             for item in self.items.drain(..upto) {
                 match item {
-                    Item::Run(bulletin, _) => self.head = Some(subject.head(bulletin)),
+                    Item::Run(bench_status, _) => self.head = Some(subject.head(bench_status)),
                     Item::Event(event) => {
                         if let Some(head) = &mut self.head {
                             head.follow(&event);
@@ -52,7 +52,7 @@ impl Wait {
                             head.snapshot = Some((snapshot, at));
                         }
                     }
-                    Item::Steps(_) | Item::Bulletin(..) => {}
+                    Item::Steps(_) | Item::BenchStatus(..) => {}
                 }
             }
         }

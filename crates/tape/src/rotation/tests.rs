@@ -49,7 +49,7 @@ impl Sink for Noting {
         self.note(&format!("snapshot {}", snapshot.next))
     }
 
-    fn health(&mut self, _: &Bulletin, _: Moment) -> Result<(), TapeError> {
+    fn health(&mut self, _: &BenchStatus, _: Moment) -> Result<(), TapeError> {
         Ok(())
     }
 
@@ -63,7 +63,7 @@ impl Sink for Noting {
 }
 
 struct Bench {
-    reel: Reel,
+    rotation: FileRotation,
     log: Log,
     folder: tempfile::TempDir,
 }
@@ -78,12 +78,12 @@ impl Bench {
             Ok(Box::new(Noting { name: name(path), log: shared.clone(), bytes: 0 }))
         });
         let subject = Subject { bench: "rig".into(), limits: Limits::default() };
-        let reel = Reel::with(&folder.path().join("s.rrd"), subject, keep, open).unwrap();
-        Self { reel, log, folder }
+        let rotation = FileRotation::with(&folder.path().join("s.rrd"), subject, keep, open).unwrap();
+        Self { rotation, log, folder }
     }
 
     fn run(&mut self) {
-        self.reel.take(Item::Run(bulletin(), Moment::default())).unwrap();
+        self.rotation.take(Item::Run(bench_status(), Moment::default())).unwrap();
     }
 
     /// One second of steps at 10 a second.
@@ -94,13 +94,13 @@ impl Bench {
             let state = State::new(Layout::new(3)).with_word(Channel::RunId, 1).with_word(Channel::Seq, seq);
             batch.push(&state.with_word(Channel::WallNs, wall_ns));
         }
-        self.reel.take(Item::Steps(batch)).unwrap();
+        self.rotation.take(Item::Steps(batch)).unwrap();
     }
 
     fn event(&mut self, happening: &Happening, revision: u64) {
         let mut event = happening.event();
-        (event.run_id, event.revision, event.settings) = (1, revision, bulletin().settings);
-        self.reel.take(Item::Event(event)).unwrap();
+        (event.run_id, event.revision, event.settings) = (1, revision, bench_status().settings);
+        self.rotation.take(Item::Event(event)).unwrap();
     }
 
     fn log(&self) -> Vec<String> {
@@ -115,19 +115,19 @@ impl Bench {
     }
 }
 
-fn bulletin() -> Box<Bulletin> {
+fn bench_status() -> Box<BenchStatus> {
     let rotor = rotor::builtin::rotor("three-mass").unwrap();
     let off = rotor::builtin::feedback(&rotor, "off").unwrap();
     let settings = rotor::Settings::new(&rotor, 1.0, off);
     let settings = SettingsDocument::of(&settings);
-    let mut bulletin = Box::new(Bulletin::from(wire::message::BulletinMessage {
+    let mut bench_status = Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
         run_id: 1,
         revision: 1,
-        ..wire::message::BulletinMessage::default()
+        ..wire::message::BenchStatusMessage::default()
     }));
-    bulletin.set_rotor(&rotor);
-    bulletin.settings = settings;
-    bulletin
+    bench_status.set_rotor(&rotor);
+    bench_status.settings = settings;
+    bench_status
 }
 
 fn keep(keeping: Keeping) -> Keep {
@@ -158,7 +158,7 @@ fn every_part_of_a_split_recording_can_be_read_alone() {
             "s-2.rrd 20..=29",
         ]
     );
-    let files = bench.reel.finish("enough").unwrap();
+    let files = bench.rotation.finish("enough").unwrap();
     assert_eq!(files.iter().map(|f| name(f)).collect::<Vec<_>>(), ["s.rrd", "s-2.rrd"]);
 }
 
@@ -175,10 +175,10 @@ fn an_alarm_in_force_stands_at_the_head_of_every_part_until_it_ends() {
     let mut bench = Bench::new(Keep { split: Some(1000), ..keep(Keeping::All) });
     bench.run();
     bench.second(0);
-    bench.reel.take(alarm(5, Level::Alarm)).unwrap();
+    bench.rotation.take(alarm(5, Level::Alarm)).unwrap();
     bench.second(1);
     bench.second(2);
-    bench.reel.take(alarm(25, Level::Fine)).unwrap();
+    bench.rotation.take(alarm(25, Level::Fine)).unwrap();
     bench.second(3);
     let said = bench.log();
     let told: Vec<&str> = said.iter().filter(|line| line.contains("damping")).map(String::as_str).collect();
@@ -193,7 +193,7 @@ fn an_alarm_before_the_time_that_a_trip_looks_back_is_told_all_the_same() {
     let mut bench = Bench::new(keep(Keeping::Pretrigger(3.0)));
     bench.run();
     bench.second(0);
-    bench.reel.take(alarm(5, Level::Warning)).unwrap();
+    bench.rotation.take(alarm(5, Level::Warning)).unwrap();
     (1..20).for_each(|second| bench.second(second));
     bench.event(&Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }), 1);
     let said = bench.log();
@@ -209,7 +209,7 @@ fn a_rolling_recording_lets_go_of_what_is_too_old() {
     let files = bench.files();
     assert!((9..=10).contains(&files.len()), "{files:?}");
     assert!(!files.contains(&"s-1.rrd".to_owned()) && files.contains(&"s-20.rrd".to_owned()), "{files:?}");
-    assert!(bench.reel.bytes() <= 100 * 10 * 19, "{}", bench.reel.bytes());
+    assert!(bench.rotation.bytes() <= 100 * 10 * 19, "{}", bench.rotation.bytes());
 }
 
 #[test]
@@ -257,9 +257,9 @@ fn regress_the_time_after_a_trip_is_whole() {
     (0..=20).for_each(|second| bench.second(second));
     // At 21.8 s, before its own steps are heard, as events are.
     let mut event = Happening::Tripped(Trip { cause: 1, mass: 1, ..Trip::default() }).event();
-    (event.run_id, event.revision, event.settings) = (1, 1, bulletin().settings);
+    (event.run_id, event.revision, event.settings) = (1, 1, bench_status().settings);
     event.wall_ns = 1_000_000_000_000 + 21_800_000_000;
-    bench.reel.take(Item::Event(event)).unwrap();
+    bench.rotation.take(Item::Event(event)).unwrap();
     (21..40).for_each(|second| bench.second(second));
     let said = bench.log();
     let after: Vec<&String> = said.iter().rev().take(2).collect();
@@ -273,7 +273,7 @@ fn another_run_is_another_file() {
     bench.second(0);
     bench.run();
     bench.second(0);
-    assert_eq!(bench.reel.finish("enough").unwrap().len(), 2);
+    assert_eq!(bench.rotation.finish("enough").unwrap().len(), 2);
 }
 
 #[test]
@@ -313,7 +313,7 @@ fn the_last_snapshot_stands_at_the_head_of_every_part() {
     let mut bench = Bench::new(Keep { split: Some(1500), ..keep(Keeping::All) });
     bench.run();
     (0..2).for_each(|second| bench.second(second));
-    bench.reel.take(snapshot(18)).unwrap();
+    bench.rotation.take(snapshot(18)).unwrap();
     bench.second(2);
     let log = bench.log();
     let at = |what: &str| log.iter().position(|line| line == what).unwrap_or_else(|| panic!("{what}: {log:?}"));
@@ -323,7 +323,7 @@ fn the_last_snapshot_stands_at_the_head_of_every_part() {
     bench.run();
     for second in 0..6 {
         bench.second(second);
-        bench.reel.take(snapshot(10 * second + 7)).unwrap();
+        bench.rotation.take(snapshot(10 * second + 7)).unwrap();
     }
     bench.event(&Happening::Tripped(Trip::default()), 1);
     let log = bench.log();

@@ -1,4 +1,4 @@
-//! The intake thread: checks requests, hands them over, computes poles, and publishes bulletins and events.
+//! The request thread: checks requests, hands them over, computes poles, and publishes bench statuses and events.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -6,27 +6,29 @@ use std::time::{Duration, Instant};
 use machine::{MachinePoles, Pace, Program};
 use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
-use wire::message::{Analysis, BulletinMessage, Health, Trip};
-use wire::{Answer, Bulletin, Change, Happening, Host, Inbox, NewsSender, Request, SettingsDocument, Text, WireError};
+use wire::message::{Analysis, BenchStatusMessage, Health, Trip};
+use wire::{
+    Answer, BenchStatus, Change, Happening, Host, Inbox, NewsSender, Request, SettingsDocument, Text, WireError,
+};
 
 use crate::Options;
 use crate::engine::{Exchange, Notice, Order};
 use crate::health::Gauge;
 use crate::log::{Lateness, Log, When};
 
-/// How often a bulletin goes out when nothing changes.
+/// How often a bench status goes out when nothing changes.
 const HEARTBEAT: Duration = Duration::from_millis(100);
 
 /// How long the stepping thread may take to carry out an order, beyond one step period.
 const HANDOVER: Duration = Duration::from_secs(1);
 
-/// What the intake knows.
-pub(crate) struct Intake<'a> {
+/// What the request thread knows.
+pub(crate) struct RequestThread<'a> {
     rotor: &'a Rotor,
     settings: Settings,
     /// What the speed follows until it is set to something else.
     profile: Option<Profile>,
-    bulletin: Box<Bulletin>,
+    bench_status: Box<BenchStatus>,
     exchange: &'a Exchange,
     gauge: Gauge,
     log: Log,
@@ -40,7 +42,7 @@ pub(crate) struct Intake<'a> {
     news: bool,
 }
 
-impl<'a> Intake<'a> {
+impl<'a> RequestThread<'a> {
     pub(crate) fn new(
         rotor: &'a Rotor,
         settings: Settings,
@@ -49,7 +51,7 @@ impl<'a> Intake<'a> {
         (run_id, started_ns): (u64, u64),
         exchange: &'a Exchange,
     ) -> Self {
-        let mut bulletin = Box::new(Bulletin::from(BulletinMessage {
+        let mut bench_status = Box::new(BenchStatus::from(BenchStatusMessage {
             run_id,
             started_ns,
             pid: std::process::id(),
@@ -59,15 +61,15 @@ impl<'a> Intake<'a> {
             substeps,
             revision: 1,
             changed_by: Text::new("start"),
-            ..BulletinMessage::default()
+            ..BenchStatusMessage::default()
         }));
-        bulletin.set_rotor(rotor);
+        bench_status.set_rotor(rotor);
         let period = Duration::from_secs_f64(1.0 / options.rate_hz);
         Self {
             rotor,
             settings,
             profile: options.profile.clone(),
-            bulletin,
+            bench_status,
             exchange,
             gauge: Gauge::new(),
             log: Log::default(),
@@ -83,19 +85,19 @@ impl<'a> Intake<'a> {
     pub(crate) fn run<H: Host>(mut self, host: &H, stop: &AtomicBool) -> Result<(Health, Trip), WireError> {
         let mut inbox = host.inbox()?;
         let mut news = host.news()?;
-        self.bulletin.settings = SettingsDocument::of(&self.settings);
+        self.bench_status.settings = SettingsDocument::of(&self.settings);
         self.analyse();
-        self.log.note(&Happening::Started, When { step: 0, tau: 0.0 }, &self.bulletin);
+        self.log.note(&Happening::Started, When { step: 0, tau: 0.0 }, &self.bench_status);
         if let Some(profile) = &self.profile {
             // Nothing else of a bench tells of legs that are to come.
             let told = Happening::Note(fitting(&profile.told(self.rotor.scales().copied())));
-            self.log.note(&told, When { step: 0, tau: 0.0 }, &self.bulletin);
+            self.log.note(&told, When { step: 0, tau: 0.0 }, &self.bench_status);
         }
         let mut beat = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
                 self.gauge.gather(self.exchange);
-                if self.speed() != self.bulletin.analysis.speed {
+                if self.speed() != self.bench_status.analysis.speed {
                     self.analyse();
                 }
                 news.welcome()?;
@@ -112,17 +114,17 @@ impl<'a> Intake<'a> {
             }
         }
         self.gauge.gather(self.exchange);
-        self.log.note(&Happening::Ended, When::now(self.exchange), &self.bulletin);
+        self.log.note(&Happening::Ended, When::now(self.exchange), &self.bench_status);
         self.log.send(&mut news)?;
-        Ok((self.gauge.health(self.exchange, host.listeners()), self.bulletin.trip))
+        Ok((self.gauge.health(self.exchange, host.listeners()), self.bench_status.trip))
     }
 
     fn publish(&mut self, news: &mut impl NewsSender, listeners: usize) -> Result<(), WireError> {
-        self.bulletin.number += 1;
-        self.bulletin.wall_ns = crate::wall_ns();
-        self.bulletin.health = self.gauge.health(self.exchange, listeners);
+        self.bench_status.number += 1;
+        self.bench_status.wall_ns = crate::wall_ns();
+        self.bench_status.health = self.gauge.health(self.exchange, listeners);
         self.news = false;
-        news.bulletin(&self.bulletin)
+        news.bench_status(&self.bench_status)
     }
 
     /// Sends the snapshots that the stepping thread has taken, and gives it their buffers back, with the room that it needs.
@@ -142,29 +144,33 @@ impl<'a> Intake<'a> {
         let counters = &self.exchange.counters;
         let (late, missed) = (counters.late.load(Ordering::Relaxed), counters.missed.load(Ordering::Relaxed));
         if let Some(behind) = self.lateness.look(late, missed, Instant::now()) {
-            self.log.note(&behind, When::now(self.exchange), &self.bulletin);
+            self.log.note(&behind, When::now(self.exchange), &self.bench_status);
         }
     }
 
     /// Checks a request whole, has it carried out between two steps, and says with which step.
     fn answer(&mut self, request: &Request) -> Answer {
-        let revision = self.bulletin.revision;
+        let revision = self.bench_status.revision;
         if request.asks_for_settings() && request.base_revision != revision {
             // No event: whoever asked looks again and asks again.
             let why = format!(
                 "the settings were changed meanwhile by {} (revision {revision}, yours was {})",
-                self.bulletin.changed_by.as_str(),
+                self.bench_status.changed_by.as_str(),
                 request.base_revision
             );
-            return Answer { outdated: 1, settings: self.bulletin.settings.hash(), ..Answer::refused(revision, &why) };
+            return Answer {
+                outdated: 1,
+                settings: self.bench_status.settings.hash(),
+                ..Answer::refused(revision, &why)
+            };
         }
-        let before = self.bulletin.substeps;
+        let before = self.bench_status.substeps;
         if request.asks_for_settings()
             && Change::of(request).is_ok_and(|change| change.settings() == Some(&self.settings))
         {
             // In force already: nothing happens, and nobody's undo is in the way of it.
             let done = Answer::accepted(revision, self.applied.step, self.applied.tau);
-            return Answer { substeps: [before; 2], settings: self.bulletin.settings.hash(), ..done };
+            return Answer { substeps: [before; 2], settings: self.bench_status.settings.hash(), ..done };
         }
         let carried = self.order(request).and_then(|(change, order)| {
             let behind = || String::from("the simulation is too far behind to take changes");
@@ -174,47 +180,47 @@ impl<'a> Intake<'a> {
         let (change, substeps, when) = match carried {
             Ok(done) => done,
             Err(reason) => {
-                let settings = self.bulletin.settings.hash();
+                let settings = self.bench_status.settings.hash();
                 let answer = Answer { substeps: [before; 2], settings, ..Answer::refused(revision, &reason) };
                 let refused = Happening::Refused { asked: Change::kind_name(request.kind), reason };
-                self.log.note_request(&refused, When::now(self.exchange), &self.bulletin, request);
+                self.log.note_request(&refused, When::now(self.exchange), &self.bench_status, request);
                 return answer;
             }
         };
         let mut left = false;
         let happened = match change {
             Change::Settings { settings, .. } => {
-                self.bulletin.settings = SettingsDocument::of(&settings);
-                self.bulletin.substeps = substeps;
+                self.bench_status.settings = SettingsDocument::of(&settings);
+                self.bench_status.substeps = substeps;
                 if self.leaves_profile(&settings) {
                     left = self.profile.take().is_some();
                 }
                 self.settings = settings;
-                self.bulletin.revision = revision + 1;
-                self.bulletin.applied_at_step = when.step;
+                self.bench_status.revision = revision + 1;
+                self.bench_status.applied_at_step = when.step;
                 self.applied = when;
-                self.bulletin.changed_by = request.who;
+                self.bench_status.changed_by = request.who;
                 self.analyse();
                 Happening::Settings
             }
             Change::Restart => {
-                self.bulletin.trip = Trip::default();
+                self.bench_status.trip = Trip::default();
                 Happening::Restarted
             }
             Change::Impulse { mass, velocity } => Happening::Impulse { mass, velocity },
             Change::Note { text } => Happening::Note(text),
         };
-        self.log.note_request(&happened, when, &self.bulletin, request);
+        self.log.note_request(&happened, when, &self.bench_status, request);
         if left {
             // After the change itself, whose settings it carries.
-            self.log.note(&Happening::Note("the speed leaves its profile".into()), when, &self.bulletin);
+            self.log.note(&Happening::Note("the speed leaves its profile".into()), when, &self.bench_status);
         }
         self.news = true;
-        let settings = self.bulletin.settings.hash();
+        let settings = self.bench_status.settings.hash();
         Answer {
             substeps: [substeps, before],
             settings,
-            ..Answer::accepted(self.bulletin.revision, when.step, when.tau)
+            ..Answer::accepted(self.bench_status.revision, when.step, when.tau)
         }
     }
 
@@ -223,7 +229,7 @@ impl<'a> Intake<'a> {
         let change = Change::of(request).map_err(|error| error.to_string())?;
         let order = match &change {
             Change::Settings { settings, .. } => {
-                let BulletinMessage { dtau, rate_hz, .. } = **self.bulletin;
+                let BenchStatusMessage { dtau, rate_hz, .. } = **self.bench_status;
                 let pace = Pace { dtau, rate_hz };
                 let program = match &self.profile {
                     Some(profile) if !self.leaves_profile(settings) => {
@@ -239,7 +245,7 @@ impl<'a> Intake<'a> {
                 // Before it is at work, so that the snapshot of the change is taken with it.
                 self.snapshot_words = program.words_at_most();
                 self.exchange.make_room(self.snapshot_words);
-                Order::Settings { program, revision: self.bulletin.revision + 1 }
+                Order::Settings { program, revision: self.bench_status.revision + 1 }
             }
             Change::Impulse { mass, velocity } => {
                 let size = velocity.norm();
@@ -303,8 +309,8 @@ impl<'a> Intake<'a> {
                 Some(When { step, tau })
             }
             Notice::Tripped { trip, tau } => {
-                self.bulletin.trip = trip;
-                self.log.note(&Happening::Tripped(trip), When { step: trip.step, tau }, &self.bulletin);
+                self.bench_status.trip = trip;
+                self.log.note(&Happening::Tripped(trip), When { step: trip.step, tau }, &self.bench_status);
                 self.news = true;
                 None
             }
@@ -323,7 +329,7 @@ impl<'a> Intake<'a> {
     /// Recomputes the poles for the settings in force, at the speed of this moment.
     fn analyse(&mut self) {
         let speed = self.speed();
-        let mut analysis = Analysis { revision: self.bulletin.revision, speed, ..Analysis::default() };
+        let mut analysis = Analysis { revision: self.bench_status.revision, speed, ..Analysis::default() };
         let settings = Settings { speed, ..self.settings.clone() };
         match MachinePoles::of(self.rotor, &settings).map(MachinePoles::spectrum) {
             Ok(spectrum) => {
@@ -336,7 +342,7 @@ impl<'a> Intake<'a> {
             }
             Err(error) => tracing::warn!(%error, "no poles for these settings"),
         }
-        self.bulletin.analysis = analysis;
+        self.bench_status.analysis = analysis;
     }
 }
 

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 use alarms::Limits;
 use rotor::Difference;
-use wire::{Bulletin, Happening, Keeping, Moment};
+use wire::{BenchStatus, Happening, Keeping, Moment};
 
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
@@ -25,7 +25,7 @@ use wait::Wait;
 type Open = Box<dyn FnMut(&Path, &Head) -> Result<Box<dyn Sink>, TapeError> + Send>;
 
 /// Puts what is recorded into files.
-pub struct Reel {
+pub struct FileRotation {
     open: Open,
     path: PathBuf,
     subject: Subject,
@@ -51,8 +51,8 @@ struct Subject {
 }
 
 impl Subject {
-    fn head(&self, bulletin: Box<Bulletin>) -> Head {
-        Head::live(bulletin, &self.bench).judged_by(self.limits.clone())
+    fn head(&self, bench_status: Box<BenchStatus>) -> Head {
+        Head::live(bench_status, &self.bench).judged_by(self.limits.clone())
     }
 }
 
@@ -69,8 +69,8 @@ struct Done {
     bytes: u64,
 }
 
-impl Reel {
-    /// A reel on `path`, for a bench called `bench` that is held against `limits`. Nothing is written yet.
+impl FileRotation {
+    /// A rotation on `path`, for a bench called `bench` that is held against `limits`. Nothing is written yet.
     ///
     /// # Errors
     /// The path is taken or no place for a file, or this build cannot record.
@@ -134,7 +134,7 @@ impl Reel {
     /// Ends the recording, for a reason that the file tells. Returns the files that it has become.
     ///
     /// # Errors
-    /// As [`Reel::take`].
+    /// As [`FileRotation::take`].
     pub fn finish(mut self, why: &str) -> Result<Vec<PathBuf>, TapeError> {
         self.close(What::Ends(why.to_owned()))?;
         let parts: Vec<PathBuf> = self.done.iter().map(|done| done.path.clone()).collect();
@@ -152,13 +152,13 @@ impl Reel {
 
     fn put(&mut self, item: Item) -> Result<(), TapeError> {
         match item {
-            Item::Run(bulletin, at) => {
+            Item::Run(bench_status, at) => {
                 if self.file.is_some() {
                     let next = self.next_path();
                     self.close(What::Continues(name(&next)))?;
                 }
                 self.last = at;
-                self.head = Some(self.subject.head(bulletin));
+                self.head = Some(self.subject.head(bench_status));
                 self.begin()
             }
             Item::Steps(batch) => {
@@ -173,8 +173,8 @@ impl Reel {
             }
             Item::Event(event) => {
                 let mut told = Event::from(&*event);
-                if let Some(head) = self.head.as_ref().filter(|head| event.revision > head.bulletin.revision) {
-                    let (before, after) = (head.bulletin.settings.get().clone(), event.settings.get().clone());
+                if let Some(head) = self.head.as_ref().filter(|head| event.revision > head.bench_status.revision) {
+                    let (before, after) = (head.bench_status.settings.get().clone(), event.settings.get().clone());
                     told.change = Difference::between(&before, &after).to_string();
                 }
                 let head = self.head.as_mut();
@@ -184,13 +184,13 @@ impl Reel {
                 }
                 self.file.as_mut().map_or(Ok(()), |part| part.sink.event(&told))
             }
-            Item::Bulletin(bulletin, at) => {
-                let revision = self.catch_up(bulletin);
+            Item::BenchStatus(bench_status, at) => {
+                let revision = self.catch_up(bench_status);
                 if let Some(revision) = revision {
                     self.revision(&revision, at)?;
                 }
                 let (Some(part), Some(head)) = (&mut self.file, &self.head) else { return Ok(()) };
-                part.sink.health(&head.bulletin, at)
+                part.sink.health(&head.bench_status, at)
             }
             Item::Snapshot(snapshot, at) => {
                 if let Some(head) = &mut self.head {
@@ -211,20 +211,20 @@ impl Reel {
         self.file.as_mut().map_or(Ok(()), |part| part.sink.revision(revision, at))
     }
 
-    /// Takes over a bulletin. Settings in it whose event has not come, which only a very busy bench can bring about, are
+    /// Takes over a bench status. Settings in it whose event has not come, which only a very busy bench can bring about, are
     /// recorded from here.
-    fn catch_up(&mut self, bulletin: Box<Bulletin>) -> Option<Revision> {
+    fn catch_up(&mut self, bench_status: Box<BenchStatus>) -> Option<Revision> {
         let head = self.head.as_mut()?;
-        if bulletin.revision <= head.bulletin.revision {
+        if bench_status.revision <= head.bench_status.revision {
             // The event was faster: its settings stay.
-            let newest = std::mem::replace(&mut head.bulletin, bulletin);
-            head.bulletin.revision = newest.revision;
-            head.bulletin.applied_at_step = newest.applied_at_step;
-            head.bulletin.changed_by = newest.changed_by;
-            head.bulletin.settings = newest.settings;
+            let newest = std::mem::replace(&mut head.bench_status, bench_status);
+            head.bench_status.revision = newest.revision;
+            head.bench_status.applied_at_step = newest.applied_at_step;
+            head.bench_status.changed_by = newest.changed_by;
+            head.bench_status.settings = newest.settings;
             return None;
         }
-        head.bulletin = bulletin;
+        head.bench_status = bench_status;
         Some(head.revision())
     }
 

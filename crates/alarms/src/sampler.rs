@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 
 use wire::message::Flags;
-use wire::{Bulletin, Event, Moment, Step};
+use wire::{BenchStatus, Event, Moment, Step};
 
 use crate::{Reading, Sample, Watch};
 
@@ -15,7 +15,7 @@ const COUNT_NS: u64 = 250_000_000;
 
 /// What has come in since the last reading.
 #[derive(Clone, Debug, Default)]
-pub struct Gauge {
+pub struct Sampler {
     run_id: u64,
     last: Moment,
     orbit: Option<Sample>,
@@ -41,7 +41,7 @@ struct Counts {
     missed: u64,
 }
 
-impl Gauge {
+impl Sampler {
     /// Takes in one step. A new run starts anew.
     pub fn hear(&mut self, state: &impl Step) {
         self.follow(state.run_id());
@@ -67,11 +67,11 @@ impl Gauge {
         }
     }
 
-    /// Takes in a bulletin, and how many steps have been lost to us so far.
-    pub fn learn(&mut self, bulletin: &Bulletin, lost: u64) {
-        self.follow(bulletin.run_id);
-        self.last.wall_ns = self.last.wall_ns.max(bulletin.wall_ns);
-        let analysis = &bulletin.analysis;
+    /// Takes in a bench status, and how many steps have been lost to us so far.
+    pub fn learn(&mut self, bench_status: &BenchStatus, lost: u64) {
+        self.follow(bench_status.run_id);
+        self.last.wall_ns = self.last.wall_ns.max(bench_status.wall_ns);
+        let analysis = &bench_status.analysis;
         if analysis.count == 0 || self.damping.is_none_or(|known| known.value != analysis.min_damping) {
             // While the speed is on its way damping changes without anybody's doing.
             let is_new = self.analysed.replace(analysis.revision) != Some(analysis.revision);
@@ -81,11 +81,16 @@ impl Gauge {
             let at = here.map_or(self.last, |(.., at)| at);
             self.damping = (analysis.count > 0).then_some(Sample { value: analysis.min_damping, at });
         }
-        let trip = &bulletin.trip;
-        self.trip = Some(if trip.is_tripped() { trip.told(bulletin.scales()) } else { String::new() });
-        let health = &bulletin.health;
-        let counts =
-            Counts { wall_ns: bulletin.wall_ns, lost, steps: health.steps, late: health.late, missed: health.missed };
+        let trip = &bench_status.trip;
+        self.trip = Some(if trip.is_tripped() { trip.told(bench_status.scales()) } else { String::new() });
+        let health = &bench_status.health;
+        let counts = Counts {
+            wall_ns: bench_status.wall_ns,
+            lost,
+            steps: health.steps,
+            late: health.late,
+            missed: health.missed,
+        };
         if self.counts.back().is_none_or(|last| counts.wall_ns >= last.wall_ns + COUNT_NS) {
             self.counts.push_back(counts);
         }
@@ -141,10 +146,10 @@ mod tests {
         state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 1, 2.5)
     }
 
-    fn bulletin() -> Box<Bulletin> {
-        Box::new(Bulletin::from(wire::message::BulletinMessage {
+    fn bench_status() -> Box<BenchStatus> {
+        Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
             run_id: 7,
-            ..wire::message::BulletinMessage::default()
+            ..wire::message::BenchStatusMessage::default()
         }))
     }
 
@@ -154,35 +159,36 @@ mod tests {
 
     #[test]
     fn no_peak_falls_between_two_readings_and_its_step_is_known() {
-        let mut gauge = Gauge::default();
+        let mut sampler = Sampler::default();
         for seq in 0..100 {
             let mut state = state(seq);
             if seq == 42 {
                 state = state.with(Channel::Y, 1, 900.0).with_flags(Flags::SATURATED);
                 state.row_mut().set_pair([Channel::ForceY, Channel::ForceZ], 0, [-30.0, 40.0]);
             }
-            gauge.hear(&state);
+            sampler.hear(&state);
         }
-        let reading = gauge.take();
+        let reading = sampler.take();
         let at = Moment { seq: 42, tau: 0.42, wall_ns: 0 };
         assert_eq!(reading.get(Watch::Orbit), Some(Sample { value: 900.0, at }));
         assert_eq!(reading.get(Watch::Force), Some(Sample { value: 50.0, at }));
         assert_eq!((value(&reading, Watch::Saturation), reading.at.seq), (Some(0.01), 99));
-        gauge.hear(&state(100));
-        let after = gauge.take();
+        sampler.hear(&state(100));
+        let after = sampler.take();
         assert_eq!((value(&after, Watch::Orbit), value(&after, Watch::Saturation)), (Some(2.5), Some(0.0)));
-        assert_eq!(gauge.take().get(Watch::Orbit), None, "nothing heard is nothing known");
+        assert_eq!(sampler.take().get(Watch::Orbit), None, "nothing heard is nothing known");
     }
 
     #[test]
     fn shares_and_losses_are_of_the_last_ten_seconds() {
-        let mut gauge = Gauge::default();
+        let mut sampler = Sampler::default();
         let mut learn = |second: u64, late: u64, missed: u64, lost: u64| {
-            let mut bulletin = bulletin();
-            bulletin.wall_ns = second * 1_000_000_000;
-            (bulletin.health.steps, bulletin.health.late, bulletin.health.missed) = (1000 * second, late, missed);
-            gauge.learn(&bulletin, lost);
-            let reading = gauge.take();
+            let mut bench_status = bench_status();
+            bench_status.wall_ns = second * 1_000_000_000;
+            (bench_status.health.steps, bench_status.health.late, bench_status.health.missed) =
+                (1000 * second, late, missed);
+            sampler.learn(&bench_status, lost);
+            let reading = sampler.take();
             (value(&reading, Watch::Lateness), value(&reading, Watch::Losses))
         };
         assert_eq!(learn(100, 50, 7, 3), (None, Some(0.0)), "what was before we came is not ours");
@@ -196,45 +202,45 @@ mod tests {
 
     #[test]
     fn a_trip_brings_its_cause_and_a_new_run_starts_anew() {
-        let mut gauge = Gauge::default();
-        let mut bulletin = bulletin();
-        bulletin.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
-        gauge.learn(&bulletin, 0);
-        let reading = gauge.take();
+        let mut sampler = Sampler::default();
+        let mut bench_status = bench_status();
+        bench_status.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
+        sampler.learn(&bench_status, 0);
+        let reading = sampler.take();
         assert!(reading.cause.starts_with("orbit of mass 2 reached 1000.5"), "{}", reading.cause);
         assert_eq!(value(&reading, Watch::Trip), Some(1.0));
-        gauge.hear(&state(0).with_word(Channel::RunId, 8));
-        assert_eq!(gauge.take().get(Watch::Trip), None);
+        sampler.hear(&state(0).with_word(Channel::RunId, 8));
+        assert_eq!(sampler.take().get(Watch::Trip), None);
     }
 
     #[test]
     fn damping_is_of_the_step_from_which_its_settings_hold() {
-        let mut gauge = Gauge::default();
-        gauge.hear(&state(500));
-        let mut bulletin = bulletin();
-        bulletin.analysis = Analysis { revision: 3, count: 6, min_damping: 0.05, ..Analysis::default() };
-        gauge.learn(&bulletin, 0);
-        assert_eq!(gauge.take().get(Watch::Damping), Some(Sample { value: 0.05, at: (&state(500)).into() }));
-        gauge.happen(&Event::from(wire::EventMessage {
+        let mut sampler = Sampler::default();
+        sampler.hear(&state(500));
+        let mut bench_status = bench_status();
+        bench_status.analysis = Analysis { revision: 3, count: 6, min_damping: 0.05, ..Analysis::default() };
+        sampler.learn(&bench_status, 0);
+        assert_eq!(sampler.take().get(Watch::Damping), Some(Sample { value: 0.05, at: (&state(500)).into() }));
+        sampler.happen(&Event::from(wire::EventMessage {
             run_id: 7,
             seq: 510,
             tau: 5.1,
             revision: 4,
             ..wire::EventMessage::default()
         }));
-        gauge.happen(&Event::from(wire::EventMessage {
+        sampler.happen(&Event::from(wire::EventMessage {
             run_id: 7,
             seq: 530,
             tau: 5.3,
             revision: 4,
             ..wire::EventMessage::default()
         }));
-        gauge.hear(&state(560));
-        bulletin.analysis = Analysis { revision: 4, count: 6, min_damping: -0.01, ..Analysis::default() };
-        gauge.learn(&bulletin, 0);
-        gauge.hear(&state(600));
-        gauge.learn(&bulletin, 0);
+        sampler.hear(&state(560));
+        bench_status.analysis = Analysis { revision: 4, count: 6, min_damping: -0.01, ..Analysis::default() };
+        sampler.learn(&bench_status, 0);
+        sampler.hear(&state(600));
+        sampler.learn(&bench_status, 0);
         let at = Moment { seq: 510, tau: 5.1, wall_ns: 0 };
-        assert_eq!(gauge.take().get(Watch::Damping), Some(Sample { value: -0.01, at }));
+        assert_eq!(sampler.take().get(Watch::Damping), Some(Sample { value: -0.01, at }));
     }
 }
