@@ -1,6 +1,6 @@
 //! Layout and configuration files: what is accepted can be shown at every size, and is the same when it is read again.
 
-use dash::{Config, LAYOUTS, Layout};
+use dashboard::{Config, LAYOUTS, Layout};
 
 use crate::machine::complains;
 use crate::{harness, mutation};

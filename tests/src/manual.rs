@@ -34,10 +34,10 @@ fn keys() -> String {
     page.text([roman("whirl-keys - keys and commands of the dashboard")]);
     page.control("SH", ["KEYS"]);
     page.text([roman("[keys] in the configuration file binds others: whirl config defaults prints it.")]);
-    rows(&mut page, dash::manual_keys());
+    rows(&mut page, dashboard::manual_keys());
     page.control("SH", ["COMMANDS"]);
     page.text([roman("Typed after a colon; tab completes them. Settings can be typed alone: speed 3, kd=0.1.")]);
-    rows(&mut page, dash::manual_commands());
+    rows(&mut page, dashboard::manual_commands());
     page.control("SH", ["SEE ALSO"]);
     page.text([bold("whirl"), roman("(1), "), bold("whirl-dash"), roman("(1), "), bold("whirl-config"), roman("(1)")]);
     page.to_roff()

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use dash::Layout;
+use dashboard::Layout;
 
 use crate::catalog;
 use crate::failure::Failure;
@@ -30,7 +30,7 @@ pub(crate) fn folder() -> Option<PathBuf> {
 /// # Errors
 /// A file of the person's own that is wrong, or a folder that cannot be read.
 pub(crate) fn all() -> Result<Vec<Source>, Failure> {
-    let built_in = dash::built_in_layouts().into_iter().zip(dash::LAYOUTS);
+    let built_in = dashboard::built_in_layouts().into_iter().zip(dashboard::LAYOUTS);
     let mut all: Vec<Source> =
         built_in.map(|(layout, (_, text))| Source { layout, file: None, text: text.to_owned() }).collect();
     for file in own_files()? {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use dash::{OutsideError, Scribe, ScribeNews};
+use telemetry::processes::{OutsideError, Scribe, ScribeNews};
 use wire::BenchName;
 
 use crate::child_process::ChildProcess;
@@ -123,5 +123,5 @@ impl Scribe for Recordings {
 fn new_name(bench: &BenchName) -> PathBuf {
     let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
     let folder = if Path::new(FOLDER).is_dir() { FOLDER } else { "." };
-    Path::new(folder).join(format!("{bench}-{}.rrd", dash::stamp(seconds)))
+    Path::new(folder).join(format!("{bench}-{}.rrd", dashboard::stamp(seconds)))
 }

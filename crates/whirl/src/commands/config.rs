@@ -1,6 +1,6 @@
 //! `whirl config`: where the configuration is, what it says, and what holds without one.
 
-use dash::Config;
+use dashboard::Config;
 
 use crate::catalog;
 use crate::failure::Failure;

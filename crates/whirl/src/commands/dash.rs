@@ -31,7 +31,7 @@ pub(crate) struct DashArgs {
     after: u32,
     /// Keys to press before it is taken: letters, names in brackets as <enter> or <ctrl-r>, and <3s> to wait
     #[arg(long, value_name = "KEYS", default_value = "", hide_default_value = true, requires = "picture")]
-    press: dash::Presses,
+    press: dashboard::Presses,
 }
 
 /// Reads `120x40`.
@@ -52,7 +52,7 @@ pub(crate) struct ScreenArgs {
     layout: Option<String>,
     /// Colours: default (the terminal's own sixteen), full, contrast or colour-blind
     #[arg(long, value_name = "NAME")]
-    theme: Option<dash::ThemeName>,
+    theme: Option<dashboard::ThemeName>,
     /// Show nothing but ASCII, whatever the locale says
     #[arg(long)]
     ascii: bool,
@@ -66,7 +66,7 @@ impl ScreenArgs {
     ///
     /// # Errors
     /// A configuration that is wrong, or a layout that is wrong or not there.
-    pub(crate) fn options(&self) -> Result<dash::Options, Failure> {
+    pub(crate) fn options(&self) -> Result<dashboard::Options, Failure> {
         self.options_with(None)
     }
 
@@ -74,12 +74,12 @@ impl ScreenArgs {
     ///
     /// # Errors
     /// As [`ScreenArgs::options`].
-    pub(crate) fn options_with(&self, layout: Option<&str>) -> Result<dash::Options, Failure> {
+    pub(crate) fn options_with(&self, layout: Option<&str>) -> Result<dashboard::Options, Failure> {
         let config = config::read()?;
         let theme = self.theme.or(config.theme).unwrap_or_default();
-        let wishes = dash::Wishes { theme, ascii: self.ascii || config.ascii };
+        let wishes = dashboard::Wishes { theme, ascii: self.ascii || config.ascii };
         let (layouts, layout) = layouts::choose(self.layout.as_deref().or(layout).or(config.layout.as_deref()))?;
-        Ok(dash::Options {
+        Ok(dashboard::Options {
             history: self.history as usize * 1_000_000,
             layouts,
             layout,
@@ -95,11 +95,11 @@ impl ScreenArgs {
     }
 }
 
-impl From<dash::DashError> for Failure {
-    fn from(error: dash::DashError) -> Self {
+impl From<dashboard::DashError> for Failure {
+    fn from(error: dashboard::DashError) -> Self {
         match error {
-            dash::DashError::NoTerminal => Self::Usage(error.to_string()),
-            dash::DashError::Terminal(_) | dash::DashError::Past(_) | dash::DashError::Panicked => {
+            dashboard::DashError::NoTerminal => Self::Usage(error.to_string()),
+            dashboard::DashError::Terminal(_) | dashboard::DashError::Past(_) | dashboard::DashError::Panicked => {
                 Self::Work(error.to_string())
             }
         }
@@ -107,10 +107,10 @@ impl From<dash::DashError> for Failure {
 }
 
 /// A signal that ended the dashboard is told by the exit code.
-pub(crate) fn ended(how: dash::Ended) -> Result<(), Failure> {
+pub(crate) fn ended(how: dashboard::Ended) -> Result<(), Failure> {
     match how {
-        dash::Ended::Quit => Ok(()),
-        dash::Ended::Interrupted => Err(Failure::Interrupted),
+        dashboard::Ended::Quit => Ok(()),
+        dashboard::Ended::Interrupted => Err(Failure::Interrupted),
     }
 }
 
@@ -135,7 +135,7 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
         return picture(args, file, carrier, &bench, &options);
     }
     let mut scribe = Recordings::of(bench.clone());
-    let shown = dash::run(carrier, &bench, None, Some(&mut scribe), &options);
+    let shown = dashboard::run(carrier, &bench, None, Some(&mut scribe), &options);
     let recorded = scribe.finish();
     ended(shown?)?;
     recorded
@@ -147,7 +147,7 @@ fn picture<C: wire::Carrier>(
     file: &Path,
     carrier: C,
     bench: &wire::BenchName,
-    options: &dash::Options,
+    options: &dashboard::Options,
 ) -> Result<(), Failure> {
     let kind = file.extension().and_then(|kind| kind.to_str());
     let Some(kind @ ("svg" | "txt")) = kind else {
@@ -155,7 +155,7 @@ fn picture<C: wire::Carrier>(
         return Err(Failure::Usage(format!("--picture {found}: expected a file that ends in .svg or .txt")));
     };
     let after = Duration::from_secs(args.after.into());
-    let still = dash::portrait(carrier, bench, options, args.size, after, &args.press)?;
+    let still = dashboard::portrait(carrier, bench, options, args.size, after, &args.press)?;
     let still = still.ok_or_else(|| Failure::Bench(format!("bench '{bench}' sent nothing in {} s", args.after)))?;
     let content = if kind == "svg" { still.svg } else { still.text };
     args.force.write(file, content)

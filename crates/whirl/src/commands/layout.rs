@@ -99,7 +99,7 @@ fn panels(format: Format) -> Result<(), Failure> {
         panels: Vec<Listed>,
     }
     let panels: Vec<Listed> =
-        dash::panels().map(|(name, meaning, smallest)| Listed { name, smallest, meaning }).collect();
+        dashboard::panels().map(|(name, meaning, smallest)| Listed { name, smallest, meaning }).collect();
     let mut table = Table::new(&["name", "smallest", "what it shows"]);
     for Listed { name, smallest, meaning } in &panels {
         table.row([Cell::from(name), Cell::from(&written(*smallest)), Cell::from(meaning)]);

@@ -4,8 +4,9 @@ use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 
 use alarms::{Limits, Turn};
-use dash::{OutsideError, Past, PastEvent, PastWhat};
 use tape::{Gap, Recording, What};
+use telemetry::processes::OutsideError;
+use telemetry::replay::{Past, PastEvent, PastWhat};
 use wire::{BenchStatus, Moment, State};
 
 use crate::commands::dash::{ScreenArgs, ended};
@@ -29,9 +30,9 @@ pub(crate) fn run(args: &ReplayArgs) -> Result<(), Failure> {
     tape::available()?;
     let options = args.screen.options_with(Some("replay"))?;
     // Before the reader's own hook, which keeps panics over damaged columns from this one.
-    dash::restore_on_panic();
+    dashboard::restore_on_panic();
     let recording = Recording::open_row(&args.files)?;
-    ended(dash::replay(Box::new(Tape::new(recording)), &options)?)
+    ended(dashboard::replay(Box::new(Tape::new(recording)), &options)?)
 }
 
 /// A recording as the player takes it.

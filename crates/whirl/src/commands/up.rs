@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use dash::{Keeper, OutsideError};
+use telemetry::processes::{Keeper, OutsideError};
 
 use crate::attach;
 use crate::child_process::ChildProcess;
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
         simulation.0.end()?;
         return Err(failure);
     }
-    let shown = dash::run(carrier, &bench, Some(&mut simulation), Some(&mut scribe), &screen);
+    let shown = dashboard::run(carrier, &bench, Some(&mut simulation), Some(&mut scribe), &screen);
     // The simulation first, so that its end is in the recording.
     simulation.0.end()?;
     let recorded = scribe.finish();

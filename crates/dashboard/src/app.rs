@@ -1,0 +1,398 @@
+//! The loop: input first, then answers, then the clock. What an action does is [`act`]'s.
+
+mod act;
+#[cfg(test)]
+mod fuzz;
+mod keys;
+mod past;
+mod plots;
+mod recording;
+mod search;
+#[cfg(test)]
+mod tests;
+
+use std::io;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::{Duration, Instant};
+
+use alarms::Alarms;
+use crossbeam::channel::{self, Receiver, Sender, select_biased};
+use ratatui::layout::Rect;
+use rotor::Settings;
+
+use crate::actions;
+use crate::input::Input;
+use crate::keymap::Keymap;
+use crate::layers::Layer;
+use crate::layout::Layout;
+use crate::looks::Look;
+use crate::options::{DashError, Ended, Options};
+use crate::panels::panel::{Intent, Mouse};
+use crate::panels::registry::Panels;
+use crate::pointed::Pointed;
+use crate::screen;
+use crate::terminal::{self, Screen};
+use crate::view::{Cursor, Message, View};
+use telemetry::command_history::Recall;
+use telemetry::contact::Contact;
+use telemetry::edits::{Edit, Outcome};
+use telemetry::frame_data::Picture;
+use telemetry::jobs::Desk;
+use telemetry::presets::Presets;
+use telemetry::processes::{Keeper, Scribe};
+use telemetry::reader::{Shared, lock};
+use telemetry::replay::Player;
+use telemetry::search::Search;
+use telemetry::view_time::ViewTime;
+use telemetry::what_if::WhatIf;
+
+/// Time between two frames while everything moves: 30 a second.
+const FRAME: Duration = Duration::from_millis(33);
+/// Time between two looks while the picture is paused.
+const PAUSED_FRAME: Duration = Duration::from_millis(250);
+/// How often the age of silent data is drawn anew.
+const SILENT_FRAME: Duration = Duration::from_millis(200);
+/// How long a message stays at the foot.
+const MESSAGE: Duration = Duration::from_secs(6);
+
+/// All that the loop waits for, the most urgent first.
+#[derive(Debug)]
+pub(crate) struct Streams {
+    /// Keys, the mouse, signals, resizes.
+    pub(crate) inputs: Receiver<Input>,
+    /// What became of edits.
+    pub(crate) outcomes: Receiver<Outcome>,
+    /// A token when the reader has something that should not wait for the next frame.
+    pub(crate) wakes: Receiver<()>,
+}
+
+/// What the dashboard knows beside the feed.
+pub(crate) struct App<'a> {
+    bench: String,
+    feed: Shared,
+    edits: Sender<Edit>,
+    keeper: Option<&'a mut dyn Keeper>,
+    /// The selected row of the settings.
+    row: usize,
+    message: (Message, Instant),
+    /// What lies on top of the panels.
+    layers: Vec<Layer>,
+    /// What lists shall show; everything if it is empty.
+    filter: String,
+    keymap: Keymap,
+    /// Which moment is looked at.
+    time: ViewTime,
+    desk: Desk,
+    alarms: Alarms,
+    /// Whether the terminal rings when something rises past a limit.
+    bell: bool,
+    /// Told to the reader while the newest steps are not looked at.
+    idle: Arc<AtomicBool>,
+    layouts: Vec<Layout>,
+    /// Which of them is shown.
+    layout: usize,
+    panels: Panels,
+    presets: Presets,
+    recall: Recall,
+    /// Settings to compare with.
+    held: Option<Settings>,
+    read_only: bool,
+    /// Where pictures are kept, and how they look.
+    pictures: Option<PathBuf>,
+    look: Look,
+    /// What the last frame was drawn on.
+    area: Rect,
+    /// Where a drag was last.
+    dragged: Option<(u16, u16)>,
+    /// What the loop is to do with the terminal before the next frame: stop, take it over anew, ring.
+    suspend: bool,
+    continued: bool,
+    rings: bool,
+    told_end: bool,
+    quit: Option<Ended>,
+    /// Moves through a recording, if there is no bench.
+    player: Option<Player>,
+    scribe: Option<&'a mut dyn Scribe>,
+    /// A gain search under way.
+    search: Option<Search>,
+    /// What the gains in force do and what those do that a search found, while that waits for an answer.
+    beside: Vec<crate::view::Offer>,
+    /// What is pointed at beside a moment.
+    pointed: Pointed,
+}
+
+impl<'a> App<'a> {
+    /// A dashboard on which nothing has been pressed yet.
+    pub(crate) fn new(
+        bench: String,
+        feed: Shared,
+        edits: Sender<Edit>,
+        keeper: Option<&'a mut dyn Keeper>,
+        desk: Desk,
+        idle: Arc<AtomicBool>,
+        options: &Options,
+    ) -> Self {
+        Self {
+            bench,
+            feed,
+            edits,
+            keeper,
+            row: 0,
+            message: (Message::Hints, Instant::now()),
+            layers: Vec::new(),
+            filter: String::new(),
+            keymap: options.keys.clone(),
+            time: ViewTime::LIVE,
+            desk,
+            alarms: Alarms::new(options.limits.clone()),
+            bell: options.bell,
+            idle,
+            layouts: options.layouts.clone(),
+            layout: options.layout,
+            panels: Panels::new(),
+            presets: Presets(options.presets.clone()),
+            recall: Recall::read(options.commands.clone()),
+            held: None,
+            read_only: options.read_only,
+            pictures: options.pictures.clone(),
+            look: Look::of_picture(options.wishes),
+            area: Rect::default(),
+            dragged: None,
+            suspend: false,
+            continued: false,
+            rings: false,
+            told_end: false,
+            quit: None,
+            player: None,
+            scribe: None,
+            search: None,
+            beside: Vec::new(),
+            pointed: Pointed::default(),
+        }
+    }
+
+    /// Shows the bench until a person, a signal or a failure ends it.
+    pub(crate) fn run(&mut self, mut screen: Screen, streams: &Streams) -> Result<Ended, DashError> {
+        let mut drawn = Drawn::default();
+        loop {
+            if let Some(ended) = self.quit {
+                return Ok(ended);
+            }
+            match self.attend(&mut screen, &mut drawn) {
+                Err(error) if terminal::is_gone(&error) => return Ok(Ended::Interrupted),
+                done => done?,
+            }
+            let moving = self.player.as_ref().map_or_else(|| self.time.is_live(), Player::is_busy);
+            let tick = channel::after(if moving { FRAME } else { PAUSED_FRAME });
+            select_biased! {
+                recv(streams.inputs) -> input => {
+                    self.take(input.unwrap_or(Input::Closed));
+                    // A burst of keys is one frame.
+                    while let Ok(input) = streams.inputs.try_recv() {
+                        self.take(input);
+                    }
+                    drawn.stale = true;
+                }
+                recv(streams.outcomes) -> outcome => {
+                    if let Ok(outcome) = outcome {
+                        self.learn(outcome);
+                    }
+                    drawn.stale = true;
+                }
+                // A reader that has ended wakes nobody: then only the clock does.
+                recv(streams.wakes) -> wake => drawn.stale |= wake.is_ok(),
+                recv(tick) -> _ => drawn.stale |= self.tick(),
+            }
+            if Screen::is_broken() {
+                return Err(DashError::Panicked);
+            }
+        }
+    }
+
+    /// What the terminal is asked for: to be given away and taken back, to ring, and to show a frame.
+    fn attend(&mut self, screen: &mut Screen, drawn: &mut Drawn) -> io::Result<()> {
+        if std::mem::take(&mut self.suspend) {
+            screen.suspend()?;
+            drawn.stale = true;
+        }
+        if std::mem::take(&mut self.continued) {
+            screen.take_again()?;
+            drawn.stale = true;
+        }
+        self.watch_alarms();
+        if std::mem::take(&mut self.rings) {
+            screen.ring();
+        }
+        let now = Instant::now();
+        if self.is_due(drawn, now) {
+            let changes = lock(&self.feed).changes();
+            screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))?;
+            *drawn = Drawn { at: Some(now), changes, stale: false };
+        }
+        Ok(())
+    }
+
+    /// Whether a frame would show something new.
+    fn is_due(&self, drawn: &Drawn, now: Instant) -> bool {
+        let Some(at) = drawn.at else { return true };
+        if drawn.stale {
+            return true;
+        }
+        if !self.time.is_live() {
+            return false;
+        }
+        let age = now.saturating_duration_since(at);
+        let feed = lock(&self.feed);
+        (feed.changes() != drawn.changes && age >= FRAME.mul_f64(0.9))
+            || (feed.heard().is_some() && age >= SILENT_FRAME)
+    }
+
+    /// Draws a frame, in roles still. Drawing does nothing else: what has come in is heeded between frames.
+    pub(crate) fn render(&mut self, area: Rect, buffer: &mut ratatui::buffer::Buffer) {
+        self.area = area;
+        self.with_view(|view, layout, panels| screen::draw(view, layout, panels, area, buffer));
+    }
+
+    /// Does something with all that a frame shows at this moment.
+    fn with_view<T>(&mut self, look: impl FnOnce(&View<'_>, &Layout, &mut Panels) -> T) -> T {
+        let mut picture = lock(&self.feed).picture(&self.time, Instant::now());
+        picture.recorder_starts = self.scribe.as_ref().is_some_and(|scribe| scribe.is_starting());
+        if let Some(player) = &self.player {
+            player.finish(&mut picture);
+        }
+        if let Some((_, poles)) = picture.poles() {
+            self.pointed.follow(poles);
+        }
+        // What is typed comes first; then what is run on beside a recording.
+        let beside = || self.player.as_ref().and_then(|player| player.what_if().cloned());
+        let what_if = self.what_if(&picture).or_else(beside);
+        let typed = self.layers.iter().rev().find_map(|layer| match layer {
+            Layer::Value(typed) => Some(typed.clone()),
+            _ => None,
+        });
+        let offers = match self.layers.last() {
+            Some(Layer::Command(line)) => self.offers(line.text(), &picture),
+            Some(Layer::Offer(..) | Layer::Ask(..)) => self.beside.clone(),
+            _ => Vec::new(),
+        };
+        let view = View {
+            picture: &picture,
+            time: &self.time,
+            bench: &self.bench,
+            cursor: &Cursor { row: self.row, typed },
+            message: &self.message.0,
+            layers: &self.layers,
+            offers: &offers,
+            filter: &self.filter,
+            keymap: &self.keymap,
+            what_if: what_if.as_ref(),
+            read_only: self.read_only,
+            desk: &self.desk,
+            alarms: self.player.as_ref().map_or(&self.alarms, Player::alarms),
+            pointed: &self.pointed,
+            replay: self.player.as_ref().map(|player| player.shown(&picture)),
+        };
+        look(&view, &self.layouts[self.layout], &mut self.panels)
+    }
+
+    /// What the change that is being typed, or waits for a yes, would mean.
+    fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
+        let present = picture.settings.as_ref()?;
+        let settings = match self.layers.last()? {
+            Layer::Value(typed) => {
+                let typed = [(self.selected()?, typed.text().parse().ok()?)];
+                Edit::Set(picture.units().settings_of_typed(&typed)).applied(present)?
+            }
+            Layer::Command(line) => self.candidate(&actions::parse(line.text()).ok()?, present)?,
+            Layer::Offer(edit, _) => edit.applied(present)?,
+            Layer::Ask(_, settings, _) => (**settings).clone(),
+            _ => return None,
+        };
+        let (rotor, bench_status) = (picture.rotor.as_ref()?, picture.bench_status.as_ref()?);
+        Some(WhatIf::of(rotor, settings)?.on(rotor, bench_status.dtau, bench_status.rate_hz))
+    }
+
+    /// What became of an edit.
+    pub(crate) fn learn(&mut self, outcome: Outcome) {
+        match outcome {
+            Outcome::Done(text) => self.tell(Message::Good(text)),
+            Outcome::Swapped(text, before) => {
+                self.held = Some(*before);
+                self.tell(Message::Good(text));
+            }
+            Outcome::Refused(text) => self.tell(Message::Bad(text)),
+            Outcome::Asks(edit, settings, damping) => {
+                let word = crate::theme::verdict(damping).1;
+                let why = format!("{word} with that: minimum damping {damping:.4}");
+                // No key that was meant for something else may answer.
+                if self.layers.is_empty() {
+                    self.layers.push(Layer::Ask(edit, settings, why));
+                } else if !matches!(self.layers.last(), Some(Layer::Ask(..))) {
+                    self.tell(Message::Bad(format!("{why}: not done")));
+                }
+            }
+        }
+    }
+
+    /// What time alone brings. Returns whether it shows.
+    pub(crate) fn tick(&mut self) -> bool {
+        let mut shows = self.watch_alarms();
+        let now = Instant::now();
+        shows |= self.play(|player, feed, time| player.tick(feed, time, now)).unwrap_or(false);
+        if self.message.0 != Message::Hints && self.message.1.elapsed() > MESSAGE {
+            self.message.0 = Message::Hints;
+            shows = true;
+        }
+        shows |= self.watch_scribe();
+        shows |= self.watch_search();
+        if !self.told_end
+            && let Some(keeper) = &mut self.keeper
+            && let Some(how) = keeper.ended()
+        {
+            self.told_end = true;
+            lock(&self.feed).stand(Contact::Gone);
+            self.tell(Message::Bad(format!("the simulation has ended ({how}): R starts it again")));
+            shows = true;
+        }
+        shows
+    }
+
+    /// Holds what has come in against the limits: alarms go on while the view stands, and no peak falls between two
+    /// looks. Returns whether an alarm rose or fell.
+    pub(crate) fn watch_alarms(&mut self) -> bool {
+        // What a recording tells is past, and comes in any order.
+        if self.player.is_some() {
+            return false;
+        }
+        let reading = lock(&self.feed).reading();
+        let turns = self.alarms.read(&reading);
+        self.rings |= self.alarms.has_risen() && self.bell;
+        !turns.is_empty()
+    }
+
+    fn tell(&mut self, message: Message) {
+        self.message = (message, Instant::now());
+    }
+
+    fn take(&mut self, input: Input) {
+        match input {
+            Input::Signal | Input::Closed => self.quit = Some(Ended::Interrupted),
+            Input::Resized => {}
+            Input::Stop => self.suspend = true,
+            Input::Continued => self.continued = true,
+            Input::Key(key) => self.press(key),
+            Input::Mouse(event) => self.point(event),
+        }
+    }
+}
+
+/// What was last drawn.
+#[derive(Debug, Default)]
+struct Drawn {
+    at: Option<Instant>,
+    changes: u64,
+    /// Something other than the feed has changed since.
+    stale: bool,
+}

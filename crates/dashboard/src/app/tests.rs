@@ -1,0 +1,661 @@
+use std::sync::Mutex;
+
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
+use rotor::{C64, Key};
+
+use super::*;
+use KeyCode::{Char, Down, Enter, Esc, Left, Right, Tab, Up};
+use telemetry::feed::Feed;
+use telemetry::test_support as tests;
+
+/// A dashboard with a feed of the three-mass rotor, and where its edits go.
+pub(super) fn dashboard(options: &Options) -> (App<'static>, Receiver<Edit>) {
+    let mut feed = Feed::new("");
+    feed.read(tests::bench_status("three-mass", "composite"));
+    (0..3000).for_each(|seq| feed.hear(&tests::state(3, seq), Instant::now()));
+    let (edits, taken) = channel::bounded(64);
+    let feed = Arc::new(Mutex::new(feed));
+    let mut app =
+        App::new("default".into(), feed, edits, None, telemetry::jobs::Desk::at_once(), Arc::default(), options);
+    frame(&mut app);
+    (app, taken)
+}
+
+/// The frame, as text.
+pub(super) fn frame(app: &mut App<'_>) -> String {
+    let area = Rect::new(0, 0, 120, 40);
+    let mut buffer = ratatui::buffer::Buffer::empty(area);
+    app.render(area, &mut buffer);
+    crate::looks::still::text(&buffer)
+}
+
+fn press(app: &mut App<'_>, keys: &[KeyCode]) {
+    keys.iter().for_each(|code| app.press(KeyEvent::new(*code, KeyModifiers::NONE)));
+}
+
+fn type_in(app: &mut App<'_>, text: &str) {
+    text.chars().for_each(|letter| press(app, &[Char(letter)]));
+}
+
+/// Presses keys, and returns what is then wanted.
+fn pressed(keys: &[KeyCode]) -> (Vec<Edit>, App<'static>) {
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, keys);
+    (taken.try_iter().collect(), app)
+}
+
+fn key(name: &str) -> Key {
+    name.parse().unwrap()
+}
+
+#[test]
+fn arrows_select_and_nudge() {
+    let (edits, app) = pressed(&[Down, Down, Right, Up, Left]);
+    assert_eq!(app.row, 1);
+    assert_eq!(
+        edits,
+        [Edit::Nudge(key("deadband"), 0.1), Edit::Nudge(key("trip"), -10.0)],
+        "rows are speed, trip, deadband, ..."
+    );
+    assert_eq!(pressed(&[Up]).1.row, 0);
+    assert_eq!(pressed(&[Down; 40]).1.row, 17);
+}
+
+#[test]
+fn a_value_is_typed_after_enter() {
+    let (edits, app) = pressed(&[Enter, Char('3'), Char('.'), Char('5'), Enter]);
+    assert_eq!((edits, app.layers), (vec![Edit::Set(vec![(key("speed"), 3.5)])], vec![]));
+    let (edits, app) = pressed(&[Enter, Char('3'), Char('u'), Char('i'), Esc]);
+    assert_eq!((edits, app.layers), (vec![], vec![]), "other keys do not act by accident");
+    let (edits, app) = pressed(&[Enter, Char('3'), Char('-'), Enter]);
+    assert_eq!((edits.len(), app.message.0), (0, Message::Bad("speed = '3-': expected a number".into())));
+    let (_, app) = pressed(&[Enter, Char('3'), Down]);
+    assert_eq!((app.layers.len(), app.row), (0, 1));
+}
+
+#[test]
+fn quitting_works_from_everywhere_and_ctrl_c_from_texts_too() {
+    for before in [&[][..], &[Char('?')], &[Enter, Char('3')], &[Char(' ')], &[Enter], &[Char('0')], &[Char('7')]] {
+        assert!(pressed(&[before, &[Char('q')]].concat()).1.quit.is_some(), "{before:?}");
+    }
+    for text in [Char(':'), Char('/'), Char('w'), Char('s')] {
+        let (_, mut app) = pressed(&[text, Char('q')]);
+        assert_eq!(app.quit, None, "q is a letter of a text");
+        app.press(KeyEvent::new(Char('c'), KeyModifiers::CONTROL));
+        assert_eq!(app.quit, Some(Ended::Quit));
+    }
+}
+
+#[test]
+fn an_impulse_strikes_the_mass_with_the_bearing() {
+    assert_eq!(pressed(&[Char('i')]).0, [Edit::Impulse(0, C64::new(-2.5, 0.0))]);
+    assert_eq!(pressed(&[Char('R')]).0, [Edit::Restart]);
+}
+
+/// The clerk asks whether all gains shall be zero.
+fn asks_about_off(app: &mut App<'_>) -> Settings {
+    let settings = tests::bench_status("three-mass", "off").settings.get().clone();
+    app.learn(Outcome::Asks(Edit::Off, Box::new(settings.clone()), -0.0306));
+    settings
+}
+
+#[test]
+fn a_change_that_would_be_unstable_is_shown_first_and_asked_about() {
+    let (edits, mut app) = pressed(&[Char('0')]);
+    assert_eq!(edits, [Edit::Off]);
+    let off = asks_about_off(&mut app);
+    let shown = frame(&mut app);
+    assert!(shown.contains("UNSTABLE with that: minimum damping -0.0306"), "{shown}");
+    assert!(shown.contains("then -0."), "the damping panel shows the candidate:\n{shown}");
+    let sure = Edit::Sure(Box::new(Edit::Off), Box::new(off));
+    for (answer, wanted) in [(Char('y'), vec![sure]), (Char('n'), vec![]), (Esc, vec![]), (Enter, vec![])] {
+        let (mut app, taken) = dashboard(&Options::default());
+        asks_about_off(&mut app);
+        press(&mut app, &[answer]);
+        assert_eq!(taken.try_iter().collect::<Vec<_>>(), wanted, "{answer:?}");
+        assert!(app.layers.is_empty());
+    }
+    asks_about_off(&mut app);
+    press(&mut app, &[Char('q')]);
+    assert!(app.quit.is_some());
+}
+
+#[test]
+fn a_question_never_takes_a_key_that_was_meant_for_something_else() {
+    let (mut app, taken) = dashboard(&Options::default());
+    type_in(&mut app, ":note ");
+    asks_about_off(&mut app);
+    type_in(&mut app, "y");
+    assert_eq!(app.layers, [Layer::Command("note y".into())]);
+    assert!(taken.is_empty() && matches!(&app.message.0, Message::Bad(why) if why.ends_with(": not done")));
+}
+
+#[test]
+fn what_is_being_typed_is_shown_beside_what_is() {
+    let (_, mut app) = pressed(&[Enter, Char('2')]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("then 0."), "{shown}");
+    assert!(shown.contains('◇'), "{shown}");
+    app.layout = 2;
+    let tuning = frame(&mut app);
+    assert!(tuning.contains("damping  stable 0 to 7.074"), "words go before the range:\n{tuning}");
+    assert!(tuning.contains("│? 0.") && tuning.matches("0 to 7.074").count() == 2, "its curve is there too:\n{tuning}");
+    app.layout = 0;
+    press(&mut app, &[Esc]);
+    assert!(!frame(&mut app).contains("then 0."));
+}
+
+#[test]
+fn commands_are_typed_completed_and_done() {
+    let (mut app, taken) = dashboard(&Options::default());
+    type_in(&mut app, ":lay");
+    press(&mut app, &[Tab]);
+    type_in(&mut app, "op");
+    press(&mut app, &[Tab]);
+    assert_eq!(app.layers, [Layer::Command("layout operator".into())]);
+    assert!(frame(&mut app).contains(":layout operator"));
+    press(&mut app, &[Enter]);
+    assert_eq!(app.layout, 1);
+    type_in(&mut app, ":set kd=0.5 speed=3");
+    press(&mut app, &[Enter]);
+    type_in(&mut app, ":note hello q");
+    press(&mut app, &[Enter]);
+    let wanted = [Edit::Set(vec![(key("kd"), 0.5), (key("speed"), 3.0)]), Edit::Note("hello q".into())];
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), wanted);
+    type_in(&mut app, ":fly");
+    press(&mut app, &[Enter]);
+    assert!(frame(&mut app).contains("no command 'fly'"));
+}
+
+#[test]
+fn looking_back_moves_the_cursor_and_space_returns() {
+    let (_, mut app) = pressed(&[Char('['), Char('<'), Char('+')]);
+    let picture = lock(&app.feed).picture(&app.time, Instant::now());
+    assert_eq!((picture.now, picture.behind), (Some(1998), 1001));
+    assert!(frame(&mut app).contains("PAUSED"));
+    press(&mut app, &[Char(' ')]);
+    assert!(app.time.is_live());
+}
+
+#[test]
+fn two_settings_are_compared_with_one_key() {
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, &[Char('b')]);
+    assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("hold the settings first")));
+    press(&mut app, &[Char('B')]);
+    let held = app.held.clone().unwrap();
+    press(&mut app, &[Char('b')]);
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Swap(Box::new(held.clone()))]);
+    assert_eq!(app.held.as_ref(), Some(&held), "nothing has changed places until it is in force");
+    let before = Settings { speed: 2.6, ..held };
+    app.learn(Outcome::Swapped("swapped, from step 42".into(), Box::new(before.clone())));
+    assert_eq!(app.held, Some(before));
+}
+
+#[test]
+fn gains_are_kept_and_taken_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { presets: Some(folder.path().join("presets")), ..Options::default() };
+    let (mut app, taken) = dashboard(&options);
+    type_in(&mut app, "sgood");
+    press(&mut app, &[Enter]);
+    assert!(matches!(&app.message.0, Message::Good(told) if told.contains("good.toml")), "{:?}", app.message.0);
+    type_in(&mut app, "o");
+    assert!(frame(&mut app).contains("good  min damping 0.0535 at R 2.5, in force"), "{}", frame(&mut app));
+    type_in(&mut app, "good");
+    press(&mut app, &[Enter]);
+    assert!(matches!(&taken.try_iter().collect::<Vec<_>>()[..], [Edit::Become(..)]));
+    for (command, complaint) in
+        [("load bad", "no gains are kept as 'bad': there are good"), ("save ../x", "expected a name of")]
+    {
+        type_in(&mut app, &format!(":{command}"));
+        press(&mut app, &[Enter]);
+        assert!(matches!(&app.message.0, Message::Bad(why) if why.contains(complaint)), "{:?}", app.message.0);
+    }
+}
+
+#[test]
+fn gains_of_a_name_that_is_taken_are_replaced_and_deleted_only_after_a_yes() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { presets: Some(folder.path().to_owned()), ..Options::default() };
+    let (mut app, _taken) = dashboard(&options);
+    let file = folder.path().join("good.toml");
+    let commanded = |app: &mut App<'_>, line: &str, answer| {
+        type_in(app, line);
+        press(app, &[Enter, answer]);
+    };
+    commanded(&mut app, ":save good", Esc);
+    let first = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, first.replace("-0.5879", "0.25")).unwrap();
+    type_in(&mut app, ":save good");
+    press(&mut app, &[Enter]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("'good' is kept already (min damping ") && shown.contains(" y does it"), "{shown}");
+    press(&mut app, &[Char('n')]);
+    assert!(std::fs::read_to_string(&file).unwrap().contains("0.25"));
+    commanded(&mut app, ":save good", Char('y'));
+    assert_eq!(std::fs::read_to_string(&file).unwrap(), first);
+    commanded(&mut app, ":delete good", Char('n'));
+    assert!(file.exists());
+    commanded(&mut app, "Dgood", Char('y'));
+    assert!(!file.exists() && matches!(&app.message.0, Message::Good(told) if told.contains("'good' deleted")));
+    commanded(&mut app, ":delete good", Esc);
+    assert_eq!(app.message.0, Message::Bad("no gains are kept as 'good': there are none yet".into()));
+}
+
+#[test]
+fn a_command_shows_what_it_would_do_while_it_is_typed() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { presets: Some(folder.path().to_owned()), ..Options::default() };
+    let (mut app, taken) = dashboard(&options);
+    app.layout = 2;
+    for (line, then) in [(":kd=-0.2", "0."), (":set speed=9 kd=0", "-0."), (":off", "-0."), (":speed 9", "-0.")] {
+        type_in(&mut app, line);
+        let shown = frame(&mut app);
+        assert!(shown.contains(&format!("then {then}")) && shown.contains("│? "), "{line}:\n{shown}");
+        press(&mut app, &[Esc]);
+        assert!(!frame(&mut app).contains("then "), "{line}");
+    }
+    type_in(&mut app, ":save mine");
+    press(&mut app, &[Enter]);
+    type_in(&mut app, ":load mine");
+    assert!(frame(&mut app).contains("then 0.0535"));
+    assert!(taken.is_empty());
+}
+
+#[test]
+fn a_key_keeps_a_picture_of_the_screen_and_says_where() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { pictures: Some(folder.path().to_owned()), ..Options::default() };
+    let (mut app, _taken) = dashboard(&options);
+    let before = frame(&mut app);
+    for _ in 0..2 {
+        type_in(&mut app, ":picture now.txt");
+        press(&mut app, &[Enter]);
+    }
+    assert!(frame(&mut app).contains("now.txt is there already: nothing is overwritten"));
+    let kept = std::fs::read_to_string(folder.path().join("now.txt")).unwrap();
+    let lines = |text: &str| text.lines().skip(1).map(str::to_owned).collect::<Vec<_>>();
+    assert_eq!(lines(&kept), lines(&before), "but for the age of the data it is what the screen showed");
+    press(&mut app, &[Char('P')]);
+    assert!(matches!(&app.message.0, Message::Good(told) if told.contains(".svg and .txt")), "{:?}", app.message.0);
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
+}
+
+#[test]
+fn a_filter_holds_for_all_lists_and_the_selected_setting_is_never_hidden() {
+    let (mut app, taken) = dashboard(&Options::default());
+    app.layout = 2;
+    type_in(&mut app, "/kc");
+    press(&mut app, &[Enter]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("▶ speed") && shown.contains("  kc ") && !shown.contains("  deadband "), "{shown}");
+    assert!(shown.contains("/kc 0 of 6"), "no mode has that in its row:\n{shown}");
+    press(&mut app, &[Down]);
+    let shown = frame(&mut app);
+    assert!(shown.contains("▶ kc") && !shown.contains("  speed "), "{shown}");
+    press(&mut app, &[Right]);
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kc"), 0.01)]);
+    press(&mut app, &[Esc]);
+    assert!(frame(&mut app).contains("  speed "));
+}
+
+#[test]
+fn lists_scroll_by_key_and_wheel() {
+    let (mut app, _taken) = dashboard(&Options::default());
+    let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
+    for number in 1..=90 {
+        let note = wire::Happening::Note(format!("no. {number}."));
+        lock(&app.feed).happen(&telemetry::test_support::event(number, &note, &settings));
+    }
+    app.layout = 5;
+    assert!(frame(&mut app).contains("no. 90."));
+    press(&mut app, &[KeyCode::PageDown]);
+    let shown = frame(&mut app);
+    assert!(!shown.contains("no. 86.") && shown.contains("no. 85.") && shown.contains("5 more ▲"), "{shown}");
+    press(&mut app, &[KeyCode::PageUp, KeyCode::PageUp]);
+    assert!(frame(&mut app).contains("no. 90."));
+    let shown = frame(&mut app);
+    let row = shown.lines().position(|line| line.contains("no. 88.")).unwrap() as u16;
+    app.point(MouseEvent { kind: MouseEventKind::ScrollDown, column: 5, row, modifiers: KeyModifiers::NONE });
+    assert!(frame(&mut app).contains("3 more ▲"));
+}
+
+#[test]
+fn earlier_commands_come_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let options = Options { commands: Some(folder.path().join("commands")), ..Options::default() };
+    let (mut app, taken) = dashboard(&options);
+    type_in(&mut app, ":note one");
+    press(&mut app, &[Enter]);
+    let (mut next, taken_next) = dashboard(&options);
+    type_in(&mut next, ":no");
+    press(&mut next, &[Up]);
+    assert_eq!(next.layers, [Layer::Command("note one".into())]);
+    press(&mut next, &[Down]);
+    assert_eq!(next.layers, [Layer::Command("no".into())]);
+    press(&mut next, &[Up, Left, Left, Left, Char('x'), Enter]);
+    assert_eq!(taken_next.try_iter().chain(taken.try_iter()).count(), 2);
+    let kept = std::fs::read_to_string(folder.path().join("commands")).unwrap();
+    assert_eq!(kept, "note one\nnote xone\n");
+}
+
+#[test]
+fn a_read_only_dashboard_changes_nothing() {
+    let (mut app, taken) = dashboard(&Options { read_only: true, ..Options::default() });
+    press(&mut app, &[Right, Char('0'), Char('u'), Char('i'), Char('R'), Enter, Char('1'), Enter]);
+    type_in(&mut app, ":note x");
+    press(&mut app, &[Enter]);
+    assert_eq!(taken.try_iter().count(), 0);
+    assert!(frame(&mut app).contains("read-only"));
+}
+
+#[test]
+fn the_mouse_selects_nudges_and_zooms() {
+    let (mut app, taken) = dashboard(&Options::default());
+    let shown = frame(&mut app);
+    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("  kd ")).unwrap();
+    let column = line.chars().collect::<Vec<_>>().windows(4).position(|four| four == [' ', 'k', 'd', ' ']).unwrap();
+    let event = |kind, column: usize, row: usize| MouseEvent {
+        kind,
+        column: column as u16,
+        row: row as u16,
+        modifiers: KeyModifiers::NONE,
+    };
+    app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
+    assert_eq!(app.row, 3);
+    app.point(event(MouseEventKind::Drag(MouseButton::Left), column + 2, row));
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kd"), 0.02)]);
+    app.point(event(MouseEventKind::Up(MouseButton::Left), column + 2, row));
+    app.point(event(MouseEventKind::ScrollUp, column, row));
+    assert_eq!(app.row, 2);
+    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("│z")).unwrap();
+    let column = line.chars().position(|c| c == 'z').unwrap() + 10;
+    let before = app.time;
+    app.point(event(MouseEventKind::ScrollUp, column, row));
+    assert_ne!(app.time, before);
+    app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
+    assert!(!app.time.is_live());
+}
+
+/// Lets the dashboard live on until it asks something.
+fn wait_for_a_question(app: &mut App<'_>) {
+    let begun = Instant::now();
+    while app.layers.is_empty() {
+        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
+        app.tick();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+}
+
+#[test]
+fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, &[Char(':')]);
+    type_in(&mut app, "search 0..5 full");
+    press(&mut app, &[Enter]);
+    assert!(app.search.is_some(), "{:?}", app.message.0);
+    type_in(&mut app, "S");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("`:search stop` ends it")));
+    wait_for_a_question(&mut app);
+    // Seen before it applies: the panels show the candidate beside the present gains.
+    let screen = frame(&mut app);
+    assert!(screen.contains("found over R 0..5: min damping 0.0388"), "{screen}");
+    // What both sets of gains do stands above the question, gone with the answer.
+    for words in [
+        " in force, and found ",
+        "min damping  ",
+        "any deadband  ",
+        "R 0 to 7.07",
+        "self-excited whirl  ",
+        "force ",
+        "kd  ",
+    ] {
+        assert!(screen.contains(words), "{words}: {screen}");
+    }
+    assert!(taken.is_empty() && app.search.is_none());
+    press(&mut app, &[Char('y')]);
+    assert!(!frame(&mut app).contains(" in force, and found "));
+    let edits: Vec<Edit> = taken.try_iter().collect();
+    let [Edit::Become(change, why)] = &edits[..] else { panic!("{edits:?}") };
+    assert_eq!(why, "gains searched over R 0..5");
+    assert_eq!(change.0.speed, change.1.speed);
+    assert_ne!(change.0.feedback, change.1.feedback);
+}
+
+#[test]
+fn where_a_clearance_is_set_gains_are_searched_for_any_deadband_or_said_not_to_be_there() {
+    // One weighted signal cannot hold the three masses in every deadband state from rest to R = 5.
+    let (mut app, taken) = dashboard(&Options::default());
+    press(&mut app, &[Char(':')]);
+    type_in(&mut app, "search 0..5");
+    press(&mut app, &[Enter]);
+    wait_for_a_question(&mut app);
+    let screen = frame(&mut app);
+    assert!(screen.contains("no such gains hold for any deadband, see `:search full`"), "{screen}");
+    let rows = app.beside.iter().map(|row| format!("{}: {}", row.word, row.detail));
+    insta::assert_snapshot!(rows.collect::<Vec<_>>().join("\n"));
+    press(&mut app, &[Esc]);
+    assert!(taken.is_empty(), "nothing was changed");
+}
+
+#[test]
+fn the_speed_is_sent_on_its_way_and_stopped_there() {
+    let (mut app, taken) = dashboard(&Options::default());
+    command(&mut app, "run-up 2.5..6 0.01");
+    let set =
+        |pairs: &[(&str, f64)]| Edit::Set(pairs.iter().map(|(key, value)| (key.parse().unwrap(), *value)).collect());
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", 6.0), ("ramp", 0.01)])]);
+    command(&mut app, "run-up 0 0.02");
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", 0.0), ("ramp", 0.02)])]);
+    // It spins at 2.5.
+    for (line, told) in [
+        ("run-up 0..6 0.01", "it spins at R 2.5, not at 0"),
+        ("run-up 6", "expected where the speed goes and how fast"),
+        ("run-up 6 0", "expected a number above 0"),
+        ("run-up 6 -1", "expected a number above 0"),
+        ("stay", "the speed is not on its way"),
+    ] {
+        command(&mut app, line);
+        assert!(matches!(&app.message.0, Message::Bad(words) if words.contains(told)), "{line}: {:?}", app.message.0);
+    }
+    assert!(taken.is_empty());
+}
+
+#[test]
+fn settings_of_which_nothing_is_left_on_this_rotor_are_refused() {
+    let (mut app, taken) = dashboard(&Options::default());
+    command(&mut app, "set deadband=1 deadband.1=2 deadband.2=2 deadband.3=2");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("deadband")), "{:?}", app.message.0);
+    assert!(taken.is_empty());
+    command(&mut app, "set deadband=1 deadband.1=2");
+    assert_eq!(taken.try_iter().count(), 1);
+}
+
+#[test]
+fn a_search_is_dropped_stopped_or_refused() {
+    let (mut app, taken) = dashboard(&Options::default());
+    let command = |app: &mut App<'_>, line: &str| {
+        press(app, &[Char(':')]);
+        type_in(app, line);
+        press(app, &[Enter]);
+    };
+    command(&mut app, "search stop");
+    assert_eq!(app.message.0, Message::Bad("no search is under way".into()));
+    command(&mut app, "search 6..1");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("expected a range of speeds")));
+    command(&mut app, "search 0..7 robust");
+    command(&mut app, "search stop");
+    while app.layers.is_empty() {
+        app.tick();
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    assert!(frame(&mut app).contains("stopped early"));
+    press(&mut app, &[Esc]);
+    assert!(app.layers.is_empty() && taken.is_empty(), "nothing was changed");
+}
+
+/// Clicks on the first place of the frame where `text` stands, or so many cells further right and down.
+fn click(app: &mut App<'_>, text: &str, (right, down): (u16, u16)) {
+    let shown = frame(app);
+    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains(text)).expect(text);
+    let column = line[..line.find(text).unwrap()].chars().count() as u16;
+    let kind = MouseEventKind::Down(MouseButton::Left);
+    app.point(MouseEvent { kind, column: column + right, row: row as u16 + down, modifiers: KeyModifiers::NONE });
+}
+
+fn command(app: &mut App<'_>, line: &str) {
+    press(app, &[Char(':')]);
+    type_in(app, line);
+    press(app, &[Enter]);
+}
+
+#[test]
+fn a_plot_is_chosen_and_its_scale_stands_still_until_it_is_let_go() {
+    let (mut app, _) = dashboard(&Options::default());
+    press(&mut app, &[Char('z')]);
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot is chosen")));
+    click(&mut app, " orbits ", (0, 2));
+    assert!(frame(&mut app).contains("┏ orbits  ±4.0 e_t  ◉"), "{}", frame(&mut app));
+    press(&mut app, &[Char('z')]);
+    assert!(frame(&mut app).contains("┏ orbits  ±2.0 e_t fixed  ◉"), "{}", frame(&mut app));
+    press(&mut app, &[Char('=')]);
+    assert!(frame(&mut app).contains("┏ orbits  ±4.0 e_t  ◉"));
+    press(&mut app, &[Esc]);
+    assert!(!frame(&mut app).contains('┏'));
+    command(&mut app, "scale orbits -8..8");
+    assert!(frame(&mut app).contains(" orbits  ±8.0 e_t fixed "));
+    command(&mut app, "scale y -5..5");
+    assert!(frame(&mut app).contains("=±5"), "{}", frame(&mut app));
+    command(&mut app, "scale nothing 1..2");
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot or strip 'nothing'")));
+    command(&mut app, "scale orbits 3..1");
+    assert_eq!(
+        app.message.0,
+        Message::Bad("scale '3..1': expected auto, TIMES above 0 and other than 1, or LOW..HIGH".into())
+    );
+    // Around the screen and back.
+    let mut seen = Vec::new();
+    for _ in 0..6 {
+        press(&mut app, &[Tab]);
+        seen.push(app.pointed.plot.unwrap());
+    }
+    let around = seen[1..].iter().position(|plot| *plot == seen[0]).unwrap() + 1;
+    assert!(around >= 5, "{seen:?}");
+    app.press(KeyEvent::new(KeyCode::BackTab, KeyModifiers::SHIFT));
+    assert_eq!(app.pointed.plot, Some(seen[4]));
+}
+
+#[test]
+fn a_mode_a_frequency_and_a_speed_are_pointed_at_and_read_everywhere() {
+    let (mut app, _) = dashboard(&Options::default());
+    command(&mut app, "layout tuning");
+    command(&mut app, "choose poles");
+    press(&mut app, &[Char('.'), Char('.')]);
+    let shown = frame(&mut app);
+    let (_, poles) = app.with_view(|view, _, _| view.picture.poles().map(|(d, poles)| (d, poles.to_vec()))).unwrap();
+    assert_eq!(app.pointed.mode, Some(poles[1]));
+    assert!(shown.contains(&format!("ζ {:.4}", rotor::damping_ratio(poles[1]))), "{shown}");
+    assert!(shown.matches('◈').count() >= 2, "the pole and its label:\n{shown}");
+    command(&mut app, "choose damping-over-speed");
+    command(&mut app, "read 4");
+    let shown = frame(&mut app);
+    assert!(shown.contains("┆ R 4  0."), "{shown}");
+    let before = app.time;
+    press(&mut app, &[Char('+')]);
+    assert!(app.time == before && frame(&mut app).contains("┆ R 4"), "speeds are zoomed, not time");
+    command(&mut app, "read off");
+    assert_eq!(app.pointed.speed, None);
+    command(&mut app, "layout whirl");
+    command(&mut app, "choose spectrum");
+    frame(&mut app);
+    command(&mut app, "read 1.25");
+    let shown = frame(&mut app);
+    assert!(shown.contains("┆ 1.2") && shown.contains("1.5"), "the masses whirl at 1.25:\n{shown}");
+    command(&mut app, "spectrum 2 -3..3");
+    assert!(frame(&mut app).contains("full spectrum  mass 2  30.0 tau fixed"), "{}", frame(&mut app));
+    command(&mut app, "spectrum 9");
+    assert_eq!(app.message.0, Message::Bad("spectrum 9: expected a mass from 1 to 3".into()));
+    command(&mut app, "spectrum auto");
+    assert!(frame(&mut app).contains("full spectrum  mass 1  30.0 tau "));
+    command(&mut app, "choose orbits");
+    press(&mut app, &[Char(',')]);
+    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("the moment under the cursor")));
+}
+
+#[test]
+fn strips_show_what_was_chosen() {
+    let (mut app, _) = dashboard(&Options::default());
+    app.layout = 4;
+    command(&mut app, "strips radius.2 y.1+z.1 damping speed");
+    let shown = frame(&mut app);
+    for label in ["│radius.2", "│y.1 z.1 ", "│damping ", "│speed "] {
+        assert!(shown.contains(label), "{label}:\n{shown}");
+    }
+    command(&mut app, "scale damping 0..0.08");
+    assert!(frame(&mut app).contains("=0 to 0.08│"), "a strip may have the name of a panel:\n{}", frame(&mut app));
+    command(&mut app, "strips y.9");
+    assert_eq!(app.message.0, Message::Bad("strips 'y.9': expected a mass from 1 to 3".into()));
+    command(&mut app, "strips auto");
+    assert!(frame(&mut app).contains("│u"));
+    let text = "[[screen]]\nstrips = \"force\"\npicture = \"strips\"";
+    app.layouts.push(crate::layout::Layout::read("mine", text).unwrap());
+    command(&mut app, "layout mine");
+    assert!(frame(&mut app).contains("│force"), "{}", frame(&mut app));
+}
+
+#[test]
+fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
+    let (mut app, _) = dashboard(&Options::default());
+    {
+        let mut feed = lock(&app.feed);
+        let settings = feed.settings().unwrap();
+        (3000..6000).for_each(|seq| {
+            // The event below is at 50 602 s.
+            let wall_ns = 50_600_000_000_000 + (seq - 3000) * 1_000_000;
+            feed.hear(&tests::state(3, seq).with_word(wire::Channel::WallNs, wall_ns), Instant::now());
+        });
+        let note = wire::Happening::Note("here it hums".into());
+        feed.happen(&telemetry::test_support::event(2, &note, &settings));
+    }
+    app.layouts
+        .push(crate::layout::Layout::read("mine", "[[screen]]\npicture = \"\"\"\nevents\nalarms\n\"\"\"").unwrap());
+    command(&mut app, "layout mine");
+    click(&mut app, "here it hums", (0, 0));
+    assert!(!app.time.is_live());
+    let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
+    assert_eq!(at, Some(50_602_000_000_000));
+    press(&mut app, &[Char(' ')]);
+    app.alarms.read(&crate::panels::alarms::tests::damping(50_601, -0.03));
+    click(&mut app, "!! ALARM  damping", (0, 0));
+    assert_eq!(app.alarms.unseen(), 0);
+    click(&mut app, "!! ALARM  damping", (0, 0));
+    let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
+    assert_eq!(at, Some(50_601_000_000_000));
+}
+
+#[test]
+fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
+    let (mut app, taken) = dashboard(&Options::default());
+    {
+        let mut bench_status = tests::bench_status("three-mass", "composite");
+        let scales = telemetry::test_support::SI;
+        bench_status.scales = [scales.w0, scales.k_t, scales.m_t, scales.e_t];
+        lock(&app.feed).read(bench_status);
+    }
+    let shown = frame(&mut app);
+    assert!(shown.contains("23873 rpm") && !shown.contains("R 2.5") && shown.contains("23873.24"), "{shown}");
+    press(&mut app, &[Right]);
+    command(&mut app, "deadband 1e-5");
+    press(&mut app, &[Enter]);
+    type_in(&mut app, "9549.296585513721");
+    press(&mut app, &[Enter]);
+    let edits: Vec<Edit> = taken.try_iter().collect();
+    let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
+    let [Edit::Nudge(_, nudge), Edit::Set(deadband), Edit::Set(speed)] = &edits[..] else { panic!("{edits:?}") };
+    // 500 rpm; 10 um are 2 e_t; 9549.3 rpm are 1000 rad/s.
+    assert!(
+        near(*nudge, 500.0 / 9_549.296_585_513_72) && near(deadband[0].1, 2.0) && near(speed[0].1, 1.0),
+        "{edits:?}"
+    );
+}

@@ -1,0 +1,257 @@
+//! How everything that is watched stands against its limits, and what has been past them.
+//!
+//! ```text
+//! ┌ alarms  1 not acknowledged: a ─────────────────────────────────┐
+//! │             now  warning    alarm                                │
+//! │ damping  0.0535   0.0159   0.0000  ok                            │
+//! │ orbit     12.30        -        -  no limit                      │
+//! │ lateness  0.012   0.0100   0.1000  ! WARNING                     │
+//! │ 14:03:27 to 14:03:31  !! ALARM damping -0.0306, limit 0  not ack │   the newest first; times are UTC
+//! └─────────────────────────────────────────────────────────────────┘
+//! ```
+
+use alarms::{Entry, Level, Watch};
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Position, Rect};
+use ratatui::style::Style;
+use ratatui::text::{Line, Span};
+
+use super::list::{List, mark, passes, row_of, told};
+use super::panel::{Intent, Mouse, Panel};
+use super::status::{level_color, level_words};
+use super::{framed, write};
+use crate::actions::Action;
+use crate::theme;
+use crate::view::View;
+use telemetry::units::{Unit, Units};
+
+/// The panel; its list is that of what has been. A click on one that nobody has acknowledged does that, on any other it looks
+/// at its moment.
+#[derive(Debug, Default)]
+pub(crate) struct AlarmList {
+    list: List,
+    /// What a click on the entries that were last drawn asks for, and the row of the first.
+    drawn: (usize, Vec<Intent>),
+}
+
+impl Panel for AlarmList {
+    fn scroll(&mut self, rows: isize) {
+        self.list.scroll(rows);
+    }
+
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        self.drawn = draw(&mut self.list, view, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        match mouse {
+            Mouse::Wheel(notches) => self.scroll(3 * notches as isize),
+            // What the frame says is of all of them.
+            Mouse::Click if at.y == area.y && view.alarms.unseen() > 0 && view.replay.is_none() => {
+                return Some(Intent::Do(Action::Acknowledge));
+            }
+            Mouse::Click => {
+                let (first, intents) = &self.drawn;
+                return intents.get(row_of(area, at)?.checked_sub(*first)?).cloned();
+            }
+            Mouse::Drag(_) => {}
+        }
+        None
+    }
+}
+
+/// What a click on an entry asks for. Those of a recording were for others to acknowledge.
+fn intent(entry: &Entry, is_recorded: bool) -> Intent {
+    match entry.seen_ns {
+        None if !is_recorded => Intent::Do(Action::Acknowledge),
+        _ => Intent::When { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
+    }
+}
+
+/// Draws it, and returns what a click on the entries asks for, with the row of the first.
+fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (usize, Vec<Intent>) {
+    let alarms = view.alarms;
+    let mut title = vec![Span::raw(" alarms ")];
+    if alarms.unseen() > 0 {
+        let text = format!(" {} not acknowledged: a ", alarms.unseen());
+        title.push(Span::styled(text, theme::badge(level_color(alarms.shown()))));
+    }
+    let judged = view.replay.as_ref().is_none_or(|show| show.judged);
+    if !judged {
+        title.push(Span::styled(" recorded without alarms ", theme::quiet()));
+    }
+    let all = alarms.entries().count();
+    let units = view.picture.units();
+    let entries: Vec<&Entry> = alarms.entries().filter(|entry| passes(view.filter, &words(entry, &units))).collect();
+    title.push(Span::raw(told(view.filter, entries.len(), all)));
+    let inner = framed(Line::from(title), area, buffer);
+    let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
+    // What has been matters more than what is watched, where there is no room for both.
+    let told = entries.len();
+    let watched = Watch::ALL.len() + 1;
+    if usize::from(inner.height) > watched.min(told + 2) {
+        draw_standings(view, &units, &mut rows, told.min(3), buffer);
+    }
+    let below = Rect { y: inner.bottom() - rows.len() as u16, height: rows.len() as u16, ..inner };
+    let in_view = list.rows(told, below.height, 0);
+    for (row, entry) in rows.by_ref().zip(&entries[in_view.clone()]) {
+        draw_entry(entry, &units, row, buffer);
+    }
+    mark(&in_view, told, area, buffer);
+    if all == 0
+        && judged
+        && let Some(row) = rows.next()
+    {
+        write(buffer, row, row.x, row.y, "nothing has been past its limit", theme::quiet());
+    }
+    (
+        usize::from(below.y - inner.y),
+        entries[in_view].iter().map(|entry| intent(entry, view.replay.is_some())).collect(),
+    )
+}
+
+/// The unit of what is watched; a share and a ratio have none.
+fn unit_of(watch: Watch, units: &Units) -> Unit {
+    match watch {
+        Watch::Orbit => units.length,
+        Watch::Force => units.force,
+        _ => Unit { factor: 1.0, name: "" },
+    }
+}
+
+/// A line for each watched thing, but for the last `spared` rows.
+fn draw_standings(
+    view: &View<'_>,
+    units: &Units,
+    rows: &mut impl ExactSizeIterator<Item = Rect>,
+    spared: usize,
+    buffer: &mut Buffer,
+) {
+    let room = rows.len().saturating_sub(spared);
+    let heading = (String::new(), ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
+    let lines = view.alarms.standings().map(|(watch, standing, limit)| {
+        let unit = unit_of(watch, units);
+        let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| unit.short(value, 5));
+        let of = |level| number(limit.map(|limit| limit.at(level)));
+        let [warning, alarm] = [of(Level::Warning), of(Level::Alarm)];
+        let cells = match watch {
+            // It has or it has not.
+            Watch::Trip => {
+                [standing.value.map_or("-", |value| if value > 0.0 { "yes" } else { "no" }), "", ""].map(str::to_owned)
+            }
+            _ => [number(standing.value), warning, alarm],
+        };
+        let state = match (limit, standing.value) {
+            (None, _) => Span::styled("no limit", theme::quiet()),
+            // A recorder that told of nothing has judged all the same.
+            (Some(_), None) if view.replay.is_none() => Span::styled("unknown", theme::quiet()),
+            (Some(_), _) => Span::styled(level_words(standing.at), theme::loud(level_color(standing.at))),
+        };
+        let unit = if units.scales.is_some() { unit.name } else { "" };
+        (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
+    });
+    for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
+        let text = format!("{name:<10}{now:>9}{warning:>9}{alarm:>9}  ");
+        let style = if name.is_empty() { theme::quiet() } else { Style::new() };
+        let x = write(buffer, row, row.x, row.y, &text, style);
+        write(buffer, row, x, row.y, &state.content, state.style);
+    }
+}
+
+/// When, how bad and what, as a row shows it.
+fn words(entry: &Entry, units: &Units) -> String {
+    format!("{}{} {}", when(entry), level_words(entry.level), what(entry, units))
+}
+
+fn when(entry: &Entry) -> String {
+    let fell = entry.fell.map_or_else(|| "     now".to_owned(), |at| clock(at.wall_ns));
+    format!("{} to {fell}  ", clock(entry.rose.wall_ns))
+}
+
+fn what(entry: &Entry, units: &Units) -> String {
+    if entry.cause.is_empty() {
+        let unit = unit_of(entry.watch, units);
+        let limit = if units.scales.is_some() { unit.told(entry.limit, 5) } else { unit.short(entry.limit, 5) };
+        format!("{} {}, limit {limit}", entry.watch.name(), unit.short(entry.worst, 5))
+    } else {
+        format!("{}: {}", entry.watch.name(), entry.cause)
+    }
+}
+
+fn draw_entry(entry: &Entry, units: &Units, row: Rect, buffer: &mut Buffer) {
+    let (when, what) = (when(entry), what(entry, units));
+    let color = level_color(entry.level);
+    let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
+    let words = format!(" {} ", level_words(entry.level));
+    let style = if entry.seen_ns.is_none() { theme::badge(color) } else { theme::loud(color) };
+    let x = write(buffer, row, x, row.y, &words, style);
+    let seen = if entry.seen_ns.is_none() { "  not acknowledged" } else { "" };
+    write(buffer, row, x, row.y, &format!(" {what}{seen}"), Style::new());
+}
+
+/// The time of day of nanoseconds since 1970, UTC.
+pub(crate) fn clock(wall_ns: u64) -> String {
+    let second = wall_ns / 1_000_000_000 % 86_400;
+    format!("{:02}:{:02}:{:02}", second / 3600, second / 60 % 60, second % 60)
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use alarms::{Alarms, Reading};
+    use wire::Moment;
+
+    use super::*;
+    use crate::panels::tests::drawn;
+    use crate::view::tests::view;
+    use telemetry::test_support as tests;
+
+    fn frame(alarms: &Alarms, width: u16, height: u16) -> String {
+        let picture = tests::picture();
+        drawn(width, height, |area, buffer| AlarmList::default().draw(&View { alarms, ..view(&picture) }, area, buffer))
+    }
+
+    fn at(second: u64) -> Reading {
+        Reading::new(Moment { wall_ns: second * 1_000_000_000, ..Moment::default() })
+    }
+
+    /// A reading of damping.
+    pub(crate) fn damping(second: u64, value: f64) -> Reading {
+        at(second).with(Watch::Damping, value)
+    }
+
+    /// Unstable from second 50 607 to 50 611, and tripped since.
+    fn history() -> Alarms {
+        let mut alarms = Alarms::default();
+        alarms.read(&damping(50_600, 0.05));
+        alarms.read(&damping(50_607, -0.0306));
+        alarms.read(&damping(50_611, 0.05));
+        alarms.acknowledge();
+        let cause = "orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t";
+        alarms.read(&at(50_620).tripped(cause));
+        alarms
+    }
+
+    #[test]
+    fn what_fired_is_found_with_its_times_level_and_cause() {
+        let frame_of = |width, height| frame(&history(), width, height);
+        let usual = frame_of(90, 14);
+        for words in [
+            "14:03:27 to 14:03:31   !! ALARM  damping -0.0306, limit 0.0000",
+            "14:03:40 to      now   !! ALARM  trip: orbit of mass 2 reached 1000.5",
+            "1 not acknowledged: a",
+        ] {
+            assert!(usual.contains(words), "{words}:\n{usual}");
+        }
+        insta::assert_snapshot!("alarms", usual);
+        insta::assert_snapshot!("alarms_large", frame_of(120, 20));
+        insta::assert_snapshot!("alarms_small", frame_of(40, 5));
+        assert!(frame_of(40, 5).contains("!! ALARM  trip"), "{}", frame_of(40, 5));
+    }
+
+    #[test]
+    fn nothing_past_is_told_too() {
+        let quiet = frame(&Alarms::default(), 60, 12);
+        assert!(quiet.contains("nothing has been past its limit") && quiet.contains("no limit"), "{quiet}");
+        insta::assert_snapshot!("alarms_quiet", quiet);
+    }
+}

@@ -1,0 +1,91 @@
+//! The control force: now, and the most since the settings last changed.
+//!
+//! ```text
+//! ┌ control force  m_b w0² e_t ─────┐
+//! │ now  1.423  ████████████░░░░░░░ │   "was" under a cursor in the past; the bar ends at the most, or where it is fixed
+//! │ max  2.655  since revision 3    │
+//! └─────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::Line;
+
+use super::panel::Panel;
+use super::{framed, write, write_right};
+use crate::axis::Axis;
+use crate::fit::longest;
+use crate::theme;
+use crate::view::View;
+use telemetry::numbers::short;
+
+/// Width of a label and its number.
+const HEAD: u16 = 13;
+
+/// The force; the wheel changes the scale of its bar.
+#[derive(Debug, Default)]
+pub(crate) struct Force {
+    scale: Axis,
+}
+
+impl Panel for Force {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, &mut self.scale, area, buffer);
+    }
+
+    fn scale(&mut self) -> Option<&mut Axis> {
+        Some(&mut self.scale)
+    }
+}
+
+/// What the force under the cursor is called.
+pub(super) fn when(view: &View<'_>) -> &'static str {
+    if view.time.is_live() { "now" } else { "was" }
+}
+
+fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
+    let unit = picture.units().force;
+    let inner = framed(Line::from(format!(" control force  {} ", unit.name)), area, buffer);
+    let Some(at) = picture.now else { return };
+    let [y, z] = picture.track.force(at);
+    let (now, peak) = (y.hypot(z) * unit.factor, picture.peak_force * unit.factor);
+    let [_, full] = axis.over([0.0, peak]);
+    let mut line = |row: u16, name: &str, value: f64| {
+        let text = format!("{name} {:>8}", short(value, 5));
+        write(buffer, inner, inner.left(), inner.top() + row, &text, theme::loud(theme::FORCE));
+    };
+    line(0, when(view), now);
+    line(1, "max", peak);
+    if inner.width > HEAD {
+        let cells = inner.width - HEAD;
+        let part = (now / full * f64::from(cells)).round().clamp(0.0, f64::from(cells));
+        let filled = if full > 0.0 { part as usize } else { 0 };
+        let bar = "█".repeat(filled) + &"░".repeat(usize::from(cells) - filled);
+        write(buffer, inner, inner.left() + HEAD, inner.top(), &bar, theme::loud(theme::FORCE));
+    }
+    if axis.is_fixed() {
+        write_right(buffer, inner, inner.top() + 1, &format!("{} fixed", short(full, 3)), theme::quiet());
+    } else {
+        let since = picture.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
+        let short = since.replace("revision", "rev").replace("since ", "");
+        let since = longest(&[&since, &short], usize::from(inner.width.saturating_sub(HEAD)));
+        write(buffer, inner, inner.left() + HEAD, inner.top() + 1, &since, theme::quiet());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::drawn;
+    use crate::view::tests::view;
+    use telemetry::test_support as tests;
+
+    #[test]
+    fn shows_the_force_now_and_at_most() {
+        let picture = tests::picture();
+        let frame = drawn(40, 4, |area, buffer| Force::default().draw(&view(&picture), area, buffer));
+        assert!(frame.contains("now   0.8000") && frame.contains("max   0.8000"), "{frame}");
+        assert!(frame.contains("since revision 1"), "{frame}");
+    }
+}

@@ -1,0 +1,293 @@
+//! An orbit per mass, on one scale.
+//!
+//! ```text
+//! ┌ orbits  ±5.0 e_t ───────────────┐   "fixed" beside the scale while it stands still
+//! │   1 bearing       2         3   │
+//! │    ⣀⠤⠤⣀        ⣀⠤⠤⠤⣀     ⣀⠤⠤⣀  │   the last few turns, the latest two in colour; ◉ now
+//! │   ⡎ ⢀⡀ ⢱      ⡎  ●   ⢱   ⡎ ⢀⡀ ⢱ │   ● keyphasor: where the mass was, once a turn
+//! │    ⠑⠤⠤⠊        ⠑⠤⠤⠤⠊     ⠑⠤⠤⠊  │   blue circle: clearance of the support bearing
+//! │  0.62         2.71       1.9    │   distance from the centre under the cursor; y and z where there is room
+//! └─────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::text::Line;
+
+use super::panel::Panel;
+use super::{framed, write};
+use crate::axis::Axis;
+use crate::fit::longest;
+use crate::plot::Plot;
+use crate::theme;
+use crate::view::View;
+use telemetry::frame_data::Picture;
+use telemetry::history::{Channel, Track};
+use telemetry::numbers::{nice_ceiling, short};
+use telemetry::replay::Beside;
+use telemetry::units::Unit;
+
+/// Turns of the rotor that an orbit shows.
+const TURNS: f64 = 8.0;
+/// Turns that are drawn in colour.
+const FRESH: f64 = 2.0;
+/// Steps that an orbit shows at low speed, where that many turns take too long.
+const MOST_STEPS: usize = 10_000;
+
+/// Width of a cell in which y and z have room beside the radius, and height of one in which they have room above it.
+const ROOM_FOR_PLACE: u16 = 26;
+const ROWS_FOR_PLACE: u16 = 12;
+
+/// The orbits; the wheel changes their scale.
+#[derive(Debug, Default)]
+pub(crate) struct Orbits {
+    scale: Axis,
+}
+
+impl Panel for Orbits {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, &mut self.scale, area, buffer);
+    }
+
+    fn scale(&mut self) -> Option<&mut Axis> {
+        Some(&mut self.scale)
+    }
+}
+
+fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
+    let track = &picture.track;
+    let shown = shown_steps(track, picture.now);
+    let furthest = |mass| track.range(Channel::radius(mass), shown.clone()).map_or(0.0, |[_, furthest]| furthest);
+    let reach = (0..picture.masses()).map(furthest).fold(0.0, f64::max);
+    let beside = view.replay.as_ref().and_then(|replay| replay.beside);
+    let other = |step| (0..picture.masses()).filter_map(move |mass| beside?.place(step, mass)).map(radius);
+    // A machine that runs away beside this one must not make a point of it.
+    let reach = reach.max(shown.clone().flat_map(other).fold(0.0, f64::max).min(if reach > 0.0 {
+        4.0 * reach
+    } else {
+        f64::MAX
+    }));
+    // A clearance much larger than the orbit would squeeze it to a point: it goes out of view then.
+    let clearance = clearances(picture).into_iter().flatten().fold(0.0, f64::max);
+    let scale = nice_ceiling(1.02 * reach.max(if clearance < 4.0 * reach || reach == 0.0 { clearance } else { 0.0 }));
+    let unit = picture.units().length;
+    let shown_scale = axis.reach(if unit.factor == 1.0 { scale } else { nice_ceiling(scale * unit.factor) });
+    let scale = shown_scale / unit.factor;
+    let title = format!(" orbits  ±{} {}{}  ◉ now ● once a turn ", short(shown_scale, 2), unit.name, axis.word());
+    let inner = framed(Line::from(title), area, buffer);
+    let turns = Turns::of(track, shown.clone());
+    let cells = grid(inner, picture.masses());
+    for (mass, cell) in cells.into_iter().enumerate() {
+        draw_one(picture, beside, mass, &turns, (scale, unit), cell, buffer);
+    }
+}
+
+fn draw_one(
+    picture: &Picture,
+    beside: Option<Beside<'_>>,
+    mass: usize,
+    turns: &Turns,
+    (scale, unit): (f64, Unit),
+    cell: Rect,
+    buffer: &mut Buffer,
+) {
+    let track = &picture.track;
+    let window = Plot::round(cell, scale);
+    let mut plot = Plot::new(cell, window);
+    plot.line([window.x[0], 0.0], [window.x[1], 0.0], theme::GRID);
+    plot.line([0.0, window.y[0]], [0.0, window.y[1]], theme::GRID);
+    if let Some(clearance) = clearances(picture).get(mass).copied().flatten() {
+        plot.circle(clearance, theme::CLEARANCE);
+    }
+    let color = theme::TRACES[mass % theme::TRACES.len()];
+    // What is older than a turn or two fades, so that the eye finds where the mass goes.
+    let Turns { shown, fresh, begun } = turns;
+    plot.path(track.places(shown.start..*fresh, mass), theme::GRID);
+    plot.path(track.places(fresh.saturating_sub(1).max(shown.start)..shown.end, mass), color);
+    let turns: Vec<[f64; 2]> = begun.iter().map(|step| track.place(*step, mass)).collect();
+    let others: Vec<_> = shown.clone().filter_map(|step| beside?.place(step, mass)).collect();
+    others.windows(2).for_each(|pair| plot.line(pair[0], pair[1], theme::CANDIDATE));
+    plot.paint(buffer);
+    let mut mark = |[y, z]: [f64; 2], sign, color| {
+        if let Some((column, row)) = plot.cell(y, z) {
+            write(buffer, cell, column, row, sign, theme::loud(color));
+        }
+    };
+    if let Some((last, earlier)) = turns.split_last() {
+        earlier.iter().for_each(|place| mark(*place, "•", theme::KEY));
+        mark(*last, "●", theme::KEY);
+    }
+    if let Some(now) = shown.clone().last() {
+        mark(track.place(now, mass), "◉", color);
+    }
+    if let Some(place) = others.last() {
+        mark(*place, "◆", theme::CANDIDATE);
+    }
+    let carries = picture.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
+    let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
+    // What is told of one mass must not touch what is told of the next.
+    let cell = Rect { width: cell.width.saturating_sub(1), ..cell };
+    let behind = write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color)) + 1;
+    if let Some(last) = shown.clone().last() {
+        let [y, z] = track.place(last, mass);
+        let told = |value| unit.short(value, 3);
+        // In fewer digits where there is no room for more: one that is rounded is still the same number.
+        let size = |room: u16| {
+            let ways = [3, 2, 1].map(|digits| unit.short(radius([y, z]), digits));
+            longest(&ways.each_ref().map(String::as_str), usize::from(room))
+        };
+        let mut line = |from_below: u16, x: u16, text: &str| {
+            write(buffer, cell, x, cell.bottom().saturating_sub(from_below), &format!("{text} "), theme::quiet());
+        };
+        match (cell.width + 1, cell.height) {
+            (_, ..=3) => {
+                let x = behind.max(cell.left() + 4);
+                write(buffer, cell, x, cell.top(), &size(cell.right().saturating_sub(x)), theme::quiet());
+            }
+            (ROOM_FOR_PLACE.., _) => {
+                line(1, cell.left(), &format!("{}  y {}  z {}", told(radius([y, z])), told(y), told(z)));
+            }
+            (_, ROWS_FOR_PLACE..) => {
+                line(3, cell.left(), &format!("y {}", told(y)));
+                line(2, cell.left(), &format!("z {}", told(z)));
+                line(1, cell.left(), &size(cell.width));
+            }
+            _ => line(1, cell.left(), &size(cell.width)),
+        }
+    }
+}
+
+/// The clearance of every mass that has a support bearing and a deadband in it.
+fn clearances(picture: &Picture) -> Vec<Option<f64>> {
+    let Some((era, rotor)) = picture.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref()?))) else {
+        return Vec::new();
+    };
+    rotor
+        .masses()
+        .iter()
+        .zip(&era.settings.deadband)
+        .map(|(mass, g)| (mass.bearing_stiffness > 0.0 && *g > 0.0).then_some(*g))
+        .collect()
+}
+
+/// Which turn of the rotor a spin angle belongs to.
+fn turn(angle: f64) -> f64 {
+    (angle / std::f64::consts::TAU).floor()
+}
+
+fn radius([y, z]: [f64; 2]) -> f64 {
+    y.hypot(z)
+}
+
+/// The turns of the rotor over some steps.
+struct Turns {
+    shown: std::ops::Range<usize>,
+    /// The first step of those that are drawn in colour.
+    fresh: usize,
+    /// Steps with which a turn began.
+    begun: Vec<usize>,
+}
+
+impl Turns {
+    fn of(track: &Track, shown: std::ops::Range<usize>) -> Self {
+        let latest = shown.clone().last().map_or(0.0, |last| turn(track.angle(last)));
+        let (mut fresh, mut begun) = (shown.end, Vec::new());
+        let mut steps = shown.clone();
+        let mut turned = steps.next().map_or(0.0, |first| turn(track.angle(first)));
+        if turned > latest - FRESH {
+            fresh = shown.start;
+        }
+        let mut next = (turned + 1.0) * std::f64::consts::TAU;
+        for step in steps {
+            let angle = track.angle(step);
+            if angle >= next {
+                turned = turn(angle);
+                next = (turned + 1.0) * std::f64::consts::TAU;
+                begun.push(step);
+                if turned > latest - FRESH {
+                    fresh = fresh.min(step);
+                }
+            }
+        }
+        Self { shown, fresh, begun }
+    }
+}
+
+/// The steps of the last few turns before the one under the cursor, with that.
+fn shown_steps(track: &Track, now: Option<usize>) -> std::ops::Range<usize> {
+    let Some(last) = now else { return 0..0 };
+    let most = (last + 1).saturating_sub(MOST_STEPS);
+    let from = track.angle(last) - TURNS * std::f64::consts::TAU;
+    // The angle rises with time, but falls to zero at a restart: what was before is another motion.
+    let (mut start, mut angle) = (last, track.angle(last));
+    while start > most {
+        let earlier = track.angle(start - 1);
+        if earlier > angle || earlier < from {
+            break;
+        }
+        (start, angle) = (start - 1, earlier);
+    }
+    start..last + 1
+}
+
+/// Divides an area into `count` cells, in the number of columns that makes the largest round plot.
+fn grid(area: Rect, count: usize) -> Vec<Rect> {
+    let count = count as u16;
+    let side = |columns: u16| (area.width / columns).min(2 * (area.height / count.div_ceil(columns)));
+    let Some(columns) = (1..=count).max_by_key(|columns| (side(*columns), *columns)) else { return Vec::new() };
+    let (width, height) = (area.width / columns, area.height / count.div_ceil(columns));
+    (0..count)
+        .map(|at| Rect::new(area.x + at % columns * width, area.y + at / columns * height, width, height))
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::drawn;
+    use crate::view::tests::view;
+    use telemetry::test_support as tests;
+    use telemetry::view_time::ViewTime;
+
+    #[test]
+    fn every_mass_has_its_orbit_on_one_scale() {
+        let picture = tests::picture();
+        let frame = drawn(72, 14, |area, buffer| Orbits::default().draw(&view(&picture), area, buffer));
+        assert!(frame.contains("±4.0 e_t"), "{frame}");
+        assert!(frame.contains("1 ⊕"), "{frame}");
+        insta::assert_snapshot!("orbits", frame);
+    }
+
+    #[test]
+    fn eight_turns_are_shown_and_a_restart_cuts_them() {
+        let picture = tests::picture();
+        let shown = shown_steps(&picture.track, picture.now);
+        // 8 turns at R = 2.5 and 0.01 a step.
+        assert_eq!(shown.len(), (8.0 * std::f64::consts::TAU / 0.025).floor() as usize + 1);
+        let now = std::time::Instant::now();
+        let mut feed = telemetry::feed::Feed::new("");
+        (0..500).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        (500..600).for_each(|seq| {
+            let fresh = tests::state(3, seq - 500);
+            feed.hear(&fresh.with_word(wire::Channel::Seq, seq), now);
+        });
+        let picture = feed.picture(&ViewTime::LIVE, now);
+        assert_eq!(shown_steps(&picture.track, picture.now), 500..600);
+        assert_eq!(shown_steps(&picture.track, Some(499)), 0..500, "the motion before, with the cursor there");
+    }
+
+    #[test]
+    fn grids_fill_the_area_without_overlap() {
+        for (width, height) in [(72, 14), (20, 40), (5, 5), (0, 0)] {
+            for count in 1..=16 {
+                let cells = grid(Rect::new(3, 2, width, height), count);
+                assert_eq!(cells.len(), count);
+                for (i, a) in cells.iter().enumerate() {
+                    assert!(a.right() <= 3 + width && a.bottom() <= 2 + height);
+                    assert!(cells[i + 1..].iter().all(|b| a.is_empty() || !a.intersects(*b)));
+                }
+            }
+        }
+    }
+}

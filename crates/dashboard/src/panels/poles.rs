@@ -1,0 +1,270 @@
+//! Poles in the complex plane.
+//!
+//! ```text
+//! ┌ poles ──────────────────────────┐
+//! │ .1   .05  ⡇ Im           ±5    │   rays of equal damping lean left from the origin
+//! │  ⠑⡀    ▲ ⡇                     │   ▲ forward, Im > 0
+//! │    ⠑⡀  ▲ ⡇                     │
+//! │      ⠑⡀  ⡇◆  unstable          │   ◆ the least damped mode; right of the line Re = 0 it grows
+//! │⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⡏⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉│
+//! │     ▼    ⡇                     │   ▼ backward, Im < 0; blue lines: where poles go over speed, from 0 up
+//! └ ◆ -0.1216 +2.2693j  ζ 0.0535 ───┘   of the least damped mode, or ◈ of the one that is pointed at
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Margin, Position, Rect};
+use ratatui::text::Line;
+use rotor::{C64, Whirl, damping_ratio};
+
+use super::panel::{Intent, Mouse, Panel, Wish};
+use super::{framed, wheel_times, write, write_free, write_right};
+use crate::actions::Read;
+use crate::axis::{Axis, Scaling};
+use crate::fit::width;
+use crate::plot::{Plot, Window};
+use crate::pointed::Point;
+use crate::theme;
+use crate::view::View;
+use telemetry::jobs::Question;
+use telemetry::numbers::{neat, nice_ceiling, short};
+use telemetry::units::Units;
+
+/// Damping ratios that get a ray.
+const RAYS: [f64; 4] = [0.05, 0.1, 0.2, 0.5];
+
+/// What the right side is called.
+const UNSTABLE: &str = "unstable";
+
+/// The furthest cells, as the eye counts them, from which a click still takes a pole.
+const GRASP: f64 = 4.0;
+
+/// The poles: a click takes a mode, the wheel changes the scale.
+#[derive(Debug, Default)]
+pub(crate) struct Poles {
+    re: Axis,
+    im: Axis,
+}
+
+impl Panel for Poles {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        let inner = framed(Line::from(" poles ▲forward ▼backward "), area, buffer);
+        if let Some(window) = self.window(view) {
+            draw(view, self, window, area, inner, buffer);
+        }
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        match mouse {
+            Mouse::Wheel(notches) => {
+                self.re.zoom(wheel_times(notches), None);
+                self.im.zoom(wheel_times(notches), None);
+                None
+            }
+            Mouse::Drag(_) => None,
+            Mouse::Click => {
+                let plot = Plot::new(area.inner(Margin::new(1, 1)), self.window(view)?);
+                let (_, poles) = view.picture.poles()?;
+                // A cell is twice as high as it is wide.
+                let far = |pole: &C64| {
+                    let (x, y) = plot.cell(pole.re, pole.im)?;
+                    Some((f64::from(x) - f64::from(at.x)).hypot(2.0 * (f64::from(y) - f64::from(at.y))))
+                };
+                let near = poles.iter().filter_map(|pole| Some((far(pole)?, *pole))).filter(|(far, _)| *far <= GRASP);
+                let (_, pole) = near.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+                Some(Intent::Point(Point::Mode(pole)))
+            }
+        }
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        let Wish::Value(scalings) = wish else { return None };
+        let re = self.re.take(*scalings.first()?, None);
+        // One wish but a range is for both: a range is that of Re, a second one that of Im.
+        let im = match scalings {
+            [scaling @ (Scaling::Auto | Scaling::Times(_))] | [_, scaling] => self.im.take(*scaling, None),
+            _ => Ok(()),
+        };
+        Some(re.and(im))
+    }
+
+    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+        next_mode(view, read).map(Point::Mode)
+    }
+}
+
+/// The mode that a read-out moves on to: modes are in order of their damping.
+pub(super) fn next_mode(view: &View<'_>, read: Read) -> Option<C64> {
+    let (_, poles) = view.picture.poles()?;
+    let at = view.pointed.mode.and_then(|mode| poles.iter().position(|pole| *pole == mode));
+    let at = match (read, at) {
+        (Read::Off, at) => at.unwrap_or(0),
+        (Read::Move(by), Some(at)) => at.saturating_add_signed(by as isize).min(poles.len() - 1),
+        (Read::Move(_), None) => 0,
+        // By its frequency.
+        (Read::At(frequency), _) => {
+            let frequency = frequency / view.picture.units().frequency.factor;
+            let far = |pole: &C64| (pole.im - frequency).abs();
+            (0..poles.len()).min_by(|a, b| far(&poles[*a]).total_cmp(&far(&poles[*b])))?
+        }
+    };
+    poles.get(at).copied()
+}
+
+/// A pole in words: where it is, its damping ratio, and, where there is room, its frequency and sense.
+fn told(pole: C64, units: &Units, width: usize) -> String {
+    let (re, im) = (pole.re * units.rate.factor, pole.im * units.rate.factor);
+    let place = format!("{} {}{}j", short(re, 5), if im < 0.0 { "" } else { "+" }, short(im, 5));
+    let whirl = if pole.im >= 0.0 { Whirl::Forward } else { Whirl::Backward };
+    let ratio = format!("ζ {:.4}", damping_ratio(pole));
+    let both = format!("{place}  {ratio}");
+    let full = format!("{both}  {}  {whirl}", units.frequency.told(pole.im.abs(), 4));
+    [full, both, place].into_iter().find(|text| crate::fit::width(text) + 4 <= width).unwrap_or(ratio)
+}
+
+impl Poles {
+    /// The part of the plane to show, in units of `w0`; nothing as long as no poles are known.
+    fn window(&mut self, view: &View<'_>) -> Option<Window> {
+        let (_, poles) = view.picture.poles()?;
+        let factor = view.picture.units().rate.factor;
+        let candidates = view.what_if.iter().flat_map(|candidate| &candidate.poles);
+        let reach =
+            |part: fn(&C64) -> f64| factor * poles.iter().chain(candidates.clone()).map(part).fold(0.0, f64::max);
+        let top = nice_ceiling(reach(|p| p.im.abs()) * 1.05);
+        let left = nice_ceiling(reach(|p| -p.re) * 1.05);
+        // The unstable side is always in view, wide enough to see a pole arrive.
+        let furthest = reach(|p| p.re);
+        let right = if furthest > 0.0 { nice_ceiling(furthest * 1.05) } else { 0.0 }.max(0.25 * left);
+        let dimensionless = |range: [f64; 2]| range.map(|end| end / factor);
+        Some(Window { x: dimensionless(self.re.over([-left, right])), y: dimensionless(self.im.over([-top, top])) })
+    }
+}
+
+/// Writes a scale at the right of the first of these rows in which no mark would hide a part of its numbers; else nowhere.
+fn write_beside(buffer: &mut Buffer, area: Rect, marks: &[(u16, u16)], rows: impl Iterator<Item = u16>, text: &str) {
+    let from = area.right().saturating_sub(width(text) as u16).max(area.left());
+    let is_free = |y: &u16| !marks.iter().any(|(mark_x, mark_y)| mark_y == y && *mark_x >= from);
+    if let Some(y) = rows.into_iter().find(is_free) {
+        write_right(buffer, area, y, text, theme::quiet());
+    }
+}
+
+fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, buffer: &mut Buffer) {
+    let Some((_, poles)) = view.picture.poles() else { return };
+    let units = view.picture.units();
+    let Window { x: [left, right], y: [bottom, top] } = window;
+    let mut plot = Plot::new(inner, window);
+    trail(view, &mut plot);
+
+    for zeta in RAYS {
+        // Along a ray Re = -zeta |lambda|.
+        let slope = (1.0 - zeta * zeta).sqrt() / zeta;
+        // Far enough to leave the window on either side.
+        let end = (-left).max(0.0);
+        for side in [1.0, -1.0] {
+            plot.line([0.0, 0.0], [-end, side * end * slope], theme::GRID);
+        }
+    }
+    plot.line([left, 0.0], [right, 0.0], theme::GRID);
+    plot.line([0.0, bottom], [0.0, top], theme::WARN);
+    plot.paint(buffer);
+
+    // A scale that stands still was chosen: it is told as it is.
+    let number = |value: f64| match axes.re.is_fixed() || axes.im.is_fixed() {
+        true => neat(value * units.rate.factor),
+        false => units.rate.short(value, 2),
+    };
+    let symmetric = top == -bottom;
+    let im = if symmetric { format!("±{}", number(top)) } else { format!("{} to {}", number(bottom), number(top)) };
+    let name = if units.scales.is_some() { " 1/s" } else { "" };
+    let im = format!("Im {}{im}{name}", axes.im.sign());
+    let beside = view.what_if.iter().flat_map(|candidate| &candidate.poles);
+    let marks: Vec<_> = poles.iter().chain(beside).filter_map(|pole| plot.cell(pole.re, pole.im)).collect();
+    let rows = inner.top()..inner.bottom();
+    write_beside(buffer, inner, &marks, rows.clone().take(3), &im);
+    let scale = format!("Re {}{} to {}{name}", axes.re.sign(), number(left), number(right));
+    write_beside(buffer, inner, &marks, rows.rev().take(3), &scale);
+    if let Some((x, y)) = plot.cell(0.0, bottom + 0.95 * (top - bottom)).map(|(x, y)| (x + 2, y.max(inner.top() + 1))) {
+        // Half a word would mislead.
+        write_free(buffer, inner, x, y, UNSTABLE, theme::quiet());
+    }
+
+    // The least damped last, so that it lies on top.
+    for (rank, pole) in poles.iter().enumerate().rev() {
+        let Some((x, y)) = plot.cell(pole.re, pole.im) else { continue };
+        let whirl = if pole.im >= 0.0 { Whirl::Forward } else { Whirl::Backward };
+        let (sign, color) = match whirl {
+            Whirl::Forward => ("▲", theme::FORWARD),
+            Whirl::Backward => ("▼", theme::BACKWARD),
+        };
+        let (sign, color) = match rank {
+            0 => ("◆", theme::verdict(damping_ratio(*pole)).0),
+            _ => (sign, color),
+        };
+        write(buffer, inner, x, y, sign, theme::loud(color));
+    }
+    for pole in view.what_if.iter().flat_map(|candidate| &candidate.poles) {
+        if let Some((x, y)) = plot.cell(pole.re, pole.im) {
+            write(buffer, inner, x, y, "◇", theme::loud(theme::verdict(damping_ratio(*pole)).0));
+        }
+    }
+    for zeta in RAYS {
+        let slope = (1.0 - zeta * zeta).sqrt() / zeta;
+        let end = 0.97 * (-left).min(top / slope);
+        if let Some((x, y)) = plot.cell(-end, end * slope) {
+            write_free(buffer, inner, x, y, &format!("{zeta}"), theme::quiet());
+        }
+    }
+    let pointed = view.pointed.mode;
+    if let Some((x, y)) = pointed.and_then(|pole| plot.cell(pole.re, pole.im)) {
+        write(buffer, inner, x, y, "◈", theme::loud(theme::CURSOR));
+    }
+    if let Some((sign, pole)) = pointed.map(|pole| ("◈", pole)).or(poles.first().map(|pole| ("◆", *pole))) {
+        // On the lower edge of the frame, where no pole is hidden by it.
+        let edge = Rect { width: area.width.saturating_sub(2), ..area };
+        let label = format!(" {sign} {} ", told(pole, &units, usize::from(edge.width)));
+        let style = theme::loud(theme::verdict(damping_ratio(pole)).0);
+        write(buffer, edge, area.left() + 1, area.bottom().saturating_sub(1), &label, style);
+    }
+}
+
+/// Where the poles go over speed for the gains in force, faintly. Nothing where modes cannot be told
+/// apart.
+fn trail(view: &View<'_>, plot: &mut Plot) {
+    let Some(question) = view.picture.era.as_ref().and_then(|era| Question::of(era)) else { return };
+    let Some(over_speed) = view.desk.over_speed(&question) else { return };
+    for branch in &over_speed.branches {
+        for pair in branch.windows(2) {
+            plot.line([pair[0].re, pair[0].im], [pair[1].re, pair[1].im], theme::TRAIL);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::drawn;
+    use crate::view::tests::view;
+    use telemetry::feed::Feed;
+    use telemetry::test_support as tests;
+    use telemetry::view_time::ViewTime;
+
+    #[test]
+    fn every_pole_has_its_sign_and_the_least_damped_is_marked() {
+        let picture = tests::picture();
+        let frame = drawn(60, 20, |area, buffer| Poles::default().draw(&view(&picture), area, buffer));
+        // Six poles: three backward, two forward, and the least damped one; the title, which also has them, is left out.
+        let count = |sign| frame.lines().skip(1).map(|line| line.matches(sign).count()).sum::<usize>();
+        assert!((2..=3).contains(&count('▼')), "{frame}");
+        assert!((1..=2).contains(&count('▲')), "{frame}");
+        assert_eq!(count('◆'), 2, "the pole and its label:\n{frame}");
+        assert!(frame.contains("unstable"), "{frame}");
+        insta::assert_snapshot!("poles", frame);
+    }
+
+    #[test]
+    fn nothing_known_is_an_empty_frame() {
+        let empty = Feed::new("waiting").picture(&ViewTime::LIVE, std::time::Instant::now());
+        let frame = drawn(30, 4, |area, buffer| Poles::default().draw(&view(&empty), area, buffer));
+        assert_eq!(frame.lines().nth(1), Some(&*format!("│{}│", " ".repeat(28))));
+    }
+}

@@ -1,0 +1,210 @@
+//! Speed, deadbands, gains and trip limit: values, steps, what is selected, what is being typed.
+//!
+//! ```text
+//! ┌ settings  rev 3 by dash:812 ────┐
+//! │  speed           2.5    ±0.05 w0│
+//! │  trip           1000      ±10 e_t
+//! │▶ kd          -0.5879    ±0.01   │   ▶ selected: left and right lower and raise it
+//! │  kc      -1.25 linear   ±0.01   │   a scheduled gain at the present speed
+//! └─────────────────────────────────┘
+//! ```
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Margin, Position, Rect};
+use ratatui::style::{Modifier, Style};
+use ratatui::text::Line;
+use rotor::{Gain, Key, Scope, Settings};
+
+use super::list::{mark, passes, told};
+use super::panel::{Intent, Mouse, Panel};
+use super::{framed, write, write_line};
+use crate::actions::Action;
+use crate::fit::width;
+use crate::theme;
+use crate::view::{Cursor, View};
+use telemetry::units::Units;
+
+/// The rows of the panel: every key there is, but one deadband for all masses where they are all alike, and no index on
+/// the gains of a single signal.
+pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
+    let alike = settings.deadband.windows(2).all(|pair| pair[0] == pair[1]);
+    let one_signal = settings.feedback.signals.len() == 1;
+    let is_one = |key: &Key| match key.parameter.scope {
+        Scope::Machine => false,
+        Scope::Mass => alike,
+        Scope::Signal => one_signal,
+    };
+    let rows = settings.keys().into_iter().filter(|key| !is_one(key) || key.index == Some(0));
+    rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
+}
+
+/// The places of the rows that a filter lets through, and of the selected one, which is never hidden.
+pub(crate) fn shown_rows(rows: &[Key], filter: &str, selected: usize) -> Vec<usize> {
+    let row = |key: &Key| format!("{key} {}", key.parameter.meaning);
+    let places = rows.iter().enumerate().filter(|(at, key)| *at == selected || passes(filter, &row(key)));
+    places.map(|(at, _)| at).collect()
+}
+
+/// The settings: a click selects one, a drag nudges it a step a cell, the wheel selects the next.
+pub(crate) struct SettingsPanel;
+
+impl Panel for SettingsPanel {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(view, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        let inner = area.inner(Margin::new(1, 1));
+        let selected = view.cursor.row;
+        let shown = shown_rows(&rows(view.picture.settings.as_ref()?), view.filter, selected);
+        match mouse {
+            Mouse::Wheel(notches) => Some(Intent::Do(Action::Select(notches as isize))),
+            Mouse::Drag(0) => None,
+            Mouse::Drag(cells) => Some(Intent::Do(Action::Nudge(f64::from(cells)))),
+            Mouse::Click => {
+                let first = first_row(&shown, selected, inner.height);
+                let row = shown.get(first + usize::from(at.y.checked_sub(inner.y)?))?;
+                inner.contains(at).then_some(Intent::Row(*row))
+            }
+        }
+    }
+}
+
+/// The first of the rows in view: the selected one is.
+fn first_row(shown: &[usize], selected: usize, height: u16) -> usize {
+    let (height, count) = (usize::from(height), shown.len());
+    let at = shown.iter().position(|row| *row == selected).unwrap_or(count.saturating_sub(1));
+    (at + 1).saturating_sub(height).min(count.saturating_sub(height))
+}
+
+fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let (picture, cursor) = (view.picture, view.cursor);
+    let keys = picture.settings.as_ref().map(rows).unwrap_or_default();
+    let shown = shown_rows(&keys, view.filter, cursor.row);
+    let passed = told(view.filter, shown.len(), keys.len());
+    let title = match &picture.bench_status {
+        Some(bench_status) => {
+            format!(" settings  rev {} by {} {passed}", bench_status.revision, bench_status.changed_by.as_str())
+        }
+        None => " settings ".to_owned(),
+    };
+    let inner = framed(Line::from(title), area, buffer);
+    let Some(settings) = &picture.settings else { return };
+    let units = picture.units();
+    let first = first_row(&shown, cursor.row, inner.height);
+    for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
+        let row = Rect { y, height: 1, ..inner };
+        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), row, buffer);
+    }
+    // On the frame, where no value is hidden by it.
+    let last = (first + usize::from(inner.height)).min(shown.len());
+    mark(&(first..last), shown.len(), area, buffer);
+}
+
+fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cursor>, row: Rect, buffer: &mut Buffer) {
+    let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
+    write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
+    let name = write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style) - row.left();
+    let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
+    let value = match typed {
+        Some(typed) => Line::from(typed.spans(theme::badge(theme::WARN))),
+        None => Line::styled(value_of(settings, units, key), style),
+    };
+    // What kind of gain it is goes first, then the step; the value stays whole.
+    // What is typed may cover the name: its end must be seen.
+    let room = row.width.saturating_sub(if typed.is_some() { 2 } else { name + 1 });
+    let value = match value.to_string().split_once(' ') {
+        Some((number, _)) if value.width() > usize::from(room) => Line::styled(number.to_owned(), style),
+        _ => value,
+    };
+    // As much of the step as there is room for; the value always is.
+    let (step, unit) = (units.step(key), units.setting(key).name);
+    let step = match row.width {
+        0..26 => String::new(),
+        26..34 => format!("±{}", compact(step)),
+        _ => format!("±{:<4} {unit:<3}", compact(step)),
+    };
+    let beside = if step.is_empty() { 0 } else { width(&step).max(5) as u16 + 2 };
+    let beside = if value.width() as u16 + beside > room { 0 } else { beside };
+    if beside > 0 {
+        write(buffer, row, row.right().saturating_sub(beside - 2), row.top(), &step, theme::quiet());
+    }
+    let wide = (value.width() as u16).min(room);
+    let place = Rect { x: row.right() - beside - wide, width: wide, ..row };
+    write_line(buffer, place, value);
+}
+
+/// A value as short as it can be told, with a word if it is a schedule.
+fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
+    let unit = units.setting(key);
+    let value = settings.get(key).unwrap_or(f64::NAN);
+    if key.parameter.off == Some(value) && key.parameter.name != "seed" {
+        return "off".into();
+    }
+    let value = value * unit.factor;
+    // Micrometres count where metres are shown.
+    let digits = if unit.name == "m" { 1e9 } else { 1e6 };
+    let rounded = (value * digits).round() / digits;
+    match settings.gain(key) {
+        Some(Gain::Linear { .. }) => format!("{} linear", compact(rounded)),
+        Some(Gain::Table(_)) => format!("{} table", compact(rounded)),
+        Some(Gain::Constant(_)) | None => compact(rounded),
+    }
+}
+
+/// Every digit there is, without a row of zeros in front: `0.05`, `5e-6`.
+fn compact(value: f64) -> String {
+    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::panels::tests::drawn;
+    use crate::view::tests::view;
+    use telemetry::test_support as tests;
+
+    #[test]
+    fn small_values_have_no_row_of_zeros() {
+        for (value, text) in [(0.0, "0"), (2.5, "2.5"), (-0.5879, "-0.5879"), (0.001, "0.001"), (-5e-6, "-5e-6")] {
+            assert_eq!(compact(value), text);
+        }
+    }
+
+    #[test]
+    fn values_steps_and_selection_are_shown() {
+        let picture = tests::picture();
+        let cursor = Cursor { row: 3, typed: None };
+        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
+        insta::assert_snapshot!("settings", frame);
+        let typing = Cursor { row: 3, typed: Some("-0.4".into()) };
+        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &typing, ..view(&picture) }, area, buffer));
+        assert!(frame.contains("▶ kd") && frame.contains("-0.4_"), "{frame}");
+    }
+
+    #[test]
+    fn the_selected_row_stays_in_view() {
+        let mut picture = tests::picture();
+        picture.settings = Some(tests::bench_status("three-mass", "individual").settings.get().clone());
+        let cursor = Cursor { row: 10, typed: None };
+        let frame = drawn(36, 5, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
+        assert!(frame.contains("▶ cc.2"), "{frame}");
+        let first = drawn(36, 5, |area, buffer| draw(&view(&picture), area, buffer));
+        assert!(first.contains("▶ speed") && first.contains('▼'), "{first}");
+    }
+
+    #[test]
+    fn deadbands_that_differ_have_a_row_each() {
+        let mut settings = tests::bench_status("three-mass", "composite").settings.get().clone();
+        assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 1);
+        settings.deadband[1] = 0.0;
+        assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 3);
+    }
+
+    #[test]
+    fn a_scheduled_gain_says_so() {
+        let settings = tests::bench_status("jeffcott", "cancel").settings.get().clone();
+        let kc = rows(&settings).into_iter().find(|key| key.parameter.name == "kc").unwrap();
+        assert_eq!(value_of(&settings, &Units::DIMENSIONLESS, kc), "-1.25 linear");
+    }
+}

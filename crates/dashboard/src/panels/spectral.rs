@@ -1,0 +1,179 @@
+//! What the panels of spectra have in common: which mass and which frequencies they show, what the mouse does on them, and
+//! how lines are told.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Position, Rect};
+use spectrum::Peak;
+
+use super::panel::{Intent, Mouse, Panel, Wish};
+use super::wheel_times;
+use crate::actions::Read;
+use crate::axis::{Axis, Scaling};
+use crate::pointed::Point;
+use crate::view::View;
+use telemetry::frame_data::Picture;
+use telemetry::numbers::{nice_ceiling, short};
+use telemetry::units::Units;
+
+/// Draws spectra along their axes.
+type Draw = fn(&View<'_>, &mut Spectral, Rect, &mut Buffer);
+
+/// A panel of spectra: a click points at a frequency, the wheel shows more or fewer of them.
+pub(crate) struct SpectralPanel {
+    axes: Spectral,
+    draw: Draw,
+}
+
+impl SpectralPanel {
+    pub(super) fn new(draw: Draw) -> Self {
+        let (along, value) = (Axis::default(), Axis::default());
+        Self { axes: Spectral { mass: None, along, shown: None, value, units: Units::DIMENSIONLESS }, draw }
+    }
+}
+
+impl Panel for SpectralPanel {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        (self.draw)(view, &mut self.axes, area, buffer);
+    }
+
+    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+        self.axes.mouse(view, mouse, at)
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        self.axes.wish(wish)
+    }
+
+    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+        self.axes.read(view, read)
+    }
+}
+
+/// Of which mass, over which frequencies and which densities spectra are shown.
+#[derive(Clone, Debug)]
+pub(super) struct Spectral {
+    /// The mass, counted from 0; that with the control bearing if there is none.
+    mass: Option<usize>,
+    /// Frequencies, as they stand on the axis.
+    along: Axis,
+    /// The frequencies that were last shown, in units of `w0`, where, and over how many columns.
+    shown: Option<([f64; 2], Rect)>,
+    /// Decades of density, as they stand on the axis.
+    pub(super) value: Axis,
+    /// The units that the axes count in.
+    pub(super) units: Units,
+}
+
+impl Spectral {
+    /// The mass that is looked at.
+    pub(super) fn mass(&self, picture: &Picture) -> usize {
+        let bearing = picture.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
+        self.mass.unwrap_or(bearing).min(picture.masses().saturating_sub(1))
+    }
+
+    /// The range of frequencies to show over `area`, in units of `w0`.
+    pub(super) fn over(&mut self, picture: &Picture, area: Rect) -> [f64; 2] {
+        let factor = picture.units().frequency.factor;
+        let reach = reach(picture) * factor;
+        let range = self.along.over([-reach, reach]).map(|end| end / factor);
+        self.shown = Some((range, area));
+        range
+    }
+
+    /// The sign of a range that stands still, for a title.
+    pub(super) fn word(&self) -> &'static str {
+        self.along.word()
+    }
+
+    /// Half of what one column stands for.
+    pub(super) fn half_column(&self) -> f64 {
+        self.shown.map_or(0.0, |([low, high], area)| 0.5 * (high - low) / f64::from(area.width.max(1)))
+    }
+
+    /// What the mouse asks for: a click points at a frequency, the wheel shows more or fewer.
+    fn mouse(&mut self, view: &View<'_>, mouse: Mouse, at: Position) -> Option<Intent> {
+        let ([low, high], area) = self.shown?;
+        let along = (f64::from(at.x.checked_sub(area.x)?) + 0.5) / f64::from(area.width);
+        let frequency = low + along * (high - low);
+        match mouse {
+            Mouse::Wheel(notches) => {
+                let there = frequency * view.picture.units().frequency.factor;
+                // Both sides alike, unless what is pointed at lies far from the middle.
+                let about = if self.along.is_fixed() { Some(there) } else { None };
+                self.along.zoom(wheel_times(notches), about);
+                None
+            }
+            Mouse::Click | Mouse::Drag(_) => {
+                let within = at.x < area.right() && (area.top()..=area.bottom()).contains(&at.y);
+                within.then_some(Intent::Point(Point::Frequency(frequency)))
+            }
+        }
+    }
+
+    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
+        match wish {
+            Wish::Value(scalings) => {
+                // The highest density stays where it is.
+                let top = self.value.shown().map(|[_, top]| top);
+                let scaling = in_decades(*scalings.first()?);
+                Some(scaling.and_then(|scaling| self.value.take(scaling, top)))
+            }
+            Wish::Along(scaling, pointed) => {
+                let about = pointed.frequency.map(|frequency| frequency * self.units.frequency.factor);
+                Some(self.along.take(*scaling, about))
+            }
+            Wish::Frequencies(scaling) => Some(self.along.take(*scaling, None)),
+            Wish::Mass(mass) => {
+                self.mass = *mass;
+                Some(Ok(()))
+            }
+            _ => None,
+        }
+    }
+
+    fn read(&self, view: &View<'_>, read: Read) -> Option<Point> {
+        let ([low, high], _) = self.shown?;
+        let before = view.pointed.frequency;
+        let speed = view.picture.now.map_or(0.0, |now| view.picture.track.speed(now));
+        let frequency = match read {
+            Read::Off => before.unwrap_or(0.0),
+            Read::At(frequency) => frequency / view.picture.units().frequency.factor,
+            Read::Move(by) => before.map_or(speed, |there| there + 2.0 * f64::from(by) * self.half_column()),
+        };
+        Some(Point::Frequency(frequency.clamp(low, high)))
+    }
+}
+
+/// A scaling of densities, which the axis counts in decades.
+fn in_decades(scaling: Scaling) -> Result<Scaling, String> {
+    match scaling {
+        Scaling::Fix([low, high]) if low <= 0.0 || high <= 0.0 => {
+            Err(format!("{low}..{high}: expected densities above 0, such as 1e-6..1e2"))
+        }
+        Scaling::Fix(range) => Ok(Scaling::Fix(range.map(f64::log10))),
+        other => Ok(other),
+    }
+}
+
+/// Decades by which densities on the screen are higher than dimensionless ones.
+pub(super) fn shift(units: &Units) -> f64 {
+    (units.length.factor.powi(2) / units.frequency.factor).log10()
+}
+
+/// The highest frequency that is shown: beyond twice the speed, and beyond every mode; round on the screen.
+pub(super) fn reach(picture: &Picture) -> f64 {
+    let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
+    let highest = picture.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
+    let factor = picture.units().frequency.factor;
+    nice_ceiling((2.2 * speed).max(1.2 * highest).max(0.1) * factor) / factor
+}
+
+/// A line in words: its frequency, its order, and the radius of its orbit.
+pub(super) fn told(peak: &Peak, units: &Units) -> String {
+    let order = if peak.name.is_empty() { String::new() } else { format!("  {}", peak.name) };
+    let frequency = match units.scales {
+        Some(_) => units.frequency.told(peak.frequency, 5),
+        None => short(peak.frequency, 4),
+    };
+    format!(" ┆ {frequency}{order}  {} ", units.length.told(peak.radius, 4))
+}

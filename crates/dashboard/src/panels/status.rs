@@ -1,0 +1,376 @@
+//! The line at the top: what is looked at, how it keeps its pace, and how things stand. The line at the foot: the last
+//! message, or what the keys do.
+//!
+//! ```text
+//!  RUNNING  default  three-mass  R 2.5  tau 412  1000/s  late 51/124 us  lost 0  age 3 ms
+//! ```
+//!
+//! A machine too fast for one Runge-Kutta step a step has `34 substeps` behind its rate.
+
+use alarms::{Alarms, Level};
+use ratatui::buffer::Buffer;
+use ratatui::layout::Rect;
+use ratatui::style::{Color, Style};
+use ratatui::text::{Line, Span};
+use wire::{Keeping, RecorderState, RecorderStatus};
+
+use super::write_line;
+use crate::actions::ACTIONS;
+use crate::layers::Layer;
+use crate::theme;
+use crate::typing::Typing;
+use crate::view::{Message, View};
+use telemetry::contact::Contact;
+use telemetry::frame_data::Picture;
+use telemetry::numbers::short;
+use telemetry::units::Units;
+
+/// How things stand, in one word and its colour.
+pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color) {
+    match picture.contact {
+        Contact::Waiting(_) => ("WAITING", theme::WARN),
+        Contact::Gone => ("SIMULATION GONE", theme::BAD),
+        Contact::Stalled => ("STALLED", theme::BAD),
+        Contact::Live if picture.tripped => ("TRIPPED", theme::BAD),
+        Contact::Live if paused => ("PAUSED", theme::WARN),
+        Contact::Live => ("RUNNING", theme::GOOD),
+    }
+}
+
+pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let picture = view.picture;
+    let (word, color) = run_state(picture, !view.time.is_live());
+    // Each with how soon it goes where there is no room for all: the largest first, whole.
+    let mut line = vec![(0, Span::styled(format!(" {word} "), theme::badge(color)))];
+    let mut soon = 1;
+    let mut add = |text: String, style: Style| {
+        soon += 1;
+        line.push((soon, Span::styled(format!("  {text}"), style)));
+    };
+    let plain = Style::new();
+    // A machine that stands still is first told why.
+    if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
+        add(format!("{}: R restarts", picture.units().trip(&trip)), theme::loud(theme::BAD));
+    }
+    let starts = || ("● REC starting".to_owned(), theme::loud(theme::BAD));
+    let told = picture.recorder.as_deref().filter(|status| status.is_recording() || !picture.recorder_starts);
+    let sign = told.and_then(recording).or_else(|| picture.recorder_starts.then(starts));
+    if let Some((sign, style)) = sign {
+        add(sign, style);
+    }
+    if let Contact::Waiting(why) = &picture.contact {
+        add(why.clone(), theme::loud(theme::WARN));
+    }
+    if !view.time.is_live()
+        && let Some(now) = picture.now
+    {
+        let (ago, tau) = (picture.ago().as_secs_f64(), picture.track.tau(now));
+        add(format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
+    }
+    if view.read_only {
+        add("read-only".to_owned(), theme::loud(theme::WARN));
+    }
+    add(view.bench.to_owned(), plain.bold());
+    if let (Some(bench_status), Some(settings)) = (&picture.bench_status, &picture.settings) {
+        add(bench_status.rotor_name.as_str().to_owned(), plain);
+        // Old recordings, and benches that have told no poles yet, know of no other speed.
+        let told = picture.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
+        let is_there = |speed: f64| (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
+        let on_its_way = told.map(|era| era.speed).filter(|speed| !is_there(*speed));
+        let speed = match picture.units() {
+            units @ Units { scales: Some(_), .. } => match on_its_way {
+                Some(now) => format!("{} to {}", units.speed(now), units.speed_told(settings.speed)),
+                None => units.speed_told(settings.speed),
+            },
+            units => match on_its_way {
+                Some(now) => format!("R {now:.3} to {}", units.value_digits(settings.speed)),
+                None => format!("R {}", units.value_digits(settings.speed)),
+            },
+        };
+        add(speed, plain);
+        add(format!("{:.0}/s", picture.rate), plain);
+        if bench_status.substeps > 1 {
+            add(format!("{} substeps", bench_status.substeps), plain);
+        }
+        let health = &bench_status.health;
+        let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
+        add(format!("late {p50:.0}/{p99:.0} us"), plain);
+        if health.missed > 0 {
+            add(format!("missed {}", health.missed), theme::loud(theme::WARN));
+        }
+        add(format!("lost {}", picture.lost), if picture.lost > 0 { theme::loud(theme::WARN) } else { plain });
+    }
+    if let Some(age) = picture.age {
+        let stale = matches!(picture.contact, Contact::Gone | Contact::Stalled);
+        let style = if stale { theme::loud(theme::BAD) } else { plain };
+        let text = if stale {
+            format!("last step {:.1} s ago", age.as_secs_f64())
+        } else {
+            format!("age {} ms", age.as_millis())
+        };
+        add(text, style);
+    }
+    // Alarms have their place whatever else is told.
+    let told = alarms_line(view.alarms).width() as u16;
+    let room = area.width.saturating_sub(told);
+    write_line(buffer, Rect { width: room, ..area }, fitted(line, usize::from(room)));
+    draw_alarms(view.alarms, area, buffer);
+}
+
+/// As many of the parts as have room: one that goes, goes whole.
+fn fitted(mut parts: Vec<(usize, Span<'_>)>, room: usize) -> Line<'_> {
+    let wide = |parts: &[(usize, Span<'_>)]| parts.iter().map(|(_, part)| part.width()).sum::<usize>();
+    while parts.len() > 1 && wide(&parts) > room {
+        let first = (0..parts.len()).max_by_key(|at| parts[*at].0).unwrap_or(0);
+        // What has no room even by itself stays to be cut: a word of it is better than none.
+        if parts.len() == 2 && parts[0].1.width() + 4 < room {
+            break;
+        }
+        parts.remove(first);
+    }
+    Line::from(parts.into_iter().map(|(_, part)| part).collect::<Vec<_>>())
+}
+
+fn alarms_line(alarms: &Alarms) -> Line<'static> {
+    Line::from(alarms_told(alarms).collect::<Vec<_>>())
+}
+
+/// Alarms at the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
+pub(crate) fn draw_alarms(alarms: &Alarms, area: Rect, buffer: &mut Buffer) {
+    let told = alarms_line(alarms);
+    let width = (told.width() as u16).min(area.width);
+    write_line(buffer, Rect { x: area.right() - width, width, ..area }, told);
+}
+
+/// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit. On a bar
+/// until they are acknowledged.
+fn alarms_told(alarms: &Alarms) -> impl Iterator<Item = Span<'static>> {
+    [Level::Alarm, Level::Warning].into_iter().flat_map(move |level| {
+        [true, false].into_iter().filter_map(move |unseen| {
+            let here = alarms.standings().filter(|(_, standing, _)| standing.shown() == level);
+            let names: Vec<&str> = here
+                .filter(|(_, standing, _)| (standing.unseen == level) == unseen)
+                .map(|(watch, ..)| watch.name())
+                .collect();
+            let text = format!(" {} {} ", level_words(level), names.join(", "));
+            let color = level_color(level);
+            let style = if unseen { theme::badge(color) } else { theme::loud(color) };
+            (!names.is_empty()).then(|| Span::styled(text, style))
+        })
+    })
+}
+
+/// A level as a sign and a word.
+pub(crate) fn level_words(level: Level) -> &'static str {
+    match level {
+        Level::Fine => "ok",
+        Level::Warning => "! WARNING",
+        Level::Alarm => "!! ALARM",
+    }
+}
+
+/// The colour of a level.
+pub(crate) fn level_color(level: Level) -> Color {
+    match level {
+        Level::Fine => theme::GOOD,
+        Level::Warning => theme::WARN,
+        Level::Alarm => theme::BAD,
+    }
+}
+
+/// Silence of a living recorder that is worth a word: it shall speak at least once a second.
+const SILENT: u64 = 3_000_000_000;
+
+/// The sign of a recording: red while it runs, with time, size and losses.
+fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
+    let red = theme::loud(theme::BAD);
+    let told = match status.state() {
+        RecorderState::Recording if now.saturating_sub(status.wall_ns) > SILENT => {
+            return Some((
+                format!("● REC hangs for {} s", now.saturating_sub(status.wall_ns) / 1_000_000_000),
+                theme::badge(theme::BAD),
+            ));
+        }
+        RecorderState::Recording => {
+            let seconds = status.wall_ns.saturating_sub(status.started_ns) / 1_000_000_000;
+            let held = if matches!(status.keeping(), Keeping::Pretrigger(_)) { " armed" } else { "" };
+            let (minutes, rest, size) = (seconds / 60, seconds % 60, status.bytes as f64 / 1e6);
+            format!("● REC{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost)
+        }
+        RecorderState::Failed => format!("REC FAILED: {}", status.error.as_str()),
+        RecorderState::Died => "REC DIED: what it wrote is there".to_owned(),
+        RecorderState::Stopped => return None,
+    };
+    Some((told, red))
+}
+
+/// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
+pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let prompt = |sign: &str, line: &Typing| {
+        let bold = Style::new().bold();
+        let mut spans = vec![Span::styled(format!(" {sign}"), bold)];
+        spans.extend(line.spans(bold));
+        Line::from(spans)
+    };
+    let line = match view.layers.last() {
+        Some(Layer::Command(text)) => prompt(":", text),
+        Some(Layer::Filter(text)) => prompt("/", text),
+        Some(Layer::Ask(_, _, why)) => Line::from(vec![
+            Span::styled(format!(" {why} "), theme::badge(theme::BAD)),
+            Span::styled(" y ", Style::new().bold()),
+            Span::styled("does it all the same, any other key forgets it", theme::quiet()),
+        ]),
+        Some(Layer::Confirm(_, why)) => Line::from(vec![
+            Span::styled(format!(" {why} "), theme::badge(theme::WARN)),
+            Span::styled(" y ", Style::new().bold()),
+            Span::styled("does it, any other key forgets it", theme::quiet()),
+        ]),
+        Some(Layer::Offer(_, why)) => Line::from(vec![
+            Span::styled(format!(" {why} "), theme::badge(theme::GOOD)),
+            Span::styled(" y ", Style::new().bold()),
+            Span::styled("applies it, any other key forgets it", theme::quiet()),
+        ]),
+        _ => told(view),
+    };
+    write_line(buffer, area, line);
+}
+
+fn told<'a>(view: &'a View<'_>) -> Line<'a> {
+    match view.message {
+        Message::Good(text) => Line::styled(format!(" {text}"), theme::loud(theme::GOOD)),
+        Message::Bad(text) => Line::styled(format!(" {text}"), theme::loud(theme::BAD)),
+        Message::Hints => {
+            let mut spans = Vec::new();
+            for row in ACTIONS {
+                for keys in row.keys {
+                    let Some(hint) = keys.hint else { continue };
+                    // The first of several ways to press it, both directions of it.
+                    let shown = view.keymap.shown(row, keys);
+                    let ways = if row.argument.is_empty() { 1 } else { 2 };
+                    let key: Vec<&str> = shown.split(' ').take(if shown == "1 to 9" { 3 } else { ways }).collect();
+                    if shown.is_empty() {
+                        continue;
+                    }
+                    spans.push(Span::styled(format!(" {} ", key.join(" ")), Style::new().bold()));
+                    spans.push(Span::styled(format!("{hint} "), theme::quiet()));
+                }
+            }
+            Line::from(spans)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::Duration;
+
+    use wire::message::Trip;
+
+    use super::*;
+    use crate::panels::alarms::tests::damping;
+    use crate::panels::tests::drawn;
+    use crate::view::tests::view;
+    use telemetry::test_support as tests;
+    use telemetry::view_time::ViewTime;
+
+    fn top(picture: &Picture, paused: bool) -> String {
+        let mut time = ViewTime::LIVE;
+        if paused {
+            time.pause(&(0..3000));
+        }
+        drawn(120, 1, |area, buffer| draw_top(&View { time: &time, ..view(picture) }, area, buffer))
+    }
+
+    #[test]
+    fn a_running_bench_tells_its_pace() {
+        let mut picture = tests::picture();
+        (picture.rate, picture.age) = (1000.2, Some(Duration::from_millis(3)));
+        assert_eq!(
+            top(&picture, false),
+            " RUNNING   default  three-mass  R 2.5  1000/s  late 50/120 us  lost 0  age 3 ms\n"
+        );
+        assert!(
+            top(&picture, true).starts_with(" PAUSED   -0.000 s  tau 29.9900  default "),
+            "{}",
+            top(&picture, true)
+        );
+    }
+
+    #[test]
+    fn a_recording_has_a_sign_with_time_size_and_losses() {
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
+        let mut status = wire::RecorderStatus { bytes: 3_440_000, lost: 2, ..wire::RecorderStatus::default() };
+        (status.wall_ns, status.started_ns) = (now + 60_000_000_000, now - 12_000_000_000);
+        let mut sign = |state, wall_ns: Option<u64>| {
+            status.set_state(state);
+            status.wall_ns = wall_ns.unwrap_or(status.wall_ns);
+            let mut picture = tests::picture();
+            picture.recorder = Some(Box::new(status));
+            top(&picture, false)
+        };
+        assert!(sign(RecorderState::Recording, None).contains("● REC 01:12 3.4 MB lost 2"));
+        assert!(sign(RecorderState::Died, None).contains("REC DIED"));
+        assert!(!sign(RecorderState::Stopped, None).contains("REC"));
+        assert!(sign(RecorderState::Recording, Some(now - 9_500_000_000)).contains("● REC hangs for "));
+        status.error = wire::Text::new("disk full");
+        status.set_state(RecorderState::Failed);
+        let mut picture = tests::picture();
+        picture.recorder = Some(Box::new(status));
+        assert!(top(&picture, false).contains("REC FAILED: disk full"));
+    }
+
+    #[test]
+    fn death_stall_and_trip_are_told_first_and_in_words() {
+        let mut picture = tests::picture();
+        picture.age = Some(Duration::from_millis(1500));
+        picture.contact = Contact::Gone;
+        assert!(top(&picture, false).starts_with(" SIMULATION GONE "));
+        assert!(top(&picture, false).contains("last step 1.5 s ago"));
+        picture.contact = Contact::Stalled;
+        assert!(top(&picture, true).starts_with(" STALLED "));
+        picture.contact = Contact::Waiting("waiting for bench 'x'".into());
+        assert!(top(&picture, false).starts_with(" WAITING   waiting for bench 'x'"));
+        picture.contact = Contact::Live;
+        picture.tripped = true;
+        let mut bench_status = tests::bench_status("three-mass", "off");
+        bench_status.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
+        picture.bench_status = Some(std::sync::Arc::from(bench_status));
+        let line = top(&picture, false);
+        assert!(
+            line.starts_with(
+                " TRIPPED   orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t: R restarts"
+            ),
+            "{line}"
+        );
+    }
+
+    #[test]
+    fn alarms_are_told_at_the_right_edge_by_sign_and_word_until_they_are_acknowledged() {
+        let picture = tests::picture();
+        let mut alarms = Alarms::default();
+        let told = |alarms: &Alarms| {
+            let frame = drawn(90, 1, |area, buffer| draw_top(&View { alarms, ..view(&picture) }, area, buffer));
+            frame.trim_end().to_owned()
+        };
+        alarms.read(&damping(1, 0.3));
+        assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
+        alarms.read(&damping(2, -0.3));
+        alarms.read(&damping(3, 0.3));
+        assert!(told(&alarms).ends_with(" !! ALARM damping"), "{}", told(&alarms));
+        alarms.acknowledge();
+        assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
+        alarms.read(&damping(4, 0.01));
+        assert!(told(&alarms).ends_with(" ! WARNING damping"), "{}", told(&alarms));
+    }
+
+    #[test]
+    fn the_foot_hints_at_the_keys_or_tells_the_last_message() {
+        let picture = tests::picture();
+        let hints = drawn(120, 1, |area, buffer| draw_foot(&view(&picture), area, buffer));
+        assert!(hints.contains("? help") && hints.contains("q quit") && hints.contains("left right nudge"), "{hints}");
+        let bad = Message::Bad("speed = -1: expected a number from 0 to 1000".into());
+        let told = drawn(60, 1, |area, buffer| draw_foot(&View { message: &bad, ..view(&picture) }, area, buffer));
+        assert_eq!(told, " speed = -1: expected a number from 0 to 1000\n");
+    }
+}

@@ -1,0 +1,278 @@
+//! The screen: a line that says how things stand, the panels of a [`Layout`], a line of hints, and what lies on top.
+
+use ratatui::buffer::Buffer;
+use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
+use ratatui::text::Line;
+use ratatui::widgets::Widget;
+
+use crate::layers::Layer;
+use crate::layout::{Layout, SMALLEST};
+use crate::panels::offers;
+use crate::panels::panel::Wish;
+use crate::panels::registry::Panels;
+use crate::panels::{help, status, time_line};
+use crate::theme;
+use crate::view::View;
+
+/// Draws everything.
+pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: Rect, buffer: &mut Buffer) {
+    if area.width < SMALLEST.0 || area.height < SMALLEST.1 {
+        let (width, height) = SMALLEST;
+        let needed = format!("needs {width} x {height} (is {} x {}), q quits", area.width, area.height);
+        let [middle] = Split::vertical([Constraint::Length(1)]).flex(Flex::Center).areas(area);
+        // The size comes first and is the last thing to be cut off.
+        let line = Line::styled(needed, theme::loud(theme::WARN));
+        let line = if line.width() <= usize::from(area.width) { line.centered() } else { line };
+        line.render(middle, buffer);
+        return;
+    }
+    let [top, line, body, foot] = parts(area, view.replay.is_some());
+    match &view.replay {
+        None => status::draw_top(view, top, buffer),
+        Some(show) => {
+            time_line::draw_top(show, view, top, buffer);
+            time_line::draw_time(show, line, buffer);
+        }
+    }
+    let (places, strips) = layout.places_and_strips(body);
+    panels.wish_any(&Wish::StripsOfLayout(strips));
+    for (kind, place) in places {
+        panels.draw(kind, view, place, buffer);
+        if view.pointed.plot == Some(kind) {
+            mark_chosen(place, buffer);
+        }
+    }
+    status::draw_foot(view, foot, buffer);
+    let title = match view.layers.last() {
+        Some(Layer::Offer(..) | Layer::Ask(..)) => offers::BESIDE,
+        _ => offers::COMPLETES,
+    };
+    offers::draw(title, view.offers, body, buffer);
+    let help = view.layers.iter().find_map(|layer| match layer {
+        Layer::Help(from) => Some(*from),
+        _ => None,
+    });
+    if let Some(from) = help {
+        help::draw(view, from, area, buffer);
+    }
+}
+
+/// Thin lines of a frame, and the thick ones of a chosen plot's.
+const THICK: [(&str, &str); 6] = [("┌", "┏"), ("┐", "┓"), ("└", "┗"), ("┘", "┛"), ("─", "━"), ("│", "┃")];
+
+/// Makes the frame around `area` that of the chosen plot; what is written on it stays.
+fn mark_chosen(area: Rect, buffer: &mut Buffer) {
+    let (last_column, last_row) = (area.right().saturating_sub(1), area.bottom().saturating_sub(1));
+    let edges = |x: &u16, y: &u16| *x == area.x || *x == last_column || *y == area.y || *y == last_row;
+    let cells = (area.top()..area.bottom()).flat_map(|y| (area.left()..area.right()).map(move |x| (x, y)));
+    for (x, y) in cells.filter(|(x, y)| edges(x, y)) {
+        let Some(cell) = buffer.cell_mut((x, y)) else { continue };
+        if let Some((_, thick)) = THICK.iter().find(|(thin, _)| *thin == cell.symbol()) {
+            cell.set_symbol(thick).set_style(theme::loud(theme::CURSOR));
+        }
+    }
+}
+
+/// Where the panels are on a screen of this size; nowhere if it is too small for them.
+pub(crate) fn panels(view: &View<'_>, layout: &Layout, area: Rect) -> Vec<(usize, Rect)> {
+    let is_enough = area.width >= SMALLEST.0 && area.height >= SMALLEST.1;
+    if is_enough { layout.places(parts(area, view.replay.is_some())[2]) } else { Vec::new() }
+}
+
+/// The line at the top, the line of time if there is one, the panels, and the line at the foot.
+fn parts(area: Rect, has_line_of_time: bool) -> [Rect; 4] {
+    let heights = [Constraint::Length(1), Constraint::Length(u16::from(has_line_of_time)), Constraint::Min(0)];
+    Split::vertical(heights.into_iter().chain([Constraint::Length(1)])).areas(area)
+}
+
+#[cfg(test)]
+mod tests {
+    use wire::Step;
+
+    use super::*;
+    use crate::looks::still::text;
+    use crate::view::tests::view;
+    use telemetry::contact::Contact;
+    use telemetry::feed::Feed;
+    use telemetry::frame_data::Picture;
+    use telemetry::test_support as tests;
+    use telemetry::view_time::ViewTime;
+
+    fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {
+        frame_of("overview", picture, width, height, help)
+    }
+
+    fn frame_of(layout: &str, picture: &Picture, width: u16, height: u16, help: bool) -> String {
+        let area = Rect::new(0, 0, width, height);
+        let mut buffer = Buffer::empty(area);
+        let layouts = crate::layout::built_in();
+        let layout = layouts.iter().find(|built_in| built_in.name() == layout).unwrap();
+        let layers = if help { vec![Layer::Help(0)] } else { Vec::new() };
+        draw(&View { layers: &layers, ..view(picture) }, layout, &mut Panels::new(), area, &mut buffer);
+        text(&buffer)
+    }
+
+    #[test]
+    fn every_panel_is_on_the_usual_screens() {
+        let picture = tests::picture();
+        for (width, height) in [SMALLEST, (80, 24), (200, 60)] {
+            let frame = frame(&picture, width, height, false);
+            for panel in ["poles", "minimum damping", "orbits", "tau", "settings", "control force", "RUNNING", "select"]
+            {
+                assert!(frame.contains(panel), "{panel} at {width} x {height}:\n{frame}");
+            }
+        }
+        insta::assert_snapshot!("screen_80x24", frame(&picture, 80, 24, false));
+        insta::assert_snapshot!("screen_120x40", frame(&picture, 120, 40, false));
+        insta::assert_snapshot!("screen_200x60", frame(&picture, 200, 60, false));
+        insta::assert_snapshot!("screen_60x16", frame(&picture, 60, 16, false));
+    }
+
+    #[test]
+    fn every_layout_has_its_screen() {
+        let picture = tests::picture();
+        for layout in crate::layout::built_in() {
+            for (width, height) in [SMALLEST, (80, 24), (120, 40), (200, 60)] {
+                let name = format!("{}_{width}x{height}", layout.name());
+                if layout.name() != "overview" {
+                    insta::assert_snapshot!(name, frame_of(layout.name(), &picture, width, height, false));
+                }
+            }
+        }
+    }
+
+    /// A bench on which every number is long, and things have happened.
+    fn long_numbers(scales: Option<rotor::Scales>) -> (Picture, alarms::Alarms) {
+        let now = std::time::Instant::now();
+        let mut feed = Feed::new("");
+        let mut bench_status = tests::bench_status("three-mass", "composite");
+        bench_status.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+        let mut settings = bench_status.settings.get().clone();
+        for (key, value) in [
+            ("speed", 2.345_678_901_234),
+            ("kd", -0.587_912_345_678),
+            ("cd", 0.494_812_345_678),
+            ("trip", 1_234.567_890_123),
+            ("deadband.2", 1.234_567_890_123),
+        ] {
+            settings.set(key.parse().unwrap(), value).unwrap();
+        }
+        bench_status.settings = wire::SettingsDocument::of(&settings);
+        (bench_status.health.steps, bench_status.health.missed) = (123_456_789, 12_345);
+        (bench_status.health.lateness_p50_us, bench_status.health.lateness_p99_us) = (12_345.0, 123_456.0);
+        feed.read(bench_status);
+        for seq in 0..17_000_u64 {
+            let mut state = tests::state(3, seq);
+            for mass in 0..3 {
+                let wire::Point { y, z, .. } = state.point(mass);
+                let (y, z, vy, vz) = (-1.494_96 * y, -1.494_96 * z, -12.345_678, -0.001_234_567);
+                state = state.with_point(mass, wire::Point { y, z, vy, vz });
+            }
+            let (tau, angle) = (state.tau() + 12_345.678, state.angle() + 123_456.789);
+            feed.hear(&state.with(wire::Channel::Tau, 0, tau).with(wire::Channel::Angle, 0, angle), now);
+        }
+        let trip = wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1_234.567_891, limit: 1_000.123_456 };
+        let impulse = wire::Happening::Impulse { mass: 1, velocity: rotor::C64::new(-2.512_345_678, 0.25) };
+        for (number, happening) in (1..).zip([wire::Happening::Started, impulse, wire::Happening::Tripped(trip)]) {
+            feed.happen(&telemetry::test_support::event(number, &happening, &settings));
+        }
+        let mut alarms = alarms::Alarms::default();
+        let at = wire::Moment { wall_ns: 50_607_000_000_000, ..wire::Moment::default() };
+        let cause = trip.told(scales);
+        alarms.read(&alarms::Reading::new(at).with(alarms::Watch::Damping, -0.030_612_345).tripped(&cause));
+        (feed.picture(&ViewTime::LIVE, now), alarms)
+    }
+
+    /// What has a digit in it between blanks and lines.
+    fn numbers(text: &str) -> Vec<&str> {
+        let is_part = |letter: char| letter.is_alphanumeric() || "._+-±=:/²".contains(letter);
+        text.split(|letter| !is_part(letter)).filter(|word| word.contains(|c: char| c.is_ascii_digit())).collect()
+    }
+
+    #[test]
+    fn no_number_on_any_screen_is_a_part_of_another_or_touches_one() {
+        let long =
+            "kd.1 -0.5879123 -> 0.2512345, cd.1 0.4948123 -> 0.1234567, from step 1234567890, made by dash:812345";
+        let message = crate::view::Message::Good(long.to_owned());
+        let mut wrong = Vec::new();
+        for scales in [None, Some(telemetry::test_support::SI)] {
+            let (picture, alarms) = long_numbers(scales);
+            for (layout, (width, height)) in crate::layout::built_in()
+                .into_iter()
+                .flat_map(|layout| [(60, 16), (80, 24), (120, 40), (200, 60)].map(|size| (layout.clone(), size)))
+            {
+                let area = Rect::new(0, 0, width, height);
+                let mut buffer = Buffer::empty(area);
+                let mut panels = Panels::new();
+                crate::panels::tests::written();
+                let seen = View { alarms: &alarms, message: &message, ..view(&picture) };
+                draw(&seen, &layout, &mut panels, area, &mut buffer);
+                let told = crate::panels::tests::written();
+                let frame = text(&buffer);
+                let place = format!("{} at {width} x {height}", layout.name());
+                for (y, row) in frame.lines().enumerate() {
+                    let told = told.iter().filter(|(at, _)| usize::from(*at) == y);
+                    let whole: Vec<&str> = told.flat_map(|(_, text)| numbers(text)).collect();
+                    let parts = numbers(row).into_iter().filter(|number| !whole.contains(number));
+                    wrong.extend(parts.map(|number| format!("'{number}' in {place}, told {whole:?}:\n{row}")));
+                }
+                // A rotor in SI units is told in them, wherever.
+                let others = ["e_t", "w0", "R 2.3", "R = "].into_iter().filter(|_| scales.is_some());
+                for unit in others.filter(|unit| frame.contains(unit)) {
+                    wrong.push(format!("'{unit}' in {place}:\n{frame}"));
+                }
+            }
+        }
+        assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
+    #[test]
+    fn a_small_screen_says_what_it_needs_on_one_line() {
+        let picture = tests::picture();
+        for (width, height) in [(59, 16), (60, 15), (50, 3)] {
+            let frame = frame(&picture, width, height, true);
+            let said: Vec<&str> = frame.lines().filter(|line| !line.is_empty()).collect();
+            assert_eq!(said.len(), 1);
+            assert!(said[0].contains(&format!("needs 60 x 16 (is {width} x {height}), q quits")), "{frame}");
+        }
+    }
+
+    #[test]
+    fn no_size_and_no_state_of_the_feed_breaks_a_frame() {
+        let waiting = Feed::new("waiting for bench 'x'").picture(&ViewTime::LIVE, std::time::Instant::now());
+        let mut gone = tests::picture();
+        gone.contact = Contact::Gone;
+        for picture in [&waiting, &gone, &tests::picture()] {
+            for (width, height) in
+                [(0, 0), (0, 5), (5, 0), (1, 1), (3, 2), (60, 16), (61, 17), (80, 24), (500, 10), (60, 200)]
+            {
+                frame(picture, width, height, false);
+                frame(picture, width, height, true);
+            }
+        }
+        assert!(frame(&waiting, 80, 24, false).contains("waiting for bench 'x'"));
+        assert!(frame(&gone, 80, 24, false).contains("SIMULATION GONE"));
+    }
+
+    #[test]
+    fn rotors_of_every_size_have_a_screen() {
+        let now = std::time::Instant::now();
+        for masses in 1..=16 {
+            let mut feed = Feed::new("");
+            let rotor = rotor::Rotor::new(
+                "chain",
+                vec![rotor::Mass { mass: 1.0, bearing_stiffness: 0.5, ..rotor::Mass::default() }; masses],
+                vec![1.0; masses - 1],
+            )
+            .unwrap();
+            let mut bench_status = tests::bench_status("jeffcott", "cancel");
+            bench_status.set_rotor(&rotor);
+            let settings = rotor::Settings::new(&rotor, 1.0, rotor::builtin::feedback(&rotor, "off").unwrap());
+            bench_status.settings = wire::SettingsDocument::of(&settings);
+            feed.read(bench_status);
+            (0..300).for_each(|seq| feed.hear(&tests::state(masses, seq), now));
+            let drawn = frame(&feed.picture(&ViewTime::LIVE, now), 160, 50, false);
+            assert!(drawn.contains(&format!("{masses}")) && drawn.contains("orbits"), "{drawn}");
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! What gains that were found do beside those in force, in a few rows: what a person looks at before saying yes.
+
+use std::sync::Arc;
+
+use rotor::{GainKind, Rotor, Settings, circular};
+use tuner::{Family, Options, Problem, Schedule, Stop, Structure};
+
+use crate::jobs::over_speed::{OverSpeed, Question};
+use crate::units::{Units, rounded};
+
+/// What one set of gains does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Deeds {
+    settings: Settings,
+    /// The smallest damping ratio over the speeds that were searched.
+    pub min_damping: f64,
+    /// Every range of speeds, from rest to beyond those, in which all modes decay.
+    pub stable: Vec<[f64; 2]>,
+    /// The smallest damping ratio over those speeds with any share of its stiffness left to each support bearing; none where no
+    /// bearing has a clearance, or there are too many to look at.
+    pub any_deadband: Option<f64>,
+    /// The largest steady force at the present speed; none where no steady motion is stable.
+    force: Option<f64>,
+    /// The largest orbit of a self-excited whirl at the present speed that the rotor would stay on; none if there is none.
+    whirl: Option<f64>,
+}
+
+impl Deeds {
+    /// What `settings` do to `rotor` over the speeds `from..=to` and a quarter beyond.
+    pub fn of(rotor: &Arc<Rotor>, settings: &Settings, [from, to]: [f64; 2], stop: Stop) -> Self {
+        let top = settings.speed.max(to);
+        let over = OverSpeed::of(&Question::at(rotor.clone(), settings.feedback.clone(), top));
+        let within = over.speeds.iter().zip(&over.min_damping).filter(|(speed, _)| (from..=to).contains(speed));
+        let ends = [from, to].map(|speed| over.at(speed));
+        let min_damping = within.map(|(_, damping)| *damping).chain(ends).fold(f64::INFINITY, f64::min);
+        let Settings { feedback, deadband, speed, .. } = settings;
+        let stable = |found: Result<circular::Circular, _>| {
+            let orbits = found.ok().into_iter().flat_map(|found| found.orbits.into_iter().flatten());
+            orbits.filter(circular::Orbit::is_stable).collect::<Vec<_>>()
+        };
+        let steady = stable(circular::synchronous(rotor, feedback, deadband, &[*speed]));
+        let cycles = if has_deadband(settings) {
+            stable(circular::cycles(rotor, feedback, deadband, &[*speed]))
+        } else {
+            vec![]
+        };
+        Self {
+            settings: settings.clone(),
+            min_damping,
+            stable: over.stable,
+            any_deadband: worst_deadband(rotor, settings, [from, to], stop),
+            force: steady.iter().map(|orbit| orbit.force).reduce(f64::max),
+            whirl: cycles.iter().map(circular::Orbit::largest_radius).reduce(f64::max),
+        }
+    }
+
+    /// The highest speed up to which it is stable from rest on; 0 if not even there.
+    fn holds_to(&self) -> f64 {
+        self.stable.first().filter(|range| range[0] == 0.0).map_or(0.0, |range| range[1])
+    }
+
+    /// In what `found` is worse than this: some words each.
+    pub fn better_than(&self, found: &Self) -> Vec<&'static str> {
+        let less =
+            |now: Option<f64>, found: Option<f64>| matches!((now, found), (Some(now), Some(found)) if found < now);
+        // A force, or a whirl, that there was none of is the worst of them.
+        let more = |now: Option<f64>, found: Option<f64>| found.is_some_and(|found| found > now.unwrap_or(0.0) * 1.001);
+        let lost = self.force.is_some() && found.force.is_none();
+        let all = [
+            (self.holds_to() > found.holds_to(), "stable LESS FAR from rest"),
+            (less(self.any_deadband, found.any_deadband), "LESS damped in the worst deadband state"),
+            (more(self.whirl, found.whirl), "a LARGER self-excited whirl"),
+            (lost, "NO steady motion at the present speed"),
+            (self.force.is_some() && more(self.force, found.force), "MORE force"),
+        ];
+        all.into_iter().filter_map(|(worse, words)| worse.then_some(words)).collect()
+    }
+}
+
+/// Whether any support bearing has a clearance.
+pub fn has_deadband(settings: &Settings) -> bool {
+    settings.deadband.iter().any(|deadband| *deadband > 0.0)
+}
+
+/// The worst damping over `from..=to` whatever stiffness its clearance leaves each support bearing.
+fn worst_deadband(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2], stop: Stop) -> Option<f64> {
+    if !has_deadband(settings) {
+        return None;
+    }
+    let mut family = Family::new(rotor, from, to).ok()?;
+    family.any_deadband(true).ok()?;
+    let structure = Structure::new(rotor, &settings.feedback, Schedule::Fixed).ok()?;
+    let gains = structure.variables_of(&settings.feedback);
+    let problem = Problem::new(family, structure, gains.iter().fold(1.0, |most, gain| gain.abs().max(most)));
+    let options = Options { prove: false, ..Options::for_problem(&problem) };
+    tuner::judge(&problem, &options, &gains, stop).ok().map(|judged| judged.worst.value)
+}
+
+/// One quantity under the gains in force and under those found, in words.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Compared {
+    /// Which.
+    pub quantity: String,
+    /// What it is under both.
+    pub told: String,
+}
+
+/// Each quantity under the gains in force and under those found, in the units of the rotor.
+pub fn rows(now: &Deeds, found: &Deeds, units: &Units) -> Vec<Compared> {
+    let row = |word: &str, [now, found]: [String; 2]| Compared {
+        quantity: word.to_owned(),
+        told: if now == found { format!("{now} in both") } else { format!("{now} in force, {found} found") },
+    };
+    let both = [now, found];
+    let ranges = |deeds: &Deeds| match &deeds.stable[..] {
+        [] => "nowhere".to_owned(),
+        ranges => {
+            let told = ranges.iter().map(|[from, to]| match units.scales {
+                Some(_) => format!("{} to {} rpm", units.speed(*from), units.speed(*to)),
+                None => format!("R {} to {}", units.speed(*from), units.speed(*to)),
+            });
+            told.collect::<Vec<_>>().join(" and ")
+        }
+    };
+    let force = |deeds: &Deeds| deeds.force.map_or_else(|| "none steady".to_owned(), |u| units.force.told(u, 5));
+    let mut rows = vec![row("min damping", both.map(|deeds| format!("{:.4}", deeds.min_damping)))];
+    if let [Some(_), Some(_)] = both.map(|deeds| deeds.any_deadband) {
+        let worst = |deeds: &Deeds| format!("{:.4}", deeds.any_deadband.unwrap_or(f64::NAN));
+        rows.push(row("any deadband", both.map(worst)));
+    }
+    rows.extend([row("stable", both.map(ranges)), row("force", both.map(force))]);
+    if both.iter().any(|deeds| has_deadband(&deeds.settings)) {
+        let whirl = |deeds: &Deeds| deeds.whirl.map_or_else(|| "none".to_owned(), |r| units.length.told(r, 5));
+        rows.push(row("self-excited whirl", both.map(whirl)));
+    }
+    let signals = now.settings.feedback.signals.iter().zip(&found.settings.feedback.signals).enumerate();
+    for (i, (before, after)) in signals {
+        for kind in GainKind::ALL {
+            let name = if now.settings.feedback.signals.len() > 1 {
+                format!("{}.{}", kind.name(), i + 1)
+            } else {
+                kind.name().to_owned()
+            };
+            let at = |signal: &rotor::Signal| rounded(signal.gain(kind).at(now.settings.speed), 4).to_string();
+            rows.push(row(&name, [at(before), at(after)]));
+        }
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests {
+    use rotor::builtin;
+
+    use super::*;
+
+    fn deeds(feedback: &str) -> Deeds {
+        let rotor = Arc::new(builtin::rotor("three-mass").unwrap());
+        let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
+        settings.deadband.fill(0.0);
+        Deeds::of(&rotor, &settings, [0.0, 2.8], Stop::NEVER)
+    }
+
+    #[test]
+    fn what_is_found_stands_beside_what_is_in_force() {
+        let (now, found) = (deeds("composite"), deeds("off"));
+        let rows = rows(&now, &found, &Units::DIMENSIONLESS);
+        let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
+        assert_eq!(words, ["min damping", "stable", "force", "kd", "cd", "kc", "cc"]);
+        // The composite gains hold to 7.07, none to 1.7755; without control nothing pushes.
+        assert!(rows[1].told.contains("R 0 to 7.07") && rows[1].told.contains("R 0 to 1.77"), "{rows:?}");
+        assert_eq!(now.better_than(&found), ["stable LESS FAR from rest", "NO steady motion at the present speed"]);
+        assert!(!found.better_than(&now).contains(&"stable LESS FAR from rest"));
+        assert_eq!(rows[3].told, "-0.5879 in force, 0 found");
+        assert!(now.force.is_some() && found.min_damping < 0.0, "{rows:?}");
+    }
+
+    #[test]
+    fn with_a_clearance_the_worst_it_can_do_stands_beside_too() {
+        // At R = 2.5 the composite gains are stable at the centre and whirl far out; those for any deadband do not.
+        let rotor = Arc::new(builtin::rotor("three-mass").unwrap());
+        let deeds = |feedback: &str| {
+            let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
+            settings.deadband.fill(1.0);
+            Deeds::of(&rotor, &settings, [0.0, 2.8], Stop::NEVER)
+        };
+        let (composite, individual) = (deeds("composite"), deeds("individual"));
+        assert!(composite.any_deadband.unwrap() < composite.min_damping);
+        let rows = rows(&individual, &composite, &Units::DIMENSIONLESS);
+        let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
+        assert_eq!(words[..5], ["min damping", "any deadband", "stable", "force", "self-excited whirl"]);
+    }
+
+    #[test]
+    fn an_si_rotor_is_told_in_rpm_and_newtons() {
+        let (now, found) = (deeds("composite"), deeds("off"));
+        let units = Units::of(Some(crate::test_support::SI), Some(1.0));
+        let rows = rows(&now, &found, &units);
+        assert!(rows[1].told.contains(" rpm in force") && rows[2].told.contains("N in force"), "{rows:?}");
+    }
+}

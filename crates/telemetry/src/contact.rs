@@ -1,0 +1,14 @@
+//! Whether there is somebody to hear.
+
+/// How things stand between us and the simulation.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Contact {
+    /// No bench of that name yet, or a reason why we cannot attach.
+    Waiting(String),
+    /// States arrive.
+    Live,
+    /// The process lives but sends nothing.
+    Stalled,
+    /// The process has ended.
+    Gone,
+}

@@ -1,0 +1,118 @@
+//! What a person wants changed, and what that makes of settings.
+
+use rotor::{C64, Key, Settings, SettingsError};
+
+use crate::units::Units;
+
+/// What a person wants changed.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Edit {
+    /// Raise a setting.
+    Nudge(Key, f64),
+    /// Set these, all at once.
+    Set(Vec<(Key, f64)>),
+    /// All gains to zero.
+    Off,
+    /// Put other settings in force, and what to call that; only what differs from those that were looked at is changed.
+    Become(Box<(Settings, Settings)>, String),
+    /// Put settings that were held in force, whole.
+    Swap(Box<Settings>),
+    /// Put a note on the record.
+    Note(String),
+    /// Take back the last change, whoever made it.
+    Undo,
+    /// Make it again.
+    Redo,
+    /// A change of velocity of one mass.
+    Impulse(usize, C64),
+    /// Back to rest.
+    Restart,
+    /// The edit, though the rotor is unstable with it: a person has said yes to exactly these settings.
+    Sure(Box<Edit>, Box<Settings>),
+}
+
+impl Edit {
+    /// Makes the change in `settings`. Returns whether it is one of settings that are known here.
+    ///
+    /// # Errors
+    /// It does not fit them.
+    pub fn change(&self, settings: &mut Settings) -> Result<bool, SettingsError> {
+        match self {
+            Self::Nudge(key, delta) => settings.nudge(*key, *delta)?,
+            Self::Set(values) => {
+                values.iter().try_for_each(|(key, value)| settings.set(*key, *value))?;
+            }
+            Self::Off => settings.feedback = settings.feedback.off(),
+            Self::Become(change, _) => carry_over(&change.0, &change.1, settings),
+            Self::Swap(held) => settings.clone_from(held),
+            Self::Sure(edit, _) => return edit.change(settings),
+            Self::Undo | Self::Redo | Self::Impulse(..) | Self::Restart | Self::Note(_) => return Ok(false),
+        }
+        Ok(true)
+    }
+
+    /// What `settings` would become; `None` if the edit changes no settings that are known here, or does not fit them.
+    pub fn applied(&self, settings: &Settings) -> Option<Settings> {
+        let mut settings = settings.clone();
+        self.change(&mut settings).ok()?.then_some(settings)
+    }
+
+    /// What it is, for whoever asked for it, in the bench's `units`.
+    pub fn what(&self, units: &Units) -> String {
+        match self {
+            Self::Nudge(key, _) => key.to_string(),
+            Self::Set(values) => values
+                .iter()
+                .map(|(key, value)| format!("{key} = {}", units.value(*key, *value)))
+                .collect::<Vec<_>>()
+                .join(", "),
+            Self::Off => "control off".into(),
+            Self::Become(_, what) => what.clone(),
+            Self::Swap(_) => "swapped".into(),
+            Self::Note(_) => "noted".into(),
+            Self::Undo => "undone".into(),
+            Self::Redo => "done again".into(),
+            Self::Impulse(mass, velocity) => {
+                // Of a dimensionless rotor velocities have no name that says more than the number.
+                let velocity = match units.scales {
+                    Some(_) => units.velocity.told(velocity.re, 5),
+                    None => velocity.re.to_string(),
+                };
+                format!("impulse {velocity} on mass {}", mass + 1)
+            }
+            Self::Restart => "restarted from rest".into(),
+            Self::Sure(edit, _) => edit.what(units),
+        }
+    }
+
+    /// Why the settings change, for the record.
+    pub fn why(&self) -> String {
+        match self {
+            Self::Nudge(..) => super::NUDGED.into(),
+            Self::Set(_) => "typed".into(),
+            Self::Undo => super::UNDO.into(),
+            Self::Redo => super::REDO.into(),
+            Self::Sure(edit, _) => edit.why(),
+            // None of these has a number in it that is counted in anything.
+            other => other.what(&Units::DIMENSIONLESS),
+        }
+    }
+}
+
+/// Makes in `settings` the changes that lead from `from` to `to`, and no others.
+pub fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
+    if from.speed != to.speed {
+        settings.speed = to.speed;
+    }
+    if from.trip != to.trip {
+        settings.trip = to.trip;
+    }
+    if from.feedback != to.feedback {
+        settings.feedback = to.feedback.clone();
+    }
+    for (place, (from, to)) in settings.deadband.iter_mut().zip(from.deadband.iter().zip(&to.deadband)) {
+        if from != to {
+            *place = *to;
+        }
+    }
+}

@@ -1,0 +1,315 @@
+//! The clerk: a thread that carries edits to the simulation and waits for its answers.
+//!
+//! An edit is applied to the newest settings known, whoever made them, and sent whole with the revision it is based on.
+//! If somebody else's change came between, the simulation refuses and the edit is applied anew. A change that would make a
+//! stable rotor unstable is not sent, whatever makes it: a person is asked first. [`edit`] is what can be wanted,
+//! [`ledger`] what can be taken back.
+
+mod edit;
+#[cfg(test)]
+mod tests;
+mod undo;
+
+use std::sync::Arc;
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
+use machine::StabilityLoss;
+use rotor::{Rotor, Settings};
+use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, WireError};
+
+use crate::units::Units;
+pub use edit::{Edit, carry_over};
+use undo::Ledger;
+
+/// How long the simulation may take to answer.
+const PATIENCE: Duration = Duration::from_secs(1);
+/// How long we wait for the news of a change that we know of.
+const NEWS: Duration = Duration::from_millis(300);
+/// How often an edit is applied anew before we give up.
+const TRIES: usize = 4;
+/// Why settings change, on the record, where we must know it again.
+const NUDGED: &str = "nudged";
+const UNDO: &str = "undo";
+const REDO: &str = "redo";
+
+/// What the reader tells the clerk.
+#[derive(Clone, Debug)]
+pub enum News {
+    /// How things stand.
+    BenchStatus(Arc<BenchStatus>),
+    /// Something has happened.
+    Event(Box<Event>),
+}
+
+/// What became of an edit, in words.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Outcome {
+    /// It is in force.
+    Done(String),
+    /// It is, and these were before.
+    Swapped(String, Box<Settings>),
+    /// It is not, and why.
+    Refused(String),
+    /// A person must say yes: the rotor would be unstable with these settings, with this minimum damping.
+    Asks(Edit, Box<Settings>, f64),
+}
+
+impl From<String> for Outcome {
+    fn from(why: String) -> Self {
+        Self::Refused(why)
+    }
+}
+
+/// Starts the clerk. It ends when `edits` closes.
+pub fn spawn<C: Carrier>(
+    carrier: C,
+    bench: BenchName,
+    edits: Receiver<Edit>,
+    news: Receiver<News>,
+    outcomes: Sender<Outcome>,
+) -> std::io::Result<JoinHandle<()>> {
+    std::thread::Builder::new().name("clerk".into()).spawn(move || {
+        let who = format!("dash:{}", std::process::id());
+        let mut clerk = Clerk {
+            carrier,
+            bench,
+            who,
+            news,
+            commander: None,
+            rotor: None,
+            known: None,
+            present_speed: 0.0,
+            ledger: Ledger::default(),
+        };
+        loop {
+            select_biased! {
+                recv(clerk.news) -> news => match news {
+                    Ok(news) => clerk.learn(news),
+                    // The reader has ended: edits may still come until the screen has.
+                    Err(_) => clerk.news = crossbeam::channel::never(),
+                },
+                recv(edits) -> edit => {
+                    let Ok(edit) = edit else { return };
+                    let outcome = clerk.carry(&edit);
+                    tracing::debug!(?edit, ?outcome);
+                    if outcomes.send(outcome).is_err() {
+                        return;
+                    }
+                }
+            }
+        }
+    })
+}
+
+/// The newest settings.
+#[derive(Clone, Debug)]
+struct Known {
+    run: u64,
+    revision: u64,
+    settings: Settings,
+    by: String,
+}
+
+/// A change that has been accepted.
+struct Applied {
+    before: Settings,
+    after: Settings,
+    answer: Answer,
+}
+
+struct Clerk<C: Carrier> {
+    carrier: C,
+    bench: BenchName,
+    who: String,
+    news: Receiver<News>,
+    commander: Option<C::Commander>,
+    rotor: Option<Rotor>,
+    known: Option<Known>,
+    /// Spin speed that was told of last.
+    present_speed: f64,
+    ledger: Ledger,
+}
+
+impl<C: Carrier> Clerk<C> {
+    fn learn(&mut self, news: News) {
+        match news {
+            News::Event(event) => {
+                self.ledger.hear(&event);
+                // It may come before the bench status that tells the same.
+                if let Some(known) = &mut self.known
+                    && known.run == event.run_id
+                    && known.revision < event.revision
+                {
+                    (known.revision, known.settings) = (event.revision, event.settings.get().clone());
+                    known.by = event.who.as_str().to_owned();
+                }
+            }
+            News::BenchStatus(bench_status) => {
+                let (run, revision) = (bench_status.run_id, bench_status.revision);
+                self.present_speed = bench_status.present_speed();
+                if self.known.as_ref().is_none_or(|known| known.run != run) {
+                    self.rotor = bench_status.rotor().ok();
+                } else if self.known.as_ref().is_some_and(|known| known.revision >= revision) {
+                    return;
+                }
+                let by = bench_status.changed_by.as_str().to_owned();
+                self.known = Some(Known { run, revision, settings: bench_status.settings.get().clone(), by });
+            }
+        }
+    }
+
+    fn carry(&mut self, edit: &Edit) -> Outcome {
+        while let Ok(news) = self.news.try_recv() {
+            self.learn(news);
+        }
+        let (wanted, agreed) = match edit {
+            Edit::Sure(edit, agreed) => (&**edit, Some(&**agreed)),
+            edit => (edit, None),
+        };
+        let units = self.units();
+        let done = match wanted {
+            Edit::Impulse(mass, velocity) => self.order(wanted, &Change::Impulse { mass: *mass, velocity: *velocity }),
+            Edit::Restart => self.order(wanted, &Change::Restart),
+            Edit::Note(text) => self.order(wanted, &Change::Note { text: text.clone() }),
+            Edit::Undo | Edit::Redo => self.retrace(wanted, agreed),
+            _ => self
+                .apply(wanted, agreed, |settings| {
+                    wanted.change(settings).map(|_| ()).map_err(|error| units.fault(&error))
+                })
+                .map(|applied| {
+                    let words = told(&applied.answer, &wanted.what(&self.units()));
+                    if matches!(wanted, Edit::Swap(_)) {
+                        Outcome::Swapped(words, Box::new(applied.before))
+                    } else {
+                        Outcome::Done(words)
+                    }
+                }),
+        };
+        done.unwrap_or_else(|not| not)
+    }
+
+    /// The units of the rotor.
+    fn units(&self) -> Units {
+        Units::of(self.rotor.as_ref().and_then(|rotor| rotor.scales().copied()), Some(1.0))
+    }
+
+    /// Has something done that changes no settings.
+    fn order(&mut self, edit: &Edit, change: &Change) -> Result<Outcome, Outcome> {
+        let answer = self.ask(change, "")?;
+        let words = told(&answer, &edit.what(&self.units()));
+        Ok(if answer.is_accepted() { Outcome::Done(words) } else { Outcome::Refused(words) })
+    }
+
+    /// Takes the last change back, or makes it again.
+    fn retrace(&mut self, edit: &Edit, agreed: Option<&Settings>) -> Result<Outcome, Outcome> {
+        self.catch_up();
+        let back = *edit == Edit::Undo;
+        let step = if back { self.ledger.to_undo() } else { self.ledger.to_redo() };
+        let step = step.cloned().ok_or_else(|| format!("nothing to {}", edit.why()))?;
+        let (from, to) = if back { (&step.after, &step.before) } else { (&step.before, &step.after) };
+        let units = self.units();
+        let applied = self.apply(edit, agreed, |settings| {
+            // What was to be taken back is what the person saw last.
+            if settings != from {
+                return Err(format!("not {}: somebody else has changed the settings meanwhile", edit.what(&units)));
+            }
+            settings.clone_from(to);
+            Ok(())
+        })?;
+        let who = if step.who == self.who { String::new() } else { format!(", made by {}", step.who) };
+        let difference = units.difference(&applied.before, &applied.after);
+        Ok(Outcome::Done(told(&applied.answer, &format!("{}: {difference}{who}", edit.what(&units)))))
+    }
+
+    /// Changes the newest settings and has the result put in force; asks first if the rotor would become unstable, unless
+    /// that result has been agreed to.
+    fn apply(
+        &mut self,
+        edit: &Edit,
+        agreed: Option<&Settings>,
+        change: impl Fn(&mut Settings) -> Result<(), String>,
+    ) -> Result<Applied, Outcome> {
+        let mut refusal = String::from("no settings are known yet");
+        for _ in 0..TRIES {
+            let Some(Known { run, revision, settings: before, .. }) = self.known.clone() else { break };
+            let mut after = before.clone();
+            change(&mut after)?;
+            if agreed != Some(&after)
+                && let Some(min_damping) = self.would_be_unstable(&before, &after)
+            {
+                return Err(Outcome::Asks(edit.clone(), Box::new(after), min_damping));
+            }
+            let request = Change::Settings { base_revision: revision, settings: after.clone() };
+            let answer = self.ask(&request, &edit.why())?;
+            if answer.is_accepted() {
+                let by = self.who.clone();
+                self.known = Some(Known { run, revision: answer.revision, settings: after.clone(), by });
+                return Ok(Applied { before, after, answer });
+            }
+            refusal = answer.reason.as_str().to_owned();
+            if answer.outdated == 0 {
+                break;
+            }
+            self.wait_until(|clerk| clerk.known.as_ref().is_some_and(|known| known.revision != revision));
+        }
+        Err(refusal.into())
+    }
+
+    /// The minimum damping after a change that makes a stable rotor unstable.
+    fn would_be_unstable(&self, before: &Settings, after: &Settings) -> Option<f64> {
+        StabilityLoss::between(self.rotor.as_ref()?, before, after, self.present_speed).map(|loss| loss.then)
+    }
+
+    /// Waits until every change that led to the newest settings has been told. Those that are not told in time are one.
+    fn catch_up(&mut self) {
+        let is_told = |clerk: &Self| {
+            let reaches = clerk.ledger.reaches();
+            clerk.known.as_ref().is_none_or(|known| reaches.0 == known.run && reaches.1 >= known.revision)
+        };
+        self.wait_until(is_told);
+        if let (false, Some(known)) = (is_told(self), &self.known) {
+            self.ledger.fill(known.run, known.revision, &known.settings, &known.by);
+        }
+    }
+
+    /// Takes in news until `enough`, though not for long.
+    fn wait_until(&mut self, enough: impl Fn(&Self) -> bool) {
+        let deadline = Instant::now() + NEWS;
+        while !enough(self) {
+            match self.news.recv_deadline(deadline) {
+                Ok(news) => self.learn(news),
+                Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => return,
+            }
+        }
+    }
+
+    fn ask(&mut self, change: &Change, why: &str) -> Result<Answer, String> {
+        let asked = self.try_ask(change, why);
+        if asked.is_err() {
+            // The next edit starts with a fresh port: the simulation may have been replaced.
+            self.commander = None;
+        }
+        asked.map_err(|error| error.to_string())
+    }
+
+    fn try_ask(&mut self, change: &Change, why: &str) -> Result<Answer, WireError> {
+        let commander = match &mut self.commander {
+            Some(commander) => commander,
+            none => none.insert(self.carrier.command(&self.bench)?),
+        };
+        commander.ask(&*change.request(&self.who, why)?, PATIENCE)
+    }
+}
+
+/// Puts an answer in words.
+fn told(answer: &Answer, what: &str) -> String {
+    if answer.is_accepted() {
+        let [now, before] = answer.substeps;
+        let pace = if now == before { String::new() } else { format!(", {now} substeps a step") };
+        format!("{what}, from step {}{pace}", answer.applied_at_step)
+    } else {
+        format!("{what}: {}", answer.reason.as_str())
+    }
+}

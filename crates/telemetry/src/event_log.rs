@@ -1,0 +1,133 @@
+//! What has happened on the bench: who changed what and why, trips, notes. Bounded; the newest stay.
+
+use std::sync::Arc;
+
+use alarms::Level;
+use rotor::Settings;
+use wire::{Event, Happening};
+
+use crate::replay::{PastEvent, PastWhat};
+use crate::units::Units;
+
+/// Entries kept.
+const KEPT: usize = 500;
+
+/// One thing that happened.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Entry {
+    /// When, nanoseconds since 1970.
+    pub wall_ns: u64,
+    /// The rotor's time then.
+    pub tau: f64,
+    /// What, in words.
+    pub what: String,
+    /// What kind of thing.
+    pub happening: Happening,
+    /// How bad it is, of an alarm.
+    pub level: Level,
+    /// Who did it.
+    pub who: String,
+    /// Why; may be empty.
+    pub why: String,
+}
+
+/// All that has been told, the oldest first.
+#[derive(Clone, Debug, Default)]
+pub struct Journal {
+    entries: Arc<Vec<Entry>>,
+    /// Run and number of the newest event: what has been told already is told again to who attaches anew.
+    newest: (u64, u64),
+    settings: Option<Settings>,
+}
+
+impl Journal {
+    /// Takes in an event, and puts it in words with the bench's `units`. Returns whether it was news.
+    pub fn hear(&mut self, event: &Event, units: &Units) -> bool {
+        let (run, number) = self.newest;
+        if event.run_id == run && event.number <= number {
+            return false;
+        }
+        self.newest = (event.run_id, event.number);
+        let before = self.settings.replace(event.settings.get().clone()).filter(|_| event.run_id == run);
+        let Some(happening) = event.happening() else { return false };
+        let difference = match (&happening, &before, &self.settings) {
+            (Happening::Settings, Some(before), Some(after)) => units.difference(before, after),
+            _ => String::new(),
+        };
+        let what = if difference.is_empty() { units.happening(&happening) } else { difference };
+        let (who, why) = (event.who.as_str().to_owned(), event.why.as_str().to_owned());
+        self.push(Entry { wall_ns: event.wall_ns, tau: event.tau, what, happening, level: Level::Fine, who, why });
+        true
+    }
+
+    /// Takes in an event of a recording.
+    pub fn recall(&mut self, event: &PastEvent, units: &Units) {
+        let what = units.past(&event.what);
+        let (happening, level) = match &event.what {
+            PastWhat::Happening(happening) => (happening.clone(), Level::Fine),
+            PastWhat::Alarm(turn) => (Happening::Note(what.clone()), turn.level),
+            PastWhat::Remark(words) => (Happening::Note(words.clone()), Level::Fine),
+        };
+        // There are as many as there are: all of them stay.
+        Arc::make_mut(&mut self.entries).push(Entry {
+            wall_ns: event.at.wall_ns,
+            tau: event.at.tau,
+            what,
+            happening,
+            level,
+            who: event.who.clone(),
+            why: event.why.clone(),
+        });
+    }
+
+    fn push(&mut self, entry: Entry) {
+        let entries = Arc::make_mut(&mut self.entries);
+        if entries.len() >= KEPT {
+            entries.remove(0);
+        }
+        entries.push(entry);
+    }
+
+    /// The entries, the oldest first.
+    pub fn entries(&self) -> Arc<Vec<Entry>> {
+        self.entries.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::{bench_status, event};
+
+    #[test]
+    fn changes_are_told_in_words_and_once() {
+        let mut settings = bench_status("three-mass", "composite").settings.get().clone();
+        let mut journal = Journal::default();
+        assert!(journal.hear(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
+        settings.set("kd".parse().unwrap(), 0.1).unwrap();
+        let change = event(2, &Happening::Settings, &settings);
+        assert!(
+            journal.hear(&change, &Units::DIMENSIONLESS) && !journal.hear(&change, &Units::DIMENSIONLESS),
+            "told again to who attaches anew"
+        );
+        journal.hear(&event(3, &Happening::Note("here it hums".into()), &settings), &Units::DIMENSIONLESS);
+        let told: Vec<String> = journal.entries().iter().map(|entry| entry.what.clone()).collect();
+        assert_eq!(told[0], "started");
+        assert!(told[1].contains("kd") && told[1].contains("-0.5879 -> 0.1"), "{told:?}");
+        assert_eq!(told[2], "note: here it hums");
+    }
+
+    #[test]
+    fn another_run_is_news_and_the_newest_stay() {
+        let settings = bench_status("three-mass", "composite").settings.get().clone();
+        let mut journal = Journal::default();
+        for number in 1..=KEPT as u64 + 5 {
+            journal.hear(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);
+        }
+        let mut other = event(1, &Happening::Started, &settings);
+        other.run_id = 8;
+        assert!(journal.hear(&other, &Units::DIMENSIONLESS));
+        let entries = journal.entries();
+        assert_eq!((entries.len(), entries.last().unwrap().happening.clone()), (KEPT, Happening::Started));
+    }
+}

@@ -1,0 +1,322 @@
+//! What has been heard from the simulation: the history, how things stand, and the picture of them that one frame is
+//! drawn from.
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use alarms::{Reading, Sampler};
+use rotor::{Rotor, Settings};
+use wire::{BenchStatus, Event, Happening, RecorderStatus, Step};
+
+use crate::contact::Contact;
+use crate::event_log::Journal;
+use crate::frame_data::Picture;
+use crate::history::{Era, History};
+use crate::replay::PastEvent;
+use crate::units::Units;
+use crate::view_time::ViewTime;
+
+/// Steps before the cursor that a picture has in any case: all that an orbit shows.
+const BEFORE: u64 = 10_240;
+/// Seconds that an overview shows at least.
+const OVERVIEW: f64 = 60.0;
+
+/// All that has been heard, in bounded memory. The reader thread writes it, the drawing thread takes pictures.
+#[derive(Debug)]
+pub struct Feed {
+    history: History,
+    heard: Option<Instant>,
+    pace: Pace,
+    sampler: Sampler,
+    journal: Journal,
+    rotor: Option<Arc<Rotor>>,
+    bench_status: Option<Arc<BenchStatus>>,
+    contact: Contact,
+    recorder: Option<Box<RecorderStatus>>,
+    changes: u64,
+}
+
+impl Feed {
+    /// A feed that has heard nothing, and why.
+    #[cfg(any(test, feature = "test-support"))]
+    #[must_use]
+    pub fn new(why: &str) -> Self {
+        Self::with_bound(why, crate::history::BOUND)
+    }
+
+    /// A feed that has heard nothing, and why; its steps take at most `bound` bytes.
+    pub fn with_bound(why: &str, bound: usize) -> Self {
+        Self {
+            history: History::new(bound),
+            heard: None,
+            pace: Pace::default(),
+            sampler: Sampler::default(),
+            journal: Journal::default(),
+            rotor: None,
+            bench_status: None,
+            contact: Contact::Waiting(why.to_owned()),
+            recorder: None,
+            changes: 0,
+        }
+    }
+
+    /// Takes in one state.
+    pub fn hear(&mut self, state: &impl Step, now: Instant) {
+        self.history.push(state);
+        self.sampler.hear(state);
+        self.heard = Some(now);
+        self.pace.count(now);
+        self.contact = Contact::Live;
+        self.changes += 1;
+    }
+
+    /// Takes in one bench status.
+    pub fn read(&mut self, bench_status: Box<BenchStatus>) {
+        self.history.note_bench_status(&bench_status);
+        self.sampler.learn(&bench_status, self.history.lost());
+        if self.bench_status.as_ref().is_none_or(|last| last.run_id != bench_status.run_id) {
+            self.rotor = self.history.newest_era().and_then(|era| era.rotor.clone());
+        }
+        self.bench_status = Some(Arc::from(bench_status));
+        self.changes += 1;
+    }
+
+    /// Takes in one step of the past: nobody is heard, and no time passes.
+    pub fn recall(&mut self, state: &impl Step) {
+        self.history.push(state);
+        self.changes += 1;
+    }
+
+    /// Takes in settings of the past, for the steps that were made with them.
+    pub fn tell(&mut self, bench_status: &BenchStatus) {
+        self.history.note_bench_status(bench_status);
+    }
+
+    /// Forgets every step; the next one gets the place `first`.
+    pub fn forget(&mut self, first: u64) {
+        self.history = self.history.emptied(first);
+        self.changes += 1;
+    }
+
+    /// What is in force at the moment that is looked at, which then stands for the present.
+    pub fn stand_at(&mut self, bench_status: Box<BenchStatus>) {
+        if self.rotor.is_none() {
+            self.rotor = bench_status.rotor().ok().map(Arc::new);
+        }
+        self.bench_status = Some(Arc::from(bench_status));
+        self.contact = Contact::Live;
+        self.changes += 1;
+    }
+
+    /// Takes in what is known of a recorder.
+    pub fn hear_recorder(&mut self, status: Option<Box<RecorderStatus>>) {
+        if self.recorder != status {
+            self.recorder = status;
+            self.changes += 1;
+        }
+    }
+
+    /// What is known of a recorder.
+    pub fn recorder(&self) -> Option<&RecorderStatus> {
+        self.recorder.as_deref()
+    }
+
+    /// Takes in an event.
+    pub fn happen(&mut self, event: &Event) {
+        let is_news = self.journal.hear(event, &self.units());
+        self.sampler.happen(event);
+        if is_news && let Some(Happening::Note(_)) = event.happening() {
+            self.history.note(event.run_id, event.seq);
+        }
+        self.changes += u64::from(is_news);
+    }
+
+    /// Takes in an event of a recording.
+    pub fn remember(&mut self, event: &PastEvent) {
+        let units = self.units();
+        self.journal.recall(event, &units);
+    }
+
+    /// Notes how things stand; what has been heard stays.
+    pub fn stand(&mut self, contact: Contact) {
+        if self.contact != contact {
+            self.contact = contact;
+            self.changes += 1;
+        }
+    }
+
+    /// What is to be held against the alarms' limits: all that has come in since this was last asked.
+    pub fn reading(&mut self) -> Reading {
+        self.sampler.take()
+    }
+
+    /// When the last state came.
+    pub fn heard(&self) -> Option<Instant> {
+        self.heard
+    }
+
+    /// How things stand.
+    pub fn contact(&self) -> &Contact {
+        &self.contact
+    }
+
+    /// The settings in force, once they are known.
+    pub fn settings(&self) -> Option<Settings> {
+        self.bench_status.as_ref().map(|bench_status| bench_status.settings.get().clone())
+    }
+
+    /// The rotor, once it is known.
+    pub fn rotor(&self) -> Option<Arc<Rotor>> {
+        self.rotor.clone()
+    }
+
+    /// The units that settings are typed and shown in.
+    pub fn units(&self) -> Units {
+        Units::of(self.bench_status.as_ref().and_then(|bench_status| bench_status.scales()), Some(1.0))
+    }
+
+    /// What has happened.
+    pub fn history(&self) -> &History {
+        &self.history
+    }
+
+    /// Seconds from step to step, as the simulation means it; 0 while unknown.
+    pub fn seconds(&self) -> f64 {
+        self.bench_status
+            .as_ref()
+            .map(|bench_status| bench_status.rate_hz)
+            .filter(|rate| *rate > 0.0)
+            .map_or(0.0, f64::recip)
+    }
+
+    /// Rises with everything that is taken in: a picture of the same count shows nothing new.
+    pub fn changes(&self) -> u64 {
+        self.changes
+    }
+
+    /// An era with the poles at the speed of the step that is looked at, where that is on its way to the one that is set.
+    fn at_speed(&self, era: Arc<Era>, speed: Option<f64>) -> Arc<Era> {
+        let Some(speed) = speed.filter(|speed| *speed != era.speed && !era.poles.is_empty()) else { return era };
+        // A step that came before its bench status, or after it, at a speed that is set at once, is no ramp.
+        if !(era.settings.ramp.is_finite() || era.speed != era.settings.speed) {
+            return era;
+        }
+        era.at_speed(speed).map_or(era, Arc::new)
+    }
+
+    /// What one frame shows. Shares the steps with the history, copies little.
+    pub fn picture(&self, time: &ViewTime, now: Instant) -> Picture {
+        let (kept, seconds) = (self.history.places(), self.seconds());
+        let view = time.resolve(&kept, seconds);
+        let minute = ViewTime::steps_of(OVERVIEW, seconds);
+        let overview = view.window.start.min(view.window.end.saturating_sub(minute))..view.window.end;
+        let before = view.now.map_or(kept.end, |now| now.saturating_sub(BEFORE));
+        let overview = overview.start.max(kept.start)..overview.end;
+        let around = overview.start.min(before).max(kept.start)..view.window.end;
+        let place = |place: u64| (place - around.start) as usize;
+        let era = |at: u64| if time.is_live() { self.history.newest_era() } else { self.history.era_at(at) };
+        let track = self.history.track(&around);
+        // When another machine takes the name, its bench status and its steps do not come at the same moment.
+        let masses = track.masses();
+        let fits = |era: &Arc<Era>| masses == 0 || era.settings.deadband.len() == masses;
+        let era_now = view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned();
+        let speed = view.now.map(|now| track.speed(place(now)));
+        Picture {
+            era: era_now.map(|era| self.at_speed(era, speed)),
+            track,
+            window: place(view.window.start)..place(view.window.end),
+            overview: place(overview.start)..place(overview.end),
+            now: view.now.map(place),
+            eras: (self.history.eras(&overview).into_iter())
+                .filter(|(_, era)| fits(era))
+                .map(|(at, era)| (place(at), era))
+                .collect(),
+            marks: self.history.marks(&overview).map(|(at, mark)| (place(*at), mark.clone())).collect(),
+            peak_force: view.now.map_or(0.0, |now| self.history.peak_force(now)),
+            seconds,
+            settings: self.settings(),
+            rotor: self.rotor.clone(),
+            bench_status: self.bench_status.clone(),
+            events: self.journal.entries(),
+            lost: self.history.lost(),
+            rate: self.pace.rate(now),
+            age: self.heard.map(|heard| now.saturating_duration_since(heard)),
+            contact: self.contact.clone(),
+            recorder: self.recorder.clone(),
+            recorder_starts: false,
+            tripped: self.history.is_tripped(),
+            behind: view.now.map_or(0, |now| kept.end - 1 - now),
+        }
+    }
+}
+
+/// Steps a second, over the last second or so.
+#[derive(Debug, Default)]
+struct Pace {
+    window: Option<(Instant, u32)>,
+    rate: f64,
+}
+
+impl Pace {
+    fn count(&mut self, now: Instant) {
+        let (since, count) = *self.window.get_or_insert((now, 0));
+        let elapsed = now.saturating_duration_since(since).as_secs_f64();
+        if elapsed >= 1.0 {
+            self.rate = f64::from(count) / elapsed;
+            self.window = Some((now, 1));
+        } else {
+            self.window = Some((since, count + 1));
+        }
+    }
+
+    fn rate(&self, now: Instant) -> f64 {
+        match self.window {
+            Some((since, _)) if now.saturating_duration_since(since).as_secs_f64() < 2.0 => self.rate,
+            _ => 0.0,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use wire::Channel;
+
+    use super::*;
+    use crate::test_support::{bench_status, picture, state};
+
+    #[test]
+    fn a_live_picture_shows_the_newest_steps_and_says_how_things_stand() {
+        let picture = picture();
+        assert_eq!((picture.window.clone(), picture.now, picture.behind), (0..3000, Some(2999), 0));
+        assert_eq!((picture.masses(), picture.lost, picture.tripped), (3, 0, false));
+        assert_eq!((picture.contact.clone(), picture.seconds), (Contact::Live, 1e-3));
+        assert_eq!(picture.track.force(2999), state(3, 2999).force_delivered());
+        assert_eq!(picture.least_damping(&picture.overview), picture.era.as_ref().map(|era| era.min_damping));
+    }
+
+    #[test]
+    fn a_picture_of_the_past_is_whole_while_settings_stay_live() {
+        let now = Instant::now();
+        let mut feed = Feed::new("");
+        feed.read(bench_status("three-mass", "composite"));
+        (0..70_000).for_each(|seq| feed.hear(&state(3, seq), now));
+        let mut off = bench_status("three-mass", "off");
+        off.revision = 2;
+        feed.read(off);
+        (70_000..90_000).for_each(|seq| feed.hear(&state(3, seq).with_word(Channel::Revision, 2), now));
+        let mut time = ViewTime::default();
+        time.at(69_990, &feed.history().places(), feed.seconds());
+        let past = feed.picture(&time, now);
+        assert_eq!(past.now.map(|now| past.track.tau(now)), Some(699.9));
+        assert_eq!(past.behind, 90_000 - 1 - 69_990);
+        assert_eq!(past.window.len(), 4000);
+        assert_eq!(past.overview.len(), 60_000);
+        assert_eq!(past.era.as_ref().map(|era| era.revision), Some(1));
+        let then = past.poles().unwrap().0;
+        let live = feed.picture(&ViewTime::default(), now);
+        assert!(then > 0.0 && live.poles().unwrap().0 < 0.0);
+        assert_eq!(past.settings, live.settings, "what can be changed is what is in force now");
+        assert_eq!(live.least_damping(&live.overview), live.poles().map(|(least, _)| least), "the least of both");
+        assert_eq!(live.eras.len(), 2);
+    }
+}

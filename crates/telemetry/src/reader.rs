@@ -1,0 +1,136 @@
+//! The reader thread: attaches to a bench, drains what it sends into the feed, and notices when it falls silent.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use crossbeam::channel::Sender;
+use wire::{BenchName, Carrier, HostState, Listener, WireError};
+
+use crate::contact::Contact;
+use crate::edits::News;
+use crate::feed::Feed;
+
+/// How often we look for new states: a fraction of a frame, and of the buffer at any rate.
+const POLL: Duration = Duration::from_millis(4);
+/// The same while the picture is paused.
+const IDLE_POLL: Duration = Duration::from_millis(40);
+/// How often we look for a bench that is not there.
+const RETRY: Duration = Duration::from_millis(25);
+/// Silence after which we ask whether the simulation lives.
+const SILENCE: Duration = Duration::from_millis(60);
+/// Silence of a living simulation that counts as a stall.
+const STALL: Duration = Duration::from_millis(250);
+
+/// How often we look how a recorder stands: it says so a few times a second.
+const RECORDER: Duration = Duration::from_millis(250);
+
+/// A feed that threads share. A poisoned lock means another thread has panicked: what was heard is still whole.
+pub type Shared = Arc<Mutex<Feed>>;
+
+/// The feed, to read or to write; threads that want it meanwhile wait.
+pub fn lock(feed: &Shared) -> MutexGuard<'_, Feed> {
+    feed.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// What the reader tells others, and is told.
+#[derive(Debug)]
+pub struct Wires {
+    /// Every bench status and every event, for the clerk.
+    pub news: Sender<News>,
+    /// A token when something has come that should not wait for the next frame.
+    pub wake: Sender<()>,
+    /// Nobody watches the motion: there is no hurry.
+    pub idle: Arc<AtomicBool>,
+    /// End.
+    pub stop: Arc<AtomicBool>,
+}
+
+/// Starts the reader.
+pub fn spawn<C: Carrier>(carrier: C, bench: BenchName, feed: Shared, wires: Wires) -> std::io::Result<JoinHandle<()>> {
+    std::thread::Builder::new().name("reader".into()).spawn(move || {
+        while !wires.stop.load(Ordering::Relaxed) {
+            match carrier.listen(&bench) {
+                Ok(listener) => {
+                    tracing::info!(%bench, "attached");
+                    if let Err(error) = read(listener, &feed, &wires) {
+                        tracing::warn!(%error, "lost the bench");
+                        lock(&feed).stand(Contact::Waiting(error.to_string()));
+                    }
+                }
+                Err(WireError::NoBench(_)) => {
+                    let mut feed = lock(&feed);
+                    if feed.heard().is_none() {
+                        feed.stand(Contact::Waiting(format!("waiting for bench '{bench}'")));
+                    }
+                }
+                Err(error) => lock(&feed).stand(Contact::Waiting(error.to_string())),
+            }
+            std::thread::sleep(RETRY);
+        }
+    })
+}
+
+/// Reads until told to stop; a simulation that ends is waited for, and its successor heard.
+fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(), WireError> {
+    let attached = Instant::now();
+    let mut told = (0, false);
+    let mut looked = attached;
+    while !wires.stop.load(Ordering::Relaxed) {
+        let bench_status = listener.bench_status()?;
+        let now = Instant::now();
+        if now - looked > RECORDER {
+            looked = now;
+            let status = listener.recorder()?;
+            lock(feed).hear_recorder(status);
+        }
+        let drained = {
+            let mut feed = lock(feed);
+            if let Some(bench_status) = bench_status {
+                // If the clerk is behind it has a newer one coming.
+                let _ = wires.news.try_send(News::BenchStatus(Arc::new((*bench_status).clone())));
+                let news = (bench_status.revision, bench_status.trip.is_tripped());
+                if news != told {
+                    told = news;
+                    // A token that still lies there will do.
+                    let _ = wires.wake.try_send(());
+                }
+                feed.read(bench_status);
+            }
+            listener.events(|event| {
+                // What does not fit there shows by its revision.
+                let _ = wires.news.try_send(News::Event(Box::new(event.clone())));
+                feed.happen(event);
+            })?;
+            listener.drain(|step| feed.hear(&step, now))?
+        };
+        let poll = if wires.idle.load(Ordering::Relaxed) { IDLE_POLL } else { POLL };
+        if drained > 0 {
+            std::thread::sleep(poll);
+            continue;
+        }
+        let silence = lock(feed).heard().unwrap_or(attached).elapsed();
+        if silence > SILENCE {
+            match listener.host() {
+                HostState::Gone => stand(feed, wires, Contact::Gone),
+                HostState::Alive if silence > STALL => stand(feed, wires, Contact::Stalled),
+                HostState::Alive => {}
+            }
+            std::thread::sleep(RETRY);
+        } else {
+            std::thread::sleep(poll);
+        }
+    }
+    Ok(())
+}
+
+/// Notes how things stand, and wakes the screen if that is new.
+fn stand(feed: &Shared, wires: &Wires, contact: Contact) {
+    let mut feed = lock(feed);
+    if *feed.contact() != contact {
+        tracing::info!(?contact, "the simulation");
+        feed.stand(contact);
+        let _ = wires.wake.try_send(());
+    }
+}

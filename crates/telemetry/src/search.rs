@@ -1,0 +1,301 @@
+//! A gain search from the console: for the present structure, at the present speed or over a range, beside the live loop.
+//!
+//! It runs on a thread of its own with one core fewer than there are, so that the screen keeps moving, and touches nothing:
+//! what it finds is a proposal, whole settings that a person looks at before they are applied.
+
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+use rotor::{Feedback, Gain, Rotor, Settings};
+use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
+
+use crate::comparison::{self, Deeds};
+use crate::units::Units;
+
+/// Clearances for which a robust search is a matter of seconds: each doubles its work.
+const FEW: usize = 4;
+
+/// What is searched for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wish {
+    /// The lowest spin speed at which the gains are to hold.
+    pub from: f64,
+    /// The highest; the same for one speed.
+    pub to: f64,
+    /// Whether they are to hold for any stiffness that deadband leaves of each support bearing.
+    pub robust: bool,
+}
+
+impl Wish {
+    /// Reads what follows `:search`. `A..B` is a range in the machine's unit of speed; without one it is the speeds that
+    /// matter, from rest to a tenth past the present one. `robust` asks for gains that hold for any stiffness that its clearance leaves
+    /// each support bearing, `full` for the full stiffness of all; without either it is `robust` where a clearance is set
+    /// (and there are at most [`FEW`]).
+    ///
+    /// # Errors
+    /// What is wrong with it, for the message line.
+    pub fn read(words: &str, present: &Settings, units: &Units) -> Result<Self, String> {
+        // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
+        let past = ((1.1 * present.speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
+        let robust = comparison::has_deadband(present) && present.deadband.len() <= FEW;
+        let mut wish = Self { from: 0.0, to: past, robust };
+        let mut read: Vec<bool> = Vec::new();
+        for word in words.split_whitespace() {
+            let is_range = match rotor::typed::range(word) {
+                _ if word == "robust" || word == "full" => {
+                    wish.robust = word == "robust";
+                    false
+                }
+                Ok([from, to]) if from >= 0.0 => {
+                    (wish.from, wish.to) = (from / units.speed.factor, to / units.speed.factor);
+                    true
+                }
+                _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, robust, or full")),
+            };
+            if read.contains(&is_range) {
+                return Err(format!("'{word}': expected one range of speeds, and robust or full once"));
+            }
+            read.push(is_range);
+        }
+        Ok(wish)
+    }
+
+    /// In a few words: `at R 5`, `over R 0..6, any deadband`, `over 0..20000 rpm`.
+    #[must_use]
+    pub fn words(&self, units: &Units) -> String {
+        let any = if self.robust { ", any deadband" } else { "" };
+        if self.from < self.to {
+            let [from, to] = [self.from, self.to].map(|speed| units.speed(speed));
+            let range = if units.scales.is_some() { format!("{from}..{to} rpm") } else { format!("R {from}..{to}") };
+            format!("over {range}{any}")
+        } else {
+            format!("at {}{any}", units.speed_told(self.from))
+        }
+    }
+}
+
+/// What was found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The settings as they were when the search began.
+    pub before: Settings,
+    /// The same with the gains that were found.
+    pub settings: Settings,
+    /// The smallest damping ratio over all that was asked for.
+    pub min_damping: f64,
+    /// The speed where that is.
+    pub worst_speed: f64,
+    /// Whether it is proven for every condition.
+    pub proven: bool,
+    /// Whether it was stopped before its end.
+    pub stopped: bool,
+    /// What the gains in force do, and those that were found.
+    pub deeds: Box<[Deeds; 2]>,
+}
+
+#[derive(Debug, Default)]
+struct Slot {
+    progress: Option<Progress>,
+    ended: Option<Result<Found, String>>,
+}
+
+/// A search under way. Dropping it ends it.
+#[derive(Debug)]
+pub struct Search {
+    wish: Wish,
+    stop: Arc<AtomicBool>,
+    slot: Arc<Mutex<Slot>>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Search {
+    /// Begins a search from `settings` for `rotor`.
+    ///
+    /// # Errors
+    /// A wish that makes no sense for this rotor, or no thread to be had.
+    pub fn begin(rotor: &Rotor, settings: &Settings, wish: Wish) -> Result<Self, String> {
+        let problem = problem(rotor, &settings.feedback, &wish)?;
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut options = Options::for_problem(&problem);
+        options.threads = Some(cores.saturating_sub(1).max(1));
+        // The present gains are a start too: what is found is never worse than what there is.
+        options.first = vec![problem.structure.variables_of(&settings.feedback)];
+        options.starts += 1;
+        let (stop, slot) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Slot::default())));
+        let (flag, place, settings) = (stop.clone(), slot.clone(), settings.clone());
+        let (rotor, speeds) = (Arc::new(rotor.clone()), [wish.from, wish.to]);
+        let fill = move |change: &dyn Fn(&mut Slot)| change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
+        let work = move || {
+            let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
+            let tuned = tune(&problem, &options, &say, Stop::when(&flag));
+            let found = tuned.map_err(|error| error.to_string()).map(|tuned| Found {
+                before: settings.clone(),
+                settings: Settings { feedback: tuned.feedback.clone(), ..settings.clone() },
+                deeds: Box::new([settings.feedback.clone(), tuned.feedback].map(|feedback| {
+                    Deeds::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds, Stop::when(&flag))
+                })),
+                min_damping: tuned.worst.value,
+                worst_speed: tuned.worst.point[0],
+                proven: tuned.worst.proven,
+                stopped: tuned.interrupted,
+            });
+            fill(&|slot| slot.ended = Some(found.clone()));
+        };
+        let thread = std::thread::Builder::new().name("search".into()).spawn(work);
+        let thread = thread.map_err(|error| format!("no thread for the search: {error}"))?;
+        Ok(Self { wish, stop, slot, thread: Some(thread) })
+    }
+
+    /// What it is for.
+    #[must_use]
+    pub fn wish(&self) -> &Wish {
+        &self.wish
+    }
+
+    /// How it goes, in words for the status line.
+    #[must_use]
+    pub fn words(&self, units: &Units) -> String {
+        let progress = self.slot.lock().unwrap_or_else(PoisonError::into_inner).progress.clone();
+        let what = self.wish.words(units);
+        let Some(Progress { done, starts, best, .. }) = progress else { return format!("searching {what}") };
+        format!("searching {what}: {done} of {starts}, best {best:.4}")
+    }
+
+    /// Asks it to end with the best so far.
+    pub fn stop(&self) {
+        self.stop.store(true, Ordering::Relaxed);
+    }
+
+    /// What came of it, once.
+    pub fn ended(&self) -> Option<Result<Found, String>> {
+        self.slot.lock().unwrap_or_else(PoisonError::into_inner).ended.take()
+    }
+}
+
+impl Drop for Search {
+    fn drop(&mut self) {
+        self.stop();
+        if let Some(thread) = self.thread.take() {
+            // It looks at the flag between steps of a climb: a matter of milliseconds.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// The question: the bearing and signals of the present feedback, their gains constant and no larger than twenty, or than
+/// what they are now.
+fn problem(rotor: &Rotor, feedback: &Feedback, wish: &Wish) -> Result<Problem, String> {
+    let mut family = Family::new(rotor, wish.from, wish.to).map_err(|error| error.to_string())?;
+    if wish.robust {
+        family.any_deadband(true).map_err(|error| error.to_string())?;
+    }
+    let structure = Structure::new(rotor, feedback, Schedule::Fixed).map_err(|error| error.to_string())?;
+    let gains = feedback.signals.iter().flat_map(|signal| &signal.gains);
+    let largest = gains.filter_map(|gain| if let Gain::Constant(value) = gain { Some(value.abs()) } else { None });
+    let problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
+    problem.check().map_err(|error| error.to_string())?;
+    Ok(problem)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, Instant};
+
+    use rotor::{ClosedLoop, builtin};
+
+    use super::*;
+
+    fn bench() -> (Rotor, Settings) {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let settings = Settings::new(&rotor, 6.0, builtin::feedback(&rotor, "composite").unwrap());
+        (rotor, settings)
+    }
+
+    fn result(search: &Search) -> Result<Found, String> {
+        let begun = Instant::now();
+        loop {
+            if let Some(ended) = search.ended() {
+                return ended;
+            }
+            assert!(begun.elapsed() < Duration::from_secs(300), "{}", search.words(&Units::DIMENSIONLESS));
+            std::thread::sleep(Duration::from_millis(2));
+        }
+    }
+
+    #[test]
+    fn finds_better_gains_for_the_present_structure() {
+        let (rotor, settings) = bench();
+        let wish = Wish { from: 6.0, to: 6.0, robust: false };
+        let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
+        assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
+        assert_eq!(found.worst_speed, 6.0);
+        let damping = |feedback: &Feedback| {
+            let poles = rotor::poles(&ClosedLoop::new(&rotor, feedback, 6.0, &[])).unwrap();
+            rotor::damping_ratio(poles[0])
+        };
+        assert!((damping(&found.settings.feedback) - found.min_damping).abs() < 1e-9);
+        assert!(damping(&settings.feedback) < found.min_damping);
+        assert_eq!(
+            Settings { feedback: settings.feedback.clone(), ..found.settings },
+            settings,
+            "nothing else changes"
+        );
+    }
+
+    #[test]
+    fn a_search_by_default_is_from_rest_to_past_the_present_speed_and_what_it_finds_holds_there() {
+        // The search of one speed offered gains that held 2.226 to 2.901 in place of gains that held 0 to 7.07.
+        let (rotor, mut settings) = bench();
+        settings.speed = 2.5;
+        let wish = Wish::read("full", &settings, &Units::DIMENSIONLESS).unwrap();
+        assert_eq!((wish.from, wish.to), (0.0, 2.8));
+        let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
+        let [now, new] = &*found.deeds;
+        assert!(new.min_damping > now.min_damping && new.stable[0][0] == 0.0 && new.stable[0][1] >= 2.8, "{found:?}");
+        assert_eq!(now.stable[0][0], 0.0);
+    }
+
+    #[test]
+    fn a_search_that_is_stopped_gives_what_it_has() {
+        let (rotor, settings) = bench();
+        let wish = Wish::read("0..6 robust", &settings, &Units::DIMENSIONLESS).unwrap();
+        let search = Search::begin(&rotor, &settings, wish).unwrap();
+        search.stop();
+        assert!(result(&search).unwrap().stopped);
+        drop(search);
+    }
+
+    #[test]
+    fn val_wishes_for_a_rotor_in_si_units_are_typed_and_told_in_rpm() {
+        let units = Units::of(Some(crate::test_support::SI), Some(1.0));
+        let (_, mut settings) = bench();
+        (settings.speed, settings.deadband) = (2.5, vec![0.0; 3]);
+        let wish = Wish::read("0..19098.593171027442", &settings, &units).unwrap();
+        // 1000 rad/s are 9549.3 rpm.
+        assert!((wish.to - 2.0).abs() < 1e-12, "{wish:?}");
+        assert_eq!(wish.words(&units), "over 0..19099 rpm");
+        assert_eq!(Wish::read("", &settings, &units).unwrap().words(&units), "over 0..26738 rpm");
+    }
+
+    #[test]
+    fn wishes_are_read_or_refused() {
+        let units = Units::DIMENSIONLESS;
+        let (_, mut settings) = bench();
+        (settings.speed, settings.deadband) = (5.0, vec![1.0; 3]);
+        let clearances = settings.clone();
+        settings.deadband.fill(0.0);
+        let wish = |words| Wish::read(words, &settings, &units);
+        assert_eq!(wish("").unwrap().words(&units), "over R 0..5.5");
+        // Where a clearance is set, gains that hold for the full stiffness alone are no answer unless asked for.
+        let with_clearance = |words| Wish::read(words, &clearances, &units).unwrap().words(&units);
+        assert_eq!(with_clearance(""), "over R 0..5.5, any deadband");
+        assert_eq!(with_clearance("0..6 full"), "over R 0..6");
+        assert!(wish("robust full").unwrap_err().contains("once"));
+        assert_eq!(wish("0..6").unwrap().words(&units), "over R 0..6");
+        assert_eq!(wish("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
+        for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {
+            assert!(wish(wrong).unwrap_err().contains("expected a range of speeds"), "{wrong}");
+        }
+    }
+}

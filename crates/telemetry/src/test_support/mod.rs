@@ -1,0 +1,110 @@
+//! Benches and recordings to test with: what a simulation would send, without one, and a recording of one.
+
+#![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "tests alone use this")]
+
+mod recorded;
+
+use std::sync::Arc;
+use std::time::Instant;
+
+use rotor::{Scales, Settings, Spectrum, builtin};
+use wire::message::Analysis;
+use wire::{BenchStatus, Channel, Event, Happening, Layout, Point, SettingsDocument, State, Text};
+
+pub use recorded::{Long, Session, session, whole};
+
+use crate::feed::Feed;
+use crate::frame_data::Picture;
+use crate::jobs::{OverSpeed, Question};
+use crate::view_time::ViewTime;
+
+/// Scales with `w0` = 1000 rad/s, `e_t` = 5 um, and 2 kg on 2e6 N/m.
+pub const SI: Scales = Scales { w0: 1000.0, k_t: 2e6, m_t: 2.0, e_t: 5e-6 };
+
+/// A bench status of a built-in rotor at speed 2.5.
+#[must_use]
+pub fn bench_status(rotor_name: &str, feedback: &str) -> Box<BenchStatus> {
+    let rotor = builtin::rotor(rotor_name).unwrap();
+    let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
+    settings.deadband.fill(1.0);
+    let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).unwrap();
+    let mut analysis = Analysis {
+        revision: 1,
+        count: spectrum.modes.len() as u32,
+        speed: settings.speed,
+        min_damping: spectrum.min_damping(),
+        ..Analysis::default()
+    };
+    for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
+        *place = [mode.pole.re, mode.pole.im];
+    }
+    let mut bench_status = Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
+        run_id: 7,
+        pid: 1234,
+        rate_hz: 1000.0,
+        dtau: 0.01,
+        revision: 1,
+        analysis,
+        ..wire::message::BenchStatusMessage::default()
+    }));
+    bench_status.set_rotor(&rotor);
+    bench_status.settings = SettingsDocument::of(&settings);
+    bench_status.health.lateness_p50_us = 50.0;
+    bench_status.health.lateness_p99_us = 120.0;
+    bench_status
+}
+
+/// State number `seq` of masses that whirl on circles of radius 1.5, 2.5, 3.5 ... at half the spin speed.
+#[must_use]
+pub fn state(masses: usize, seq: u64) -> State {
+    let tau = seq as f64 * 0.01;
+    let (sin, cos) = (1.25 * tau).sin_cos();
+    let mut state = State::new(Layout::new(masses));
+    let mut row = state.row_mut();
+    row.set_word(Channel::RunId, 7);
+    row.set_word(Channel::Seq, seq);
+    row.set_word(Channel::Revision, 1);
+    row.set(Channel::Tau, 0, tau);
+    row.set(Channel::Angle, 0, 2.5 * tau);
+    row.set(Channel::Speed, 0, 2.5);
+    row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [0.8 * cos, 0.8 * sin]);
+    for mass in 0..masses {
+        let radius = 1.5 + mass as f64;
+        state = state.with_point(mass, Point { y: radius * cos, z: radius * sin, vy: 0.0, vz: 0.0 });
+    }
+    state
+}
+
+/// A picture of the three-mass rotor after 3000 steps of regular whirl.
+#[must_use]
+pub fn picture() -> Picture {
+    let now = Instant::now();
+    let mut feed = Feed::new("");
+    feed.read(bench_status("three-mass", "composite"));
+    (0..3000).for_each(|seq| feed.hear(&state(3, seq), now));
+    feed.picture(&ViewTime::default(), now)
+}
+
+/// Poles and damping over speed of a built-in rotor.
+#[must_use]
+pub fn question(rotor: &str, feedback: &str, speed: f64) -> Question {
+    let rotor = builtin::rotor(rotor).unwrap();
+    let feedback = builtin::feedback(&rotor, feedback).unwrap();
+    Question::at(Arc::new(rotor), feedback, speed)
+}
+
+/// The same, answered.
+#[must_use]
+pub fn over_speed(rotor: &str, feedback: &str) -> OverSpeed {
+    OverSpeed::of(&question(rotor, feedback, 2.5))
+}
+
+/// Event number `number` of a run, a second after the one before.
+#[must_use]
+pub fn event(number: u64, happening: &Happening, settings: &Settings) -> Box<Event> {
+    let mut event = happening.event();
+    (event.run_id, event.number, event.wall_ns) = (7, number, (50_600 + number) * 1_000_000_000);
+    (event.who, event.tau) = (Text::new("dash:812"), number as f64);
+    event.settings = SettingsDocument::of(settings);
+    event
+}

@@ -1,0 +1,270 @@
+//! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
+//! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
+
+use std::f64::consts::TAU;
+
+use rotor::{Difference, Key, Scales, Settings, SettingsError};
+use wire::Dimension;
+
+use crate::numbers::{nice_ceiling, short};
+
+/// What one dimensionless unit of a quantity is on the screen, and what that is called.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// How many of it one dimensionless unit is.
+    pub factor: f64,
+    /// What it is called; may be empty.
+    pub name: &'static str,
+}
+
+impl Unit {
+    /// A value as a number in about `digits` characters.
+    pub fn short(&self, value: f64, digits: usize) -> String {
+        short(value * self.factor, digits)
+    }
+
+    /// The same with the unit.
+    pub fn told(&self, value: f64, digits: usize) -> String {
+        format!("{} {}", self.short(value, digits), self.name).trim_end().to_owned()
+    }
+}
+
+/// Significant digits of a value in a message.
+const DIGITS: usize = 7;
+
+/// A value of so many significant digits. What a search or a product of factors leaves behind them is for files, not for people.
+pub fn rounded(value: f64, digits: usize) -> f64 {
+    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
+}
+
+/// The units of a bench.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Units {
+    /// Scales of a rotor in SI units.
+    pub scales: Option<Scales>,
+    /// Displacements and clearances.
+    pub length: Unit,
+    /// Velocities of masses.
+    pub velocity: Unit,
+    /// The control force.
+    pub force: Unit,
+    /// Frequencies of whirl.
+    pub frequency: Unit,
+    /// Real and imaginary parts of poles.
+    pub rate: Unit,
+    /// Spin speeds.
+    pub speed: Unit,
+}
+
+impl Units {
+    /// Those of a rotor that is counted in its own scales.
+    pub const DIMENSIONLESS: Self = Self {
+        scales: None,
+        length: Unit { factor: 1.0, name: "e_t" },
+        velocity: Unit { factor: 1.0, name: "w0 e_t" },
+        force: Unit { factor: 1.0, name: "m_b w0² e_t" },
+        frequency: Unit { factor: 1.0, name: "w0" },
+        rate: Unit { factor: 1.0, name: "w0" },
+        speed: Unit { factor: 1.0, name: "R" },
+    };
+
+    /// Those of a bench whose bench status has `scales`, with a control bearing that carries the mass ratio `mass`.
+    pub fn of(scales: Option<Scales>, mass: Option<f64>) -> Self {
+        let (Some(scales), Some(mass)) = (scales, mass) else { return Self::DIMENSIONLESS };
+        // One prefix for a rotor, whatever it does: numbers must not jump.
+        let (per_metre, length, velocity) = match scales.e_t {
+            ..1e-3 => (1e6, "μm", "μm/s"),
+            ..1.0 => (1e3, "mm", "mm/s"),
+            _ => (1.0, "m", "m/s"),
+        };
+        Self {
+            scales: Some(scales),
+            length: Unit { factor: scales.metres(per_metre), name: length },
+            velocity: Unit { factor: scales.metres(per_metre) * scales.w0, name: velocity },
+            force: Unit { factor: scales.newtons(1.0, mass), name: "N" },
+            frequency: Unit { factor: scales.w0 / TAU, name: "Hz" },
+            rate: Unit { factor: scales.w0, name: "1/s" },
+            speed: Unit { factor: scales.rpm(1.0), name: "rpm" },
+        }
+    }
+
+    /// What a quantity of a step is counted in.
+    pub fn of_dimension(&self, dimension: Dimension) -> Unit {
+        match dimension {
+            Dimension::Whole | Dimension::Time => Unit { factor: 1.0, name: "" },
+            Dimension::Angle => Unit { factor: 1.0, name: "rad" },
+            Dimension::Speed => self.speed,
+            Dimension::Acceleration => match self.scales {
+                Some(scales) => Unit { factor: self.speed.factor * scales.w0, name: "rpm/s" },
+                None => Unit { factor: 1.0, name: "w0 R" },
+            },
+            Dimension::Length => self.length,
+            Dimension::Velocity => self.velocity,
+            Dimension::Control => self.force,
+        }
+    }
+
+    /// What a setting is counted in where it is typed and shown: the same as for `whirl set`, so in metres, not micrometres.
+    pub fn setting(&self, key: Key) -> Unit {
+        match (self.scales, key.parameter.unit) {
+            (Some(_), "w0") => self.speed,
+            (Some(_), "w0^2 e_t") => self.force,
+            (Some(scales), "w0^3 e_t") => Unit { factor: self.force.factor * scales.w0, name: "N/s" },
+            (Some(scales), unit) => {
+                let (factor, name) = scales.setting(unit, 1.0);
+                Unit { factor, name }
+            }
+            (None, name) => Unit { factor: 1.0, name },
+        }
+    }
+
+    /// What one key press adds to a setting, as it is shown: a round number.
+    pub fn step(&self, key: Key) -> f64 {
+        match self.setting(key).factor {
+            1.0 => key.parameter.step,
+            // What the product of round numbers leaves behind their digits is not part of them.
+            factor => {
+                let step = nice_ceiling(key.parameter.step * factor);
+                format!("{step:.3e}").parse().unwrap_or(step)
+            }
+        }
+    }
+
+    /// Settings as they were typed, dimensionless.
+    pub fn settings_of_typed(&self, typed: &[(Key, f64)]) -> Vec<(Key, f64)> {
+        typed.iter().map(|(key, value)| (*key, value / self.setting(*key).factor)).collect()
+    }
+
+    /// A value of a setting as people read it: with its unit where that is none of the machine's own.
+    pub fn value(&self, key: Key, value: f64) -> String {
+        self.value_in(key, value, DIGITS)
+    }
+
+    fn value_in(&self, key: Key, value: f64, digits: usize) -> String {
+        if key.parameter.off == Some(value) && value != 0.0 {
+            return "off".to_owned();
+        }
+        let unit = self.setting(key);
+        let told = rounded(value * unit.factor, digits).to_string();
+        if unit.factor == 1.0 { told } else { format!("{told} {}", unit.name) }
+    }
+
+    /// A number without a unit as people read it.
+    pub fn value_digits(&self, value: f64) -> f64 {
+        rounded(value, DIGITS)
+    }
+
+    /// What is wrong with a change, in the units that it was typed in.
+    pub fn fault(&self, error: &SettingsError) -> String {
+        if let SettingsError::OutOfRange { key, found, min, max, or_off } = error
+            && let Ok(of) = key.parse::<Key>()
+            && self.setting(of).factor != 1.0
+        {
+            let [found, min, max] = [found, min, max].map(|value| self.value(of, *value));
+            let off = if *or_off { ", or off" } else { "" };
+            return format!("{key} = {found}: expected a number from {min} to {max}{off}");
+        }
+        error.to_string()
+    }
+
+    /// What has changed, as people read it.
+    pub fn difference(&self, before: &Settings, after: &Settings) -> String {
+        let Difference { values, law } = Difference::between(before, after);
+        // As few digits as tell the two apart, but for a few that read well.
+        let one = |(key, was, is): &(Key, f64, f64)| {
+            let told = |digits| [*was, *is].map(|value| self.value_in(*key, value, digits));
+            let [was, is] = (DIGITS..17).map(told).find(|[was, is]| was != is).unwrap_or_else(|| told(17));
+            format!("{key} {was} -> {is}")
+        };
+        let told = values.iter().map(one).chain(law.then(|| "another feedback".to_owned()));
+        told.collect::<Vec<_>>().join(", ")
+    }
+
+    /// A spin speed as people read it.
+    pub fn speed(&self, speed: f64) -> String {
+        match self.scales {
+            Some(scales) => format!("{:.0}", scales.rpm(speed)),
+            None => format!("{}", (speed * 1000.0).round() / 1000.0),
+        }
+    }
+
+    /// The same with its name: `R 2.5`, or `955 rpm`.
+    pub fn speed_told(&self, speed: f64) -> String {
+        match self.scales {
+            Some(_) => format!("{} rpm", self.speed(speed)),
+            None => format!("R {}", self.speed(speed)),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::test_support::SI;
+
+    #[test]
+    fn val_a_rotor_in_si_units_is_told_in_micrometres_newtons_hertz_and_rpm() {
+        let units = Units::of(Some(SI), Some(1.0));
+        assert_eq!(units.length.told(2.0, 4), "10.00 μm");
+        // m_b w0^2 e_t = 2 kg (1000/s)^2 5e-6 m.
+        assert_eq!(units.force.told(1.0, 4), "10.00 N");
+        assert_eq!(units.velocity.told(1.0, 4), "5000 μm/s");
+        // 1000 rad/s are 159.15 Hz and 9549.3 rpm.
+        assert_eq!(units.frequency.told(1.0, 5), "159.15 Hz");
+        assert_eq!((units.speed(1.0), units.speed_told(1.0)), ("9549".into(), "9549 rpm".into()));
+        assert_eq!(units.rate.told(-0.5, 4), "-500.0 1/s");
+        let large = Scales { e_t: 2e-3, ..SI };
+        assert_eq!(Units::of(Some(large), Some(0.25)).length.told(2.0, 4), "4.000 mm");
+    }
+
+    #[test]
+    fn changes_are_told_in_what_they_were_typed_in() {
+        let units = Units::of(Some(SI), Some(1.0));
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        let mut before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
+        let speed: Key = "speed".parse().unwrap();
+        let [typed] = units.settings_of_typed(&[(speed, 30_000.0)])[..] else { panic!("one") };
+        let after = Settings { speed: typed.1, ..before.clone() };
+        assert_eq!(units.value(speed, typed.1), "30000 rpm");
+        assert_eq!(units.difference(&before, &after), "speed 0 rpm -> 30000 rpm");
+        assert_eq!(Units::DIMENSIONLESS.value(speed, 2.5), "2.5");
+        before.speed = 1.0;
+        let kd: Key = "kd".parse().unwrap();
+        let nudged = crate::edits::Edit::Nudge(kd, 0.01).applied(&before).unwrap();
+        assert_eq!(units.difference(&before, &nudged), "kd.1 -0.5879 -> -0.5779");
+    }
+
+    #[test]
+    fn undo_messages_have_no_sixteen_digits_but_tell_small_changes() {
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        let before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
+        let kd: Key = "kd".parse().unwrap();
+        let told = |was: f64, is: f64| {
+            let [mut was_in, mut is_in] = [before.clone(), before.clone()];
+            was_in.set(kd, was).unwrap();
+            is_in.set(kd, is).unwrap();
+            Units::DIMENSIONLESS.difference(&was_in, &is_in)
+        };
+        assert_eq!(told(-0.391_234_567_891_234_5, 0.25), "kd.1 -0.3912346 -> 0.25");
+        assert_eq!(told(0.3, 0.1 + 0.2), "kd.1 0.3 -> 0.30000000000000004");
+        assert_eq!(told(0.123_456_789, 0.123_456_788), "kd.1 0.123456789 -> 0.123456788");
+    }
+
+    #[test]
+    fn settings_are_typed_as_on_the_command_line_and_nudged_by_round_numbers() {
+        let [speed, deadband, kd] = ["speed", "deadband", "kd"].map(|name| name.parse::<Key>().unwrap());
+        let units = Units::of(Some(SI), Some(1.0));
+        let typed = units.settings_of_typed(&[(speed, 9_549.296_585_513_72), (deadband, 1e-5), (kd, 0.1)]);
+        assert!((typed[0].1 - 1.0).abs() < 1e-12 && (typed[1].1 - 2.0).abs() < 1e-12 && typed[2].1 == 0.1, "{typed:?}");
+        assert_eq!([speed, deadband, kd].map(|key| units.step(key)), [500.0, 5e-7, 0.01]);
+        assert_eq!(units.setting(deadband).name, "m");
+        assert_eq!([speed, deadband].map(|key| Units::DIMENSIONLESS.step(key)), [0.05, 0.1]);
+    }
+
+    #[test]
+    fn any_other_rotor_is_told_in_its_own_scales() {
+        let units = Units::of(None, Some(0.25));
+        assert_eq!(units, Units::DIMENSIONLESS);
+        assert_eq!((units.length.told(2.0, 4), units.speed_told(2.5)), ("2.000 e_t".into(), "R 2.5".into()));
+    }
+}
