@@ -4,9 +4,10 @@ use std::sync::atomic::AtomicBool;
 
 use machine::{MachinePoles, Program};
 use proptest::prelude::*;
-use rotor::file::{Problems, read_feedback, read_rotor, write_feedback, write_rotor};
+use rotor::file::{read_feedback, read_rotor, write_feedback, write_rotor};
 use rotor::{Feedback, Rotor, Settings, builtin};
 use study::run::{Plan, Settle};
+use text::Faults;
 
 use crate::{harness, made_up, mutation};
 
@@ -17,14 +18,16 @@ const CASES: u32 = 256;
 const FEW: usize = 4;
 
 /// What every complaint has: a place in the file, what was found, and what was expected, fit for a terminal.
-pub(crate) fn complains(text: &str, problems: &Problems) {
-    assert!(!problems.list().is_empty());
-    for problem in problems.list() {
+pub(crate) fn complains(text: &str, faults: &Faults) {
+    assert!(!faults.list().is_empty());
+    for fault in faults.list() {
         let lines = text.split('\n').count();
-        assert!((1..=lines).contains(&problem.line) && problem.column >= 1, "{problem:?} of {lines} lines");
-        assert!(!problem.expected.is_empty(), "{problem:?}");
-        assert!(!problem.to_string().chars().any(char::is_control), "{problem:?}");
+        assert!((1..=lines).contains(&fault.line) && fault.column >= 1, "{fault:?} of {lines} lines");
+        assert!(!fault.expected.is_empty(), "{fault:?}");
+        assert!(!fault.to_string().chars().any(char::is_control), "{fault:?}");
     }
+    let drawn = faults.drawn("file", text);
+    assert!(drawn.chars().all(|c| c == '\n' || !c.is_control()), "{drawn:?}");
 }
 
 /// All that is done with a machine, at some speeds.
@@ -68,7 +71,7 @@ fn goes_through(rotor: &Rotor, feedback: &Feedback) {
 
 fn rotor_file(text: &str) {
     match read_rotor(text, "made-up") {
-        Err(problems) => complains(text, &problems),
+        Err(faults) => complains(text, &faults),
         Ok(rotor) => {
             let written = write_rotor(&rotor);
             assert_eq!(read_rotor(&written, "made-up").as_ref(), Ok(&rotor), "it reads back as it was:\n{written}");
@@ -79,12 +82,12 @@ fn rotor_file(text: &str) {
 }
 
 fn feedback_file(text: &str) {
-    if let Err(problems) = read_feedback(text, None) {
-        complains(text, &problems);
+    if let Err(faults) = read_feedback(text, None) {
+        complains(text, &faults);
     }
     let rotor = builtin::rotor("three-mass").unwrap();
     match read_feedback(text, Some(rotor.len())) {
-        Err(problems) => complains(text, &problems),
+        Err(faults) => complains(text, &faults),
         Ok(feedback) => {
             let written = write_feedback(&feedback);
             assert_eq!(read_feedback(&written, Some(rotor.len())).as_ref(), Ok(&feedback), "it reads back:\n{written}");

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use promises::{Ran, run, whirl};
+use promises::{Ran, Root, Screen, run, whirl};
 use tempfile::TempDir;
 
 fn fixture(name: &str) -> String {
@@ -164,7 +164,7 @@ fn what_is_no_readable_text_is_told_so() {
         ("folder.toml", "folder.toml: a directory: expected a TOML file that can be read"),
         ("./folder.toml/", "./folder.toml/: a directory: expected"),
         ("latin.toml", "latin.toml:2:5: byte 0xfc is not UTF-8: expected TOML text in UTF-8"),
-        ("huge.toml", "huge.toml:1:1: more than 1 MiB: expected a rotor or feedback file of at most 1 MiB"),
+        ("huge.toml", "huge.toml:1:1: more than 1 MiB: expected a TOML file of at most 1 MiB"),
         ("prose.toml", "prose.toml:1:"),
     ] {
         for arguments in [
@@ -222,6 +222,18 @@ fn check_tells_all_errors_of_a_file_and_goes_on() {
     let ran = run(&["rotor", "check", &fixture("scheduled.toml"), "--for", "jeffcott"]);
     assert_eq!(ran.code, Some(2));
     assert!(ran.stderr.contains("scheduled.toml:11:16: displacement with 3 weights: expected 1"), "{ran:?}");
+}
+
+#[test]
+fn on_a_terminal_the_line_of_a_fault_stands_under_it() {
+    let (root, folder) = (Root::new(), TempDir::new().expect("a folder"));
+    fs::write(folder.path().join("bad.toml"), "[[mass]]\nmass = -0.25\n").expect("written");
+    let mut screen = Screen::start_in(folder.path(), root.path(), &["poles", "bad.toml", "--speed", "1"], (100, 20));
+    assert_eq!(screen.ended().exit_code(), 2);
+    let text = screen.text();
+    let lines: Vec<&str> = text.lines().map(str::trim_end).take(4).collect();
+    let told = "whirl: bad.toml:2:8: mass = -0.25: expected a finite number greater than 0";
+    assert_eq!(lines, [told, "  |", "2 | mass = -0.25", "  |        ^^^^^"], "{text}");
 }
 
 #[test]

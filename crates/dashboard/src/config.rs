@@ -1,7 +1,7 @@
 //! The configuration file: keys of a person's own, limits of alarms, looks, and the layout to start with.
 
 use alarms::{Limits, Watch};
-use rotor::file::{Problem, Problems};
+use text::{Fault as Problem, Faults as Problems};
 use toml::de::{DeTable, DeValue};
 
 use crate::actions::ACTIONS;
@@ -35,14 +35,14 @@ impl Config {
         let mut config = Self::default();
         let (table, errors) = DeTable::parse_recoverable(text);
         for error in &errors {
-            problems.push(Problem::at(text, error.span().map_or(0, |span| span.start), error.message(), "TOML"));
+            problems.push(Problem::at(text, error.span().unwrap_or(0..0), error.message(), "TOML"));
         }
         if let Some(problems) = Problems::some(problems) {
             return Err(problems);
         }
         let mut problems = Vec::new();
         let mut problem =
-            |at: usize, found: &str, expected: &str| problems.push(Problem::at(text, at, found, expected));
+            |at: usize, found: &str, expected: &str| problems.push(Problem::at(text, at..at, found, expected));
         for (key, value) in table.get_ref() {
             let written = text.get(value.span()).unwrap_or_default();
             match (&**key.get_ref(), value.get_ref()) {

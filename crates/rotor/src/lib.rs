@@ -60,7 +60,7 @@ pub use influence::{Influence, PBH_LIMIT, influence};
 pub use linear_form::{LinearForm, SampledStep};
 pub use marginal::{Standing, standing};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles, scale_to_largest};
-pub use params::{FIELDS, Field, Mass, Range, Rotor, RotorError};
+pub use params::{FIELDS, Field, Mass, Rotor, RotorError};
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};
 pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};

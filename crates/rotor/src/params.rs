@@ -1,5 +1,7 @@
 //! What a rotor is made of, and which values are allowed. Not its motion: see [`crate::ClosedLoop`].
 
+use text::Domain;
+
 use crate::{MAX_MASSES, MAX_NAME, Physical};
 
 /// One lumped mass with what acts on it, in the dimensionless ratios of Tables 3.1 and 4.1.
@@ -21,40 +23,6 @@ pub struct Mass {
     pub deadband: f64,
 }
 
-/// What a number may be.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Range {
-    /// Finite and greater than 0.
-    Positive,
-    /// Finite and at least 0.
-    NotNegative,
-    /// Any finite number.
-    Finite,
-}
-
-impl Range {
-    /// Whether `number` is in it.
-    #[must_use]
-    pub fn admits(self, number: f64) -> bool {
-        number.is_finite()
-            && match self {
-                Self::Positive => number > 0.0,
-                Self::NotNegative => number >= 0.0,
-                Self::Finite => true,
-            }
-    }
-
-    /// It, in words that follow "expected".
-    #[must_use]
-    pub fn words(self) -> &'static str {
-        match self {
-            Self::Positive => "a finite number greater than 0",
-            Self::NotNegative => "a finite number, not negative",
-            Self::Finite => "a finite number",
-        }
-    }
-}
-
 /// One parameter of a mass: a row of [`FIELDS`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Field {
@@ -69,27 +37,27 @@ pub struct Field {
     /// The SI unit of the physical quantity.
     pub unit: &'static str,
     /// What it may be, in either system.
-    pub range: Range,
+    pub domain: Domain,
 }
 
 const fn field(
     name: &'static str,
     meaning: &'static str,
     [ratio, symbol, unit]: [&'static str; 3],
-    range: Range,
+    domain: Domain,
 ) -> Field {
-    Field { name, meaning, ratio, symbol, unit, range }
+    Field { name, meaning, ratio, symbol, unit, domain }
 }
 
 /// The parameters of a mass, in the order of [`Mass::values`]: one table for files, checks and printing.
 pub const FIELDS: [Field; 7] = [
-    field("mass", "lumped mass", ["Rm", "m", "kg"], Range::Positive),
-    field("damping", "seal damping", ["zeta", "C", "N s/m"], Range::NotNegative),
-    field("cross_damping", "seal cross-coupled damping", ["zeta_q", "Cq", "N s/m"], Range::NotNegative),
-    field("bearing_stiffness", "support bearing, the part with deadband", ["Rb", "K", "N/m"], Range::NotNegative),
-    field("seal_stiffness", "seal, linear", ["Rs", "Ks", "N/m"], Range::NotNegative),
-    field("unbalance", "unbalance radius", ["Re", "e", "m"], Range::Finite),
-    field("deadband", "clearance of the support bearing", ["g / e_t", "g", "m"], Range::NotNegative),
+    field("mass", "lumped mass", ["Rm", "m", "kg"], Domain::Positive),
+    field("damping", "seal damping", ["zeta", "C", "N s/m"], Domain::NotNegative),
+    field("cross_damping", "seal cross-coupled damping", ["zeta_q", "Cq", "N s/m"], Domain::NotNegative),
+    field("bearing_stiffness", "support bearing, the part with deadband", ["Rb", "K", "N/m"], Domain::NotNegative),
+    field("seal_stiffness", "seal, linear", ["Rs", "Ks", "N/m"], Domain::NotNegative),
+    field("unbalance", "unbalance radius", ["Re", "e", "m"], Domain::Finite),
+    field("deadband", "clearance of the support bearing", ["g / e_t", "g", "m"], Domain::NotNegative),
 ];
 
 /// Gives a kind of mass its parameters as one list, in the order of [`FIELDS`].
@@ -245,17 +213,17 @@ pub(crate) fn check(
     if shafts.len() + 1 != count {
         return Err(RotorError::Shafts { masses: count, found: shafts.len() });
     }
-    let value = |what, at: usize, field, found, range: Range| match range.admits(found) {
+    let value = |what, at: usize, field, found, domain: Domain| match domain.admits(found) {
         true => Ok(()),
-        false => Err(RotorError::Value { what, index: at + 1, field, found, expected: range.words() }),
+        false => Err(RotorError::Value { what, index: at + 1, field, found, expected: domain.words() }),
     };
     for (i, values) in masses.enumerate() {
         for (field, found) in FIELDS.iter().zip(values) {
-            value("mass", i, field.name, found, field.range)?;
+            value("mass", i, field.name, found, field.domain)?;
         }
     }
     for (i, &found) in shafts.iter().enumerate() {
-        value("shaft", i, "stiffness", found, Range::NotNegative)?;
+        value("shaft", i, "stiffness", found, Domain::NotNegative)?;
     }
     Ok(())
 }

@@ -4,8 +4,9 @@ use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
 
-use rotor::file::{MAX_BYTES, read_feedback, write_feedback};
+use rotor::file::{read_feedback, write_feedback};
 use rotor::{Feedback, Rotor, Settings};
+use text::MAX_BYTES;
 
 use crate::stability::Stability;
 use crate::units::Units;

@@ -140,8 +140,8 @@ impl Family {
                 (of.iter().all(|&i| i < masses), "factors from 0 to 1", from >= 0.0 && to <= 1.0)
             }
             Quantity::Parameter { field, mass } => {
-                let range = FIELDS[*field].range;
-                (*mass < masses, range.words(), range.admits(from) && range.admits(to))
+                let domain = FIELDS[*field].domain;
+                (*mass < masses, domain.words(), domain.admits(from) && domain.admits(to))
             }
             Quantity::Shaft(shaft) => (shaft + 1 < masses, "finite numbers, not negative", from >= 0.0),
         };

@@ -1,13 +1,14 @@
 //! From what a person types to a machine: rotors and feedback by name or from a file, and the settings they start with.
 
 use std::fs::File;
-use std::io::Read;
+use std::io::{IsTerminal, Read};
 use std::path::Path;
 
-use rotor::file::{self, Problems};
+use rotor::file;
 use rotor::profile::Profile;
 use rotor::typed::{Assigned, PairError, Undone, pair};
 use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
+use text::{Faults, MAX_BYTES};
 
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -26,18 +27,35 @@ pub(crate) enum FileError {
         found: String,
     },
     /// What it says is wrong.
-    #[error("{}", problems.in_file(file))]
+    #[error("{}", faults.in_file(file))]
     Wrong {
         /// The file as typed.
         file: String,
+        /// What it says.
+        text: String,
         /// What is wrong with it.
-        problems: Problems,
+        faults: Faults,
     },
+}
+
+impl FileError {
+    /// What is wrong with a file that says `text`.
+    pub(crate) fn wrong(file: &str, text: &str, faults: Faults) -> Self {
+        Self::Wrong { file: file.to_owned(), text: text.to_owned(), faults }
+    }
+
+    /// It as stderr has it: a line a fault for scripts, and on a terminal the file's own line under each.
+    pub(crate) fn told(&self) -> String {
+        match self {
+            Self::Wrong { file, text, faults } if std::io::stderr().is_terminal() => faults.drawn(file, text),
+            _ => self.to_string(),
+        }
+    }
 }
 
 impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
-        Self::Usage(error.to_string())
+        Self::Usage(error.told())
     }
 }
 
@@ -66,8 +84,8 @@ pub(crate) fn text(path: &str) -> Result<String, FileError> {
     }
     let mut bytes = Vec::new();
     // One byte more than allowed, so that too much is seen without reading all of it.
-    opened.take(file::MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
-    let text = file::text(&bytes).map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })?;
+    opened.take(MAX_BYTES as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
+    let text = text::utf8(&bytes, "a TOML file").map_err(|faults| FileError::wrong(path, "", faults))?;
     Ok(text.to_owned())
 }
 
@@ -77,7 +95,7 @@ pub(crate) fn text(path: &str) -> Result<String, FileError> {
 /// All that is wrong with it.
 pub(crate) fn rotor_of(path: &str, text: &str) -> Result<Rotor, FileError> {
     let stem = Path::new(path).file_stem().unwrap_or_default().to_string_lossy();
-    file::read_rotor(text, &stem).map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })
+    file::read_rotor(text, &stem).map_err(|faults| FileError::wrong(path, text, faults))
 }
 
 /// The feedback in a file's text, for a rotor of `masses` masses if it is known.
@@ -85,7 +103,7 @@ pub(crate) fn rotor_of(path: &str, text: &str) -> Result<Rotor, FileError> {
 /// # Errors
 /// All that is wrong with it.
 pub(crate) fn feedback_of(path: &str, text: &str, masses: Option<usize>) -> Result<Feedback, FileError> {
-    file::read_feedback(text, masses).map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })
+    file::read_feedback(text, masses).map_err(|faults| FileError::wrong(path, text, faults))
 }
 
 /// The rotor of that name, or in that file.
@@ -107,8 +125,8 @@ pub(crate) fn rotor(typed: &str) -> Result<Rotor, Failure> {
 /// # Errors
 /// A file that cannot be read, or all that is wrong with it.
 pub(crate) fn profile(rotor: &Rotor, path: &str) -> Result<Profile, Failure> {
-    let read = file::read_profile(&text(path)?, rotor);
-    Ok(read.map_err(|problems| FileError::Wrong { file: path.to_owned(), problems })?)
+    let text = text(path)?;
+    Ok(file::read_profile(&text, rotor).map_err(|faults| FileError::wrong(path, &text, faults))?)
 }
 
 /// The feedback of that name for `rotor`, or in that file.
@@ -118,8 +136,8 @@ pub(crate) fn profile(rotor: &Rotor, path: &str) -> Result<Profile, Failure> {
 /// fit the rotor.
 pub(crate) fn feedback(rotor: &Rotor, typed: &str) -> Result<Feedback, Failure> {
     if is_file(typed) {
-        let read = file::read_feedback_for(&text(typed)?, rotor);
-        return Ok(read.map_err(|problems| FileError::Wrong { file: typed.to_owned(), problems })?);
+        let text = text(typed)?;
+        return Ok(file::read_feedback_for(&text, rotor).map_err(|faults| FileError::wrong(typed, &text, faults))?);
     }
     builtin::feedback(rotor, typed).ok_or_else(|| {
         let known = builtin::feedback_names(rotor).join(", ");

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use dashboard::Layout;
 
-use crate::catalog;
+use crate::catalog::{self, FileError};
 use crate::failure::Failure;
 use crate::folders;
 
@@ -51,7 +51,7 @@ pub(crate) fn read(file: &std::path::Path) -> Result<Source, Failure> {
     let path = file.to_string_lossy();
     let text = catalog::text(&path)?;
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
-    let layout = Layout::read(&name, &text).map_err(|problems| Failure::Usage(problems.in_file(&path)))?;
+    let layout = Layout::read(&name, &text).map_err(|faults| FileError::wrong(&path, &text, faults))?;
     Ok(Source { layout, file: Some(file.to_owned()), text })
 }
 

@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 use rotor::file::{read_feedback, read_rotor, write_feedback, write_rotor};
 use rotor::{Feedback, Rotor, Settings};
-use toml::de::{DeTable, DeValue};
+use text::as_number;
+use toml::de::DeTable;
 
 /// Bytes of the largest document.
 pub const MAX_DOCUMENT: usize = 1 << 16;
@@ -50,7 +51,7 @@ pub enum DocumentError {
     },
     /// The rotor, or the feedback among the settings, is not one.
     #[error("{0}")]
-    Problems(rotor::file::Problems),
+    Faults(text::Faults),
     /// The settings are no TOML.
     #[error("settings that are no TOML")]
     NoToml,
@@ -153,7 +154,7 @@ impl Content for Rotor {
     }
 
     fn read(text: &str) -> Result<Self, DocumentError> {
-        read_rotor(text, "").map_err(DocumentError::Problems)
+        read_rotor(text, "").map_err(DocumentError::Faults)
     }
 }
 
@@ -176,19 +177,18 @@ impl Content for Settings {
     fn read(text: &str) -> Result<Self, DocumentError> {
         let table = DeTable::parse(text).map_err(|_| DocumentError::NoToml)?;
         let table = table.get_ref();
-        let value = |key: &'static str| table.get(key).map(|value| value.get_ref()).ok_or(DocumentError::Lacks(key));
-        let number = |key| value(key).and_then(|value| read_number(value).ok_or(DocumentError::Lacks(key)));
-        let deadband = value("deadband")?.as_array().ok_or(DocumentError::Lacks("deadband"))?;
-        let deadband =
-            deadband.iter().map(|value| read_number(value.get_ref()).ok_or(DocumentError::Lacks("deadband")));
+        let value = |key: &'static str| table.get(key).ok_or(DocumentError::Lacks(key));
+        let number = |key| value(key).and_then(|value| as_number(value).ok_or(DocumentError::Lacks(key)));
+        let deadband = value("deadband")?.get_ref().as_array().ok_or(DocumentError::Lacks("deadband"))?;
+        let deadband = deadband.iter().map(|value| as_number(value).ok_or(DocumentError::Lacks("deadband")));
         let masses = number("masses")? as usize;
-        let feedback = value("feedback")?.as_str().ok_or(DocumentError::Lacks("feedback"))?;
+        let feedback = value("feedback")?.get_ref().as_str().ok_or(DocumentError::Lacks("feedback"))?;
         Ok(Self {
             speed: number("speed")?,
             trip: number("trip")?,
             ramp: number("ramp")?,
             deadband: deadband.collect::<Result<_, _>>()?,
-            feedback: read_feedback(feedback, Some(masses)).map_err(DocumentError::Problems)?,
+            feedback: read_feedback(feedback, Some(masses)).map_err(DocumentError::Faults)?,
         })
     }
 }
@@ -196,14 +196,6 @@ impl Content for Settings {
 /// A number as TOML has it, to the last bit.
 fn number(number: f64) -> String {
     if number.is_nan() { "nan".to_owned() } else { format!("{number:?}") }
-}
-
-fn read_number(value: &DeValue<'_>) -> Option<f64> {
-    match value {
-        DeValue::Float(number) => number.as_str().parse().ok(),
-        DeValue::Integer(number) => number.as_str().parse().ok(),
-        _ => None,
-    }
 }
 
 /// FNV-1a, 64 bits: stable over versions and machines, unlike the standard hasher, and a few lines in any language.
@@ -282,6 +274,6 @@ mod tests {
         assert_eq!(sent_as(&[0xff]), DocumentError::NoText);
         assert_eq!(sent_as(b"speed = "), DocumentError::NoToml);
         assert_eq!(sent_as(b"speed = 1"), DocumentError::Lacks("deadband"));
-        assert!(matches!(RotorDocument::received(hash_of(b""), b""), Err(DocumentError::Problems(_))));
+        assert!(matches!(RotorDocument::received(hash_of(b""), b""), Err(DocumentError::Faults(_))));
     }
 }

@@ -17,7 +17,7 @@
 mod read;
 
 use ratatui::layout::{Constraint, Layout as Split, Rect};
-use rotor::file::Problems;
+use text::Faults as Problems;
 
 use crate::panels::registry::KINDS;
 use crate::panels::series::Strip;

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use rotor::file::{Problem, Problems};
+use text::{Fault as Problem, Faults as Problems};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -76,7 +76,7 @@ type Word<'t> = (usize, &'t str);
 
 impl<'t> Reader<'t> {
     fn problem(&mut self, at: usize, found: impl Into<String>, expected: impl Into<String>) {
-        self.problems.push(Problem::at(self.text, at, found, expected));
+        self.problems.push(Problem::at(self.text, at..at, found, expected));
     }
 
     /// A value as it is written, cut short.

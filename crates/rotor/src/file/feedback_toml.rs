@@ -2,19 +2,18 @@
 
 use std::ops::Range as Span;
 
+use text::{Domain, Faults, Reader, Table, Value, as_number};
 use toml::de::DeValue;
 
 use super::loop_toml::{self, FileUnits};
-use super::problem::Problems;
-use super::reader::{Reader, Table, Value};
 use super::write::{Lines, number, numbers};
-use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Range, Rotor, Signal};
+use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
 
 /// Reads feedback for `rotor`, whose units a file may use for its loop: `units = "si"`.
 ///
 /// # Errors
 /// All that is wrong with the file, or does not fit the rotor, with lines and columns.
-pub fn read_feedback_for(text: &str, rotor: &Rotor) -> Result<Feedback, Problems> {
+pub fn read_feedback_for(text: &str, rotor: &Rotor) -> Result<Feedback, Faults> {
     read(text, Some(rotor.len()), Some(rotor))
 }
 
@@ -23,18 +22,18 @@ pub fn read_feedback_for(text: &str, rotor: &Rotor) -> Result<Feedback, Problems
 ///
 /// # Errors
 /// All that is wrong with the file, or does not fit the rotor, with lines and columns.
-pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Problems> {
+pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Faults> {
     read(text, masses, None)
 }
 
-fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feedback, Problems> {
+fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feedback, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
     reader.only(&file, &["units", "bearing", "filter", "signal", "loop"]);
     let count = masses.unwrap_or_else(|| implied_masses(&file));
 
     let of = if masses.is_some() { "a mass of the rotor" } else { "a mass" };
     let bearing = reader.counted(&file, "bearing", count, of).unwrap_or_else(|| {
-        reader.problem(0..0, "no bearing", format!("bearing = {of} that carries the control bearing, 1 to {count}"));
+        reader.fault(0..0, "no bearing", format!("bearing = {of} that carries the control bearing, 1 to {count}"));
         0
     });
     let units = units(&mut reader, &file, rotor, bearing);
@@ -52,18 +51,12 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
 
 /// What the numbers of the loop count in.
 fn units(reader: &mut Reader<'_>, file: &Table<'_>, rotor: Option<&Rotor>, bearing: usize) -> FileUnits {
-    let Some(value) = file.get("units") else { return FileUnits::DIMENSIONLESS };
-    match value.get_ref().as_str() {
-        Some("dimensionless") => FileUnits::DIMENSIONLESS,
-        Some("si") => rotor.and_then(|rotor| FileUnits::si(rotor, bearing)).unwrap_or_else(|| {
-            reader.wrong("units", value, "\"dimensionless\": \"si\" needs a rotor in SI units, whose scales it takes");
-            FileUnits::DIMENSIONLESS
-        }),
-        _ => {
-            reader.wrong("units", value, "\"dimensionless\" or \"si\"");
-            FileUnits::DIMENSIONLESS
-        }
-    }
+    let chosen = reader.choice(file, "units", &["dimensionless", "si"]);
+    let (Some("si"), Some(value)) = (chosen, file.get("units")) else { return FileUnits::DIMENSIONLESS };
+    rotor.and_then(|rotor| FileUnits::si(rotor, bearing)).unwrap_or_else(|| {
+        reader.wrong("units", value, "\"dimensionless\": \"si\" needs a rotor in SI units, whose scales it takes");
+        FileUnits::DIMENSIONLESS
+    })
 }
 
 /// How many masses a file without a rotor is meant for.
@@ -99,14 +92,14 @@ fn signal(
             // What is not finite has been told already.
             if weight.is_finite() && weight.abs() > MOST_WEIGHT {
                 let expected = format!("a weight from -{MOST_WEIGHT} to {MOST_WEIGHT}");
-                reader.problem(at.clone(), format!("{key} weight {weight:?}"), expected);
+                reader.fault(at.clone(), format!("{key} weight {weight:?}"), expected);
             }
         }
         if let (Some(value), true) = (table.get(key), list.len() != masses)
             && value.get_ref().is_array()
         {
             let expected = format!("{masses}, one for each mass");
-            reader.problem(value.span(), format!("{key} with {} weights", list.len()), expected);
+            reader.fault(value.span(), format!("{key} with {} weights", list.len()), expected);
         }
         Some(list.into_iter().map(|(weight, _)| weight).collect::<Vec<_>>())
     };
@@ -125,7 +118,7 @@ fn signal(
                 _ => "without mass or weights",
             };
             let expected = "either mass = N, or displacement = [..] and velocity = [..]";
-            reader.problem(at.clone(), format!("{within} {found}"), expected);
+            reader.fault(at.clone(), format!("{within} {found}"), expected);
             Signal::at_mass(0, masses, [0.0; 4])
         }
     };
@@ -145,8 +138,8 @@ fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> Gain {
     if has("at_zero") || has("slope") {
         reader.only(table, &["at_zero", "slope"]);
         let within = (key, value.span());
-        let at_zero = reader.required(table, within.clone(), "at_zero", Range::Finite);
-        let slope = reader.required(table, within, "slope", Range::Finite);
+        let at_zero = reader.required(table, within.clone(), "at_zero", Domain::Finite);
+        let slope = reader.required(table, within, "slope", Domain::Finite);
         let (min, max) = limits(key);
         for (part, number) in [("at_zero", at_zero), ("slope", slope)] {
             if let (Some(value), true) = (table.get(part), number.is_finite() && !(min..=max).contains(&number)) {
@@ -166,7 +159,7 @@ fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> Gain {
 /// A constant gain, in the range that settings allow.
 fn bounded(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> f64 {
     let number = match value.get_ref() {
-        DeValue::Integer(_) | DeValue::Float(_) => super::reader::as_number(value),
+        DeValue::Integer(_) | DeValue::Float(_) => as_number(value),
         _ => {
             reader.wrong(key, value, "a number, { at_zero = A, slope = B } or { speed = [..], value = [..] }");
             return 0.0;
@@ -191,19 +184,19 @@ fn points(reader: &mut Reader<'_>, key: &str, table: &Table<'_>, whole: &Value<'
     let values = reader.numbers(table, "value", "gains").unwrap_or_default();
     if speeds.len() != values.len() || speeds.is_empty() {
         let found = format!("{key} with {} speeds and {} values", speeds.len(), values.len());
-        reader.problem(whole.span(), found, "as many values as speeds, at least one");
+        reader.fault(whole.span(), found, "as many values as speeds, at least one");
     }
     for pair in speeds.windows(2) {
         let [(before, _), (after, at)] = pair else { continue };
         // Not a number was told already.
         if after <= before {
-            reader.problem(at.clone(), format!("speed {after} after {before}"), "rising speeds");
+            reader.fault(at.clone(), format!("speed {after} after {before}"), "rising speeds");
         }
     }
     let (min, max) = limits(key);
     for (value, at) in &values {
         if value.is_finite() && !(min..=max).contains(value) {
-            reader.problem(at.clone(), format!("{key} value {value}"), format!("a number from {min} to {max}"));
+            reader.fault(at.clone(), format!("{key} value {value}"), format!("a number from {min} to {max}"));
         }
     }
     speeds.into_iter().zip(values).map(|((speed, _), (value, _))| (speed, value)).collect()

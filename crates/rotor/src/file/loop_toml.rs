@@ -4,11 +4,11 @@
 //! always dimensionless. A transfer function is then one in `s` of 1/s.
 
 use control::{FILTERS, Filter, PARTS, Part, Parts, Quantity};
+use text::{Domain, Reader, Table, Value, as_number};
 use toml::de::DeValue;
 
-use super::reader::{Reader, Table, Value, as_number};
 use super::write::{Lines, number, numbers};
-use crate::{Range, Rotor};
+use crate::Rotor;
 
 /// What one unit of a file is in dimensionless units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -53,11 +53,7 @@ impl FileUnits {
 /// Reads `[loop]`; absent keys are absent parts.
 pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &FileUnits) -> Parts {
     let mut parts = Parts::default();
-    let Some(value) = file.get("loop") else { return parts };
-    let DeValue::Table(table) = value.get_ref() else {
-        reader.wrong("loop", value, "[loop] and its keys on lines of their own");
-        return parts;
-    };
+    let Some(table) = reader.table(file, "loop") else { return parts };
     let known: Vec<&str> = PARTS.iter().map(|part| part.name).collect();
     reader.only(table, &known);
     for part in &PARTS {
@@ -93,23 +89,20 @@ pub(super) fn filters(reader: &mut Reader<'_>, table: &Table<'_>, units: &FileUn
 }
 
 fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Option<Filter> {
-    let kinds = || FILTERS.iter().map(|(kind, _)| *kind).collect::<Vec<_>>().join(", ");
     let DeValue::Table(table) = item.get_ref() else {
         reader.wrong("filter", item, "a filter: { kind = .. }");
         return None;
     };
-    let named = table.get("kind").map(|kind| (kind, kind.get_ref().as_str()));
-    let Some((kind, keys)) = named.and_then(|(_, name)| FILTERS.iter().find(|(kind, _)| Some(*kind) == name)) else {
-        match named {
-            Some((value, _)) => reader.wrong("kind", value, format!("one of {}", kinds())),
-            None => reader.problem(item.span(), "a filter without kind", format!("kind = one of {}", kinds())),
-        }
-        return None;
-    };
+    let kinds = FILTERS.map(|(kind, _)| kind);
+    if !table.contains_key("kind") {
+        reader.fault(item.span(), "a filter without kind", format!("kind = one of {}", kinds.join(", ")));
+    }
+    let chosen = reader.choice(table, "kind", &kinds)?;
+    let (kind, keys) = FILTERS.iter().find(|(kind, _)| *kind == chosen)?;
     let known: Vec<&str> = std::iter::once("kind").chain(keys.iter().copied()).collect();
     reader.only(table, &known);
     let within = (*kind, item.span());
-    let mut hertz = |key| reader.required(table, within.clone(), key, Range::Positive) * units.frequency;
+    let mut hertz = |key| reader.required(table, within.clone(), key, Domain::Positive) * units.frequency;
     let made = match *kind {
         "lowpass" => {
             let corner = hertz("corner");
@@ -120,7 +113,7 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Optio
         "notch" => Filter::Notch { frequency: hertz("frequency"), width: hertz("width") },
         "synchronous-notch" => Filter::SynchronousNotch { width: hertz("width") },
         "integrator" => {
-            let rate = reader.required(table, within, "rate", Range::Positive);
+            let rate = reader.required(table, within, "rate", Domain::Positive);
             Filter::Integrator { rate: rate * units.inverse_time }
         }
         "derivative" => Filter::Derivative { corner: hertz("corner") },
@@ -142,7 +135,7 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Optio
         Err(why) => {
             // What is not a number has been told already.
             if !matches!(why, control::FilterError::NotPositive { .. }) {
-                reader.problem(item.span(), why.to_string(), format!("a {kind} in order"));
+                reader.fault(item.span(), why.to_string(), format!("a {kind} in order"));
             }
             None
         }

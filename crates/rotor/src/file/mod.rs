@@ -1,4 +1,4 @@
-//! Rotors, feedback and profiles of speed as TOML text: reading with every problem at its line and column, and writing.
+//! Rotors, feedback and profiles of speed as TOML text: reading with every fault at its line and column, and writing.
 //!
 //! Text in, text out; opening files is the caller's. What is written reads back as the same rotor or feedback, bit for
 //! bit. Unknown keys are errors, because a misspelt key would otherwise be a parameter silently at its default.
@@ -14,20 +14,14 @@
 mod document;
 mod feedback_toml;
 mod loop_toml;
-mod problem;
 mod profile_toml;
-mod reader;
 mod rotor_toml;
 mod write;
 
 pub use document::FeedbackDocument;
 pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback};
-pub use problem::{Problem, Problems};
 pub use profile_toml::read_profile;
 pub use rotor_toml::{read_rotor, write_rotor};
-
-/// The largest file that is read, in bytes: sixteen masses with a comment each take less than a hundredth of it.
-pub const MAX_BYTES: usize = 1 << 20;
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -45,25 +39,4 @@ pub fn kind_of(text: &str) -> Kind {
     let (table, _) = toml::de::DeTable::parse_recoverable(text);
     let has = |key: &str| table.get_ref().contains_key(key);
     if has("signal") || has("bearing") || has("loop") { Kind::Feedback } else { Kind::Rotor }
-}
-
-/// The text of a file's bytes.
-///
-/// # Errors
-/// More than [`MAX_BYTES`], or bytes that are not UTF-8, at the first of them.
-pub fn text(bytes: &[u8]) -> Result<&str, Problems> {
-    if bytes.len() > MAX_BYTES {
-        return Err(Problems::from(Problem {
-            line: 1,
-            column: 1,
-            found: "more than 1 MiB".into(),
-            expected: "a rotor or feedback file of at most 1 MiB".into(),
-        }));
-    }
-    std::str::from_utf8(bytes).map_err(|error| {
-        let (valid, rest) = bytes.split_at(error.valid_up_to());
-        let (line, column) = problem::position(&String::from_utf8_lossy(valid), valid.len());
-        let found = format!("byte 0x{:02x} is not UTF-8", rest.first().copied().unwrap_or_default());
-        Problems::from(Problem { line, column, found, expected: "TOML text in UTF-8".into() })
-    })
 }

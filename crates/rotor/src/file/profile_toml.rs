@@ -1,11 +1,9 @@
 //! Profiles of speed: `[[leg]]` one after the other, dimensionless or, of a rotor in SI units, in rpm, rpm/s and seconds.
 
-use toml::de::DeValue;
+use text::{Domain, Faults, Reader, Table};
 
-use super::problem::Problems;
-use super::reader::{Reader, Table, nearest};
 use crate::profile::{Leg, MAX_LEGS, Profile, ProfileUnits};
-use crate::{PARAMETERS, Range, Rotor};
+use crate::{PARAMETERS, Rotor};
 
 /// What a leg is, for a message.
 const LEG: &str = "to = SPEED and rate = RATE, or dwell = TIME";
@@ -16,7 +14,7 @@ const LEG: &str = "to = SPEED and rate = RATE, or dwell = TIME";
 /// # Errors
 /// All that is wrong with the file, with lines and columns: rates that are not positive, legs that go nowhere, speeds beyond those
 /// that the setting `speed` may have.
-pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Problems> {
+pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
     let units = ProfileUnits::of(rotor.scales().copied());
     reader.only(&file, &["from", "leg"]);
@@ -29,24 +27,24 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Problems> {
         lines.push(1 + text[..at.start.min(text.len())].matches('\n').count());
         if has("dwell") == has("to") {
             let found = if has("to") { "to and dwell" } else { "neither to nor dwell" };
-            reader.problem(at, format!("{within} with {found}"), LEG);
+            reader.fault(at, format!("{within} with {found}"), LEG);
             continue;
         }
         if has("dwell") {
             for key in ["rate", "decay"].into_iter().filter(|key| has(key)) {
-                reader.problem(at.clone(), format!("{within}: {key} beside dwell"), LEG);
+                reader.fault(at.clone(), format!("{within}: {key} beside dwell"), LEG);
             }
-            let duration = reader.required(table, (&within, at), "dwell", Range::Positive) * units.time;
+            let duration = reader.required(table, (&within, at), "dwell", Domain::Positive) * units.time;
             legs.push(Leg::Dwell { duration });
             continue;
         }
         let to = speed(&mut reader, table, "to", &units).unwrap_or(f64::NAN);
-        let rate = reader.required(table, (&within, at), "rate", Range::Positive) * units.rate;
+        let rate = reader.required(table, (&within, at), "rate", Domain::Positive) * units.rate;
         if let (true, Some(value)) = (to == now, table.get("to")) {
             reader.wrong("to", value, "another speed than that before it: this leg goes nowhere");
         }
         now = to;
-        legs.push(if decays(&mut reader, table) {
+        legs.push(if reader.choice(table, "decay", &["exponential"]).is_some() {
             Leg::Decay { speed: to, rate }
         } else {
             Leg::To { speed: to, rate }
@@ -58,7 +56,7 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Problems> {
 /// A speed under `key`, in the range of the setting.
 fn speed(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, units: &ProfileUnits) -> Option<f64> {
     let value = table.get(key)?;
-    let typed = reader.number(table, key, Range::Finite)?;
+    let typed = reader.number(table, key, Domain::Finite)?;
     let speed = typed * units.speed;
     if let Some(row) = PARAMETERS.iter().find(|row| row.name == "speed")
         && !(row.min..=row.max).contains(&speed)
@@ -67,20 +65,6 @@ fn speed(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, units: &ProfileU
         reader.wrong(key, value, format!("a speed from {} to {}", row.min / units.speed, row.max / units.speed));
     }
     Some(speed)
-}
-
-/// Whether a leg has `decay = "exponential"`.
-fn decays(reader: &mut Reader<'_>, table: &Table<'_>) -> bool {
-    let Some(value) = table.get("decay") else { return false };
-    match value.get_ref() {
-        DeValue::String(kind) if kind == "exponential" => return true,
-        DeValue::String(kind) => {
-            let meant = nearest(kind, &["exponential"]).map_or("", |_| "; did you mean that?");
-            reader.wrong("decay", value, format!("\"exponential\"{meant}"));
-        }
-        _ => reader.wrong("decay", value, "\"exponential\""),
-    }
-    false
 }
 
 #[cfg(test)]
@@ -138,7 +122,7 @@ mod tests {
         assert!(found[2].contains("[[leg]] 3: rate beside dwell"), "{found:?}");
         let found = problems("[[leg]]\nto = 1\nrate = 1\ndecay = \"exponental\"\n[[leg]]\ntoo = 1\n");
         assert!(
-            found[0].contains("did you mean that?") && found.iter().any(|p| p.contains("did you mean 'to'?")),
+            found[0].contains("expected \"exponential\"") && found.iter().any(|p| p.contains("did you mean 'to'?")),
             "{found:?}"
         );
     }

@@ -1,23 +1,22 @@
 //! Rotor files.
 
+use text::{Domain, Fault, Faults, Reader, Table};
 use toml::de::DeValue;
 
-use super::problem::Problems;
-use super::reader::{Reader, Table};
 use super::write::{Lines, number, string};
 use crate::params::is_name;
-use crate::{FIELDS, MAX_MASSES, MAX_NAME, Mass, PARAMETERS, PhysicalMass, Range, Rotor, RotorError};
+use crate::{FIELDS, MAX_MASSES, MAX_NAME, Mass, PARAMETERS, PhysicalMass, Rotor, RotorError};
 
 /// Reads a rotor; `default_name` is its name if the file gives none.
 ///
 /// # Errors
 /// All that is wrong with the file, with lines and columns.
-pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Problems> {
+pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
     reader.only(&file, &["name", "units", "reference_length", "mass", "shaft"]);
     let name = name(&mut reader, &file).unwrap_or_else(|| fitting(default_name));
     let si = is_si(&mut reader, &file);
-    let reference_length = reader.number(&file, "reference_length", Range::Positive);
+    let reference_length = reader.number(&file, "reference_length", Domain::Positive);
     if let (Some(value), false) = (file.get("reference_length"), si) {
         reader.wrong("reference_length", value, "units = \"si\" with it: dimensionless lengths are in e_t");
     }
@@ -28,9 +27,9 @@ pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Problems> {
     for (i, (table, at)) in tables.iter().enumerate() {
         reader.only(table, &known);
         let within = format!("[[mass]] {}", i + 1);
-        masses.push(FIELDS.map(|field| match field.range {
-            Range::Positive => reader.required(table, (&within, at.clone()), field.name, field.range),
-            _ => reader.number(table, field.name, field.range).unwrap_or(0.0),
+        masses.push(FIELDS.map(|field| match field.domain {
+            Domain::Positive => reader.required(table, (&within, at.clone()), field.name, field.domain),
+            _ => reader.number(table, field.name, field.domain).unwrap_or(0.0),
         }));
     }
 
@@ -40,12 +39,12 @@ pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Problems> {
         let at = shafts.get(needed).or(shafts.last()).or(tables.last()).map_or(0..0, |(_, at)| at.clone());
         let (found, needed) = (plural(shafts.len(), "shaft", "shafts"), plural(needed, "[[shaft]]", "[[shaft]]"));
         let masses = plural(masses.len(), "mass", "masses");
-        reader.problem(at, format!("{masses} and {found}"), format!("{needed}, one between each two masses"));
+        reader.fault(at, format!("{masses} and {found}"), format!("{needed}, one between each two masses"));
     }
     let stiffness: Vec<f64> = (shafts.iter().enumerate())
         .map(|(i, (table, at))| {
             reader.only(table, &["stiffness"]);
-            reader.required(table, (&format!("[[shaft]] {}", i + 1), at.clone()), "stiffness", Range::NotNegative)
+            reader.required(table, (&format!("[[shaft]] {}", i + 1), at.clone()), "stiffness", Domain::NotNegative)
         })
         .collect();
     reader.check()?;
@@ -70,15 +69,7 @@ fn name(reader: &mut Reader<'_>, file: &Table<'_>) -> Option<String> {
 }
 
 fn is_si(reader: &mut Reader<'_>, file: &Table<'_>) -> bool {
-    let Some(value) = file.get("units") else { return false };
-    match value.get_ref() {
-        DeValue::String(units) if units == "si" => true,
-        DeValue::String(units) if units == "dimensionless" => false,
-        _ => {
-            reader.wrong("units", value, "\"dimensionless\" or \"si\"");
-            false
-        }
-    }
+    reader.choice(file, "units", &["dimensionless", "si"]) == Some("si")
 }
 
 /// What of `name` can be a rotor's name.
@@ -97,16 +88,15 @@ fn plural(count: usize, one: &str, many: &str) -> String {
 }
 
 /// What only the whole file has wrong, such as a sum, is told where it says that it is in SI units.
-fn out_of_scale(file: &Table<'_>, text: &str, error: &RotorError) -> Problems {
-    let at = file.get("units").map_or(0, |value| value.span().start);
-    let (line, column) = super::problem::position(text, at);
+fn out_of_scale(file: &Table<'_>, text: &str, error: &RotorError) -> Faults {
+    let at = file.get("units").map_or(0..0, |value| value.span());
     let told = match error {
         // The number itself was fine, or it would have been told at its place.
         RotorError::Value { .. } => format!("in dimensionless form, {error}"),
         _ => error.to_string(),
     };
     let (found, expected) = told.split_once(": expected ").unwrap_or((&told, "a rotor"));
-    Problems::from(super::Problem { line, column, found: found.into(), expected: expected.into() })
+    Fault::at(text, at, found, expected).into()
 }
 
 /// A bench can carry clearances only so large: told here, where there is a line to point to.

@@ -2,7 +2,7 @@
 
 use dashboard::Config;
 
-use crate::catalog;
+use crate::catalog::{self, FileError};
 use crate::failure::Failure;
 use crate::folders;
 use crate::output::print_text;
@@ -66,5 +66,6 @@ fn file() -> Option<String> {
 /// A file that cannot be read or is wrong.
 pub(crate) fn read() -> Result<Config, Failure> {
     let Some(path) = file() else { return Ok(Config::default()) };
-    Config::read(&catalog::text(&path)?).map_err(|problems| Failure::Usage(problems.in_file(&path)))
+    let text = catalog::text(&path)?;
+    Ok(Config::read(&text).map_err(|faults| FileError::wrong(&path, &text, faults))?)
 }

@@ -1,8 +1,9 @@
 //! `whirl rotor`: the built-in rotors, any rotor as a file, and what is wrong with files.
 
-use rotor::file::{FeedbackDocument, Kind, Problem, kind_of, write_feedback, write_rotor};
+use rotor::file::{FeedbackDocument, Kind, kind_of, write_feedback, write_rotor};
 use rotor::{Feedback, Mass, Physical, Rotor, builtin};
 use serde::Serialize;
+use text::Fault;
 
 use crate::catalog::{self, FileError};
 use crate::failure::Failure;
@@ -152,7 +153,7 @@ struct Checked<'a> {
     signals: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     unreadable: Option<String>,
-    problems: Vec<Problem>,
+    problems: Vec<Fault>,
 }
 
 enum Content {
@@ -195,10 +196,10 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
                 }
             }
             Err(error) => {
-                wrong.push(error.to_string());
+                wrong.push(error.told());
                 match error {
                     FileError::Unreadable { found, .. } => document.unreadable = Some(found),
-                    FileError::Wrong { problems, .. } => document.problems = problems.list().to_vec(),
+                    FileError::Wrong { faults, .. } => document.problems = faults.list().to_vec(),
                 }
             }
         }

@@ -165,7 +165,7 @@ fn deliver(
     text += &write_feedback(feedback);
     // What is printed is meant to be read again: gains that are out of range for any rotor are no answer.
     read_feedback(&text, Some(rotor.len()))
-        .map_err(|problems| Failure::Work(format!("such gains cannot be used: {}", problems.in_file("feedback"))))?;
+        .map_err(|faults| Failure::Work(format!("such gains cannot be used: {}", faults.in_file("feedback"))))?;
     if let Some(path) = &args.out {
         args.force.write(path, &text)?;
     }
