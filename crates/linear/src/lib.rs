@@ -30,7 +30,7 @@ mod system;
 
 pub use loop_gain::{Gain, LoopGain};
 pub use margin::DelayMargin;
-pub use margins::{GainMargin, Margins, Peak, PhaseMargin};
+pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};
 pub use roots::Roots;
 pub use sensitivity::Sensitivity;
 pub use system::{DelayError, DelaySystem};

@@ -34,7 +34,7 @@ pub struct PhaseMargin {
 
 /// The largest amplitude over a range of frequencies.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peak {
+pub struct AmplitudePeak {
     /// The amplitude.
     pub amplitude: f64,
     /// Where it is; `None` where it is only approached, as the frequency grows without bound.
@@ -54,13 +54,13 @@ pub struct Margins {
     /// The smallest angle; `None` where the loop's gain is 1 nowhere.
     pub phase: Option<PhaseMargin>,
     /// `|S|` over positive frequencies.
-    pub forward: Peak,
+    pub forward: AmplitudePeak,
     /// `|S|` over negative frequencies.
-    pub backward: Peak,
+    pub backward: AmplitudePeak,
     /// One real axis, `|S(j w) + conj S(-j w)| / 2`, over positive frequencies.
-    pub axis: Peak,
+    pub axis: AmplitudePeak,
     /// `|L / (1 + L)|` over both.
-    pub complementary: Peak,
+    pub complementary: AmplitudePeak,
     /// The curve of the gain that all of it was found on, frequencies rising.
     pub curve: Vec<Gain>,
 }
@@ -68,7 +68,7 @@ pub struct Margins {
 impl Margins {
     /// `|S|` over frequencies of both signs.
     #[must_use]
-    pub fn sensitivity(&self) -> Peak {
+    pub fn sensitivity(&self) -> AmplitudePeak {
         if self.backward.amplitude > self.forward.amplitude { self.backward } else { self.forward }
     }
 }
@@ -121,7 +121,12 @@ impl LoopGain {
     }
 
     /// The largest amplitude on a curve, of `[ln amplitude^2, its slope]`, that far out comes to `far`.
-    fn peak<'a>(&self, curve: impl Iterator<Item = &'a Gain>, of: &dyn Fn(&Gain) -> [f64; 2], far: f64) -> Peak {
+    fn peak<'a>(
+        &self,
+        curve: impl Iterator<Item = &'a Gain>,
+        of: &dyn Fn(&Gain) -> [f64; 2],
+        far: f64,
+    ) -> AmplitudePeak {
         let points: Vec<&Gain> = curve.collect();
         let mut best: (f64, Option<f64>) = (f64::NEG_INFINITY, None);
         for p in &points {
@@ -146,16 +151,16 @@ impl LoopGain {
     }
 
     /// A peak of `ln amplitude^2`, or what is approached far out.
-    fn told(&self, (value, frequency): (f64, Option<f64>), far: f64) -> Peak {
+    fn told(&self, (value, frequency): (f64, Option<f64>), far: f64) -> AmplitudePeak {
         let amplitude = (0.5 * value).exp();
         if self.period() == 0.0 && amplitude <= far {
-            return Peak { amplitude: far, frequency: None };
+            return AmplitudePeak { amplitude: far, frequency: None };
         }
-        Peak { amplitude, frequency }
+        AmplitudePeak { amplitude, frequency }
     }
 
     /// The peak of one real axis.
-    fn axis_peak(&self, curve: &[Gain]) -> Peak {
+    fn axis_peak(&self, curve: &[Gain]) -> AmplitudePeak {
         let mut at: Vec<f64> = curve.iter().map(|p| p.frequency.abs()).collect();
         at.sort_by(f64::total_cmp);
         at.dedup();

@@ -1,7 +1,7 @@
 //! All margins of three masses at one speed, and a curve of a thousand points or so.
 
 use divan::{Bencher, black_box};
-use machine::{MachineLoop, Of, margins};
+use machine::{MachineLoop, TransferFunction, margins};
 use rotor::{Settings, builtin};
 
 fn main() {
@@ -33,6 +33,6 @@ fn bode(bencher: Bencher) {
     let (rotor, settings) = machine("individual", 0.05);
     bencher.bench_local(|| {
         let looped = MachineLoop::at(&rotor, &settings, 6.0).expect("fits");
-        black_box(looped.response(Of::Sensitivity, looped.band()))
+        black_box(looped.response(TransferFunction::Sensitivity, looped.band()))
     });
 }

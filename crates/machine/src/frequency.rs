@@ -18,7 +18,7 @@ const STRETCHES: usize = 32;
 
 /// What is looked at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Of {
+pub enum TransferFunction {
     /// The gain `L` of the loop, opened at the control bearing's command.
     Loop,
     /// `1 / (1 + L)`.
@@ -55,14 +55,18 @@ impl MachineLoop {
     ///
     /// # Errors
     /// Eigenvalues that cannot be had.
-    pub fn response(&self, of: Of, [from, to]: [f64; 2]) -> Result<Option<Vec<FrequencyPoint>>, MarginsError> {
+    pub fn response(
+        &self,
+        of: TransferFunction,
+        [from, to]: [f64; 2],
+    ) -> Result<Option<Vec<FrequencyPoint>>, MarginsError> {
         // Low frequencies too, for whoever looks at decades.
         let end = from.abs().max(to.abs());
         let low = (0..=4 * LOW_DECADES).map(|k| end * 10.0_f64.powf(-0.25 * f64::from(k)));
         let also: Vec<f64> = low.flat_map(|w| [w, -w]).chain([0.0]).collect();
         let mut at: Vec<f64> = self.gain.curve(from, to, &also).iter().map(|p| p.frequency).collect();
         let reach = match of {
-            Of::Station(station) => match self.reach(station)? {
+            TransferFunction::Station(station) => match self.reach(station)? {
                 Some(reach) => Some(reach),
                 None => return Ok(None),
             },
@@ -76,10 +80,12 @@ impl MachineLoop {
         let value = |frequency: f64| {
             let gain = self.gain.at(frequency);
             let value = match of {
-                Of::Loop => gain.value,
-                Of::Sensitivity => gain.sensitivity(),
-                Of::Closed => gain.complementary(),
-                Of::Station(_) => reach.as_ref().map_or(C64::ZERO, |r| -r.at(frequency).value * gain.sensitivity()),
+                TransferFunction::Loop => gain.value,
+                TransferFunction::Sensitivity => gain.sensitivity(),
+                TransferFunction::Closed => gain.complementary(),
+                TransferFunction::Station(_) => {
+                    reach.as_ref().map_or(C64::ZERO, |r| -r.at(frequency).value * gain.sensitivity())
+                }
             };
             FrequencyPoint { frequency, value }
         };

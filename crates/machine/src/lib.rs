@@ -18,7 +18,9 @@ mod program;
 mod stability_loss;
 
 pub use control::{Output, Words};
-pub use frequency::{FrequencyPoint, Of, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response};
+pub use frequency::{
+    FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,
+};
 pub use machine::{Line, Machine, Sample, Trip, TripCause};
 pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
 pub use margins_over::{WORST, in_hand, worst_margins};

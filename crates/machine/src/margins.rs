@@ -3,7 +3,7 @@
 //! Everything counts every support bearing at its full stiffness, as poles do. Noise, resolution and limits play no part.
 
 use control::LinearLoop;
-use linear::{DelayError, DelayMargin, DelaySystem, LoopGain, Margins, Peak};
+use linear::{AmplitudePeak, DelayError, DelayMargin, DelaySystem, LoopGain, Margins};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant, Rotor, Settings, damping_ratio};
 
 use crate::frequency::top;
@@ -53,7 +53,7 @@ pub struct MachineMargins {
     pub margins: Margins,
     /// The largest force `|u|` per noise in the displacement that the sensors read, over all ways to spread noise of size 1
     /// over them; the velocities that they read are clean.
-    pub force: Peak,
+    pub force: AmplitudePeak,
 }
 
 /// A machine's loop at one speed, opened at the command of its control bearing.
@@ -109,18 +109,18 @@ impl MachineLoop {
     }
 
     /// The peak of force per noise, on the curve of its gain.
-    fn force_peak(&self, curve: &[linear::Gain]) -> Peak {
+    fn force_peak(&self, curve: &[linear::Gain]) -> AmplitudePeak {
         let of = |w: f64| self.noise_to_force(w) * self.gain.at(w).sensitivity().norm();
         let values: Vec<f64> =
             curve.iter().map(|p| self.noise_to_force(p.frequency) * p.sensitivity().norm()).collect();
         let best =
             (0..values.len()).filter(|k| values[*k].is_finite()).max_by(|a, b| values[*a].total_cmp(&values[*b]));
-        let Some(best) = best else { return Peak { amplitude: f64::NAN, frequency: None } };
+        let Some(best) = best else { return AmplitudePeak { amplitude: f64::NAN, frequency: None } };
         if best == 0 || best + 1 == values.len() {
-            return Peak { amplitude: values[best], frequency: None };
+            return AmplitudePeak { amplitude: values[best], frequency: None };
         }
         let w = top(curve[best - 1].frequency, curve[best + 1].frequency, of);
-        Peak { amplitude: of(w).max(values[best]), frequency: Some(w) }
+        AmplitudePeak { amplitude: of(w).max(values[best]), frequency: Some(w) }
     }
 }
 

@@ -5,8 +5,8 @@
 //! matched as `z`, which does not jump where a frequency passes half the sampling rate.
 
 use rotor::{
-    C64, Characteristic, CriticalSpeed, LinearForm, OperatingPoint, Plant, Root, Rotor, Settings, Stability, Threshold,
-    Whirl,
+    C64, Characteristic, CharacteristicRoot, CriticalSpeed, LinearForm, OperatingPoint, Plant, Rotor, Settings,
+    Stability, Threshold, Whirl,
 };
 
 use crate::poles::PolesError;
@@ -34,7 +34,7 @@ struct Over<'a> {
 #[derive(Clone)]
 struct Node {
     speed: f64,
-    roots: Vec<Root>,
+    roots: Vec<CharacteristicRoot>,
 }
 
 impl Over<'_> {
@@ -64,9 +64,9 @@ impl Over<'_> {
         &self,
         a: &Node,
         b: &Node,
-        [start, end]: [Root; 2],
+        [start, end]: [CharacteristicRoot; 2],
         value: impl Fn(f64, C64) -> f64,
-    ) -> Result<(f64, Root), PolesError> {
+    ) -> Result<(f64, CharacteristicRoot), PolesError> {
         let (mut low, mut high) = ((a.speed, start), (b.speed, end));
         for _ in 0..HALVINGS {
             let speed = 0.5 * (low.0 + high.0);
@@ -90,7 +90,7 @@ impl Over<'_> {
 }
 
 /// Pairs roots by nearness, and whether every pair is beyond doubt.
-fn matches(a: &[Root], b: &[Root]) -> (Vec<Option<usize>>, bool) {
+fn matches(a: &[CharacteristicRoot], b: &[CharacteristicRoot]) -> (Vec<Option<usize>>, bool) {
     let mut pairs: Vec<(f64, usize, usize)> = Vec::with_capacity(a.len() * b.len());
     for (i, from) in a.iter().enumerate() {
         pairs.extend(b.iter().enumerate().map(|(k, to)| ((from.root - to.root).norm(), i, k)));
@@ -178,7 +178,7 @@ impl Over<'_> {
         &self,
         a: &Node,
         b: &Node,
-        ends: [Root; 2],
+        ends: [CharacteristicRoot; 2],
         branch: usize,
         orders: &[f64],
     ) -> Result<Vec<CriticalSpeed>, PolesError> {

@@ -5,7 +5,7 @@
 
 use std::fmt;
 
-use rotor::{Rotor, Settings, Standing};
+use rotor::{Rotor, Settings, Stability};
 
 use crate::MachinePoles;
 
@@ -17,7 +17,7 @@ pub struct StabilityLoss {
     /// The minimum damping ratio after the change: 0 or less.
     pub then: f64,
     /// How it would stand after the change: not stable.
-    pub standing: Standing,
+    pub stability: Stability,
 }
 
 impl StabilityLoss {
@@ -37,25 +37,25 @@ impl StabilityLoss {
         let pairs =
             [stays.then_some((present, present)), Some((if same_aim { now.speed } else { present }, then.speed))];
         let losses = pairs.into_iter().flatten().filter_map(|(before, after)| {
-            let (standing, then) = at(then, after).filter(|(standing, _)| *standing != Standing::Stable)?;
-            let (_, now) = at(now, before).filter(|(standing, _)| *standing == Standing::Stable)?;
-            Some(Self { now, then, standing })
+            let (stability, then) = at(then, after).filter(|(stability, _)| *stability != Stability::Stable)?;
+            let (_, now) = at(now, before).filter(|(stability, _)| *stability == Stability::Stable)?;
+            Some(Self { now, then, stability })
         });
         losses.min_by(|a, b| a.then.total_cmp(&b.then))
     }
 }
 
 /// How the rotor stands, and its minimum damping.
-fn judged(rotor: &Rotor, settings: &Settings) -> Option<(Standing, f64)> {
+fn judged(rotor: &Rotor, settings: &Settings) -> Option<(Stability, f64)> {
     settings.check(rotor).ok()?;
     let poles = MachinePoles::of(rotor, settings).ok()?;
-    poles.modes.first().map(|mode| (mode.standing(), mode.damping()))
+    poles.modes.first().map(|mode| (mode.stability(), mode.damping()))
 }
 
 impl fmt::Display for StabilityLoss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { now, then, standing } = self;
-        write!(f, "it would make a stable machine {standing}: minimum damping {now:.6} now, {then:.6} then")
+        let Self { now, then, stability } = self;
+        write!(f, "it would make a stable machine {stability}: minimum damping {now:.6} now, {then:.6} then")
     }
 }
 
@@ -112,7 +112,7 @@ mod tests {
 
     #[test]
     fn a_machine_at_its_limit_is_not_stable() {
-        let told = StabilityLoss { now: 0.25, then: 0.0, standing: Standing::Marginal }.to_string();
+        let told = StabilityLoss { now: 0.25, then: 0.0, stability: Stability::Marginal }.to_string();
         assert!(told.starts_with("it would make a stable machine marginal: minimum damping 0.25"), "{told}");
     }
 }

@@ -1,7 +1,7 @@
 //! Frequency responses against the machine's matrices, its orbits and its margins.
 
 use control::{Filter, Parts};
-use machine::{MachineLoop, Of, UnbalanceResponse, margins, unbalance_response};
+use machine::{MachineLoop, TransferFunction, UnbalanceResponse, margins, unbalance_response};
 use rotor::circular::synchronous;
 use rotor::{C64, Rotor, Settings, builtin};
 
@@ -29,7 +29,9 @@ fn val_every_response_is_that_of_the_matrices() {
     };
     let mut force = nalgebra::DMatrix::zeros(a.nrows(), 1);
     force[3] = C64::ONE;
-    for of in [Of::Loop, Of::Sensitivity, Of::Closed, Of::Station(1)] {
+    for of in
+        [TransferFunction::Loop, TransferFunction::Sensitivity, TransferFunction::Closed, TransferFunction::Station(1)]
+    {
         let points = looped.response(of, [-20.0, 20.0]).expect("converges").expect("there is one");
         assert!(points.len() > 50 && points.windows(2).all(|p| p[0].frequency < p[1].frequency));
         for point in &points {
@@ -37,10 +39,10 @@ fn val_every_response_is_that_of_the_matrices() {
             let late = C64::cis(-w * form.delay);
             let gain = -(&c * solve(w, false, &b))[0] * late;
             let expected = match of {
-                Of::Loop => gain,
-                Of::Sensitivity => (gain + 1.0).inv(),
-                Of::Closed => gain / (gain + 1.0),
-                Of::Station(k) => solve(w, true, &force)[k],
+                TransferFunction::Loop => gain,
+                TransferFunction::Sensitivity => (gain + 1.0).inv(),
+                TransferFunction::Closed => gain / (gain + 1.0),
+                TransferFunction::Station(k) => solve(w, true, &force)[k],
             };
             let apart = (point.value - expected).norm();
             assert!(apart < 1e-9 * (1.0 + expected.norm()), "{of:?} at {w}: {} {expected}", point.value);
@@ -50,7 +52,7 @@ fn val_every_response_is_that_of_the_matrices() {
             let w = 0.3 * pair[0].frequency + 0.7 * pair[1].frequency;
             let line = pair[0].value * 0.3 + pair[1].value * 0.7;
             let gain = -(&c * solve(w, false, &b))[0] * C64::cis(-w * form.delay);
-            if of == Of::Loop {
+            if of == TransferFunction::Loop {
                 assert!((line - gain).norm() < 0.02 * gain.norm() + 1e-9, "at {w}: {line} {gain}");
             }
         }
@@ -63,7 +65,8 @@ fn val_the_largest_sensitivity_of_a_curve_is_the_peak_of_the_margins() {
         let (rotor, settings) = machine(feedback, speed);
         let peak = margins(&rotor, &settings, speed).expect("stable").margins.sensitivity();
         let looped = MachineLoop::at(&rotor, &settings, speed).expect("fits");
-        let points = looped.response(Of::Sensitivity, looped.band()).expect("converges").expect("there is one");
+        let points =
+            looped.response(TransferFunction::Sensitivity, looped.band()).expect("converges").expect("there is one");
         let most = points.iter().map(|p| p.value.norm()).fold(0.0, f64::max);
         assert!((most / peak.amplitude - 1.0).abs() < 1e-9, "{feedback} at {speed}: {most} {peak:?}");
     }

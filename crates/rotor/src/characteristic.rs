@@ -13,7 +13,7 @@ const LAST_PLACES: f64 = 64.0;
 
 /// A root of a machine's characteristic equation, and the pole that it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Root {
+pub struct CharacteristicRoot {
     /// `s`, or `z` of a sampled loop: what moves continuously when the machine does.
     pub root: C64,
     /// `s`; its real part is exactly 0 where it is rounding.
@@ -80,13 +80,13 @@ impl Characteristic {
     ///
     /// # Errors
     /// Roots that cannot be had.
-    pub fn roots(&self) -> Result<Vec<Root>, DelayError> {
+    pub fn roots(&self) -> Result<Vec<CharacteristicRoot>, DelayError> {
         Ok(self.told(self.system.roots_right_of(self.right_of().unwrap_or(f64::NEG_INFINITY))?.roots))
     }
 
     /// Roots with the poles that they are, without those of a sampled loop that are over at once.
     #[must_use]
-    pub fn told(&self, roots: Vec<C64>) -> Vec<Root> {
+    pub fn told(&self, roots: Vec<C64>) -> Vec<CharacteristicRoot> {
         let pole = |root: C64| match self.period {
             Some(period) => root.ln() / period,
             None => root,
@@ -95,7 +95,7 @@ impl Characteristic {
         roots
             .into_iter()
             .filter(|root| self.period.is_none() || root.norm() > OVER_AT_ONCE)
-            .map(|root| Root { root, pole: settled(pole(root)) })
+            .map(|root| CharacteristicRoot { root, pole: settled(pole(root)) })
             .collect()
     }
 }

@@ -15,7 +15,7 @@
 //! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart. [`Characteristic`]: its roots.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
-//!   [`Standing`]: what they say.
+//!   [`Stability`]: what they say.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 //! * [`typed`]: ranges, `KEY=VALUE` and rows of settings as a person types them.
@@ -50,7 +50,7 @@ mod trace;
 pub mod typed;
 
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
-pub use characteristic::{Characteristic, Root};
+pub use characteristic::{Characteristic, CharacteristicRoot};
 pub use closed_loop::ClosedLoop;
 pub use control::{ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal};
 pub use difference::Difference;
@@ -58,7 +58,7 @@ pub use eigen::{PoleError, eigenvalues};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
 pub use linear_form::{LinearForm, SampledStep};
-pub use marginal::{Standing, standing};
+pub use marginal::{Stability, stability};
 pub use modes::{Mode, Spectrum, Whirl, damping_ratio, poles, scale_to_largest};
 pub use params::{FIELDS, Field, Mass, Rotor, RotorError};
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};
@@ -66,7 +66,7 @@ pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
 pub use si::{Physical, PhysicalMass, Scales};
 pub use stepper::{Motion, Stepper, stepper};
-pub use thresholds::{Stability, Threshold, thresholds};
+pub use thresholds::{Threshold, thresholds};
 pub use trace::{Branch, CriticalSpeed, Trace, critical_speeds, trace};
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.

@@ -19,7 +19,7 @@ use crate::{C64, ClosedLoop, MAX_MASSES, PoleError, poles};
 /// How a pole, or a rotor, stands to stability. In the order of what is worse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Standing {
+pub enum Stability {
     /// It decays.
     Stable,
     /// Neither can be said: the real part is zero but for rounding.
@@ -28,7 +28,7 @@ pub enum Standing {
     Unstable,
 }
 
-impl Standing {
+impl Stability {
     /// How a pole of [`poles`] or [`crate::Spectrum`] stands, where a marginal one has a real part of exactly zero. A
     /// real part that is not a number is not stable.
     #[must_use]
@@ -53,7 +53,7 @@ impl Standing {
     }
 }
 
-impl std::fmt::Display for Standing {
+impl std::fmt::Display for Stability {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.pad(match self {
             Self::Stable => "stable",
@@ -68,8 +68,8 @@ impl std::fmt::Display for Standing {
 ///
 /// # Errors
 /// Coefficients that are not finite, or an eigenvalue iteration that does not converge.
-pub fn standing(closed_loop: &ClosedLoop) -> Result<Standing, PoleError> {
-    Ok(poles(closed_loop)?.first().map_or(Standing::Unstable, |pole| Standing::of(*pole)))
+pub fn stability(closed_loop: &ClosedLoop) -> Result<Stability, PoleError> {
+    Ok(poles(closed_loop)?.first().map_or(Stability::Unstable, |pole| Stability::of(*pole)))
 }
 
 /// Last places a mass that rounding may cost: measured on rotors without damping, whose poles have no real part, with a

@@ -1,12 +1,12 @@
 //! Poles of the linear rotor (deadband neglected), and what they say about stability.
 
-use crate::marginal::Standing;
+use crate::marginal::Stability;
 use crate::quadratic::Quadratic;
 use crate::{C64, ClosedLoop, MAX_MASSES, PoleError};
 
 /// The poles of `closed_loop` alone, without their shapes: every support bearing at its full stiffness, least damped
 /// first, of equally damped ones the highest `Im` first. A part that is zero but for rounding is exactly zero
-/// (see [`Standing`]). Half the cost of [`Spectrum::of`].
+/// (see [`Stability`]). Half the cost of [`Spectrum::of`].
 ///
 /// # Errors
 /// Coefficients that are not finite or poles that are not, or an eigenvalue iteration that does not converge.
@@ -83,8 +83,8 @@ impl Mode {
 
     /// Whether it decays, grows, or neither but for rounding.
     #[must_use]
-    pub fn standing(&self) -> Standing {
-        Standing::of(self.pole)
+    pub fn stability(&self) -> Stability {
+        Stability::of(self.pole)
     }
 
     /// Logarithmic decrement `2 pi zeta / sqrt(1 - zeta^2)`; infinite for a pole on the real axis, 0 for a
@@ -136,14 +136,14 @@ impl Spectrum {
 
     /// How the least damped mode stands.
     #[must_use]
-    pub fn standing(&self) -> Standing {
-        self.modes.first().map_or(Standing::Unstable, Mode::standing)
+    pub fn stability(&self) -> Stability {
+        self.modes.first().map_or(Stability::Unstable, Mode::stability)
     }
 
     /// Whether every mode decays, beyond rounding.
     #[must_use]
     pub fn is_stable(&self) -> bool {
-        self.standing() == Standing::Stable
+        self.stability() == Stability::Stable
     }
 }
 

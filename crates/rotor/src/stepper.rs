@@ -100,7 +100,7 @@ struct Clock {
     dtau: f64,
     steps: u64,
     /// `exp(j angle)` now, but for rounding; evaluated anew where `steps` is a multiple of [`TURNS_BETWEEN`].
-    key: C64,
+    phasor: C64,
     /// `exp(j speed dtau / 2)`.
     half_turn: C64,
 }
@@ -115,13 +115,14 @@ impl Clock {
     }
 
     fn at_rest(speed: f64) -> Self {
-        Self { tau: 0.0, angle: 0.0, speed, dtau: 0.0, steps: 0, key: C64::ONE, half_turn: C64::ONE }
+        Self { tau: 0.0, angle: 0.0, speed, dtau: 0.0, steps: 0, phasor: C64::ONE, half_turn: C64::ONE }
     }
 
     fn rebase(&mut self, speed: f64, dtau: f64) {
         if speed != self.speed || dtau != self.dtau {
             let half_turn = C64::cis(speed * (0.5 * dtau));
-            *self = Self { tau: self.tau(), angle: self.angle(), speed, dtau, steps: 0, half_turn, key: self.key };
+            *self =
+                Self { tau: self.tau(), angle: self.angle(), speed, dtau, steps: 0, half_turn, phasor: self.phasor };
         }
     }
 
@@ -141,11 +142,11 @@ impl Clock {
     #[inline]
     fn advance(&mut self) -> [C64; 3] {
         if self.steps.is_multiple_of(TURNS_BETWEEN) {
-            self.key = C64::cis(self.angle());
+            self.phasor = C64::cis(self.angle());
         }
-        let middle = self.key * self.half_turn;
+        let middle = self.phasor * self.half_turn;
         let end = middle * self.half_turn;
-        let start = std::mem::replace(&mut self.key, end);
+        let start = std::mem::replace(&mut self.phasor, end);
         self.steps += 1;
         [start, middle, end]
     }
@@ -196,15 +197,16 @@ struct Chain<const N: usize, const L: usize> {
     v: [C64; N],
     clock: Clock,
     /// 1 for the mass that carries the control bearing, 0 for the others.
-    carries: [f64; L],
+    controlled: [f64; L],
     damping: Lanes<L>,
-    /// Everything linear on the own displacement, as if the support bearing had no clearance.
-    tight: Lanes<L>,
+    /// What is linear in a mass's own displacement, the support bearing without clearance: `stiffness - b` of the
+    /// closed loop.
+    full_stiffness: Lanes<L>,
     left: [f64; L],
     right: [f64; L],
     bearing: [f64; L],
-    /// `bearing * deadband`: what the clearance takes away from the bearing's force in contact.
-    slack: [f64; L],
+    /// `b g`, `bearing` times `deadband`: by how much the clearance lessens the support bearing's force in contact, `b (r - g)`.
+    deadband_force: [f64; L],
     /// `deadband^2`.
     edge_squared: [f64; L],
     unbalance: [f64; L],
@@ -218,13 +220,13 @@ impl<const N: usize, const L: usize> Chain<N, L> {
             p: [C64::ZERO; N],
             v: [C64::ZERO; N],
             clock: Clock::at_rest(closed_loop.speed),
-            carries: [0.0; L],
+            controlled: [0.0; L],
             damping: Lanes::ZERO,
-            tight: Lanes::ZERO,
+            full_stiffness: Lanes::ZERO,
             left: [0.0; L],
             right: [0.0; L],
             bearing: [0.0; L],
-            slack: [0.0; L],
+            deadband_force: [0.0; L],
             edge_squared: [0.0; L],
             unbalance: [0.0; L],
             gain_p: Lanes::ZERO,
@@ -247,28 +249,31 @@ impl<const N: usize, const L: usize> Chain<N, L> {
         [y[0] + y[1], z[0] + z[1]]
     }
 
-    /// `p''` of every mass; `key` is `exp(j angle)`.
+    /// `p''` of every mass; `phasor` is `exp(j angle)`.
     #[inline(always)]
-    fn acceleration(&self, p: &Lanes<L>, v: &Lanes<L>, key: C64) -> Lanes<L> {
+    fn acceleration(&self, p: &Lanes<L>, v: &Lanes<L>, phasor: C64) -> Lanes<L> {
         let mut a = Lanes::ZERO;
-        let (c, k) = (&self.damping, &self.tight);
+        let (c, k) = (&self.damping, &self.full_stiffness);
         // s(r) p of (3.3) as p less what the clearance takes away: b (1 - s) is b g / r in contact and b inside. Roots
         // and quotients are dear, so they are formed only where there is a clearance that is overcome.
-        let relief: [f64; L] = std::array::from_fn(|i| {
-            if self.slack[i] > 0.0 {
+        let softening: [f64; L] = std::array::from_fn(|i| {
+            if self.deadband_force[i] > 0.0 {
                 let radius_squared = p.y[i] * p.y[i] + p.z[i] * p.z[i];
                 let in_contact = radius_squared > self.edge_squared[i];
-                if in_contact { self.slack[i] / radius_squared.sqrt() } else { self.bearing[i] }
+                if in_contact { self.deadband_force[i] / radius_squared.sqrt() } else { self.bearing[i] }
             } else {
                 0.0
             }
         });
-        for (i, relief) in relief.iter().enumerate() {
-            let stiffness = k.y[i] + relief;
-            a.y[i] =
-                c.y[i] * v.y[i] - c.z[i] * v.z[i] + (stiffness * p.y[i] - k.z[i] * p.z[i]) + key.re * self.unbalance[i];
-            a.z[i] =
-                c.y[i] * v.z[i] + c.z[i] * v.y[i] + (stiffness * p.z[i] + k.z[i] * p.y[i]) + key.im * self.unbalance[i];
+        for (i, softening) in softening.iter().enumerate() {
+            let stiffness = k.y[i] + softening;
+            a.y[i] = c.y[i] * v.y[i] - c.z[i] * v.z[i]
+                + (stiffness * p.y[i] - k.z[i] * p.z[i])
+                + phasor.re * self.unbalance[i];
+            a.z[i] = c.y[i] * v.z[i]
+                + c.z[i] * v.y[i]
+                + (stiffness * p.z[i] + k.z[i] * p.y[i])
+                + phasor.im * self.unbalance[i];
         }
         for i in 1..N {
             a.y[i] += self.left[i] * p.y[i - 1];
@@ -281,8 +286,8 @@ impl<const N: usize, const L: usize> Chain<N, L> {
         let [y, z] = self.feedback_of(p, v);
         // A sum over all masses with a weight of 0 or 1: an index that is not known beforehand keeps `a` out of registers.
         for i in 0..L {
-            a.y[i] -= self.carries[i] * y;
-            a.z[i] -= self.carries[i] * z;
+            a.y[i] -= self.controlled[i] * y;
+            a.z[i] -= self.controlled[i] * z;
         }
         a
     }
@@ -297,14 +302,14 @@ impl<const N: usize, const L: usize> Stepper for Chain<N, L> {
         let of = closed_loop;
         self.clock.rebase(of.speed, self.clock.dtau);
         let at = of.control.bearing.min(N - 1);
-        self.carries = std::array::from_fn(|i| if i == at { 1.0 } else { 0.0 });
+        self.controlled = std::array::from_fn(|i| if i == at { 1.0 } else { 0.0 });
         self.damping = Lanes::of(&of.damping[..N]);
-        self.tight =
+        self.full_stiffness =
             Lanes { y: head::<N, L>(|i| of.stiffness[i].re - of.bearing[i]), z: head::<N, L>(|i| of.stiffness[i].im) };
         self.left = head::<N, L>(|i| of.left[i]);
         self.right = head::<N, L>(|i| of.right[i]);
         self.bearing = head::<N, L>(|i| of.bearing[i]);
-        self.slack = head::<N, L>(|i| of.bearing[i] * of.deadband[i]);
+        self.deadband_force = head::<N, L>(|i| of.bearing[i] * of.deadband[i]);
         self.edge_squared = head::<N, L>(|i| of.deadband[i] * of.deadband[i]);
         self.unbalance = head::<N, L>(|i| of.unbalance[i]);
         self.gain_p = Lanes::of(&of.control.displacement[..N]);

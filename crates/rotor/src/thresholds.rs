@@ -12,7 +12,7 @@ use nalgebra::{DMatrix, Schur};
 use crate::crossing::{Quantity, crossings};
 use crate::family::{Piece, pieces, whirl_of};
 use crate::follow::TraceError;
-use crate::{C64, Feedback, Rotor, Whirl};
+use crate::{C64, Feedback, Rotor, Stability, Whirl};
 
 /// Rotors with at most this many masses get the certificate: 64 unknowns, a few milliseconds.
 const CERTIFIED: usize = 4;
@@ -26,33 +26,14 @@ pub struct Threshold {
     pub frequency: f64,
     /// The mode's sense of whirl.
     pub whirl: Whirl,
-    /// What the mode is above this speed.
+    /// What the mode is above this speed: stable or unstable.
     pub becomes: Stability,
-}
-
-/// Whether a mode decays or grows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Stability {
-    /// It decays, `Re < 0`.
-    Stable,
-    /// It grows, `Re > 0`.
-    Unstable,
-}
-
-impl std::fmt::Display for Stability {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.pad(match self {
-            Self::Stable => "stable",
-            Self::Unstable => "unstable",
-        })
-    }
 }
 
 /// Every change of stability over `from..=to`, rising in speed; two modes that cross at one speed are two thresholds.
 ///
 /// A threshold is a speed at which the real part of a mode leaves zero, as speed rises, for a side other than the one that
-/// it came from. A mode that has rested on zero (within rounding, see [`crate::Standing`]) over a range of speeds came from
+/// it came from. A mode that has rested on zero (within rounding, see [`crate::Stability`]) over a range of speeds came from
 /// neither, so that the end of such a range is a threshold whichever way the mode goes; so is rest, `R = 0`, for a mode
 /// that is on zero there and leaves it. A mode that touches zero, comes to it and stays, or is on it at every speed, has no
 /// threshold there. The range asked for has no say in this; both its ends belong to it.

@@ -1,6 +1,8 @@
 //! Poles within rounding of zero are marginal: told as exactly zero, never judged by the sign of rounding.
 
-use rotor::{ClosedLoop, Feedback, Mass, Rotor, Settings, Signal, Spectrum, Standing, Whirl, builtin, poles, standing};
+use rotor::{
+    ClosedLoop, Feedback, Mass, Rotor, Settings, Signal, Spectrum, Stability, Whirl, builtin, poles, stability,
+};
 
 /// Two equal masses on one shaft that nothing holds, with seals of this damping.
 fn free(damping: f64) -> Rotor {
@@ -15,7 +17,7 @@ fn off(rotor: &Rotor, speed: f64) -> ClosedLoop {
 fn a_rotor_free_in_space_is_marginal_at_rest() {
     for damping in [0.0, 0.1] {
         let spectrum = Spectrum::of(&off(&free(damping), 0.0)).expect("converges");
-        assert_eq!(spectrum.standing(), Standing::Marginal, "{spectrum:?}");
+        assert_eq!(spectrum.stability(), Stability::Marginal, "{spectrum:?}");
         assert_eq!(spectrum.min_damping().to_bits(), 0, "zero, and not -0");
         assert!(!spectrum.is_stable());
         let still: Vec<_> = spectrum.modes.iter().filter(|m| m.pole.norm() == 0.0).collect();
@@ -23,7 +25,7 @@ fn a_rotor_free_in_space_is_marginal_at_rest() {
         assert!(still.iter().all(|m| m.log_decrement() == 0.0 && m.whirl() == Whirl::Forward));
     }
     // Seals that turn with the spin drive it from the first turn on.
-    assert_eq!(standing(&off(&free(0.1), 0.5)), Ok(Standing::Unstable));
+    assert_eq!(stability(&off(&free(0.1), 0.5)), Ok(Stability::Unstable));
 }
 
 #[test]
@@ -32,9 +34,9 @@ fn a_mode_that_nothing_damps_is_marginal_beside_damped_ones() {
     let centre = Mass { mass: 0.5, damping: 0.25, cross_damping: 0.05, ..Mass::default() };
     let rotor = Rotor::new("middle", vec![end, centre, end], vec![0.5, 0.5]).expect("valid");
     let spectrum = Spectrum::of(&off(&rotor, 1.0)).expect("converges");
-    let count = |standing| spectrum.modes.iter().filter(|m| m.standing() == standing).count();
-    assert_eq!((count(Standing::Marginal), count(Standing::Unstable)), (2, 0), "{spectrum:?}");
-    assert_eq!(spectrum.standing(), Standing::Marginal);
+    let count = |stability| spectrum.modes.iter().filter(|m| m.stability() == stability).count();
+    assert_eq!((count(Stability::Marginal), count(Stability::Unstable)), (2, 0), "{spectrum:?}");
+    assert_eq!(spectrum.stability(), Stability::Marginal);
     // The pitch mode: sqrt((0.5 + 0.5) / 0.25) = 2.
     assert!(spectrum.modes[..2].iter().all(|m| (m.frequency() - 2.0).abs() < 1e-14));
 }
@@ -45,25 +47,25 @@ fn a_rotor_held_only_by_its_magnetic_bearing_is_marginal() {
     let rotor = free(0.0);
     let feedback = Feedback::new(0, vec![Signal::at_mass(0, 2, [0.7, 0.0, 0.0, 0.0])]);
     for speed in [0.0, 1.0, 20.0] {
-        assert_eq!(standing(&ClosedLoop::new(&rotor, &feedback, speed, &[])), Ok(Standing::Marginal));
+        assert_eq!(stability(&ClosedLoop::new(&rotor, &feedback, speed, &[])), Ok(Stability::Marginal));
     }
 }
 
 /// What is small and no rounding keeps its sign.
 #[test]
 fn a_damping_of_a_millionth_of_a_millionth_is_not_marginal() {
-    for (damping, expected) in [(1e-12, Standing::Stable), (0.0, Standing::Marginal)] {
+    for (damping, expected) in [(1e-12, Stability::Stable), (0.0, Stability::Marginal)] {
         let mass = Mass { mass: 1.0, damping, bearing_stiffness: 1.0, ..Mass::default() };
         let rotor = Rotor::new("hardly", vec![mass; 3], vec![0.5; 2]).expect("valid");
-        assert_eq!(standing(&off(&rotor, 0.0)), Ok(expected), "{damping}");
+        assert_eq!(stability(&off(&rotor, 0.0)), Ok(expected), "{damping}");
     }
     let jeffcott = builtin::rotor("jeffcott").expect("built in");
     let threshold = rotor::thresholds(&jeffcott, &builtin::feedback(&jeffcott, "off").expect("built in"), 0.0, 5.0)
         .expect("converges")[0]
         .speed;
-    assert_eq!(standing(&off(&jeffcott, threshold)), Ok(Standing::Marginal));
-    assert_eq!(standing(&off(&jeffcott, threshold - 1e-11)), Ok(Standing::Stable));
-    assert_eq!(standing(&off(&jeffcott, threshold + 1e-11)), Ok(Standing::Unstable));
+    assert_eq!(stability(&off(&jeffcott, threshold)), Ok(Stability::Marginal));
+    assert_eq!(stability(&off(&jeffcott, threshold - 1e-11)), Ok(Stability::Stable));
+    assert_eq!(stability(&off(&jeffcott, threshold + 1e-11)), Ok(Stability::Unstable));
 }
 
 /// A double pole on the real axis splits into a pair by the root of rounding: it does not whirl.
@@ -103,6 +105,6 @@ fn nothing_that_is_undamped_is_called_stable_or_unstable() {
         let rotor = Rotor::new("undamped", masses, shafts).expect("valid");
         let settings = Settings::new(&rotor, 2.0, builtin::feedback(&rotor, "off").expect("fits any"));
         let poles = poles(&settings.closed_loop(&rotor)).expect("converges");
-        assert!(poles.iter().all(|p| Standing::of(*p) == Standing::Marginal), "{poles:?} of {rotor:?}");
+        assert!(poles.iter().all(|p| Stability::of(*p) == Stability::Marginal), "{poles:?} of {rotor:?}");
     }
 }

@@ -9,7 +9,7 @@ use crate::engine::Exchange;
 
 /// Gathers what the stepping thread measures.
 #[derive(Debug)]
-pub(crate) struct Gauge {
+pub(crate) struct PaceStatistics {
     lateness_ns: Histogram<u64>,
     cost_ns: Histogram<u64>,
 }
@@ -17,7 +17,7 @@ pub(crate) struct Gauge {
 /// Longest time told apart, in nanoseconds: a minute. Longer ones count as that.
 const LONGEST_NS: u64 = 60_000_000_000;
 
-impl Gauge {
+impl PaceStatistics {
     pub(crate) fn new() -> Self {
         let histogram = || Histogram::new_with_bounds(1, LONGEST_NS, 3).expect("bounds and digits are in range");
         Self { lateness_ns: histogram(), cost_ns: histogram() }

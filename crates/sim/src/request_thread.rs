@@ -13,7 +13,7 @@ use wire::{
 
 use crate::Options;
 use crate::engine::{Exchange, Notice, Order};
-use crate::health::Gauge;
+use crate::health::PaceStatistics;
 use crate::log::{Lateness, Log, When};
 
 /// How often a bench status goes out when nothing changes.
@@ -30,7 +30,7 @@ pub(crate) struct RequestThread<'a> {
     profile: Option<Profile>,
     bench_status: Box<BenchStatus>,
     exchange: &'a Exchange,
-    gauge: Gauge,
+    gauge: PaceStatistics,
     log: Log,
     lateness: Lateness,
     period: Duration,
@@ -71,7 +71,7 @@ impl<'a> RequestThread<'a> {
             profile: options.profile.clone(),
             bench_status,
             exchange,
-            gauge: Gauge::new(),
+            gauge: PaceStatistics::new(),
             log: Log::default(),
             lateness: Lateness::new(period),
             period,

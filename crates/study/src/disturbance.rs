@@ -8,7 +8,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{Machine, PolesError, Program};
-use rotor::{C64, Standing, circular};
+use rotor::{C64, Stability, circular};
 
 /// How small a disturbance is, as a part of the motion.
 const PART: f64 = 1e-7;
@@ -20,23 +20,23 @@ const COMES_AND_GOES: f64 = 20.0;
 
 /// What becomes of small disturbances.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Judgement {
+pub struct DisturbanceGrowth {
     /// In a word.
-    pub standing: Standing,
+    pub stability: Stability,
     /// How fast the fastest grows: its size goes as `exp(growth tau)`.
     pub growth: f64,
     /// How this was found.
     pub by: Means,
 }
 
-impl Judgement {
+impl DisturbanceGrowth {
     /// In a word that stands out where it must.
     #[must_use]
     pub fn word(&self) -> &'static str {
-        match self.standing {
-            Standing::Stable => "stable",
-            Standing::Marginal => "marginal",
-            Standing::Unstable => "UNSTABLE",
+        match self.stability {
+            Stability::Stable => "stable",
+            Stability::Marginal => "marginal",
+            Stability::Unstable => "UNSTABLE",
         }
     }
 }
@@ -57,9 +57,9 @@ pub fn slowest_seen() -> f64 {
     COMES_AND_GOES.ln() / WATCHED
 }
 
-impl From<circular::Orbit> for Judgement {
+impl From<circular::Orbit> for DisturbanceGrowth {
     fn from(orbit: circular::Orbit) -> Self {
-        Self { standing: orbit.standing(), growth: orbit.growth, by: Means::Eigenvalues }
+        Self { stability: orbit.stability(), growth: orbit.growth, by: Means::Eigenvalues }
     }
 }
 
@@ -67,17 +67,17 @@ impl From<circular::Orbit> for Judgement {
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(crate) fn of_centre(program: &Program) -> Result<Judgement, PolesError> {
+pub(crate) fn of_centre(program: &Program) -> Result<DisturbanceGrowth, PolesError> {
     if let Some(closed_loop) = program.closed_loop() {
         return Ok(circular::centre(closed_loop)?.into());
     }
     let (growth, noise) = program.growth_at_centre()?;
-    let standing = match growth {
-        growth if growth > noise => Standing::Unstable,
-        growth if growth < -noise => Standing::Stable,
-        _ => Standing::Marginal,
+    let stability = match growth {
+        growth if growth > noise => Stability::Unstable,
+        growth if growth < -noise => Stability::Stable,
+        _ => Stability::Marginal,
     };
-    Ok(Judgement { standing, growth, by: Means::Eigenvalues })
+    Ok(DisturbanceGrowth { stability, growth, by: Means::Eigenvalues })
 }
 
 /// The circular orbit that the rotor is on, if it is on one. Under a loop with states of its own orbits are not known
@@ -85,7 +85,7 @@ pub(crate) fn of_centre(program: &Program) -> Result<Judgement, PolesError> {
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(crate) fn of_orbit(program: &Program, rotor: &Machine) -> Result<Option<Judgement>, PolesError> {
+pub(crate) fn of_orbit(program: &Program, rotor: &Machine) -> Result<Option<DisturbanceGrowth>, PolesError> {
     let Some(closed_loop) = program.closed_loop() else { return Ok(None) };
     let motion = rotor.motion();
     let orbit = circular::orbit_of(closed_loop, motion.angle, motion.displacement, motion.velocity)?;
@@ -93,7 +93,7 @@ pub(crate) fn of_orbit(program: &Program, rotor: &Machine) -> Result<Option<Judg
 }
 
 /// A motion that has settled and is not circular, going on in steps of `dtau`; `None` if `stop` is raised meanwhile.
-pub(crate) fn of_beat(rotor: &mut Machine, dtau: f64, stop: &AtomicBool) -> Option<Judgement> {
+pub(crate) fn of_beat(rotor: &mut Machine, dtau: f64, stop: &AtomicBool) -> Option<DisturbanceGrowth> {
     let mut twin = rotor.clone();
     let size = |rotor: &Machine| {
         let motion = rotor.motion();
@@ -135,8 +135,8 @@ pub(crate) fn of_beat(rotor: &mut Machine, dtau: f64, stop: &AtomicBool) -> Opti
     }
     let (began, before) = from.unwrap_or((0.0, 0.0));
     let growth = (grown - before) / (elapsed - began).max(1.0);
-    let standing = if grown - before > COMES_AND_GOES.ln() { Standing::Unstable } else { Standing::Stable };
-    Some(Judgement { standing, growth, by: Means::Simulation })
+    let stability = if grown - before > COMES_AND_GOES.ln() { Stability::Unstable } else { Stability::Stable };
+    Some(DisturbanceGrowth { stability, growth, by: Means::Simulation })
 }
 
 /// Puts `twin` where `rotor` is, but for `apart` in every displacement and then every velocity.

@@ -6,7 +6,7 @@ use machine::ProgramError;
 use rayon::prelude::*;
 use rotor::{Feedback, Rotor};
 
-use crate::disturbance::Judgement;
+use crate::disturbance::DisturbanceGrowth;
 use crate::run::{Outcome, Plan, RunError, Settle, Settled, run};
 
 /// A point that has not settled by then, in `tau`, is given up and says so.
@@ -14,15 +14,15 @@ pub const LONGEST: f64 = 2_000.0;
 
 /// One point of the sweep.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Point {
+pub struct ForcePoint {
     /// Largest `|u|` once transients have died, in `w0^2 e_t`; what was reached if they have not, or if it diverged.
     pub max_force: f64,
     /// How the motion came to rest.
     pub settled: Settled,
     /// Whether the motion would stay, if it is steady.
-    pub stability: Option<Judgement>,
+    pub stability: Option<DisturbanceGrowth>,
     /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action.
-    pub centre: Judgement,
+    pub centre: DisturbanceGrowth,
     /// When it left all bounds, if it did: there is no steady force then.
     pub diverged_at: Option<f64>,
 }
@@ -52,7 +52,7 @@ pub fn sweep(
     deadbands: &[f64],
     stop: &AtomicBool,
     done: &(dyn Fn() + Sync),
-) -> Result<Vec<Vec<Point>>, ForceError> {
+) -> Result<Vec<Vec<ForcePoint>>, ForceError> {
     let places: Vec<(f64, f64)> =
         deadbands.iter().flat_map(|&deadband| speeds.iter().map(move |&speed| (deadband, speed))).collect();
     // One point a task: their lengths differ by a hundred.
@@ -64,11 +64,11 @@ pub fn sweep(
             done();
             point
         })
-        .collect::<Result<Vec<Point>, ForceError>>()?;
+        .collect::<Result<Vec<ForcePoint>, ForceError>>()?;
     Ok(if speeds.is_empty() {
         vec![Vec::new(); deadbands.len()]
     } else {
-        points.chunks(speeds.len()).map(<[Point]>::to_vec).collect()
+        points.chunks(speeds.len()).map(<[ForcePoint]>::to_vec).collect()
     })
 }
 
@@ -82,10 +82,10 @@ pub fn steady(
     speed: f64,
     deadband: f64,
     stop: &AtomicBool,
-) -> Result<Point, ForceError> {
+) -> Result<ForcePoint, ForceError> {
     let outcome = until_settled(rotor, feedback, speed, deadband, LONGEST, stop)?;
     let Outcome { max_force, settled, stability, centre, diverged_at, .. } = outcome;
-    Ok(Point { max_force, settled, stability, centre, diverged_at })
+    Ok(ForcePoint { max_force, settled, stability, centre, diverged_at })
 }
 
 /// The whole outcome of a run from rest at one speed and clearance, until transients have died or `longest` in `tau`.

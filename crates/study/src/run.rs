@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use machine::{Machine, PolesError, Program, ProgramError, default_step};
 use rotor::{C64, Feedback, PoleError, Rotor, Settings};
 
-use crate::disturbance::{self, Judgement};
+use crate::disturbance::{self, DisturbanceGrowth};
 use crate::peak::Peaks;
 use crate::settle::{Detector, Stretch};
 
@@ -78,9 +78,9 @@ pub struct Outcome {
     /// Whether transients had died.
     pub settled: Settled,
     /// Whether the motion at the end would stay, if it is steady: settled, or on a circular orbit.
-    pub stability: Option<Judgement>,
+    pub stability: Option<DisturbanceGrowth>,
     /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action.
-    pub centre: Judgement,
+    pub centre: DisturbanceGrowth,
     /// From where on maxima and means are taken. If nothing settled, from the middle of the run.
     pub maxima_from: f64,
     /// Largest `|u|`, in `w0^2 e_t`.
@@ -196,8 +196,8 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
     if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
         outcome.stability = disturbance::of_orbit(&plan.program, &rotor)?;
         if outcome.stability.is_none() && matches!(outcome.settled, Settled::Steady | Settled::Beating) {
-            let judged = disturbance::of_beat(&mut rotor, outcome.step.0, stop);
-            outcome.stability = Some(judged.ok_or(RunError::Interrupted)?);
+            let evaluated = disturbance::of_beat(&mut rotor, outcome.step.0, stop);
+            outcome.stability = Some(evaluated.ok_or(RunError::Interrupted)?);
         }
     }
     Ok(outcome)
@@ -324,7 +324,7 @@ impl Watch {
         Ok(bounded)
     }
 
-    fn outcome(mut self, rotor: &Machine, centre: Judgement) -> Outcome {
+    fn outcome(mut self, rotor: &Machine, centre: DisturbanceGrowth) -> Outcome {
         let motion = rotor.motion();
         let (settled, kept) = match self.settle {
             Settle::From(from) => {

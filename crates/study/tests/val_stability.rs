@@ -2,9 +2,9 @@
 
 use std::sync::atomic::AtomicBool;
 
-use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, Standing, builtin, poles};
+use rotor::{C64, ClosedLoop, Feedback, Mass, Rotor, Signal, Stability, builtin, poles};
 use study::disturbance::Means;
-use study::force::{LONGEST, Point, steady, until_settled};
+use study::force::{ForcePoint, LONGEST, steady, until_settled};
 use study::run::{Impulse, Plan, Settle, Settled, run};
 
 fn steady_plan(
@@ -29,7 +29,7 @@ fn balanced(rotor: &Rotor) -> Rotor {
     Rotor::new("balanced", masses, rotor.shafts().to_vec()).expect("valid")
 }
 
-fn point(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: f64) -> Point {
+fn point(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: f64) -> ForcePoint {
     steady(rotor, feedback, speed, deadband, &AtomicBool::new(false)).expect("simulated")
 }
 
@@ -47,10 +47,10 @@ fn val_force_says_that_the_pitch_mode_grows_though_nothing_excites_it() {
         assert!(rate.is_nan() || (expected - rate).abs() < 5e-5, "{expected}");
         let found = point(&rotor, &feedback, speed, 0.0);
         assert_eq!(found.settled, Settled::Steady, "what was found is steady: {found:?}");
-        let judged = found.stability.expect("a circular orbit");
-        assert_eq!((judged.standing, judged.by), (Standing::Unstable, Means::Eigenvalues));
-        assert!((judged.growth - expected).abs() < 1e-9, "{} for {expected}", judged.growth);
-        assert!((found.centre.growth - expected).abs() < 1e-9 && found.centre.standing == Standing::Unstable);
+        let found_growth = found.stability.expect("a circular orbit");
+        assert_eq!((found_growth.stability, found_growth.by), (Stability::Unstable, Means::Eigenvalues));
+        assert!((found_growth.growth - expected).abs() < 1e-9, "{} for {expected}", found_growth.growth);
+        assert!((found.centre.growth - expected).abs() < 1e-9 && found.centre.stability == Stability::Unstable);
     }
 }
 
@@ -60,16 +60,16 @@ fn a_rotor_without_unbalance_rests_and_is_told_to_be_unstable() {
     let rotor = balanced(&rotor);
     let found = point(&rotor, &feedback, 4.3, 0.0);
     assert_eq!((found.max_force, found.settled), (0.0, Settled::Steady));
-    assert_eq!(found.stability.map(|j| j.standing), Some(Standing::Unstable), "{found:?}");
+    assert_eq!(found.stability.map(|j| j.stability), Some(Stability::Unstable), "{found:?}");
     // And one mass above its threshold, with and without clearance; below it and without, it is stable.
     let jeffcott = balanced(&builtin::rotor("jeffcott").expect("built in"));
     let off = builtin::feedback(&jeffcott, "off").expect("built in");
-    for (speed, deadband, standing) in
-        [(2.3, 0.0, Standing::Unstable), (2.1, 0.0, Standing::Stable), (2.1, 1.0, Standing::Unstable)]
+    for (speed, deadband, stability) in
+        [(2.3, 0.0, Stability::Unstable), (2.1, 0.0, Stability::Stable), (2.1, 1.0, Stability::Unstable)]
     {
         let found = point(&jeffcott, &off, speed, deadband);
-        assert_eq!(found.stability.map(|j| j.standing), Some(standing), "R = {speed}, g = {deadband}");
-        assert_eq!(found.centre.standing, standing);
+        assert_eq!(found.stability.map(|j| j.stability), Some(stability), "R = {speed}, g = {deadband}");
+        assert_eq!(found.centre.stability, stability);
     }
 }
 
@@ -78,15 +78,15 @@ fn stable_values_are_called_stable() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let composite = builtin::feedback(&rotor, "composite").expect("built in");
     let linear = point(&rotor, &composite, 3.0, 0.0);
-    let judged = linear.stability.expect("a circular orbit");
-    assert_eq!(judged.standing, Standing::Stable);
-    assert!((judged.growth - growth(&rotor, &composite, 3.0)).abs() < 1e-9, "{judged:?}");
+    let found_growth = linear.stability.expect("a circular orbit");
+    assert_eq!(found_growth.stability, Stability::Stable);
+    assert!((found_growth.growth - growth(&rotor, &composite, 3.0)).abs() < 1e-9, "{found_growth:?}");
     // A limit cycle under unbalance beats, and stays.
     let beating = point(&rotor, &composite, 6.0, 1.0);
     assert_eq!(beating.settled, Settled::Beating);
-    let judged = beating.stability.expect("it has settled");
-    assert_eq!((judged.standing, judged.by), (Standing::Stable, Means::Simulation), "{judged:?}");
-    assert_eq!(beating.centre.standing, Standing::Unstable, "the whirl has grown out of the centre");
+    let found_growth = beating.stability.expect("it has settled");
+    assert_eq!((found_growth.stability, found_growth.by), (Stability::Stable, Means::Simulation), "{found_growth:?}");
+    assert_eq!(beating.centre.stability, Stability::Unstable, "the whirl has grown out of the centre");
 }
 
 #[test]
@@ -95,8 +95,8 @@ fn a_beating_motion_that_a_hidden_mode_would_leave_is_called_unstable() {
     let (rotor, feedback) = centre_bearing([-0.4, 0.3, -0.3, 0.0]);
     let outcome = until_settled(&rotor, &feedback, 4.4, 1.0, LONGEST, &AtomicBool::new(false)).expect("simulated");
     assert_eq!(outcome.settled, Settled::Beating, "{outcome:?}");
-    let judged = outcome.stability.expect("it has settled");
-    assert_eq!((judged.standing, judged.by), (Standing::Unstable, Means::Simulation), "{judged:?}");
+    let found_growth = outcome.stability.expect("it has settled");
+    assert_eq!((found_growth.stability, found_growth.by), (Stability::Unstable, Means::Simulation), "{found_growth:?}");
     // So it does, when something starts it.
     let plan = Plan {
         impulses: vec![Impulse { mass: 0, change: C64::new(1e-6, 0.0), at: 0.0 }],
@@ -119,9 +119,13 @@ fn a_limit_cycle_reached_by_a_blow_is_judged_about_itself_and_its_centre_beside_
         ..steady_plan(&rotor, &off, 1.6, &[1.0], 2000.0, Settle::From(1900.0))
     };
     let outcome = run(&plan, &mut [], &AtomicBool::new(false)).expect("simulated");
-    let judged = outcome.stability.expect("a limit cycle");
-    assert_eq!((judged.standing, outcome.centre.standing), (Standing::Stable, Standing::Unstable), "{outcome:?}");
-    assert!(judged.growth < -1e-3, "the free phase is not a disturbance: {judged:?}");
+    let found_growth = outcome.stability.expect("a limit cycle");
+    assert_eq!(
+        (found_growth.stability, outcome.centre.stability),
+        (Stability::Stable, Stability::Unstable),
+        "{outcome:?}"
+    );
+    assert!(found_growth.growth < -1e-3, "the free phase is not a disturbance: {found_growth:?}");
 }
 
 #[test]

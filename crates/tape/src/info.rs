@@ -47,9 +47,9 @@ pub struct Info {
     /// Steps on file.
     pub steps: u64,
     /// The first of them; null if there is none.
-    pub first: Option<At>,
+    pub first: Option<MomentInfo>,
     /// The last.
-    pub last: Option<At>,
+    pub last: Option<MomentInfo>,
     /// Seconds on the wall clock from first to last.
     pub seconds: f64,
     /// Steps missing between first and last.
@@ -65,11 +65,11 @@ pub struct Info {
     /// What they were held against: warning and alarm, null where there is no limit. Null if nobody judged.
     pub alarm_limits: Option<BTreeMap<&'static str, Option<[f64; 2]>>>,
     /// The smallest damping ratio under any settings in force; null if no poles are known, or no steps.
-    pub min_damping: Option<Damping>,
+    pub min_damping: Option<DampingInfo>,
     /// The largest control force; null without steps.
-    pub max_force: Option<Peak>,
+    pub max_force: Option<PeakInfo>,
     /// The largest radius of any mass; null without steps.
-    pub max_radius: Option<Peak>,
+    pub max_radius: Option<PeakInfo>,
     /// Snapshots of the machine, from which a what-if begins.
     pub snapshots: usize,
     /// Whether all that is on file has checksums; without them a changed number is not noticed.
@@ -82,7 +82,7 @@ pub struct Info {
 
 /// A moment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct At {
+pub struct MomentInfo {
     /// Step number.
     pub step: u64,
     /// Dimensionless time.
@@ -91,7 +91,7 @@ pub struct At {
     pub wall_ns: u64,
 }
 
-impl From<Moment> for At {
+impl From<Moment> for MomentInfo {
     fn from(Moment { seq, tau, wall_ns }: Moment) -> Self {
         Self { step: seq, tau, wall_ns }
     }
@@ -102,7 +102,7 @@ impl From<Moment> for At {
 pub struct TripInfo {
     /// When.
     #[serde(flatten)]
-    pub at: At,
+    pub at: MomentInfo,
     /// What tripped it.
     pub why: String,
     /// Revision of the settings that it tripped under.
@@ -121,9 +121,9 @@ pub struct AlarmInfo {
     /// The limit of that level.
     pub limit: f64,
     /// Where it rose.
-    pub from: At,
+    pub from: MomentInfo,
     /// Where it was within its limits again; null if it was not until the end.
-    pub to: Option<At>,
+    pub to: Option<MomentInfo>,
 }
 
 impl From<&Entry> for AlarmInfo {
@@ -134,31 +134,31 @@ impl From<&Entry> for AlarmInfo {
             worst: entry.worst,
             limit: entry.limit,
             from: entry.rose.into(),
-            to: entry.fell.map(At::from),
+            to: entry.fell.map(MomentInfo::from),
         }
     }
 }
 
 /// Settings with the smallest damping.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Damping {
+pub struct DampingInfo {
     /// The damping ratio.
     pub value: f64,
     /// The first step on file under those settings.
     #[serde(flatten)]
-    pub at: At,
+    pub at: MomentInfo,
     /// Their revision.
     pub revision: u64,
 }
 
 /// The largest of something, and when.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Peak {
+pub struct PeakInfo {
     /// How large.
     pub value: f64,
     /// When.
     #[serde(flatten)]
-    pub at: At,
+    pub at: MomentInfo,
     /// The mass, counted from 1; for a radius.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mass: Option<usize>,
@@ -170,7 +170,7 @@ impl Info {
     /// # Errors
     /// The file has changed or cannot be read.
     pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
-        let (mut force, mut radius) = (None::<Peak>, None::<Peak>);
+        let (mut force, mut radius) = (None::<PeakInfo>, None::<PeakInfo>);
         let mut held = false;
         // Of the settings that were in force while steps were recorded; the first do not count as a change.
         let first = recording.span().map_or(0, |span| span.first.seq);
@@ -180,14 +180,14 @@ impl Info {
         let last = recording.span().map_or(0, |span| span.last.seq);
         let damped = in_force.iter().filter(|r| !r.poles.is_empty() && r.from <= last);
         let least = damped.min_by(|a, b| a.min_damping.total_cmp(&b.min_damping));
-        let mut damping = None::<Damping>;
+        let mut damping = None::<DampingInfo>;
         let recalled = Alarms::recalled(Limits::none(), &recording.turns());
         let mut alarms: Vec<Entry> = recalled.entries().filter(|entry| entry.watch != Watch::Trip).cloned().collect();
         alarms.reverse();
         recording.visit(0..u64::MAX, 1, |state| {
-            let at = At { step: state.seq(), tau: state.tau(), wall_ns: state.wall_ns() };
+            let at = MomentInfo { step: state.seq(), tau: state.tau(), wall_ns: state.wall_ns() };
             if let Some(least) = least.filter(|least| damping.is_none() && least.from <= state.seq()) {
-                damping = Some(Damping { value: least.min_damping, at, revision: least.revision });
+                damping = Some(DampingInfo { value: least.min_damping, at, revision: least.revision });
             }
             // A machine that is held repeats the step that tripped it.
             let is_held = std::mem::replace(&mut held, is_tripped(state)) && held;
@@ -204,9 +204,9 @@ impl Info {
                 };
                 entry.worst = entry.worst.max(value);
             }
-            larger(&mut force, Peak { value: y.hypot(z), at, mass: None });
+            larger(&mut force, PeakInfo { value: y.hypot(z), at, mass: None });
             for (mass, point) in state.points().enumerate() {
-                larger(&mut radius, Peak { value: point.radius(), at, mass: Some(mass + 1) });
+                larger(&mut radius, PeakInfo { value: point.radius(), at, mass: Some(mass + 1) });
             }
             ControlFlow::Continue(())
         })?;
@@ -263,7 +263,7 @@ impl Info {
     }
 }
 
-fn larger(peak: &mut Option<Peak>, candidate: Peak) {
+fn larger(peak: &mut Option<PeakInfo>, candidate: PeakInfo) {
     if peak.is_none_or(|peak| candidate.value > peak.value) {
         *peak = Some(candidate);
     }

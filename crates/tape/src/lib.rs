@@ -40,7 +40,7 @@ pub use batch::Batch;
 pub use damage::{Damage, DamageKind, LostSteps};
 pub use error::TapeError;
 pub use event::{Event, Remark, What};
-pub use info::{AlarmInfo, At, Damping, Info, Peak, TripInfo};
+pub use info::{AlarmInfo, DampingInfo, Info, MomentInfo, PeakInfo, TripInfo};
 pub use offline::OfflineTape;
 pub use recording::Recording;
 pub use rotation::{FileRotation, Keep};

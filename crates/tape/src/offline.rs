@@ -90,7 +90,7 @@ impl OfflineTape {
         };
         let name = target.file_name().unwrap_or_default().to_string_lossy();
         let part = target.with_file_name(format!(".{name}-{}.part", std::process::id()));
-        let head = Head { session, bench_status, standing: Vec::new(), snapshot: None };
+        let head = Head { session, bench_status, alarms: Vec::new(), snapshot: None };
         let mut sink = sink::create(&part, &head)?;
         let part = Unfinished(part);
         sink.revision(&head.revision(), Moment::default())?;

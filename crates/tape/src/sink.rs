@@ -39,7 +39,7 @@ pub struct Head {
     /// The slow picture as it stands at the beginning; its settings are those in force.
     pub bench_status: Box<BenchStatus>,
     /// The alarms in force: of each the turn with which it rose, and the last one.
-    pub standing: Vec<Remark>,
+    pub alarms: Vec<Remark>,
     /// All of the machine, before a step that the file may begin after.
     pub snapshot: Option<(Snapshot, Moment)>,
 }
@@ -144,7 +144,7 @@ impl Head {
             dtau: bench_status.dtau,
             limits: None,
         };
-        Self { session, bench_status, standing: Vec::new(), snapshot: None }
+        Self { session, bench_status, alarms: Vec::new(), snapshot: None }
     }
 
     /// The same of a bench that is held against limits.
@@ -159,15 +159,15 @@ impl Head {
         let What::Alarm(turn) = &remark.what else { return };
         let is_same = |other: &Remark| matches!(&other.what, What::Alarm(other) if other.watch == turn.watch);
         if turn.level == Level::Fine {
-            self.standing.retain(|other| !is_same(other));
+            self.alarms.retain(|other| !is_same(other));
             return;
         }
-        let rose = self.standing.iter().position(is_same);
-        let last = self.standing.iter().rposition(is_same);
+        let rose = self.alarms.iter().position(is_same);
+        let last = self.alarms.iter().rposition(is_same);
         if let Some(last) = last.filter(|last| Some(*last) != rose) {
-            self.standing.remove(last);
+            self.alarms.remove(last);
         }
-        self.standing.push(remark.clone());
+        self.alarms.push(remark.clone());
     }
 
     /// What came into force with an event that happened before the recording began: those that came late are told of it.

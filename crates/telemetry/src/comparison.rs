@@ -93,7 +93,7 @@ fn worst_deadband(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2], stop
     let gains = structure.variables_of(&settings.feedback);
     let problem = Problem::new(family, structure, gains.iter().fold(1.0, |most, gain| gain.abs().max(most)));
     let options = Options { prove: false, ..Options::for_problem(&problem) };
-    tuner::judge(&problem, &options, &gains, stop).ok().map(|judged| judged.worst.value)
+    tuner::evaluate(&problem, &options, &gains, stop).ok().map(|found| found.worst.value)
 }
 
 /// One quantity under the gains in force and under those found, in words.

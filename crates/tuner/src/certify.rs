@@ -23,7 +23,7 @@ use crate::stop::Stop;
 pub struct Certificate {
     /// Where the worst was found, in the coordinates of the family's axes.
     pub point: Vec<f64>,
-    /// What the worst mode is worth there; exactly 0 for one that is marginal, see [`rotor::Standing`].
+    /// What the worst mode is worth there; exactly 0 for one that is marginal, see [`rotor::Stability`].
     pub value: f64,
     /// The pole of that mode.
     pub pole: C64,

@@ -82,9 +82,9 @@ pub(crate) struct Reading {
 pub(crate) struct Evaluator<'p> {
     pub(crate) problem: &'p Problem,
     pub(crate) conditions: Vec<Operating>,
-    /// Every mode of every condition for the gains last judged.
+    /// Every mode of every condition for the gains last evaluated.
     pub(crate) readings: Vec<Reading>,
-    /// One a condition; stale where it was not judged.
+    /// One a condition; stale where it was not evaluated.
     closed: Vec<Option<Closed>>,
     /// Likewise, the poles: near those of the next gains, which is where loops with delay are looked for first.
     before: Vec<Vec<C64>>,
@@ -93,12 +93,12 @@ pub(crate) struct Evaluator<'p> {
     sensitivities: Vec<C64>,
     /// Gains that these are to stay near, and the price of the square of the distance.
     pub(crate) tether: Option<(Vec<f64>, f64)>,
-    /// Once it is set nothing is judged any more: whatever climbs comes to its end at once.
+    /// Once it is set nothing is evaluated any more: whatever climbs comes to its end at once.
     stop: Stop<'p>,
 }
 
 impl<'p> Evaluator<'p> {
-    /// Nothing judged yet.
+    /// Nothing evaluated yet.
     pub(crate) fn new(problem: &'p Problem, points: &[Vec<f64>]) -> Self {
         let conditions = points.iter().map(|point| Operating::at(problem, point)).collect();
         Self {
@@ -125,7 +125,7 @@ impl<'p> Evaluator<'p> {
     }
 
     /// Judges `gains` at every condition and gives the worth of the worst mode; `-inf` if it cannot be had.
-    pub(crate) fn judge(&mut self, gains: &[f64]) -> f64 {
+    pub(crate) fn evaluate(&mut self, gains: &[f64]) -> f64 {
         self.readings.clear();
         let mut worst = f64::INFINITY;
         for condition in 0..self.conditions.len() {
@@ -168,7 +168,7 @@ impl<'p> Evaluator<'p> {
         worst
     }
 
-    /// The slope of one reading of the gains last judged in each variable, into `out`.
+    /// The slope of one reading of the gains last evaluated in each variable, into `out`.
     pub(crate) fn slope(&mut self, reading: Reading, out: &mut [f64]) {
         let [by_re, by_im] = self.problem.measure.slope(reading.pole);
         for (out, moved) in out.iter_mut().zip(self.pole_slope(reading)) {
@@ -176,7 +176,7 @@ impl<'p> Evaluator<'p> {
         }
     }
 
-    /// What the pole of a reading of the gains last judged moves by with each variable.
+    /// What the pole of a reading of the gains last evaluated moves by with each variable.
     pub(crate) fn pole_slope(&mut self, reading: Reading) -> &[C64] {
         let Reading { condition, pole, .. } = reading;
         let operating = &self.conditions[condition];
@@ -255,7 +255,7 @@ impl<'p> Evaluator<'p> {
 
     /// What counts when gains are compared: the worth of the worst mode, less the price of constraints that are violated.
     pub(crate) fn merit(&mut self, gains: &[f64]) -> f64 {
-        let worst = self.judge(gains);
+        let worst = self.evaluate(gains);
         let lacking =
             self.readings.iter().filter_map(|r| self.problem.measure.in_hand(r.pole)).map(|(value, _)| -value);
         let excess = self.largest_relative_force(gains) - 1.0;
@@ -335,14 +335,14 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::{Axis, Family, Quantity, Schedule, Structure};
+    use crate::{Family, FamilyAxis, FamilyQuantity, Schedule, Structure};
 
     fn problem(delay: f64, individual: bool, around: impl Fn(&mut rotor::Feedback)) -> Problem {
         let rotor = rotor::builtin::rotor("three-mass").unwrap();
         let mut family = Family::new(&rotor, 0.0, 7.0).unwrap();
         family.any_deadband(true).unwrap();
         if delay > 0.0 {
-            family.push(Axis { quantity: Quantity::Delay, from: delay, to: delay }).unwrap();
+            family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: delay, to: delay }).unwrap();
         }
         let mut template =
             if individual { Structure::individual(3, 0, &[0, 1]) } else { Structure::composite(3, 0, &[0, 1]) };
@@ -354,7 +354,7 @@ mod tests {
     /// Slopes of poles and force are those of differences, with and without delay, for every gain at every knot.
     fn slopes_agree(problem: &Problem, gains: &[f64], point: &[f64]) -> Result<(), TestCaseError> {
         let mut evaluator = Evaluator::new(problem, &[point.to_vec()]);
-        evaluator.judge(gains);
+        evaluator.evaluate(gains);
         let readings = evaluator.readings.clone();
         let mut force_slope = vec![0.0; gains.len()];
         evaluator.relative_force(0, gains, &mut force_slope);
@@ -367,7 +367,7 @@ mod tests {
                 there
             };
             let mut poles_at = |by: f64| {
-                evaluator.judge(&shifted(by));
+                evaluator.evaluate(&shifted(by));
                 evaluator.readings.iter().map(|r| r.pole).collect::<Vec<_>>()
             };
             let (after, before) = (poles_at(h), poles_at(-h));
@@ -437,7 +437,7 @@ mod tests {
         }
     }
 
-    /// Every pole that is judged solves the equation with the delay in it.
+    /// Every pole that is evaluated solves the equation with the delay in it.
     #[test]
     fn val_poles_with_delay_solve_the_transcendental_equation() {
         let problem = problem(0.2, false, |_| ());

@@ -5,7 +5,7 @@ use rotor::{ClosedLoop, FIELDS, Feedback, Mass, Quadratic, Rotor};
 
 /// What one coordinate of a condition is.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Quantity {
+pub enum FamilyQuantity {
     /// Spin speed `R`.
     Speed,
     /// The factor, 0 to 1, that deadband leaves of the stiffness of the support bearings at these masses (from 0).
@@ -23,7 +23,7 @@ pub enum Quantity {
     Delay,
 }
 
-impl Quantity {
+impl FamilyQuantity {
     /// Its name, as on the command line: `speed`, `factor.1`, `factor`, `damping.2`, `shaft.1`, `delay`.
     #[must_use]
     pub fn name(&self) -> String {
@@ -48,17 +48,17 @@ impl Quantity {
 
 /// One coordinate with its range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub struct FamilyAxis {
     /// What it is.
-    pub quantity: Quantity,
+    pub quantity: FamilyQuantity,
     /// Its least value.
     pub from: f64,
     /// Its greatest value; the same if it does not vary.
     pub to: f64,
 }
 
-impl Axis {
-    /// The range in the coordinate that is stepped through, see [`Quantity::is_inverse`].
+impl FamilyAxis {
+    /// The range in the coordinate that is stepped through, see [`FamilyQuantity::is_inverse`].
     fn ends(&self) -> [f64; 2] {
         if self.quantity.is_inverse() { [1.0 / self.to, 1.0 / self.from] } else { [self.from, self.to] }
     }
@@ -106,7 +106,7 @@ pub enum FamilyError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Family {
     rotor: Rotor,
-    axes: Vec<Axis>,
+    axes: Vec<FamilyAxis>,
 }
 
 impl Family {
@@ -116,7 +116,7 @@ impl Family {
     /// A range that is empty, negative or not finite.
     pub fn new(rotor: &Rotor, from: f64, to: f64) -> Result<Self, FamilyError> {
         let mut made = Self { rotor: rotor.clone(), axes: Vec::new() };
-        made.push(Axis { quantity: Quantity::Speed, from, to })?;
+        made.push(FamilyAxis { quantity: FamilyQuantity::Speed, from, to })?;
         Ok(made)
     }
 
@@ -124,8 +124,8 @@ impl Family {
     ///
     /// # Errors
     /// A range that is empty or not allowed, a mass that does not exist, or a coordinate that is there already.
-    pub fn push(&mut self, axis: Axis) -> Result<(), FamilyError> {
-        let Axis { quantity, from, to } = &axis;
+    pub fn push(&mut self, axis: FamilyAxis) -> Result<(), FamilyError> {
+        let FamilyAxis { quantity, from, to } = &axis;
         let (name, from, to) = (quantity.name(), *from, *to);
         if !(from <= to && from.is_finite() && to.is_finite()) {
             return Err(FamilyError::Empty { name, from, to });
@@ -135,15 +135,15 @@ impl Family {
         }
         let masses = self.rotor.len();
         let (exists, expected, allowed) = match quantity {
-            Quantity::Speed | Quantity::Delay => (true, "finite numbers, not negative", from >= 0.0),
-            Quantity::Stiffness(of) => {
+            FamilyQuantity::Speed | FamilyQuantity::Delay => (true, "finite numbers, not negative", from >= 0.0),
+            FamilyQuantity::Stiffness(of) => {
                 (of.iter().all(|&i| i < masses), "factors from 0 to 1", from >= 0.0 && to <= 1.0)
             }
-            Quantity::Parameter { field, mass } => {
+            FamilyQuantity::Parameter { field, mass } => {
                 let domain = FIELDS[*field].domain;
                 (*mass < masses, domain.words(), domain.admits(from) && domain.admits(to))
             }
-            Quantity::Shaft(shaft) => (shaft + 1 < masses, "finite numbers, not negative", from >= 0.0),
+            FamilyQuantity::Shaft(shaft) => (shaft + 1 < masses, "finite numbers, not negative", from >= 0.0),
         };
         if !exists {
             return Err(FamilyError::Missing { name, masses });
@@ -166,7 +166,7 @@ impl Family {
         let groups: Vec<Vec<usize>> =
             if each_by_itself { bearings.into_iter().map(|i| vec![i]).collect() } else { vec![bearings] };
         for group in groups.into_iter().filter(|group| !group.is_empty()) {
-            self.push(Axis { quantity: Quantity::Stiffness(group), from: 0.0, to: 1.0 })?;
+            self.push(FamilyAxis { quantity: FamilyQuantity::Stiffness(group), from: 0.0, to: 1.0 })?;
         }
         Ok(())
     }
@@ -179,7 +179,7 @@ impl Family {
 
     /// Its coordinates, speed first.
     #[must_use]
-    pub fn axes(&self) -> &[Axis] {
+    pub fn axes(&self) -> &[FamilyAxis] {
         &self.axes
     }
 
@@ -205,7 +205,7 @@ impl Family {
     /// Whether it has delays: then its poles are not those of a matrix.
     #[must_use]
     pub fn has_delay(&self) -> bool {
-        self.axes.iter().any(|axis| axis.quantity == Quantity::Delay && axis.to > 0.0)
+        self.axes.iter().any(|axis| axis.quantity == FamilyQuantity::Delay && axis.to > 0.0)
     }
 
     /// Indices of the coordinates that vary.
@@ -221,7 +221,7 @@ impl Family {
     /// The values of the quantities at a point.
     #[must_use]
     pub fn values(&self, point: &[f64]) -> Vec<f64> {
-        let value = |(axis, &at): (&Axis, &f64)| if axis.quantity.is_inverse() { 1.0 / at } else { at };
+        let value = |(axis, &at): (&FamilyAxis, &f64)| if axis.quantity.is_inverse() { 1.0 / at } else { at };
         self.axes.iter().zip(point).map(value).collect()
     }
 
@@ -237,18 +237,18 @@ impl Family {
         let mut shafts = self.rotor.shafts().to_vec();
         for (axis, &at) in self.axes.iter().zip(point) {
             match &axis.quantity {
-                Quantity::Parameter { field, mass } => {
+                FamilyQuantity::Parameter { field, mass } => {
                     let mut values = masses[*mass].values();
                     values[*field] = if axis.quantity.is_inverse() { 1.0 / at } else { at };
                     masses[*mass] = Mass::from_values(values);
                 }
-                Quantity::Shaft(shaft) => shafts[*shaft] = at,
-                Quantity::Speed | Quantity::Stiffness(_) | Quantity::Delay => {}
+                FamilyQuantity::Shaft(shaft) => shafts[*shaft] = at,
+                FamilyQuantity::Speed | FamilyQuantity::Stiffness(_) | FamilyQuantity::Delay => {}
             }
         }
         // Factors act on whatever stiffness a parameter has set.
         for (axis, &at) in self.axes.iter().zip(point) {
-            if let Quantity::Stiffness(of) = &axis.quantity {
+            if let FamilyQuantity::Stiffness(of) = &axis.quantity {
                 of.iter().for_each(|&i| masses[i].bearing_stiffness *= at);
             }
         }
@@ -260,7 +260,7 @@ impl Family {
         let speed = point[0];
         let mut made: Vec<f64> = self.rotor.masses().iter().map(|mass| mass.unbalance).collect();
         for (axis, &at) in self.axes.iter().zip(point) {
-            if let Quantity::Parameter { field: 5, mass } = axis.quantity {
+            if let FamilyQuantity::Parameter { field: 5, mass } = axis.quantity {
                 made[mass] = at;
             }
         }
@@ -269,7 +269,7 @@ impl Family {
 
     /// The delay at a point, if it is one of the coordinates.
     pub(crate) fn delay(&self, point: &[f64]) -> Option<f64> {
-        self.axes.iter().zip(point).find(|(axis, _)| axis.quantity == Quantity::Delay).map(|(_, &at)| at)
+        self.axes.iter().zip(point).find(|(axis, _)| axis.quantity == FamilyQuantity::Delay).map(|(_, &at)| at)
     }
 
     /// Whether a grid of `counts` is walked whole: one that is larger than [`MOST_POINTS`] is not.

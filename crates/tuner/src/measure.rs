@@ -7,7 +7,7 @@ const SLOW: f64 = 0.05;
 /// A pole at the origin would have to decay by this, per unit of `tau`: within a thousand.
 const CREEP: f64 = 1e-3;
 
-/// How a pole is judged.
+/// How a pole is evaluated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measure {
     /// Damping ratio `-Re / |lambda|` (4.28), divided by the weight of its whirl: with weight 2 on backward whirl, a

@@ -52,7 +52,7 @@ pub(crate) fn polish(
         let pull = evaluator.tether.clone();
         let Some(step) = Step::of(&rows, gains, bound, radius, &hessian, pull.as_ref()) else {
             radius *= 0.25;
-            evaluator.judge(gains);
+            evaluator.evaluate(gains);
             continue;
         };
         if step.rise < negligible {
@@ -70,7 +70,7 @@ pub(crate) fn polish(
             if other.aim > there.aim {
                 there = other;
             } else {
-                evaluator.judge(&there.gains);
+                evaluator.evaluate(&there.gains);
             }
         }
         held = step.held;
@@ -85,7 +85,7 @@ pub(crate) fn polish(
             }
         } else {
             radius = 0.3 * length.min(radius);
-            evaluator.judge(gains);
+            evaluator.evaluate(gains);
         }
     }
     *gains = best.1;
@@ -280,7 +280,7 @@ pub struct Stationarity {
 /// The certificate of local optimality for `gains` over the conditions of `evaluator`.
 pub(crate) fn stationarity(evaluator: &mut Evaluator, gains: &[f64], within: f64, merge: f64) -> Stationarity {
     let n = gains.len();
-    evaluator.judge(gains);
+    evaluator.evaluate(gains);
     let bound = evaluator.problem.bound;
     let rows = Rows::within(evaluator, gains, within, merge);
     let at_bound = |gain: f64| gain.abs() >= bound * (1.0 - 1e-9);

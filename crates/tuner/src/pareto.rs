@@ -14,7 +14,7 @@ pub enum Price {
 
 /// One point of the front.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point {
+pub struct ParetoPoint {
     /// The limit.
     pub limit: f64,
     /// What was found within it.
@@ -55,10 +55,10 @@ pub fn pareto(
     options: &Options,
     progress: &(dyn Fn(&Progress) + Sync),
     stop: Stop,
-) -> Result<Vec<Point>, ProblemError> {
+) -> Result<Vec<ParetoPoint>, ProblemError> {
     let best = tune(problem, options, progress, stop)?;
     let top = price.of(&best);
-    let mut front = vec![Point { limit: top, tuned: best }];
+    let mut front = vec![ParetoPoint { limit: top, tuned: best }];
     if !(top > 0.0 && front[0].tuned.worst.stable() == Some(true)) {
         return Ok(front);
     }
@@ -103,7 +103,7 @@ pub fn pareto(
             tuned = tightest.clone();
         }
         if within(&tuned, limit) {
-            front.push(Point { limit, tuned });
+            front.push(ParetoPoint { limit, tuned });
         }
     }
     Ok(front)

@@ -70,7 +70,7 @@ impl Row {
         }
     }
 
-    /// The row of `source` at the gains last judged, which are `gains`.
+    /// The row of `source` at the gains last evaluated, which are `gains`.
     fn of(source: Source, evaluator: &mut Evaluator, gains: &[f64]) -> Self {
         let mut slope = vec![0.0; gains.len()];
         let measure = evaluator.problem.measure;
@@ -113,7 +113,7 @@ impl Row {
         Self { kind, source, value, slope, slack }
     }
 
-    /// The same row at other gains, which were just judged.
+    /// The same row at other gains, which were just evaluated.
     pub(crate) fn again(&self, evaluator: &mut Evaluator, gains: &[f64]) -> Self {
         let nearest = |evaluator: &Evaluator, to: Reading, but: Option<C64>| {
             let same = evaluator.readings.iter().filter(|r| r.condition == to.condition && Some(r.pole) != but);
@@ -181,7 +181,7 @@ pub(crate) struct Rows {
 }
 
 impl Rows {
-    /// What can matter within `radius` of the gains last judged.
+    /// What can matter within `radius` of the gains last evaluated.
     pub(crate) fn near(evaluator: &mut Evaluator, gains: &[f64], radius: f64, merge: f64) -> Self {
         // Every value may fall, and the worst rise, as fast as the steepest seen so far.
         Self::collect(evaluator, gains, merge, &|steepest| 2.0 * radius * steepest, radius)
@@ -249,7 +249,7 @@ impl Rows {
         Self { rows, worst }
     }
 
-    /// The same rows at other gains, just judged; the worst takes in every mode there is.
+    /// The same rows at other gains, just evaluated; the worst takes in every mode there is.
     pub(crate) fn again(&self, evaluator: &mut Evaluator, gains: &[f64]) -> Self {
         if evaluator.readings.is_empty() {
             return Self { rows: self.rows.clone(), worst: f64::NEG_INFINITY };

@@ -218,7 +218,7 @@ fn search(problem: &Problem, options: &Options, progress: &(dyn Fn(&Progress) + 
 ///
 /// # Errors
 /// A problem that makes no sense.
-pub fn judge(problem: &Problem, options: &Options, gains: &[f64], stop: Stop) -> Result<Tuned, ProblemError> {
+pub fn evaluate(problem: &Problem, options: &Options, gains: &[f64], stop: Stop) -> Result<Tuned, ProblemError> {
     problem.check()?;
     let begun = Instant::now();
     let evaluations = AtomicU64::new(0);
@@ -347,7 +347,7 @@ fn prove(
         let known = if stop.is_set() {
             // No time for a scan: the worst of what the climb has looked at.
             evaluator = Evaluator::new(problem, &points);
-            evaluator.judge(&gains);
+            evaluator.evaluate(&gains);
             let least = evaluator.readings.iter().min_by(|a, b| a.value.total_cmp(&b.value));
             least.map(|reading| (reading.value, evaluator.conditions[reading.condition].point.clone()))
         } else {
@@ -388,7 +388,7 @@ fn prove(
     }
     let within = ACTIVE * worst.value.abs().max(1e-3);
     let stationarity = stationarity(&mut evaluator, &gains, within, MERGE);
-    evaluator.judge(&gains);
+    evaluator.evaluate(&gains);
     let mut active: Vec<Active> = evaluator
         .readings
         .iter()

@@ -55,7 +55,7 @@ impl Climber<'_, '_> {
     /// `-S_beta` and its slope at `at`.
     fn point(&mut self, at: Vec<f64>) -> Point {
         let mut slope = vec![0.0; at.len()];
-        let worst = self.evaluator.judge(&at);
+        let worst = self.evaluator.evaluate(&at);
         if worst == f64::NEG_INFINITY {
             return Point { at, value: f64::INFINITY, slope };
         }

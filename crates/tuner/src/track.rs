@@ -9,7 +9,7 @@
 //!
 //! It begins at one speed with a full search, continues from there to both ends, each speed from the gains of its
 //! neighbour and held by them, and then goes up and down over all speeds, each held by both neighbours, until the gains
-//! settle. Between the speeds gains are interpolated; what that does to the poles is judged over the whole range in the end.
+//! settle. Between the speeds gains are interpolated; what that does to the poles is evaluated over the whole range in the end.
 
 use rotor::Feedback;
 
@@ -17,7 +17,7 @@ use crate::conditions::counts;
 use crate::evaluate::Evaluator;
 use crate::search::{COARSE, FINE, exchange, improve};
 use crate::stop::Stop;
-use crate::{Method, Options, Problem, ProblemError, Progress, Schedule, Structure, Tuned, judge, tune};
+use crate::{Method, Options, Problem, ProblemError, Progress, Schedule, Structure, Tuned, evaluate, tune};
 
 /// Gains over speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,8 +28,8 @@ pub struct Tracked {
     pub gains: Vec<Vec<f64>>,
     /// What the worst mode is worth at each of them.
     pub values: Vec<f64>,
-    /// The feedback that interpolates, judged over the whole range.
-    pub judged: Tuned,
+    /// The feedback that interpolates, evaluated over the whole range.
+    pub evaluated: Tuned,
 }
 
 impl Tracked {
@@ -45,7 +45,7 @@ impl Tracked {
     /// The feedback: tables over speed.
     #[must_use]
     pub fn feedback(&self) -> &Feedback {
-        &self.judged.feedback
+        &self.evaluated.feedback
     }
 }
 
@@ -104,8 +104,8 @@ pub fn track(
         }
     }
     let (gains, values): (Vec<_>, Vec<_>) = stations.into_iter().map(|s| (s.gains, s.value)).unzip();
-    let judged = judge_table(problem, speeds, &gains, options, stop)?;
-    Ok(Tracked { speeds: speeds.to_vec(), gains, values, judged })
+    let evaluated = evaluate_table(problem, speeds, &gains, options, stop)?;
+    Ok(Tracked { speeds: speeds.to_vec(), gains, values, evaluated })
 }
 
 /// One speed.
@@ -124,12 +124,12 @@ impl Station {
         evaluator.tether = tether;
         improve(&mut evaluator, &mut self.gains, 0.1, stop);
         exchange(&mut evaluator, &mut points, &mut self.gains, &counts(family, FINE), Method::Nonsmooth, stop);
-        self.value = evaluator.judge(&self.gains);
+        self.value = evaluator.evaluate(&self.gains);
     }
 }
 
 /// The interpolated gains over the whole range.
-fn judge_table(
+fn evaluate_table(
     problem: &Problem,
     speeds: &[f64],
     gains: &[Vec<f64>],
@@ -143,5 +143,5 @@ fn judge_table(
     let each = gains[0].len();
     let variables: Vec<f64> = (0..each).flat_map(|i| gains.iter().map(move |at| at[i])).collect();
     let family = problem.family.over_speeds(from, to);
-    judge(&Problem { family, structure, ..problem.clone() }, options, &variables, stop)
+    evaluate(&Problem { family, structure, ..problem.clone() }, options, &variables, stop)
 }

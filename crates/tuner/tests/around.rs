@@ -2,7 +2,7 @@
 
 use rotor::circular::synchronous;
 use rotor::{Feedback, Filter, Parts, Rotor, Settings, builtin};
-use tuner::{Axis, Family, Options, Problem, Quantity, Schedule, Stop, Structure, Tuned, judge, tune};
+use tuner::{Family, FamilyAxis, FamilyQuantity, Options, Problem, Schedule, Stop, Structure, Tuned, evaluate, tune};
 
 fn three_mass() -> Rotor {
     builtin::rotor("three-mass").expect("built in")
@@ -67,10 +67,10 @@ fn a_delay_of_the_loop_is_a_delay_of_the_family() {
     let gains = [-0.5879, 0.4948, -0.4847, 0.6483];
     let own = problem(&template(Parts { delay: 0.02, ..Parts::default() }, vec![]));
     let mut family = problem(&template(Parts::default(), vec![]));
-    family.family.push(Axis { quantity: Quantity::Delay, from: 0.02, to: 0.02 }).expect("a delay");
+    family.family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: 0.02, to: 0.02 }).expect("a delay");
     let [own, family] = [own, family].map(|mut problem| {
         problem.family = problem.family.at_speed(6.0);
-        judge(&problem, &Options::for_problem(&problem), &gains, Stop::NEVER).expect("makes sense")
+        evaluate(&problem, &Options::for_problem(&problem), &gains, Stop::NEVER).expect("makes sense")
     });
     assert_eq!(own.worst.value, family.worst.value);
     // Physics, section 7: these gains at R = 6 with this delay.

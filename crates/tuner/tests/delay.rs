@@ -4,21 +4,22 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rotor::{Feedback, Mass, Rotor, builtin};
 use tuner::{
-    Axis, Family, Measure, Options, Price, Problem, Quantity, Schedule, Stop, Structure, Tuned, judge, pareto, tune,
+    Family, FamilyAxis, FamilyQuantity, Measure, Options, Price, Problem, Schedule, Stop, Structure, Tuned, evaluate,
+    pareto, tune,
 };
 
 fn problem(rotor: &Rotor, [from, to]: [f64; 2], delay: f64) -> Problem {
     let mut family = Family::new(rotor, from, to).expect("a range");
     if delay > 0.0 {
-        family.push(Axis { quantity: Quantity::Delay, from: delay, to: delay }).expect("a delay");
+        family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: delay, to: delay }).expect("a delay");
     }
     let sensors: &[usize] = if rotor.len() == 1 { &[0] } else { &[0, 1] };
     let template: Feedback = Structure::composite(rotor.len(), 0, sensors);
     Problem::new(family, Structure::new(rotor, &template, Schedule::Fixed).expect("fits"), 100.0)
 }
 
-fn judged(problem: &Problem, gains: &[f64]) -> Tuned {
-    judge(problem, &Options::for_problem(problem), gains, Stop::NEVER).expect("makes sense")
+fn evaluated(problem: &Problem, gains: &[f64]) -> Tuned {
+    evaluate(problem, &Options::for_problem(problem), gains, Stop::NEVER).expect("makes sense")
 }
 
 /// What `tune three-mass --over 0..6 --delay 5` once found and called damped by 0.999999. SciPy has 0.178320 + 2.000303 j.
@@ -27,7 +28,7 @@ fn val_a_long_delay_hides_no_mode() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let gains =
         [0.442_827_951_028_133_55, 0.841_506_631_057_064_5, 0.031_695_913_115_900_94, 0.047_239_476_878_905_035];
-    let found = judged(&problem(&rotor, [6.0, 6.0], 5.0), &gains);
+    let found = evaluated(&problem(&rotor, [6.0, 6.0], 5.0), &gains);
     let worst = &found.worst;
     assert_eq!(worst.stable(), Some(false), "{worst:?}");
     assert!((worst.count_right_of.expect("a line") + 0.4).abs() < 0.01, "{worst:?}");
@@ -44,7 +45,7 @@ fn modes_beyond_pi_over_the_delay_are_judged() {
     let soft = builtin::rotor("three-mass").expect("built in");
     let rotor = Rotor::new("stiff", soft.masses().to_vec(), vec![50.0, 50.0]).expect("a rotor");
     // Of the case "stiff shafts" of tests/reference/delay.json.
-    let found = judged(&problem(&rotor, [3.0, 3.0], 0.25), &[9.0, 6.0, -3.0, 2.0]);
+    let found = evaluated(&problem(&rotor, [3.0, 3.0], 0.25), &[9.0, 6.0, -3.0, 2.0]);
     assert_eq!(found.worst.stable(), Some(false));
     assert!(found.worst.pole.norm() > std::f64::consts::PI / 0.25, "{:?}", found.worst);
 }
@@ -53,7 +54,7 @@ fn modes_beyond_pi_over_the_delay_are_judged() {
 fn val_damping_with_a_short_delay_is_that_of_the_table() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     for (speed, damping) in [(2.5, 0.054_314_4), (6.0, 0.009_767_58)] {
-        let found = judged(&problem(&rotor, [speed, speed], 0.02), &[-0.5879, 0.4948, -0.4847, 0.6483]);
+        let found = evaluated(&problem(&rotor, [speed, speed], 0.02), &[-0.5879, 0.4948, -0.4847, 0.6483]);
         assert!((found.worst.value - damping).abs() < 5e-8, "{:?}", found.worst);
         assert_eq!(found.worst.count_right_of, Some(-100.0));
     }
@@ -63,7 +64,7 @@ fn val_damping_with_a_short_delay_is_that_of_the_table() {
 #[test]
 fn what_cannot_be_counted_is_not_known() {
     let rotor = builtin::rotor("three-mass").expect("built in");
-    let found = judged(&problem(&rotor, [6.0, 6.0], 1e9), &[-0.5879, 0.4948, -0.4847, 0.6483]);
+    let found = evaluated(&problem(&rotor, [6.0, 6.0], 1e9), &[-0.5879, 0.4948, -0.4847, 0.6483]);
     assert!(!found.worst.is_known() && found.worst.stable() != Some(true), "{:?}", found.worst);
 }
 
@@ -92,7 +93,7 @@ fn a_mode_within_rounding_of_the_axis_is_no_success() {
             }
             for measure in [Measure::default(), Measure::Decay] {
                 let asked = Problem { measure, ..problem(&loose(damping), [0.0, 0.0], delay) };
-                let found = judged(&asked, &gains);
+                let found = evaluated(&asked, &gains);
                 assert!(found.worst.marginal() && found.worst.stable().is_none(), "{damping:?} {delay} {found:?}");
                 assert_eq!(found.worst.value, 0.0);
             }
@@ -103,7 +104,7 @@ fn a_mode_within_rounding_of_the_axis_is_no_success() {
 /// A feedback that pushes round the circle drives one mode and leaves another undamped: what grows is what is told.
 #[test]
 fn what_grows_beside_a_marginal_mode_is_unstable_and_not_marginal() {
-    let found = judged(&problem(&loose([0.0, 0.0]), [0.0, 0.0], 0.0), &[0.0, -1.0, 0.0, 0.0]);
+    let found = evaluated(&problem(&loose([0.0, 0.0]), [0.0, 0.0], 0.0), &[0.0, -1.0, 0.0, 0.0]);
     assert_eq!(found.worst.stable(), Some(false), "{found:?}");
 }
 

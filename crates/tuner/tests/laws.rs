@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use rotor::builtin;
 use tuner::{
-    Axis, Family, FamilyError, Measure, Method, Options, Price, Problem, ProblemError, Quantity, Schedule, Stop,
-    Structure, Tuned, judge, pareto, track, tune,
+    Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Method, Options, Price, Problem, ProblemError, Schedule,
+    Stop, Structure, Tuned, evaluate, pareto, track, tune,
 };
 
 fn problem(from: f64, to: f64, individual: bool, robust: bool, bound: f64) -> Problem {
@@ -27,7 +27,7 @@ fn damping_at(problem: &Problem, feedback: &rotor::Feedback, point: &[f64]) -> f
     let rotor = problem.family.rotor();
     let mut factors = vec![1.0; rotor.len()];
     for (axis, at) in problem.family.axes().iter().zip(point) {
-        if let Quantity::Stiffness(masses) = &axis.quantity {
+        if let FamilyQuantity::Stiffness(masses) = &axis.quantity {
             masses.iter().for_each(|&i| factors[i] = *at);
         }
     }
@@ -59,14 +59,14 @@ proptest! {
         let (problem, found) = good();
         let gains: Vec<f64> = found.gains.iter().zip(&change).map(|(gain, by)| (gain + by).clamp(-5.0, 5.0)).collect();
         let options = Options { tolerance: 1e-3, ..Options::for_problem(problem) };
-        let judged = judge(problem, &options, &gains, Stop::NEVER).expect("makes sense");
-        let least = judged.worst.value - judged.worst.tolerance;
+        let evaluated = evaluate(problem, &options, &gains, Stop::NEVER).expect("makes sense");
+        let least = evaluated.worst.value - evaluated.worst.tolerance;
         // It is what it says where it says.
-        let there = damping_at(problem, &judged.feedback, &judged.worst.point);
-        prop_assert!((there - judged.worst.value).abs() < 1e-9, "{there} for {:?}", judged.worst);
-        if judged.worst.proven {
+        let there = damping_at(problem, &evaluated.feedback, &evaluated.worst.point);
+        prop_assert!((there - evaluated.worst.value).abs() < 1e-9, "{there} for {:?}", evaluated.worst);
+        if evaluated.worst.proven {
             for (speed, first, third) in points {
-                let here = damping_at(problem, &judged.feedback, &[6.0 * speed, first, third]);
+                let here = damping_at(problem, &evaluated.feedback, &[6.0 * speed, first, third]);
                 prop_assert!(here >= least, "{here} at {speed} {first} {third} below {least}");
             }
         }
@@ -78,12 +78,12 @@ fn gains_that_do_not_hold_are_not_proven() {
     let problem = problem(0.0, 7.2, false, false, 20.0);
     let options = Options::for_problem(&problem);
     for gains in [[0.0; 4], [-1.8453, 0.2451, -1.1309, 1.2164]] {
-        let judged = judge(&problem, &options, &gains, Stop::NEVER).expect("makes sense");
-        assert!(judged.worst.value < 0.0 && !judged.worst.proven, "{:?}", judged.worst);
+        let evaluated = evaluate(&problem, &options, &gains, Stop::NEVER).expect("makes sense");
+        assert!(evaluated.worst.value < 0.0 && !evaluated.worst.proven, "{:?}", evaluated.worst);
     }
     let (problem, found) = good();
-    let judged = judge(problem, &options, &found.gains, Stop::NEVER).expect("makes sense");
-    assert!(judged.worst.proven && judged.worst.value > 0.05, "{:?}", judged.worst);
+    let evaluated = evaluate(problem, &options, &found.gains, Stop::NEVER).expect("makes sense");
+    assert!(evaluated.worst.proven && evaluated.worst.value > 0.05, "{:?}", evaluated.worst);
 }
 
 #[test]
@@ -130,7 +130,7 @@ fn bounds_and_force_limits_are_kept() {
 fn powell_improves_on_where_it_starts_and_stays_within_bounds() {
     let problem = problem(6.0, 6.0, false, false, 2.0);
     let first = vec![-0.5, 0.4, -0.5, 0.6];
-    let before = judge(&problem, &Options::for_problem(&problem), &first, Stop::NEVER).expect("makes sense");
+    let before = evaluate(&problem, &Options::for_problem(&problem), &first, Stop::NEVER).expect("makes sense");
     let options = Options { method: Method::Powell, starts: 1, first: vec![first], ..Options::for_problem(&problem) };
     let after = search(&problem, &options);
     assert!(after.worst.value > before.worst.value, "{} {}", after.worst.value, before.worst.value);
@@ -180,7 +180,7 @@ fn the_built_in_gains_are_what_the_search_finds() {
         let gains = asked.structure.variables_of(&built_in);
         let options = Options { starts: 4, ..Options::for_problem(&asked) };
         let (ours, best) =
-            (judge(&asked, &options, &gains, Stop::NEVER).expect("makes sense"), search(&asked, &options));
+            (evaluate(&asked, &options, &gains, Stop::NEVER).expect("makes sense"), search(&asked, &options));
         assert!(ours.worst.proven && ours.worst.value > least, "{name}: {:?}", ours.worst);
         assert!(ours.worst.value > 0.998 * best.worst.value, "{name}: {} of {}", ours.worst.value, best.worst.value);
         for (built_in, found) in gains.iter().zip(&best.gains) {
@@ -197,12 +197,12 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
     assert!(matches!(of(-1.0, 2.0), FamilyError::Value { .. }));
     assert!(matches!(of(0.0, f64::NAN), FamilyError::Empty { .. }));
     let mut family = Family::new(&rotor, 0.0, 1.0).expect("a range");
-    let mut push = |quantity, from, to| family.push(Axis { quantity, from, to });
-    assert!(matches!(push(Quantity::Speed, 0.0, 1.0), Err(FamilyError::Twice(_))));
-    assert!(matches!(push(Quantity::Stiffness(vec![3]), 0.0, 1.0), Err(FamilyError::Missing { .. })));
-    assert!(matches!(push(Quantity::Stiffness(vec![0]), 0.0, 1.5), Err(FamilyError::Value { .. })));
-    assert!(matches!(push(Quantity::Shaft(2), 0.1, 1.5), Err(FamilyError::Missing { .. })));
-    assert!(matches!(push(Quantity::Delay, -0.1, 0.1), Err(FamilyError::Value { .. })));
+    let mut push = |quantity, from, to| family.push(FamilyAxis { quantity, from, to });
+    assert!(matches!(push(FamilyQuantity::Speed, 0.0, 1.0), Err(FamilyError::Twice(_))));
+    assert!(matches!(push(FamilyQuantity::Stiffness(vec![3]), 0.0, 1.0), Err(FamilyError::Missing { .. })));
+    assert!(matches!(push(FamilyQuantity::Stiffness(vec![0]), 0.0, 1.5), Err(FamilyError::Value { .. })));
+    assert!(matches!(push(FamilyQuantity::Shaft(2), 0.1, 1.5), Err(FamilyError::Missing { .. })));
+    assert!(matches!(push(FamilyQuantity::Delay, -0.1, 0.1), Err(FamilyError::Value { .. })));
 
     let fine = problem(1.0, 2.0, false, false, 1.0);
     assert_eq!(Problem { bound: 0.0, ..fine.clone() }.check(), Err(ProblemError::Bound(0.0)));

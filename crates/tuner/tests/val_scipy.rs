@@ -1,9 +1,9 @@
-//! Gains that the search returned, judged by SciPy's eigenvalues of matrices written down independently
+//! Gains that the search returned, evaluated by SciPy's eigenvalues of matrices written down independently
 //! (`tests/reference/tune.py`): the same damping at the condition that is named as the worst, and none lower on SciPy's grid.
 
 use rotor::builtin;
 use serde_json::Value;
-use tuner::{Family, Options, Problem, Schedule, Stop, Structure, judge};
+use tuner::{Family, Options, Problem, Schedule, Stop, Structure, evaluate};
 
 #[test]
 fn val_scipy_agrees_on_the_worst_and_finds_nothing_below_the_certified_bound() {
@@ -23,8 +23,8 @@ fn val_scipy_agrees_on_the_worst_and_finds_nothing_below_the_certified_bound() {
         let make = if gains.len() == 8 { Structure::individual } else { Structure::composite };
         let structure = Structure::new(&rotor, &make(3, 0, &[0, 1]), Schedule::Fixed).expect("fits");
         let problem = Problem::new(family, structure, number("bound"));
-        let judged = judge(&problem, &Options::for_problem(&problem), &gains, Stop::NEVER).expect("makes sense");
-        let (name, worst) = (&case["name"], &judged.worst);
+        let evaluated = evaluate(&problem, &Options::for_problem(&problem), &gains, Stop::NEVER).expect("makes sense");
+        let (name, worst) = (&case["name"], &evaluated.worst);
         assert!(worst.proven, "{name}: {worst:?}");
         assert!((number("ours") - number("scipy")).abs() < 1e-9, "{name}");
         assert!((worst.value - number("scipy")).abs() < 1e-9, "{name}: {worst:?}");

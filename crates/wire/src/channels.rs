@@ -152,23 +152,23 @@ impl Channel {
         PLACES[self as usize]
     }
 
-    /// What it was in recordings made before it was told, when every loop was ideal and every speed steady.
+    /// What stands for it in recordings made before it was told, when every loop was ideal and every speed steady.
     #[must_use]
-    pub const fn once_was(self) -> OnceWas {
+    pub const fn substitute(self) -> Substitute {
         match self {
-            Self::ReadingY => OnceWas::Channel(Self::Y),
-            Self::ReadingZ => OnceWas::Channel(Self::Z),
-            Self::SpeedRate => OnceWas::Zero,
-            _ => OnceWas::Never,
+            Self::ReadingY => Substitute::Channel(Self::Y),
+            Self::ReadingZ => Substitute::Channel(Self::Z),
+            Self::SpeedRate => Substitute::Zero,
+            _ => Substitute::None,
         }
     }
 }
 
-/// What a channel was before it was told.
+/// What stands for a channel in recordings made before it was told.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum OnceWas {
-    /// It has been told from the first version on.
-    Never,
+pub enum Substitute {
+    /// Nothing: it has been told from the first version on.
+    None,
     /// Zero.
     Zero,
     /// The same as another channel.

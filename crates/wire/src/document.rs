@@ -19,7 +19,7 @@ use toml::de::DeTable;
 /// Bytes of the largest document.
 pub const MAX_DOCUMENT: usize = 1 << 16;
 /// Documents that reach readers that come late, and that wait for one that sleeps: all that the last events and the last
-/// bench status name are among them (see [`crate::outbox`]).
+/// bench status name are among them (see [`crate::delivery`]).
 pub const DOCUMENTS_KEPT: usize = 96;
 
 message! {

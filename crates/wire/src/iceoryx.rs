@@ -23,7 +23,7 @@ pub(crate) const MAX_GLANCES: usize = 16;
 /// Who hears bench statuses and the recorder's status, and who asks: every reader may, and some more.
 pub(crate) const MAX_PARTIES: usize = MAX_READERS + MAX_GLANCES;
 
-/// Nodes that may have one service open: two a party, and those who come only to be told that the house is full.
+/// Nodes that may have one service open: two a process, and those who come only to be told that the house is full.
 pub(crate) const MAX_NODES: usize = 4 * MAX_PARTIES;
 
 /// How long a service that is being made or taken down by somebody else is waited for.

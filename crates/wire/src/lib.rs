@@ -19,8 +19,9 @@
 
 mod bench_name;
 mod bench_status;
-mod census;
+mod benches;
 mod channels;
+mod delivery;
 mod document;
 mod error;
 mod event;
@@ -32,7 +33,6 @@ mod memory;
 pub mod message;
 mod moment;
 mod name_lock;
-mod outbox;
 mod ports;
 mod recorder;
 mod request;
@@ -49,8 +49,8 @@ mod wire_struct;
 
 pub use bench_name::BenchName;
 pub use bench_status::BenchStatus;
-pub use census::{BenchEntry, Party, clean};
-pub use channels::{CHANNELS, Channel, ChannelRow, Dimension, OnceWas, PAIRS, Pair, Scope, WHOLES, channels_of};
+pub use benches::{AttachedProcess, BenchEntry, clean};
+pub use channels::{CHANNELS, Channel, ChannelRow, Dimension, PAIRS, Pair, Scope, Substitute, WHOLES, channels_of};
 pub use document::{
     Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, MAX_DOCUMENT, RotorDocument, SettingsDocument,
 };

@@ -5,9 +5,9 @@ use std::sync::mpsc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
+use crate::delivery::{ReceivedDocuments, SentDocuments};
 use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead};
 use crate::message::BenchStatusMessage;
-use crate::outbox::{Outbox, Shelf};
 use crate::ports::{check_burst, check_document, check_snapshot};
 use crate::snapshot::{SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
@@ -164,7 +164,11 @@ impl Host for MemoryHost {
     }
 
     fn news(&self) -> Result<MemoryNews, WireError> {
-        Ok(MemoryNews { bench: self.bench.clone(), outbox: Outbox::default(), _claim: self.claim.clone() })
+        Ok(MemoryNews {
+            bench: self.bench.clone(),
+            sent_documents: SentDocuments::default(),
+            _claim: self.claim.clone(),
+        })
     }
 
     fn inbox(&self) -> Result<MemoryInbox, WireError> {
@@ -208,14 +212,14 @@ impl StateSender for MemoryStates {
 #[derive(Debug)]
 pub struct MemoryNews {
     bench: Arc<Bench>,
-    outbox: Outbox,
+    sent_documents: SentDocuments,
     _claim: Arc<()>,
 }
 
 impl MemoryNews {
     fn document<T: Content>(&mut self, document: &Document<T>) -> Result<(), WireError> {
         check_document(document.text())?;
-        if self.outbox.is_due(document.hash()) {
+        if self.sent_documents.is_due(document.hash()) {
             let mut kept = lock(&self.bench.documents);
             if kept.len() == DOCUMENTS_KEPT {
                 kept.pop_front();
@@ -313,7 +317,7 @@ impl Inbox for MemoryInbox {
 #[derive(Debug)]
 pub struct MemoryGlance {
     bench: Arc<Bench>,
-    shelf: Shelf,
+    received: ReceivedDocuments,
     seen: u64,
     /// The number of the recorder's last status that we know, and that status.
     heard: u64,
@@ -325,13 +329,13 @@ impl MemoryGlance {
         // The last word of a recorder that has left before us is not told.
         let recorded = lock(&bench.recorder).strong_count() > 0;
         let heard = if recorded { 0 } else { lock(&bench.recorder_status).0 };
-        Self { bench, shelf: Shelf::default(), seen: 0, heard, recorder: None }
+        Self { bench, received: ReceivedDocuments::default(), seen: 0, heard, recorder: None }
     }
 
     /// Takes in what documents there are.
     fn read_documents(&mut self) {
         for (head, text) in lock(&self.bench.documents).iter() {
-            self.shelf.put(*head, text.as_bytes());
+            self.received.put(*head, text.as_bytes());
         }
     }
 }
@@ -340,11 +344,11 @@ impl Glance for MemoryGlance {
     fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
         let (number, message) = *lock(&self.bench.bench_status);
         if number != self.seen && number > 0 {
-            self.shelf.hold_bench_status(message);
+            self.received.hold_bench_status(message);
         }
         self.seen = number;
         self.read_documents();
-        Ok(self.shelf.bench_status())
+        Ok(self.received.bench_status())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
@@ -387,10 +391,10 @@ impl Listener for MemoryListener {
 
     fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
         let arrived = std::mem::take(&mut *lock(&self.events));
-        arrived.into_iter().for_each(|event| self.glance.shelf.hold_event(event));
+        arrived.into_iter().for_each(|event| self.glance.received.hold_event(event));
         self.glance.read_documents();
         let mut count = 0;
-        while let Some(event) = self.glance.shelf.event() {
+        while let Some(event) = self.glance.received.event() {
             visit(&event);
             count += 1;
         }

@@ -14,7 +14,7 @@ use rustix::fs::{FlockOperation, Mode, OFlags};
 
 use crate::document::hash_of;
 use crate::short_path::ShortPath;
-use crate::{WireError, census, iceoryx};
+use crate::{WireError, benches, iceoryx};
 
 /// The folder in the root that iceoryx2 fills and we sweep.
 const OURS: &str = "iceoryx2";
@@ -127,7 +127,7 @@ impl Lease {
         // Listed before anybody is looked for: what comes after that is not ours to sweep.
         let leftovers = if alone { self.leftovers() } else { Vec::new() };
         let swept =
-            alone && iceoryx::config(&self.iceoryx2(), &self.prefix).is_ok_and(|config| census::nobody_lives(&config));
+            alone && iceoryx::config(&self.iceoryx2(), &self.prefix).is_ok_and(|config| benches::nobody_lives(&config));
         if swept {
             for left in leftovers {
                 let _ = if left.is_dir() { fs::remove_dir_all(&left) } else { fs::remove_file(&left) };

@@ -3,10 +3,10 @@
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::prelude::*;
 
+use crate::delivery::ReceivedDocuments;
 use crate::document::DocumentHead;
 use crate::iceoryx::{Ipc, MAX_PARTIES, full, internal, opened, service};
 use crate::message::BenchStatusMessage;
-use crate::outbox::Shelf;
 use crate::shared_news::{self, BenchStatusService, RecorderService};
 use crate::{BenchName, BenchStatus, Glance, RecorderStatus, Root, WireError};
 
@@ -14,7 +14,7 @@ use crate::{BenchName, BenchStatus, Glance, RecorderStatus, Root, WireError};
 #[derive(Debug)]
 pub struct SharedGlance {
     /// What was read of documents, and waits for them.
-    pub(crate) shelf: Shelf,
+    pub(crate) received: ReceivedDocuments,
     documents: Subscriber<Ipc, [u8], DocumentHead>,
     bench_statuses: Subscriber<Ipc, BenchStatusMessage, ()>,
     recorders: Subscriber<Ipc, RecorderStatus, ()>,
@@ -36,7 +36,7 @@ impl SharedGlance {
         let bench_statuses = bench_statuses.subscriber_builder().create().map_err(refused)?;
         let recorders = recorder_service.subscriber_builder().create().map_err(refused)?;
         Ok(Self {
-            shelf: Shelf::default(),
+            received: ReceivedDocuments::default(),
             documents,
             bench_statuses,
             recorders,
@@ -51,7 +51,7 @@ impl SharedGlance {
     /// Takes in what documents have come.
     pub(crate) fn read_documents(&mut self) -> Result<(), WireError> {
         while let Some(sample) = self.documents.receive().map_err(internal)? {
-            self.shelf.put(*sample.user_header(), sample.payload());
+            self.received.put(*sample.user_header(), sample.payload());
         }
         Ok(())
     }
@@ -60,10 +60,10 @@ impl SharedGlance {
 impl Glance for SharedGlance {
     fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
         while let Some(sample) = self.bench_statuses.receive().map_err(internal)? {
-            self.shelf.hold_bench_status(*sample.payload());
+            self.received.hold_bench_status(*sample.payload());
         }
         self.read_documents()?;
-        Ok(self.shelf.bench_status())
+        Ok(self.received.bench_status())
     }
 
     fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {

@@ -269,11 +269,11 @@ impl Listener for SharedListener {
 
     fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
         while let Some(sample) = self.events.receive().map_err(internal)? {
-            self.glance.shelf.hold_event(*sample.payload());
+            self.glance.received.hold_event(*sample.payload());
         }
         self.glance.read_documents()?;
         let mut count = 0;
-        while let Some(event) = self.glance.shelf.event() {
+        while let Some(event) = self.glance.received.event() {
             visit(&event);
             count += 1;
         }

@@ -9,11 +9,11 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::publish_subscribe;
 
+use crate::delivery::SentDocuments;
 use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead, MAX_DOCUMENT};
 use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, MAX_READERS, internal, opened, port, service};
 use crate::message::BenchStatusMessage;
 use crate::name_lock::NameLock;
-use crate::outbox::Outbox;
 use crate::ports::{check_document, check_snapshot};
 use crate::snapshot::{MAX_SNAPSHOT, SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
@@ -154,7 +154,7 @@ pub struct SharedNews {
     bench_statuses: Publisher<Ipc, BenchStatusMessage, ()>,
     events: Publisher<Ipc, EventMessage, ()>,
     snapshots: Publisher<Ipc, [u64], SnapshotHead>,
-    outbox: Outbox,
+    sent_documents: SentDocuments,
     _name: NameLock,
 }
 
@@ -172,14 +172,14 @@ impl SharedNews {
                 .create()
                 .map_err(internal)?,
             events: services.events.publisher_builder().max_loaned_samples(1).create().map_err(internal)?,
-            outbox: Outbox::default(),
+            sent_documents: SentDocuments::default(),
             _name: name,
         })
     }
 
     fn document<T: Content>(&mut self, document: &Document<T>) -> Result<(), WireError> {
         check_document(document.text())?;
-        if self.outbox.is_due(document.hash()) {
+        if self.sent_documents.is_due(document.hash()) {
             let bytes = document.text().as_bytes();
             let mut sample = self.documents.loan_slice(bytes.len()).map_err(internal)?;
             *sample.user_header_mut() = document.head();

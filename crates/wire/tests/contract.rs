@@ -642,10 +642,10 @@ fn benches_are_listed_with_who_is_attached() {
     let benches = carrier.benches().unwrap();
     let summary: Vec<_> = benches
         .iter()
-        .map(|b| (b.name.as_str(), b.is_running(), b.parties.iter().map(|p| p.role.as_str()).collect::<Vec<_>>()))
+        .map(|b| (b.name.as_str(), b.is_running(), b.processes.iter().map(|p| p.role.as_str()).collect::<Vec<_>>()))
         .collect();
     assert_eq!(summary, [("a", true, vec!["sim"]), ("b", true, vec!["sim", "test"])]);
-    assert!(benches[0].parties.iter().all(|party| party.pid == std::process::id()));
+    assert!(benches[0].processes.iter().all(|process| process.pid == std::process::id()));
     drop(other);
 }
 

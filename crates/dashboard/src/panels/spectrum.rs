@@ -52,7 +52,7 @@ fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
     let inner = framed(title(&format!("  {} tau", short(answer.tau, 3))), area, buffer);
     match &answer.spectrum {
         Ok(spectrum) => draw_spectrum(spectrum, &answer, view, axes, (area, inner), buffer),
-        // Standing still, or just begun.
+        // Stability still, or just begun.
         Err(why) => {
             write(buffer, inner, inner.left(), inner.top(), &why.to_string(), theme::quiet());
         }

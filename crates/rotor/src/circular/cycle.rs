@@ -75,7 +75,7 @@ fn starts(
             .iter()
             .map(|&k| {
                 let mut unit = DVector::zeros(problem.masses);
-                unit[k] = C64::from(equation.slack_force(k));
+                unit[k] = C64::from(equation.deadband_force(k));
                 lu.solve(&unit).filter(|c| c.iter().all(|c| c.re.is_finite() && c.im.is_finite()))
             })
             .collect()

@@ -1,6 +1,6 @@
 //! One circular orbit, as it is given to the caller.
 
-use crate::{C64, Standing};
+use crate::{C64, Stability};
 
 /// An exact circular solution `p_k = c_k exp(j w tau)` at one spin speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -31,13 +31,13 @@ impl Orbit {
     /// clearances, say) counts as not stable.
     #[must_use]
     pub fn is_stable(&self) -> bool {
-        self.standing() == Standing::Stable
+        self.stability() == Stability::Stable
     }
 
     /// What becomes of small disturbances.
     #[must_use]
-    pub fn standing(&self) -> Standing {
-        Standing::of(C64::from(self.growth))
+    pub fn stability(&self) -> Stability {
+        Stability::of(C64::from(self.growth))
     }
 
     /// The largest radius of any mass, in `e_t`.

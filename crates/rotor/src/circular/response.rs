@@ -89,7 +89,7 @@ fn starts(problem: &Problem<'_>, equation: &Equation, speed: f64, contact: Conta
         .iter()
         .map(|&k| {
             let mut unit = DVector::zeros(problem.masses);
-            unit[k] = C64::from(equation.slack_force(k));
+            unit[k] = C64::from(equation.deadband_force(k));
             lu.solve(&unit).filter(is_finite)
         })
         .collect();

@@ -160,11 +160,11 @@ impl<'a> Problem<'a> {
         beyond.fold(0, |set, k| set | 1 << k)
     }
 
-    /// Whether the radii agree with the set of bearings in contact that they were computed for, to a relative `slack`.
-    pub(super) fn is_consistent(&self, c: &[C64], contact: Contact, slack: f64) -> bool {
+    /// Whether the radii agree with the set of bearings in contact that they were computed for, to a relative `tolerance`.
+    pub(super) fn is_consistent(&self, c: &[C64], contact: Contact, tolerance: f64) -> bool {
         self.contacts(self.gapped).all(|k| {
             let (radius, g) = (c[k].norm(), self.deadband[k]);
-            if contact >> k & 1 == 1 { radius > g * (1.0 - slack) } else { radius <= g * (1.0 + slack) }
+            if contact >> k & 1 == 1 { radius > g * (1.0 - tolerance) } else { radius <= g * (1.0 + tolerance) }
         })
     }
 }
@@ -297,7 +297,7 @@ impl Equation {
     }
 
     /// Restoring force of bearing `k` at the edge of contact extended: `b_k g_k`, what `s` takes away in contact.
-    pub(super) fn slack_force(&self, k: usize) -> f64 {
+    pub(super) fn deadband_force(&self, k: usize) -> f64 {
         self.bearing[k] * self.clearance[k]
     }
 
@@ -306,7 +306,7 @@ impl Equation {
         let mut f = self.dynamic_stiffness(frequency) * c - &self.forcing;
         for k in 0..c.len() {
             if contact >> k & 1 == 1 {
-                f[k] += c[k] * self.bearing[k] - direction(c[k]) * self.slack_force(k);
+                f[k] += c[k] * self.bearing[k] - direction(c[k]) * self.deadband_force(k);
             }
         }
         f

@@ -13,7 +13,7 @@ use super::compare::sure;
 use super::motion::{Case, Record, off};
 use super::searched::{self, Searched};
 use super::{ReportError, Watch};
-use crate::force::{self, Point};
+use crate::force::{self, ForcePoint};
 use crate::run::{Settle, Settled};
 
 /// The clearances that the report compares.
@@ -28,7 +28,7 @@ const PER_UNIT: usize = 10;
 /// A force curve: the speeds, and at each clearance the steady forces.
 pub(super) struct Forces {
     pub speeds: Vec<f64>,
-    pub by_deadband: Vec<Vec<Point>>,
+    pub by_deadband: Vec<Vec<ForcePoint>>,
 }
 
 impl Forces {

@@ -50,7 +50,7 @@ pub(super) struct Sample {
 }
 
 /// Keeps one sample in `stride` of two stretches of time.
-struct Keeper {
+struct StridedSamples {
     stride: u64,
     seen: u64,
     until: f64,
@@ -58,7 +58,7 @@ struct Keeper {
     samples: Vec<Sample>,
 }
 
-impl Observer for Keeper {
+impl Observer for StridedSamples {
     fn sample(&mut self, machine: &Machine) -> io::Result<()> {
         let (motion, control) = (machine.motion(), machine.output().delivered);
         let wanted = motion.tau <= self.until + 1e-9 || motion.tau >= self.from - 1e-9;
@@ -83,7 +83,7 @@ impl Case<'_> {
         let fastest = Fastest::of(&closed_loop)?;
         // A tenth of a radian of the fastest turn between samples: a smooth line.
         let stride = (0.1 / (plan.dtau * fastest.frequency())).max(1.0) as u64;
-        let mut keeper = Keeper {
+        let mut kept = StridedSamples {
             stride,
             seen: 0,
             until: self.keep_until,
@@ -91,7 +91,7 @@ impl Case<'_> {
             samples: Vec::new(),
         };
         let mut collector = Collector::new(0, 2 * stride, 0.0);
-        let mut observers: Vec<&mut dyn Observer> = vec![&mut keeper];
+        let mut observers: Vec<&mut dyn Observer> = vec![&mut kept];
         if self.spectrum {
             observers.push(&mut collector);
         }
@@ -104,7 +104,7 @@ impl Case<'_> {
         } else {
             None
         };
-        Ok(Record { speed: self.speed, deadband: self.deadband, samples: keeper.samples, outcome, spectrum })
+        Ok(Record { speed: self.speed, deadband: self.deadband, samples: kept.samples, outcome, spectrum })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Every number that the report prints as a result, and every statement about its plots that can be put to the test.
 
-use rotor::{C64, Rotor, Standing, Trace, Whirl};
+use rotor::{C64, Rotor, Stability, Trace, Whirl};
 
 use super::compare::{Comparison, Ours, Printed, claim, number, under};
 use super::criteria::{NEARLY_LINEAR, NOT_DETECTABLE, SLIGHT};
@@ -33,8 +33,8 @@ fn bend(speeds: &[f64], forces: &[f64]) -> f64 {
 /// Whether every motion behind a force curve is settled and would outlive a small disturbance.
 pub(super) fn stays(forces: &Forces) -> Ours {
     let all = || forces.by_deadband.iter().flatten();
-    let count = |standing| all().filter(|p| p.stability.is_some_and(|j| j.standing == standing)).count();
-    let [stable, marginal, unstable] = [Standing::Stable, Standing::Marginal, Standing::Unstable].map(count);
+    let count = |stability| all().filter(|p| p.stability.is_some_and(|j| j.stability == stability)).count();
+    let [stable, marginal, unstable] = [Stability::Stable, Stability::Marginal, Stability::Unstable].map(count);
     let open = all().filter(|p| p.stability.is_none()).count();
     claim(
         stable == all().count(),

@@ -14,8 +14,8 @@ use rotor::circular::{self, Orbit};
 use rotor::profile::{Leg, Profile};
 use rotor::{C64, J, Rotor, Settings};
 
-pub use orders::{OrderTracker, Turn};
-pub use peaks::{Peak, peaks};
+pub use orders::{OrderTracker, Revolution};
+pub use peaks::{ResonancePeak, peaks};
 
 use crate::run::MOST_STEPS;
 use orders::PER_TURN;
@@ -48,7 +48,7 @@ pub struct RunUpPlan {
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunUpPoint {
     /// The last turn before it.
-    pub turn: Turn,
+    pub turn: Revolution,
     /// Root mean square of what whirls more slowly than the spin, per station in `e_t`, over the last eight turns.
     pub subsynchronous: Option<Vec<f64>>,
 }
@@ -61,9 +61,9 @@ pub struct Critical {
     /// At which station, counted from 0.
     pub station: usize,
     /// Where, how high and how sharp.
-    pub peak: Peak,
+    pub peak: ResonancePeak,
     /// The peak of the steady response at this station that is nearest to it, if it is the nearest to that one too.
-    pub steady: Option<Peak>,
+    pub steady: Option<ResonancePeak>,
 }
 
 /// What came out.
@@ -95,7 +95,7 @@ pub struct Largest {
 }
 
 impl Largest {
-    fn see(&mut self, turn: &Turn, subsynchronous: Option<Vec<f64>>) {
+    fn see(&mut self, turn: &Revolution, subsynchronous: Option<Vec<f64>>) {
         let most = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
         let slow = subsynchronous.map_or(0.0, |slow| most(&slow));
         for (largest, value) in
@@ -225,7 +225,7 @@ impl Readings {
         Self { speed: Vec::new(), first: each.clone(), rest: each }
     }
 
-    fn push(&mut self, turn: &Turn) {
+    fn push(&mut self, turn: &Revolution) {
         self.speed.push(turn.speed);
         self.first.iter_mut().zip(&turn.first_order).for_each(|(to, first)| to.push(first.norm()));
         self.rest.iter_mut().zip(&turn.rest).for_each(|(to, rest)| to.push(*rest));
@@ -317,12 +317,13 @@ impl Book {
 
 /// Drops peaks that are the beat of a critical speed passed: no steady peak is theirs, and they are lower and much sharper than one before
 /// them on the way.
-fn drop_beats(found: &mut Vec<Peak>, steady: &[Peak], downward: bool) {
+fn drop_beats(found: &mut Vec<ResonancePeak>, steady: &[ResonancePeak], downward: bool) {
     let all = found.clone();
-    let has_steady =
-        |peak: &Peak| nearest(steady, peak).and_then(|s| nearest(&all, s)).is_some_and(|mine| mine.at == peak.at);
-    let is_before = |a: &Peak, b: &Peak| if downward { a.speed > b.speed } else { a.speed < b.speed };
-    let width = |peak: &Peak| peak.width as f64;
+    let has_steady = |peak: &ResonancePeak| {
+        nearest(steady, peak).and_then(|s| nearest(&all, s)).is_some_and(|mine| mine.at == peak.at)
+    };
+    let is_before = |a: &ResonancePeak, b: &ResonancePeak| if downward { a.speed > b.speed } else { a.speed < b.speed };
+    let width = |peak: &ResonancePeak| peak.width as f64;
     found.retain(|peak| {
         has_steady(peak)
             || !all.iter().any(|other| {
@@ -332,23 +333,23 @@ fn drop_beats(found: &mut Vec<Peak>, steady: &[Peak], downward: bool) {
 }
 
 /// The one of `peaks` whose speed is nearest to that of `peak`.
-fn nearest<'p>(peaks: &'p [Peak], peak: &Peak) -> Option<&'p Peak> {
-    let distance = |p: &&Peak| (p.speed - peak.speed).abs();
+fn nearest<'p>(peaks: &'p [ResonancePeak], peak: &ResonancePeak) -> Option<&'p ResonancePeak> {
+    let distance = |p: &&ResonancePeak| (p.speed - peak.speed).abs();
     peaks.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// Peaks of the steady response between two speeds, per station: along the stable orbits that lie nearest to each other in the
 /// order in which the leg passes them. None where it cannot be had.
-fn steady_peaks(plan: &RunUpPlan, from: f64, to: f64) -> Vec<Vec<Peak>> {
+fn steady_peaks(plan: &RunUpPlan, from: f64, to: f64) -> Vec<Vec<ResonancePeak>> {
     let Some((speeds, heights)) = followed(plan, grid(from.min(to), from.max(to)), from > to) else {
         return Vec::new();
     };
-    let refined = |station: usize, peak: Peak| {
+    let refined = |station: usize, peak: ResonancePeak| {
         let [Some(low), Some(high)] = peak.half_power else { return peak };
         let margin = 0.5 * (high - low);
         let closer = followed(plan, grid((low - margin).max(0.0), high + margin), from > to);
         let found = closer.map(|(speeds, heights)| peaks(&speeds, &heights[station]));
-        let near = |p: &Peak| (p.speed - peak.speed).abs();
+        let near = |p: &ResonancePeak| (p.speed - peak.speed).abs();
         found.and_then(|found| found.into_iter().min_by(|a, b| near(a).total_cmp(&near(b)))).unwrap_or(peak)
     };
     let all = heights.iter().enumerate();

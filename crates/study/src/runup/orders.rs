@@ -18,7 +18,7 @@ const SLOW: usize = LONG - 2;
 
 /// What was read over one turn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Turn {
+pub struct Revolution {
     /// Time, the middle of the turn.
     pub tau: f64,
     /// Spin speed `R`, its mean over the turn.
@@ -135,10 +135,10 @@ impl OrderTracker {
 
     /// The last whole turn; nothing before there is one.
     #[must_use]
-    pub fn turn(&self) -> Option<Turn> {
+    pub fn turn(&self) -> Option<Revolution> {
         let share = 1.0 / PER_TURN as f64;
         let n = self.stations;
-        let mut turn = Turn {
+        let mut turn = Revolution {
             tau: 0.0,
             speed: 0.0,
             first_order: vec![C64::ZERO; n],

@@ -1,4 +1,4 @@
-//! Peaks of an amplitude over speed, as rotating machines are judged by: where they are, how high, and how sharp.
+//! Peaks of an amplitude over speed, as rotating machines are evaluated by: where they are, how high, and how sharp.
 
 /// Peaks that do not stand out by so much of their height on both sides are ripple.
 const STANDS_OUT: f64 = 1.0 - std::f64::consts::FRAC_1_SQRT_2;
@@ -7,7 +7,7 @@ const FAINTEST: f64 = 0.02;
 
 /// A peak.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Peak {
+pub struct ResonancePeak {
     /// Spin speed `R` at which it is highest.
     pub speed: f64,
     /// Its height.
@@ -20,7 +20,7 @@ pub struct Peak {
     pub half_power: [Option<f64>; 2],
 }
 
-impl Peak {
+impl ResonancePeak {
     /// Amplification factor `N_c / (N_2 - N_1)`, with `N_1` and `N_2` the half-power points (API 684); nothing if the range
     /// has not both.
     #[must_use]
@@ -33,7 +33,7 @@ impl Peak {
 /// Every peak of `height` over `speed`, which rises, that stands out: 0.293 of its height above the lowest on each side before something
 /// higher, or the end.
 #[must_use]
-pub fn peaks(speed: &[f64], height: &[f64]) -> Vec<Peak> {
+pub fn peaks(speed: &[f64], height: &[f64]) -> Vec<ResonancePeak> {
     let largest = height.iter().copied().fold(0.0, f64::max);
     let n = speed.len().min(height.len());
     let mut found = Vec::new();
@@ -66,7 +66,7 @@ pub fn peaks(speed: &[f64], height: &[f64]) -> Vec<Peak> {
             continue;
         }
         let (speed, height) = summit([i - 1, i, i + 1].map(|k| (speed[k], height[k])));
-        found.push(Peak { speed, height, at: i, width: before + after, half_power: [low, high] });
+        found.push(ResonancePeak { speed, height, at: i, width: before + after, half_power: [low, high] });
     }
     found
 }

@@ -237,7 +237,7 @@ impl FileRotation {
         self.parts += 1;
         sink.revision(&head.revision(), self.last)?;
         sink.remark(&Remark { at: self.last, what: What::Begins })?;
-        for remark in &head.standing {
+        for remark in &head.alarms {
             sink.remark(remark)?;
         }
         if let Some((snapshot, at)) = &head.snapshot {

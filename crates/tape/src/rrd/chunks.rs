@@ -14,7 +14,7 @@ use super::fence::Unreadable;
 use crate::batch::Batch;
 use crate::schema;
 use crate::snapshot::Snapshot;
-use wire::{Column, Layout, Moment, OnceWas};
+use wire::{Column, Layout, Moment, Substitute};
 
 /// `tau` on its timeline, where 1 is a second.
 fn nanos(tau: f64) -> i64 {
@@ -103,14 +103,14 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadab
     let mut batch = Batch::new(masses);
     for (place, wanted) in batch.values.iter_mut().zip(Layout::new(masses).number_columns()) {
         let name = wanted.name();
-        *place = match (rows.column_by_name(&name), wanted.channel.once_was()) {
+        *place = match (rows.column_by_name(&name), wanted.channel.substitute()) {
             (Some(found), _) => doubles_of(found, &name)?,
-            (None, OnceWas::Zero) => vec![0.0; rows.len()],
-            (None, OnceWas::Channel(channel)) => {
+            (None, Substitute::Zero) => vec![0.0; rows.len()],
+            (None, Substitute::Channel(channel)) => {
                 let name = Column { channel, ..wanted }.name();
                 doubles_of(column(&name)?, &name)?
             }
-            (None, OnceWas::Never) => return Err(content(&format!("steps without the column '{name}'"))),
+            (None, Substitute::None) => return Err(content(&format!("steps without the column '{name}'"))),
         };
     }
     let revision = column(schema::REVISION)?.as_any().downcast_ref::<UInt64Array>();

@@ -71,7 +71,7 @@ impl From<&Orbit> for BranchDocument {
         Self {
             frequency: orbit.frequency,
             radius: orbit.radii(),
-            stable: orbit.standing().is_stable(),
+            stable: orbit.stability().is_stable(),
             growth: orbit.growth,
             force: orbit.force,
             contact: contact(orbit),
@@ -86,7 +86,7 @@ impl From<&Curve> for ThresholdDocument {
             amplitude: curve.orbits.iter().map(Orbit::largest_radius).collect(),
             speed: curve.orbits.iter().map(|o| o.speed).collect(),
             frequency: curve.orbits.iter().map(|o| o.frequency).collect(),
-            stable: curve.orbits.iter().map(|o| o.standing().is_stable()).collect(),
+            stable: curve.orbits.iter().map(|o| o.stability().is_stable()).collect(),
             folds: curve.folds.iter().map(|&i| curve.orbits[i].speed).collect(),
         }
     }

@@ -3,10 +3,10 @@
 use std::io::{IsTerminal, Write};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use rotor::Standing;
+use rotor::Stability;
 use serde::Serialize;
-use study::disturbance::{self, Judgement, Means};
-use study::force::{ForceError, Point};
+use study::disturbance::{self, DisturbanceGrowth, Means};
+use study::force::{ForceError, ForcePoint};
 use study::run::Settled;
 
 use crate::catalog::Machine;
@@ -53,14 +53,14 @@ struct Document<'a> {
     /// `stability`.
     stable: Vec<Vec<Option<bool>>>,
     /// `stable`, `marginal` or `unstable`; `null` where no motion is steady: it diverged, or has not settled.
-    stability: Vec<Vec<Option<Standing>>>,
+    stability: Vec<Vec<Option<Stability>>>,
     /// How fast the fastest disturbance grows, per unit of tau.
     growth: Vec<Vec<Option<f64>>>,
     /// By `eigenvalues` on a circular orbit and at rest, by `simulation` on any other: that sees growth above `growth_seen`.
     stability_by: Vec<Vec<Option<Means>>>,
     growth_seen: f64,
     /// The same for the rotor at rest in its centre, support bearings with clearance out of action.
-    centre_stability: Vec<Vec<Standing>>,
+    centre_stability: Vec<Vec<Stability>>,
     centre_growth: Vec<Vec<f64>>,
     diverged_at: Vec<Vec<Option<f64>>>,
     #[serde(flatten)]
@@ -114,15 +114,15 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
     for (i, speed) in speeds.iter().enumerate() {
         for (deadband, points) in deadbands.iter().zip(&points) {
             let word = match points[i] {
-                Point { diverged_at: Some(_), .. } => "diverged",
-                Point { settled: Settled::Steady | Settled::Given, .. } => "steady",
-                Point { settled: Settled::Beating, .. } => "beating",
-                Point { settled: Settled::No, .. } => "NOT settled",
+                ForcePoint { diverged_at: Some(_), .. } => "diverged",
+                ForcePoint { settled: Settled::Steady | Settled::Given, .. } => "steady",
+                ForcePoint { settled: Settled::Beating, .. } => "beating",
+                ForcePoint { settled: Settled::No, .. } => "NOT settled",
             };
             let force = steady_force(&points[i])
                 .map_or_else(|| Cell::from(&""), |u| units.force(u, machine.bearing_mass()).into());
-            let judged = points[i].stability.map_or("", |judged| judged.word());
-            let words = [word, judged, points[i].centre.word()];
+            let growth = points[i].stability.map_or("", |growth| growth.word());
+            let words = [word, growth, points[i].centre.word()];
             let numbers = [units.speed(*speed).into(), units.length(*deadband).into(), force];
             table.row(numbers.into_iter().chain(words.iter().map(Cell::from)));
         }
@@ -134,12 +134,12 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
         deadbands: &deadbands,
         max_force: of(&points, steady_force),
         settled: of(&points, |p| p.settled),
-        stable: of(&points, |p| p.stability.and_then(|judged| judged.standing.is_stable())),
-        stability: of(&points, |p| p.stability.map(|judged| judged.standing)),
-        growth: of(&points, |p| p.stability.map(|judged| judged.growth)),
-        stability_by: of(&points, |p| p.stability.map(|judged| judged.by)),
+        stable: of(&points, |p| p.stability.and_then(|growth| growth.stability.is_stable())),
+        stability: of(&points, |p| p.stability.map(|growth| growth.stability)),
+        growth: of(&points, |p| p.stability.map(|growth| growth.growth)),
+        stability_by: of(&points, |p| p.stability.map(|growth| growth.by)),
         growth_seen: disturbance::slowest_seen(),
-        centre_stability: of(&points, |p| p.centre.standing),
+        centre_stability: of(&points, |p| p.centre.stability),
         centre_growth: of(&points, |p| p.centre.growth),
         diverged_at: of(&points, |point| point.diverged_at),
         units: units.document(),
@@ -150,28 +150,28 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
 }
 
 /// One value a point, `[deadband][speed]`.
-fn of<T>(points: &[Vec<Point>], value: impl Fn(&Point) -> T) -> Vec<Vec<T>> {
+fn of<T>(points: &[Vec<ForcePoint>], value: impl Fn(&ForcePoint) -> T) -> Vec<Vec<T>> {
     points.iter().map(|row| row.iter().map(&value).collect()).collect()
 }
 
 /// What the words of the table do not say.
-fn footer<'a>(points: impl Iterator<Item = &'a Point> + Clone, balanced: bool) -> String {
-    let judged = points.filter_map(|p| p.stability);
-    let total = judged.clone().count();
+fn footer<'a>(points: impl Iterator<Item = &'a ForcePoint> + Clone, balanced: bool) -> String {
+    let growth = points.filter_map(|p| p.stability);
+    let total = growth.clone().count();
     let mut lines = Vec::new();
     if balanced {
         lines.push("nothing drives this rotor: every unbalance is zero".to_owned());
     }
-    let unstable = |j: &Judgement| j.standing == Standing::Unstable;
-    if let Some(fastest) = judged.clone().filter(unstable).map(|j| j.growth).max_by(f64::total_cmp) {
+    let unstable = |j: &DisturbanceGrowth| j.stability == Stability::Unstable;
+    if let Some(fastest) = growth.clone().filter(unstable).map(|j| j.growth).max_by(f64::total_cmp) {
         lines.push(format!(
             "{} of {total} steady values belong to motion that is NOT stable: disturbances that neither start nor unbalance \
              excite grow, as fast as exp({} tau)",
-            judged.clone().filter(unstable).count(),
+            growth.clone().filter(unstable).count(),
             rounded(fastest)
         ));
     }
-    if judged.clone().any(|j| j.by == Means::Simulation) {
+    if growth.clone().any(|j| j.by == Means::Simulation) {
         lines.push(format!(
             "stability of a motion that beats is by simulation: growth slower than exp({} tau) is not seen",
             rounded(disturbance::slowest_seen())
@@ -180,7 +180,7 @@ fn footer<'a>(points: impl Iterator<Item = &'a Point> + Clone, balanced: bool) -
     lines.join("\n")
 }
 
-fn steady_force(point: &Point) -> Option<f64> {
+fn steady_force(point: &ForcePoint) -> Option<f64> {
     let has_one = point.diverged_at.is_none() && point.max_force.is_finite();
     has_one.then_some(point.max_force)
 }

@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use tape::{AlarmInfo, At, Info, Recording};
+use tape::{AlarmInfo, Info, MomentInfo, Recording};
 
 use crate::failure::Failure;
 use crate::output::{self, rounded};
@@ -35,7 +35,7 @@ fn for_people(info: &Info, recording: &Recording) -> String {
     let units = Units::with(recording.scales());
     let (length_unit, force_unit) = (units.length_unit(), units.force_unit());
     // A control is an acceleration: what force it is depends on the mass that carried the bearing then.
-    let force_of = |control: f64, at: &At| {
+    let force_of = |control: f64, at: &MomentInfo| {
         let bearing = recording.settings_at(at.step).map_or(0, |revision| revision.settings.feedback.bearing);
         units.force(control, recording.rotor().masses().get(bearing).map_or(1.0, |mass| mass.mass))
     };
@@ -43,7 +43,7 @@ fn for_people(info: &Info, recording: &Recording) -> String {
     let mut line = |name: &str, value: String| {
         let _ = writeln!(text, "{name:<12}{value}");
     };
-    let at = |at: &At| format!("step {}, tau {}", at.step, rounded(at.tau));
+    let at = |at: &MomentInfo| format!("step {}, tau {}", at.step, rounded(at.tau));
     let more = match &info.parts[..] {
         [_, .., last] => format!(" to {last}, {} parts", info.parts.len()),
         _ => String::new(),

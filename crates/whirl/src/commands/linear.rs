@@ -1,6 +1,6 @@
 //! What the commands on the linear rotor share: modes as scripts read them.
 
-use rotor::{C64, Mode, Standing, Whirl};
+use rotor::{C64, Mode, Stability, Whirl};
 use serde::Serialize;
 
 use crate::failure::Failure;
@@ -12,26 +12,26 @@ const MARGINAL: &str = "the real part is zero but for rounding";
 
 /// How something stands, as scripts read it: `stable` is `null` where rounding decides, and `marginal` says so.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct StandingDocument {
+pub(super) struct StabilityDocument {
     stable: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     stable_null: Option<&'static str>,
     marginal: bool,
 }
 
-impl From<Standing> for StandingDocument {
-    fn from(standing: Standing) -> Self {
-        let marginal = standing == Standing::Marginal;
-        Self { stable: standing.is_stable(), stable_null: marginal.then_some(MARGINAL), marginal }
+impl From<Stability> for StabilityDocument {
+    fn from(stability: Stability) -> Self {
+        let marginal = stability == Stability::Marginal;
+        Self { stable: stability.is_stable(), stable_null: marginal.then_some(MARGINAL), marginal }
     }
 }
 
-/// The standing in a word, loud where it is not stable.
-pub(super) fn word(standing: Standing) -> &'static str {
-    match standing {
-        Standing::Stable => "stable",
-        Standing::Marginal => "MARGINAL (zero but for rounding)",
-        Standing::Unstable => "UNSTABLE",
+/// The stability in a word, loud where it is not stable.
+pub(super) fn word(stability: Stability) -> &'static str {
+    match stability {
+        Stability::Stable => "stable",
+        Stability::Marginal => "MARGINAL (zero but for rounding)",
+        Stability::Unstable => "UNSTABLE",
     }
 }
 
@@ -82,7 +82,7 @@ impl From<&Mode> for PoleDocument {
             re: mode.pole.re,
             im: mode.pole.im,
             damping: mode.damping(),
-            marginal: mode.standing() == Standing::Marginal,
+            marginal: mode.stability() == Stability::Marginal,
             log_dec,
             log_dec_null: log_dec.is_none().then_some(REAL_POLE),
             frequency: mode.frequency(),

@@ -1,6 +1,6 @@
 //! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range.
 
-use ::linear::{DelayMargin, GainMargin, Peak, PhaseMargin};
+use ::linear::{AmplitudePeak, DelayMargin, GainMargin, PhaseMargin};
 use machine::{MachineMargins, MarginsError, WORST, margins, worst_margins};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -205,7 +205,7 @@ impl Told<'_> {
     /// A row of the table for one of [`WORST`].
     fn row(&self, kind: usize, at: Option<f64>) -> Vec<Cell> {
         let (units, margins) = (self.units, &self.found.margins);
-        let peak = |peak: Peak| Some((peak.amplitude, "", peak.frequency));
+        let peak = |peak: AmplitudePeak| Some((peak.amplitude, "", peak.frequency));
         let force = units.force(1.0, self.mass) / units.length(1.0);
         let entry = match kind {
             0 => margins.delay.map(|d| (units.time(d.delay), units.pick("tau", "s"), Some(d.frequency))),
@@ -233,7 +233,7 @@ impl Told<'_> {
     /// Every margin as scripts read it.
     fn fields(&self) -> Map<String, Value> {
         let margins = &self.found.margins;
-        let peak = |peak: Peak| json!({"peak": peak.amplitude, "frequency": peak.frequency});
+        let peak = |peak: AmplitudePeak| json!({"peak": peak.amplitude, "frequency": peak.frequency});
         let delay = |DelayMargin { delay, frequency }: DelayMargin| {
             let turns = delay * self.found.speed / std::f64::consts::TAU;
             let seconds = self.units.scales().map(|scales| scales.seconds(delay));

@@ -147,7 +147,7 @@ pub(super) fn speeds_text(speeds: &[f64], units: Units) -> String {
 
 /// `stable`, `marginal` or `unstable`.
 pub(super) fn stability(orbit: &Orbit) -> String {
-    orbit.standing().to_string()
+    orbit.stability().to_string()
 }
 
 /// Numbers for people, separated by commas.

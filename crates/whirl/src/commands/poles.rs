@@ -4,7 +4,7 @@ use machine::MachinePoles;
 use rotor::{C64, Mode};
 use serde::Serialize;
 
-use super::linear::{self, Part, PoleDocument, StandingDocument, word};
+use super::linear::{self, Part, PoleDocument, StabilityDocument, word};
 use crate::catalog;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -29,7 +29,7 @@ struct Document<'a> {
     rotor: &'a str,
     speed: f64,
     #[serde(flatten)]
-    standing: StandingDocument,
+    stability: StabilityDocument,
     min_damping: f64,
     /// Where there are infinitely many: all with a greater real part are listed.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -79,13 +79,14 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     for mode in &spectrum.modes {
         let pole = [mode.pole.re, mode.pole.im].map(|part| units.rate(part));
         let numbers = [pole[0], pole[1], mode.damping(), mode.log_decrement(), units.frequency(mode.frequency())];
-        table.row(numbers.map(Cell::from).into_iter().chain([Cell::from(&mode.whirl()), Cell::from(&mode.standing())]));
+        table
+            .row(numbers.map(Cell::from).into_iter().chain([Cell::from(&mode.whirl()), Cell::from(&mode.stability())]));
     }
     let speed = machine.settings.speed;
     let document = Document {
         rotor: rotor.name(),
         speed,
-        standing: spectrum.standing().into(),
+        stability: spectrum.stability().into(),
         min_damping: spectrum.min_damping(),
         count_right_of: right_of,
         modes: (spectrum.modes.iter().enumerate())
@@ -100,7 +101,7 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         &table,
         &format!(
             "{}, minimum damping {}{}",
-            word(spectrum.standing()),
+            word(spectrum.stability()),
             rounded(spectrum.min_damping()),
             remark(&machine, right_of)
         ),

@@ -75,7 +75,7 @@ impl From<&Orbit> for BranchDocument {
             radius: orbit.radii(),
             phase: orbit.amplitude.iter().map(|c| c.arg()).collect(),
             force: orbit.force,
-            stable: orbit.standing().is_stable(),
+            stable: orbit.stability().is_stable(),
             growth: orbit.growth,
             contact: contact(orbit),
         }
@@ -89,7 +89,7 @@ impl From<&Curve> for CurveDocument {
             speed: curve.orbits.iter().map(|o| o.speed).collect(),
             radius: curve.orbits.iter().map(Orbit::radii).collect(),
             force: curve.orbits.iter().map(|o| o.force).collect(),
-            stable: curve.orbits.iter().map(|o| o.standing().is_stable()).collect(),
+            stable: curve.orbits.iter().map(|o| o.stability().is_stable()).collect(),
         }
     }
 }

@@ -8,7 +8,7 @@ use std::time::Instant;
 use rotor::profile::Profile;
 use rotor::{C64, Settings};
 use serde::Serialize;
-use study::runup::{Critical, Peak, RunUp, RunUpError, RunUpPlan, RunUpPoint};
+use study::runup::{Critical, ResonancePeak, RunUp, RunUpError, RunUpPlan, RunUpPoint};
 
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
@@ -127,7 +127,8 @@ struct SteadyDocument {
 impl From<&Critical> for CriticalDocument {
     fn from(critical: &Critical) -> Self {
         let Critical { leg, station, peak, .. } = critical;
-        let steady = |p: Peak| SteadyDocument { speed: p.speed, amplification: p.amplification(), peak: p.height };
+        let steady =
+            |p: ResonancePeak| SteadyDocument { speed: p.speed, amplification: p.amplification(), peak: p.height };
         Self {
             speed: peak.speed,
             amplification: peak.amplification(),
@@ -280,7 +281,7 @@ fn criticals_table(found: &RunUp, units: Units) -> Table {
         ],
     ));
     for Critical { leg, station, peak, steady } in &found.criticals {
-        let of = |peak: Option<Peak>| {
+        let of = |peak: Option<ResonancePeak>| {
             let number = |value: Option<f64>, without| value.map_or(Cell::Without(without), Cell::from);
             [
                 number(peak.map(|p| units.speed(p.speed)), "none"),

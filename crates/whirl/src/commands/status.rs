@@ -164,7 +164,7 @@ impl Bench {
         let bench_status = bench_status.as_deref();
         let health = bench_status.map(|bench_status| &bench_status.health);
         let trip = bench_status.map(|bench_status| bench_status.trip);
-        let readers = attached.iter().filter(|party| party.is_reader()).count();
+        let readers = attached.iter().filter(|process| process.is_reader()).count();
         Self {
             name,
             answers: bench_status.is_some(),
@@ -203,7 +203,7 @@ impl Bench {
             run_id: bench_status.map(|bench_status| format!("{:016x}", bench_status.run_id)),
             // Of one that says nothing: iceoryx2 knows it.
             pid: bench_status.map_or_else(
-                || attached.iter().find(|party| party.role == "sim").map_or(0, |party| party.pid),
+                || attached.iter().find(|process| process.role == "sim").map_or(0, |process| process.pid),
                 |bench_status| bench_status.pid,
             ),
             version: bench_status.map(|bench_status| bench_status.version.as_str().to_owned()),
@@ -262,7 +262,7 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
             continue;
         }
         // A recorder's word may take a moment; where nobody records there is nothing to wait for.
-        let recorded = entry.parties.iter().any(|party| party.role == "record");
+        let recorded = entry.processes.iter().any(|process| process.role == "record");
         let (told, recording) = match glance {
             Ok(mut glance) => {
                 let bench_status = attach::first_bench_status(&mut glance, &entry.name);
@@ -271,7 +271,8 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
             }
             Err(error) => (Err(error.to_string()), None),
         };
-        let attached = entry.parties.into_iter().map(|party| Attached { role: party.role, pid: party.pid }).collect();
+        let attached =
+            entry.processes.into_iter().map(|process| Attached { role: process.role, pid: process.pid }).collect();
         benches.push(Bench::new(entry.name.to_string(), told, attached, recording));
     }
     let mut table = Table::new(&[

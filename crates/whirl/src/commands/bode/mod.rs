@@ -6,7 +6,7 @@ mod unbalance;
 use std::path::PathBuf;
 use std::str::FromStr;
 
-use machine::{FrequencyPoint, MachineLoop, MachinePoles, MarginsError, Of};
+use machine::{FrequencyPoint, MachineLoop, MachinePoles, MarginsError, TransferFunction};
 use rotor::C64;
 use serde::Serialize;
 
@@ -72,7 +72,7 @@ pub(super) enum Show {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum What {
     /// Over frequency.
-    Frequency(Of),
+    Frequency(TransferFunction),
     /// Over speed.
     Unbalance,
 }
@@ -83,12 +83,12 @@ impl FromStr for What {
     fn from_str(typed: &str) -> Result<Self, String> {
         let station = || typed.strip_prefix("station=")?.parse().ok().filter(|n: &usize| *n > 0);
         Ok(match typed {
-            "loop" => Self::Frequency(Of::Loop),
-            "sensitivity" => Self::Frequency(Of::Sensitivity),
-            "closed" => Self::Frequency(Of::Closed),
+            "loop" => Self::Frequency(TransferFunction::Loop),
+            "sensitivity" => Self::Frequency(TransferFunction::Sensitivity),
+            "closed" => Self::Frequency(TransferFunction::Closed),
             "unbalance" => Self::Unbalance,
             _ => match station() {
-                Some(n) => Self::Frequency(Of::Station(n - 1)),
+                Some(n) => Self::Frequency(TransferFunction::Station(n - 1)),
                 None => return Err("expected loop, sensitivity, closed, unbalance, or station=N with N from 1".into()),
             },
         })
@@ -98,10 +98,10 @@ impl FromStr for What {
 impl std::fmt::Display for What {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::Frequency(Of::Loop) => f.write_str("loop"),
-            Self::Frequency(Of::Sensitivity) => f.write_str("sensitivity"),
-            Self::Frequency(Of::Closed) => f.write_str("closed"),
-            Self::Frequency(Of::Station(n)) => write!(f, "station={}", n + 1),
+            Self::Frequency(TransferFunction::Loop) => f.write_str("loop"),
+            Self::Frequency(TransferFunction::Sensitivity) => f.write_str("sensitivity"),
+            Self::Frequency(TransferFunction::Closed) => f.write_str("closed"),
+            Self::Frequency(TransferFunction::Station(n)) => write!(f, "station={}", n + 1),
             Self::Unbalance => f.write_str("unbalance"),
         }
     }
@@ -148,17 +148,17 @@ pub(crate) fn run(args: &BodeArgs) -> Result<(), Failure> {
     }
 }
 
-fn frequency(args: &BodeArgs, of: Of, speed: f64) -> Result<(), Failure> {
+fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Failure> {
     let machine = Machine::open(&args.machine, Some(speed), catalog::Default::Analysis)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let speed = machine.settings.speed;
-    if let Of::Station(station) = of
+    if let TransferFunction::Station(station) = of
         && station >= rotor.len()
     {
         let (asked, there) = (station + 1, rotor.len());
         return Err(Failure::Usage(format!("--of station={asked}: {} has masses 1 to {there}", rotor.name())));
     }
-    if of != Of::Loop {
+    if of != TransferFunction::Loop {
         let poles = MachinePoles::of(rotor, &machine.settings)?;
         let rightmost = poles.modes.iter().map(|mode| mode.pole).max_by(|a, b| a.re.total_cmp(&b.re));
         if let Some(pole) = rightmost.filter(|pole| pole.re >= 0.0) {
@@ -175,16 +175,16 @@ fn frequency(args: &BodeArgs, of: Of, speed: f64) -> Result<(), Failure> {
         )));
     };
     let scale = match of {
-        Of::Station(_) => units.length(1.0) / units.force(1.0, machine.bearing_mass()),
+        TransferFunction::Station(_) => units.length(1.0) / units.force(1.0, machine.bearing_mass()),
         _ => 1.0,
     };
     let unit = match of {
-        Of::Station(_) => units.pick(" (1 / w0^2)", " (m/N)"),
+        TransferFunction::Station(_) => units.pick(" (1 / w0^2)", " (m/N)"),
         _ => "",
     };
     if let Some(path) = &args.out {
         let title = format!("{}, {} at {}", rotor.name(), name(of), units.speed_text(speed));
-        let charts = chart::of(&points, &title, args.show, units, scale, unit, of == Of::Loop);
+        let charts = chart::of(&points, &title, args.show, units, scale, unit, of == TransferFunction::Loop);
         picture::draw(path, args.force, &charts)?;
     }
     let frequency = units.pick("frequency", "frequency (Hz)");
@@ -211,7 +211,7 @@ fn frequency(args: &BodeArgs, of: Of, speed: f64) -> Result<(), Failure> {
         rotor: rotor.name(),
         speed,
         of: args.of.to_string(),
-        open: of == Of::Loop,
+        open: of == TransferFunction::Loop,
         points: points.iter().map(|p| PointDocument::of(p.frequency, p.value)).collect(),
         units: units.document(),
     };
@@ -235,12 +235,14 @@ fn degrees(z: C64) -> f64 {
 }
 
 /// What a response is, in words.
-fn name(of: Of) -> String {
+fn name(of: TransferFunction) -> String {
     match of {
-        Of::Loop => "gain of the open loop".into(),
-        Of::Sensitivity => "sensitivity".into(),
-        Of::Closed => "closed loop".into(),
-        Of::Station(station) => format!("displacement of mass {} per force at the control bearing", station + 1),
+        TransferFunction::Loop => "gain of the open loop".into(),
+        TransferFunction::Sensitivity => "sensitivity".into(),
+        TransferFunction::Closed => "closed loop".into(),
+        TransferFunction::Station(station) => {
+            format!("displacement of mass {} per force at the control bearing", station + 1)
+        }
     }
 }
 

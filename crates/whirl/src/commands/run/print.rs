@@ -1,8 +1,8 @@
 //! What `whirl run` prints.
 
-use rotor::Standing;
+use rotor::Stability;
 use serde::Serialize;
-use study::disturbance::{self, Judgement, Means};
+use study::disturbance::{self, DisturbanceGrowth, Means};
 use study::run::{Outcome, Settled};
 use study::spectrum::{Peak, Spectrum};
 
@@ -31,14 +31,14 @@ struct Document<'a> {
     /// `stability`.
     stable: Option<bool>,
     /// `stable`, `marginal` or `unstable`; `null` where no motion is steady: it diverged, or has not settled.
-    stability: Option<Standing>,
+    stability: Option<Stability>,
     /// How fast the fastest disturbance grows, per unit of tau.
     growth: Option<f64>,
     /// By `eigenvalues` on a circular orbit and at rest, by `simulation` on any other: that sees growth above `growth_seen`.
     stability_by: Option<Means>,
     growth_seen: f64,
     /// The same for the rotor at rest in its centre, support bearings with clearance out of action.
-    centre_stability: Standing,
+    centre_stability: Stability,
     centre_growth: f64,
     maxima_from: f64,
     max_force: f64,
@@ -161,12 +161,12 @@ pub(super) fn print(
         diverged_at: outcome.diverged_at,
         settled: outcome.settled,
         settled_at: matches!(outcome.settled, Settled::Steady | Settled::Beating).then_some(outcome.maxima_from),
-        stable: outcome.stability.and_then(|judged| judged.standing.is_stable()),
-        stability: outcome.stability.map(|judged| judged.standing),
-        growth: outcome.stability.map(|judged| judged.growth),
-        stability_by: outcome.stability.map(|judged| judged.by),
+        stable: outcome.stability.and_then(|growth| growth.stability.is_stable()),
+        stability: outcome.stability.map(|growth| growth.stability),
+        growth: outcome.stability.map(|growth| growth.growth),
+        stability_by: outcome.stability.map(|growth| growth.by),
         growth_seen: disturbance::slowest_seen(),
-        centre_stability: outcome.centre.standing,
+        centre_stability: outcome.centre.stability,
         centre_growth: outcome.centre.growth,
         maxima_from: outcome.maxima_from,
         max_force: outcome.max_force,
@@ -206,13 +206,15 @@ fn steps((longest, shortest): (f64, f64)) -> String {
 
 /// Whether the motion found would stay, and the centre.
 fn stability(outcome: &Outcome) -> String {
-    let grows = |j: Judgement| format!("{} (disturbances go as exp({} tau))", j.word(), rounded(j.growth));
+    let grows = |j: DisturbanceGrowth| format!("{} (disturbances go as exp({} tau))", j.word(), rounded(j.growth));
     let centre = format!("the rotor at rest in its centre: {}", grows(outcome.centre));
     match outcome.stability {
-        Some(judged @ Judgement { by: Means::Eigenvalues, .. }) => format!("this motion: {}; {centre}", grows(judged)),
-        Some(judged @ Judgement { by: Means::Simulation, .. }) => format!(
+        Some(growth @ DisturbanceGrowth { by: Means::Eigenvalues, .. }) => {
+            format!("this motion: {}; {centre}", grows(growth))
+        }
+        Some(growth @ DisturbanceGrowth { by: Means::Simulation, .. }) => format!(
             "this motion: {}, by simulation, which sees growth above {}; {centre}",
-            grows(judged),
+            grows(growth),
             rounded(disturbance::slowest_seen())
         ),
         None => format!("no steady motion whose stability could be told; {centre}"),

@@ -7,7 +7,7 @@ use rotor::file::FeedbackDocument;
 use rotor::{GainKind, damping_ratio};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
-use tuner::{Measure, Place, Problem, Stationarity, Stop, Tuned, judge, rank};
+use tuner::{Measure, Placement, Problem, Stationarity, Stop, Tuned, evaluate, rank};
 
 use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
@@ -79,7 +79,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let problem = asked.problem(best.bearing, &best.sensors);
     known(asked, &best.tuned)?;
     let mut document = Document::of(args, asked, &problem, best, &places, Stop::when(flag))?;
-    // All of it: every place, and what was judged anew.
+    // All of it: every place, and what was evaluated anew.
     document.seconds = begun.elapsed().as_secs_f64();
     let mut footer = summary(asked, &problem, &document).join("\n");
     if places.len() > 1 {
@@ -100,8 +100,8 @@ impl<'a> Document<'a> {
         args: &TuneArgs,
         asked: &'a Asked,
         problem: &Problem,
-        best: &'a Place,
-        places: &'a [Place],
+        best: &'a Placement,
+        places: &'a [Placement],
         stop: Stop,
     ) -> Result<Self, Failure> {
         let tuned = &best.tuned;
@@ -141,14 +141,14 @@ impl<'a> Document<'a> {
     }
 }
 
-/// The smallest damping ratio and its speed: of the answer itself, or judged anew where something else was maximised.
+/// The smallest damping ratio and its speed: of the answer itself, or evaluated anew where something else was maximised.
 fn least_damping(args: &TuneArgs, problem: &Problem, tuned: &Tuned, stop: Stop) -> Result<(f64, f64), Failure> {
     if problem.measure == Measure::default() {
         return Ok((tuned.worst.value, tuned.worst.point[0]));
     }
     let plain = Problem { measure: Measure::default(), ..problem.clone() };
-    let judged = judge(&plain, &args.options(&plain), &tuned.gains, stop)?;
-    Ok((judged.worst.value, judged.worst.point[0]))
+    let evaluated = evaluate(&plain, &args.options(&plain), &tuned.gains, stop)?;
+    Ok((evaluated.worst.value, evaluated.worst.point[0]))
 }
 
 /// A condition by the names of its coordinates, with a pole if it is about one.
@@ -166,7 +166,7 @@ fn condition(problem: &Problem, point: &[f64], pole: Option<(rotor::C64, f64)>) 
     Value::Object(map)
 }
 
-fn rank_row(place: &Place) -> Value {
+fn rank_row(place: &Placement) -> Value {
     let worst = &place.tuned.worst;
     json!({
         "bearing": place.bearing + 1,
@@ -183,7 +183,7 @@ fn list(masses: &[usize]) -> String {
     masses.iter().map(|mass| (mass + 1).to_string()).collect::<Vec<_>>().join(", ")
 }
 
-fn heading(asked: &Asked, best: &Place) -> String {
+fn heading(asked: &Asked, best: &Placement) -> String {
     let (rotor, range) = (asked.rotor().name(), &asked.range_text);
     format!("{rotor}, {range}: bearing at mass {}, sensors at {}", best.bearing + 1, list(&best.sensors))
 }
@@ -286,7 +286,7 @@ fn others(condition: &Value) -> String {
     each.map(|(name, value)| format!(", {name} = {}", rounded(value.as_f64().unwrap_or(f64::NAN)))).collect()
 }
 
-fn ranking(places: &[Place]) -> String {
+fn ranking(places: &[Placement]) -> String {
     let mut text = "\n\nbearing  sensors    worst\n".to_owned();
     for place in places {
         text +=

@@ -54,10 +54,10 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let (watch, begun) = (Watch::new(), std::time::Instant::now());
     let found = track(&problem, &speeds, args.stiffness, &args.options(&problem), &|p| watch.say(p), Stop::when(flag))?;
     watch.end();
-    let (units, worst) = (asked.units(), &found.judged.worst);
-    known(asked, &found.judged)?;
+    let (units, worst) = (asked.units(), &found.evaluated.worst);
+    known(asked, &found.evaluated)?;
     let stable = worst.stable();
-    let names: Vec<String> = (0..found.judged.feedback.signals.len())
+    let names: Vec<String> = (0..found.evaluated.feedback.signals.len())
         .flat_map(|k| GainKind::ALL.map(|kind| format!("{}.{}", kind.name(), k + 1)))
         .collect();
     let head = [units.pick("speed", "speed (rpm)"), "min damping"].map(str::to_owned);
@@ -98,12 +98,12 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         feedback: FeedbackDocument(found.feedback()),
         seconds: begun.elapsed().as_secs_f64(),
         seed: args.seed,
-        interrupted: found.judged.interrupted,
+        interrupted: found.evaluated.interrupted,
         units: units.document(),
     };
     let heading = format!("{}, {}: gains followed over speed", asked.rotor().name(), asked.range_text);
     args.format.print(&document, &heading, &table, &footer)?;
-    verdict(asked, &found.judged)
+    verdict(asked, &found.evaluated)
 }
 
 fn chart(asked: &Asked, found: &Tracked, names: &[String]) -> Chart {

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
 use study::plot::{Axis, Chart, Color, Look, Series};
-use tuner::{Point, Price, Stop, pareto};
+use tuner::{ParetoPoint, Price, Stop, pareto};
 
 use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
@@ -129,7 +129,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     super::answer::verdict(asked, best)
 }
 
-fn chart(asked: &Asked, price: Price, front: &[Point]) -> Chart {
+fn chart(asked: &Asked, price: Price, front: &[ParetoPoint]) -> Chart {
     let mut points: Vec<(f64, f64)> =
         front.iter().map(|point| (price.of(&point.tuned), point.tuned.worst.value)).collect();
     points.reverse();

@@ -5,7 +5,9 @@ use std::str::FromStr;
 use control::{PARTS, Parts};
 use rotor::typed::pair;
 use rotor::{FIELDS, Feedback, Rotor};
-use tuner::{Axis, Family, FamilyError, Measure, Problem, ProblemError, Quantity, Question, Schedule, choices};
+use tuner::{
+    Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Problem, ProblemError, Question, Schedule, choices,
+};
 
 use super::TuneArgs;
 use crate::catalog::Machine;
@@ -147,7 +149,7 @@ impl FromStr for Varied {
 
 impl Varied {
     /// The coordinate that it is for `rotor`.
-    fn axis(&self, rotor: &Rotor) -> Result<Axis, Failure> {
+    fn axis(&self, rotor: &Rotor) -> Result<FamilyAxis, Failure> {
         let unknown = || {
             let names: Vec<&str> = FIELDS.iter().map(|field| field.name).filter(|name| *name != "deadband").collect();
             Failure::Usage(format!(
@@ -163,13 +165,13 @@ impl Varied {
             Failure::Usage(format!("'{}': {} has {masses} masses and {shafts} shafts", self.key, rotor.name()))
         };
         let (quantity, value) = if name == "shaft" {
-            (Quantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
+            (FamilyQuantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
         } else {
             // Clearance has no part in the linear rotor: deadband states are what --robust is for.
             let known = FIELDS.iter().position(|field| field.name == name && name != "deadband");
             let field = known.ok_or_else(unknown)?;
             let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
-            (Quantity::Parameter { field, mass: number - 1 }, mass.values()[field])
+            (FamilyQuantity::Parameter { field, mass: number - 1 }, mass.values()[field])
         };
         let (from, to) = match self.by {
             By::Range(range) => (range.from, range.to),
@@ -181,7 +183,7 @@ impl Varied {
                 (value - width, value + width)
             }
         };
-        Ok(Axis { quantity, from, to })
+        Ok(FamilyAxis { quantity, from, to })
     }
 }
 
@@ -249,7 +251,7 @@ impl Asked {
         }
         if let Some(Span { from, to }) = args.delay {
             let second = units.time(1.0);
-            family.push(Axis { quantity: Quantity::Delay, from: from / second, to: to / second })?;
+            family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: from / second, to: to / second })?;
         }
         let schedule = match args.gains {
             Gains::Fixed => Schedule::Fixed,

@@ -17,20 +17,20 @@ pub struct BenchEntry {
     /// Its name.
     pub name: BenchName,
     /// Live processes that have it open, the simulation among them, by process id.
-    pub parties: Vec<Party>,
+    pub processes: Vec<AttachedProcess>,
 }
 
 impl BenchEntry {
     /// Whether its simulation lives.
     #[must_use]
     pub fn is_running(&self) -> bool {
-        self.parties.iter().any(|party| party.role == HOST_ROLE)
+        self.processes.iter().any(|process| process.role == HOST_ROLE)
     }
 }
 
 /// A live process that has a bench open.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Party {
+pub struct AttachedProcess {
     /// Process id.
     pub pid: u32,
     /// What it is: `sim`, `dash`, `tail` ...
@@ -43,27 +43,27 @@ impl SharedMemory {
     /// # Errors
     /// The root cannot be read.
     pub fn benches(&self) -> Result<Vec<BenchEntry>, WireError> {
-        let mut found: BTreeMap<BenchName, Vec<Party>> = BTreeMap::new();
+        let mut found: BTreeMap<BenchName, Vec<AttachedProcess>> = BTreeMap::new();
         let listed = Ipc::list(self.config(), |service| {
             let name = service.static_details.name().as_str().to_owned();
             let bench = name.strip_prefix("whirl/").and_then(|rest| rest.strip_suffix("/state"));
             if let Some(bench) = bench.and_then(|bench| bench.parse::<BenchName>().ok()) {
-                let parties = found.entry(bench).or_default();
+                let processes = found.entry(bench).or_default();
                 for node in service.dynamic_details.iter().flat_map(|details| &details.nodes) {
                     if let NodeState::Alive(view) = node
                         && let Some(details) = view.details()
                     {
                         let pid = details.process_id().value() as u32;
-                        parties.push(Party { pid, role: details.name().as_str().to_owned() });
+                        processes.push(AttachedProcess { pid, role: details.name().as_str().to_owned() });
                     }
                 }
-                parties.sort();
-                parties.dedup();
+                processes.sort();
+                processes.dedup();
             }
             CallbackProgression::Continue
         });
         listed.map_err(|error| WireError::Internal(format!("the benches cannot be listed ({error:?})")))?;
-        Ok(found.into_iter().map(|(name, parties)| BenchEntry { name, parties }).collect())
+        Ok(found.into_iter().map(|(name, processes)| BenchEntry { name, processes }).collect())
     }
 }
 

@@ -20,11 +20,11 @@ const PATIENCE: Duration = Duration::from_secs(2);
 
 /// What has been sent lately.
 #[derive(Debug, Default)]
-pub(crate) struct Outbox {
+pub(crate) struct SentDocuments {
     recent: VecDeque<u64>,
 }
 
-impl Outbox {
+impl SentDocuments {
     /// Whether a document has to be sent before a message that names it; it is taken for sent from now on.
     pub(crate) fn is_due(&mut self, hash: u64) -> bool {
         let is_due = !self.recent.contains(&hash);
@@ -40,33 +40,33 @@ impl Outbox {
 
 /// What a reader has: documents, and messages that wait for theirs.
 #[derive(Debug, Default)]
-pub(crate) struct Shelf {
+pub(crate) struct ReceivedDocuments {
     rotors: VecDeque<RotorDocument>,
     settings: VecDeque<SettingsDocument>,
     bench_status: Option<Box<BenchStatusMessage>>,
     events: VecDeque<(EventMessage, Instant)>,
 }
 
-fn put<T: Content>(shelf: &mut VecDeque<Document<T>>, hash: u64, bytes: &[u8]) -> Result<(), DocumentError> {
-    if let Some(at) = shelf.iter().position(|document| document.hash() == hash) {
+fn put<T: Content>(received: &mut VecDeque<Document<T>>, hash: u64, bytes: &[u8]) -> Result<(), DocumentError> {
+    if let Some(at) = received.iter().position(|document| document.hash() == hash) {
         // Sent again: it stays for as long as a new one.
-        shelf.extend(shelf.get(at).cloned());
-        shelf.remove(at);
+        received.extend(received.get(at).cloned());
+        received.remove(at);
         return Ok(());
     }
     let document = Document::received(hash, bytes)?;
-    if shelf.len() == 2 * DOCUMENTS_KEPT {
-        shelf.pop_front();
+    if received.len() == 2 * DOCUMENTS_KEPT {
+        received.pop_front();
     }
-    shelf.push_back(document);
+    received.push_back(document);
     Ok(())
 }
 
-fn find<T: Content>(shelf: &VecDeque<Document<T>>, hash: u64) -> Option<Document<T>> {
-    shelf.iter().rev().find(|document| document.hash() == hash).cloned()
+fn find<T: Content>(received: &VecDeque<Document<T>>, hash: u64) -> Option<Document<T>> {
+    received.iter().rev().find(|document| document.hash() == hash).cloned()
 }
 
-impl Shelf {
+impl ReceivedDocuments {
     /// Takes in a document. One that cannot be read, which only a foreign writer can send, is as if it had not come.
     pub(crate) fn put(&mut self, head: DocumentHead, bytes: &[u8]) {
         let taken = match head.kind {
@@ -123,12 +123,12 @@ mod tests {
     fn what_can_still_be_named_is_kept() {
         let mut random = 1_u64;
         for spread in [1, 2, 7, 8, 9, 20, 64, 1000] {
-            let (mut outbox, mut sent, mut named) = (Outbox::default(), Vec::new(), Vec::new());
+            let (mut sent_documents, mut sent, mut named) = (SentDocuments::default(), Vec::new(), Vec::new());
             for _ in 0..5000 {
                 random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
                 let settings = 1 + (random >> 33) % spread;
                 for hash in [0, settings] {
-                    if outbox.is_due(hash) {
+                    if sent_documents.is_due(hash) {
                         sent.push(hash);
                     }
                 }

@@ -4,7 +4,7 @@ use crate::{Family, Measure, Options, Problem, ProblemError, Progress, Schedule,
 
 /// One choice.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Place {
+pub struct Placement {
     /// The mass that carries the control bearing, counted from 0.
     pub bearing: usize,
     /// The masses with a sensor, counted from 0, rising.
@@ -83,15 +83,15 @@ pub fn rank(
     options: &dyn Fn(&Problem) -> Options,
     progress: &(dyn Fn(&Progress) + Sync),
     stop: Stop,
-) -> Result<Vec<Place>, ProblemError> {
-    let mut ranked: Vec<Place> = Vec::new();
+) -> Result<Vec<Placement>, ProblemError> {
+    let mut ranked: Vec<Placement> = Vec::new();
     for (bearing, sensors) in places {
         if stop.is_set() && !ranked.is_empty() {
             break;
         }
         let problem = question.at(*bearing, sensors);
         let tuned = tune(&problem, &options(&problem), progress, stop)?;
-        ranked.push(Place { bearing: *bearing, sensors: sensors.clone(), tuned });
+        ranked.push(Placement { bearing: *bearing, sensors: sensors.clone(), tuned });
     }
     ranked.sort_by(|a, b| b.tuned.worst.value.total_cmp(&a.tuned.worst.value));
     Ok(ranked)
