@@ -9,10 +9,10 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+use plot::{Axis, Chart, Color, Look, Series, svg};
 use rayon::prelude::*;
 use rotor::{Feedback, Rotor, builtin, circular};
 use study::force::until_settled;
-use study::plot::{Axis, Chart, Color, Look, Series, svg};
 use study::run::Settled;
 use tuner::{Family, Method, Options, Price, Problem, Schedule, Stop, Structure, Tuned, pareto, tune};
 
@@ -179,7 +179,7 @@ fn climbs(rotor: &Rotor, page: &mut String, folder: &Path) -> Done<()> {
         series,
         notes: Vec::new(),
     };
-    std::fs::write(folder.join("pictures/gain-search-time.svg"), svg(&chart.scene(), &chart.title))?;
+    std::fs::write(folder.join("pictures/gain-search-time.svg"), svg(&chart.scene(), "time", &chart.title))?;
     page.push_str("\n![The best so far against time](pictures/gain-search-time.svg)\n\n");
     Ok(())
 }
@@ -233,7 +233,7 @@ fn front(rotor: &Rotor, page: &mut String, folder: &Path) -> Done<()> {
         ],
         notes: Vec::new(),
     };
-    std::fs::write(folder.join("pictures/gain-search-front.svg"), svg(&chart.scene(), &chart.title))?;
+    std::fs::write(folder.join("pictures/gain-search-front.svg"), svg(&chart.scene(), "front", &chart.title))?;
     page.push_str("\n![Damping against control force](pictures/gain-search-front.svg)\n\n");
     Ok(())
 }
@@ -305,7 +305,7 @@ fn in_simulation(rotor: &Rotor, page: &mut String, folder: &Path) -> Done<()> {
         series,
         notes: Vec::new(),
     };
-    std::fs::write(folder.join("pictures/gain-search-orbits.svg"), svg(&chart.scene(), &chart.title))?;
+    std::fs::write(folder.join("pictures/gain-search-orbits.svg"), svg(&chart.scene(), "orbits", &chart.title))?;
     page.push_str("\n![Largest orbit over speed](pictures/gain-search-orbits.svg)\n");
     Ok(())
 }

@@ -5,7 +5,7 @@
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
-//! * [`report`]: every figure and every printed number of the NASA report again, with [`plot`] to draw them.
+//! * [`report`]: every figure and every printed number of the NASA report again, drawn by [`plot`].
 //!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
@@ -13,7 +13,6 @@ pub mod csv;
 pub mod disturbance;
 pub mod force;
 mod peak;
-pub mod plot;
 pub mod report;
 pub mod run;
 pub mod runup;

@@ -3,7 +3,7 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use study::plot::{png, svg};
+use plot::{png, svg};
 use study::report::{self, Report, Verdict, Watch};
 
 fn made() -> &'static Report {
@@ -118,12 +118,11 @@ fn every_figure_is_there_with_axes_units_data_and_both_pictures() {
     let chapter_4 = (2..=5).chain(7..=26).map(|i| format!("4.{i}"));
     assert_eq!(numbers, chapter_3.chain(chapter_4).collect::<Vec<_>>());
     for figure in &made().figures {
-        let scene = figure.chart.scene();
-        let picture = svg(&scene, figure.title);
+        let picture = svg(&figure.chart.scene(), &figure.stem(), figure.title);
         assert!(picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"));
         assert!(!picture.contains("NaN") && !picture.contains("inf"), "{}", figure.number);
         assert!(picture.len() < 100_000, "{}: {} bytes", figure.number, picture.len());
-        assert!(png(&scene).expect("draws").starts_with(b"\x89PNG"), "{}", figure.number);
+        assert!(png(&picture).expect("draws").starts_with(b"\x89PNG"), "{}", figure.number);
         for axis in [&figure.chart.x, &figure.chart.y] {
             assert!(axis.label.contains('('), "{}: no unit in {}", figure.number, axis.label);
         }

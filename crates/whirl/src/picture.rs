@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use study::plot::{Chart, png, stacked, svg};
+use plot::{Chart, png, stacked, svg};
 
 use crate::failure::Failure;
 use crate::place::Force;
@@ -27,12 +27,13 @@ pub(crate) fn check(path: &Path, force: Force) -> Result<(), Failure> {
 /// Draws charts, one above the other, into a file that ends in `.svg` or `.png`.
 ///
 /// # Errors
-/// The file cannot be written, or a font's glyph not drawn.
+/// The file cannot be written, or the picture not drawn.
 pub(crate) fn draw(path: &Path, force: Force, charts: &[Chart]) -> Result<(), Failure> {
-    let scene = stacked(charts);
+    let picture = svg(&stacked(charts), "chart", charts.first().map_or("", |chart| &chart.title));
     if path.extension().is_some_and(|end| end == "png") {
-        let bytes = png(&scene).map_err(|error| Failure::Work(format!("cannot draw '{}': {error}", path.display())))?;
+        let bytes =
+            png(&picture).map_err(|error| Failure::Work(format!("cannot draw '{}': {error}", path.display())))?;
         return force.write(path, bytes);
     }
-    force.write(path, svg(&scene, charts.first().map_or("", |chart| &chart.title)))
+    force.write(path, picture)
 }

@@ -4,7 +4,7 @@ use super::evidence::Evidence;
 use super::figure::Entry;
 use super::pole_chart::View;
 use super::{Data, ReportError, force_chart, orbit_chart, pole_chart, spectrum_chart};
-use crate::plot::{Chart, Color, Look, Series};
+use plot::{Chart, Color, Look, Series};
 
 const IMPULSE: &str = "A reconstruction: the report does not say how strong the impulse was, nor at which phase. \
     From rest, with v_y = -2.5 at τ = 0, the larger force component comes within 0.5 % of all three printed maxima.";

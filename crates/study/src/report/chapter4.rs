@@ -5,7 +5,7 @@ use super::figure::Entry;
 use super::motion::Record;
 use super::pole_chart::View;
 use super::{Data, ReportError, force_chart, orbit_chart, pole_chart, shape_chart, spectrum_chart};
-use crate::plot::Chart;
+use plot::Chart;
 
 /// What keeps every figure of the controlled rotor from being the report's own.
 const GAINS: &str = "Qualitative: the report's gains and weights are lost with its page. Ours are the built-in `composite` \

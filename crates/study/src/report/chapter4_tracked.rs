@@ -7,7 +7,7 @@ use super::figure::Entry;
 use super::pole_chart::View;
 use super::searched::{constant_gains, whole_speeds};
 use super::{Data, ReportError, pole_chart};
-use crate::plot::{Axis, Chart, Color, Look, Series};
+use plot::{Axis, Chart, Color, Look, Series};
 
 const TRACKED: &str = "Qualitative: the report's gains are lost with its picture. It followed one of several solutions with \
     Powell's method, from speed to speed, and calls what came out irregular. Ours weighs damping against changes of gain at \

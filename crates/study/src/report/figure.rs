@@ -2,7 +2,7 @@
 
 use super::evidence::Evidence;
 use super::{Data, ReportError};
-use crate::plot::Chart;
+use plot::Chart;
 
 /// One figure of the report, made again.
 #[derive(Clone, Debug, PartialEq)]

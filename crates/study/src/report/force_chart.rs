@@ -2,7 +2,7 @@
 
 use super::data::Data;
 use super::evidence::{DEADBANDS, Forces};
-use crate::plot::{Axis, Chart, Color, Look, Series};
+use plot::{Axis, Chart, Color, Look, Series};
 
 const LOOKS: [(Look, Color); 3] =
     [(Look::Solid, Color::BLUE), (Look::Dashed, Color::VERMILLION), (Look::Dotted, Color::GREEN)];

@@ -2,7 +2,7 @@
 
 use super::Report;
 use super::page::{Block, blocks};
-use crate::plot::{escaped, svg};
+use plot::{escaped, svg};
 
 const STYLE: &str = "body{max-width:70rem;margin:2rem auto;padding:0 1rem;font:16px/1.5 system-ui,sans-serif;color:#222}\
     h1,h2,h3{line-height:1.2}h2{margin-top:2.5em}figure{margin:2em 0}svg{max-width:100%;height:auto;border:1px solid #ddd}\
@@ -37,11 +37,11 @@ impl Report {
                 }
                 Block::Figure(figure) => {
                     let (caption, agreement) = (escaped(figure.caption), escaped(figure.agreement));
+                    let stem = figure.stem();
                     out.push_str(&format!(
-                        "<figure id=\"{}\">\n{}<figcaption><strong>Fig. {}.</strong> {caption}<br><em>Agreement.</em> \
+                        "<figure id=\"{stem}\">\n{}<figcaption><strong>Fig. {}.</strong> {caption}<br><em>Agreement.</em> \
                          {agreement}</figcaption>\n</figure>\n",
-                        figure.stem(),
-                        svg(&figure.chart.scene(), figure.title),
+                        svg(&figure.chart.scene(), &stem, figure.title),
                         figure.number,
                     ));
                 }

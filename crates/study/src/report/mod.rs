@@ -37,8 +37,9 @@ pub use compare::{Comparison, Ours, Printed, Verdict};
 pub use data::Data;
 pub use figure::Figure;
 
+use plot::RasterError;
+
 use crate::force::ForceError;
-use crate::plot::RasterError;
 use crate::run::RunError;
 use crate::spectrum::SpectrumError;
 

@@ -3,7 +3,7 @@
 
 use super::data::Data;
 use super::motion::Record;
-use crate::plot::{Axis, Chart, Color, Look, Note, Series, Side};
+use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 
 /// How much of the way from rest is shown where the settled motion is the subject.
 const SPIN_UP: f64 = 30.0;

@@ -3,7 +3,7 @@
 use rotor::{C64, Trace};
 
 use super::data::Data;
-use crate::plot::{Axis, Chart, Color, Look, Note, Series, Side};
+use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 
 /// What part of the plane is shown, and how.
 pub(super) struct View<'a> {

@@ -3,7 +3,7 @@
 use rotor::{C64, Mode};
 
 use super::data::Data;
-use crate::plot::{Axis, Chart, Color, Look, Note, Series, Side};
+use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 
 /// How far y is drawn along the shaft: the shaft is seen at an angle.
 const OBLIQUE: f64 = 0.32;

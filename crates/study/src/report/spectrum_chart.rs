@@ -3,8 +3,8 @@
 use super::ReportError;
 use super::data::Data;
 use super::motion::Record;
-use crate::plot::{Axis, Chart, Color, Look, Note, Series, Side};
 use crate::spectrum::{Spectrum, SpectrumError};
+use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 
 /// Decades shown below the highest line.
 const DECADES: i32 = 8;

@@ -10,7 +10,7 @@ use files::{Existing, FileError};
 use rayon::prelude::*;
 
 use super::{Figure, Report, ReportError, Watch};
-use crate::plot::{png, svg};
+use plot::{png, svg};
 
 /// Folders in the target.
 const FOLDERS: [&str; 2] = ["figures", "data"];
@@ -99,10 +99,11 @@ pub fn page(report: &Report, target: &Path, existing: Existing) -> Result<(), Re
 type Put<'a> = dyn Fn(&str, &[u8]) -> Result<PathBuf, ReportError> + Sync + 'a;
 
 fn figure_files(figure: &Figure, put: &Put<'_>) -> Result<Vec<PathBuf>, ReportError> {
-    let (stem, scene) = (figure.stem(), figure.chart.scene());
+    let stem = figure.stem();
+    let picture = svg(&figure.chart.scene(), &stem, figure.title);
     Ok(vec![
-        put(&format!("figures/{stem}.svg"), svg(&scene, figure.title).as_bytes())?,
-        put(&format!("figures/{stem}.png"), &png(&scene)?)?,
+        put(&format!("figures/{stem}.svg"), picture.as_bytes())?,
+        put(&format!("figures/{stem}.png"), &png(&picture)?)?,
         put(&format!("data/{stem}.csv"), figure.data.csv().as_bytes())?,
     ])
 }

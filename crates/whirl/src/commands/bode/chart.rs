@@ -2,8 +2,8 @@
 //! the response in the complex plane.
 
 use machine::FrequencyPoint;
+use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 use rotor::C64;
-use study::plot::{Axis, Chart, Color, Look, Note, Series, Side};
 
 use super::{Show, frequency_label};
 use crate::units::Units;

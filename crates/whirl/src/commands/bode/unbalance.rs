@@ -1,8 +1,8 @@
 //! `--of unbalance`: how far unbalance deflects every mass over speed, and where that peaks.
 
 use machine::{UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response};
+use plot::{Axis, Chart, Color, Look, Series};
 use serde::Serialize;
-use study::plot::{Axis, Chart, Color, Look, Series};
 
 use super::{BodeArgs, PointDocument, ROWS, Show, degrees};
 use crate::catalog::Machine;

@@ -1,6 +1,6 @@
 //! Amplitude and phase over speed, run-up and coast-down in different strokes, beside the steady response.
 
-use study::plot::{Axis, Chart, Color, Look, Series};
+use plot::{Axis, Chart, Color, Look, Series};
 use study::runup::{RunUp, RunUpPlan};
 
 use crate::units::Units;

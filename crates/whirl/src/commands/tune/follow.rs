@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicBool;
 
+use plot::{Axis, Chart, Color, Look, Series};
 use rotor::GainKind;
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
-use study::plot::{Axis, Chart, Color, Look, Series};
 use tuner::{Stop, Tracked, track};
 
 use super::answer::{known, speed_text, verdict};

@@ -3,9 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+use plot::{Axis, Chart, Color, Look, Series};
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
-use study::plot::{Axis, Chart, Color, Look, Series};
 use tuner::{ParetoPoint, Price, Stop, pareto};
 
 use super::question::Asked;

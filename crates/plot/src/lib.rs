@@ -1,24 +1,42 @@
 //! Charts, as SVG and as PNG.
 //!
 //! A [`Chart`] says what is to be seen, in the units of the data. [`Chart::scene`] lays it out as lines, discs and words on
-//! a canvas of [`WIDTH`] by [`HEIGHT`], and [`svg`] and [`png`] put that scene into their form: both show the same. The
-//! letters come from a font that is part of the program, so that nothing need be installed.
+//! a canvas of [`WIDTH`] by [`HEIGHT`], [`svg`] writes that scene down, and [`png`] is that SVG as pixels: there is one way
+//! of drawing. The letters are outlines from a font that is part of the program, so that a picture looks the same on every
+//! machine and nothing need be installed.
+//!
+//! ```
+//! use plot::{Axis, Chart, Color, Look, Series, png, svg};
+//!
+//! let decay = (0..=50).map(|i| (0.2 * f64::from(i), (-0.1 * f64::from(i)).exp())).collect();
+//! let chart = Chart {
+//!     title: "A mode that dies away".into(),
+//!     x: Axis::new("time τ (-)", 0.0, 10.0),
+//!     y: Axis::new("amplitude (eₜ)", 0.0, 1.0),
+//!     equal: false,
+//!     series: vec![Series::new("first mode", Look::Solid, Color::BLUE, decay)],
+//!     notes: Vec::new(),
+//! };
+//! let picture = svg(&chart.scene(), "decay", &chart.title);
+//! assert!(picture.starts_with("<svg"));
+//! assert!(png(&picture)?.starts_with(b"\x89PNG"));
+//! # Ok::<(), plot::RasterError>(())
+//! ```
 //!
 //! Colours are Okabe and Ito's, which the colour-blind can tell apart, and no two series differ by colour alone.
 
 mod clip;
 mod font;
 mod layout;
-mod raster;
+mod png;
 mod scene;
+mod svg;
 mod ticks;
-mod vector;
 
 pub use layout::stacked;
-pub use raster::{RasterError, png};
+pub use png::{RasterError, png};
 pub use scene::Scene;
-pub(crate) use vector::escaped;
-pub use vector::svg;
+pub use svg::{escaped, svg};
 
 /// Width of the canvas, in pixels at normal size.
 pub const WIDTH: f64 = 800.0;

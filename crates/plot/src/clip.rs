@@ -1,4 +1,7 @@
-//! Lines cut at the edges of a frame, so that neither form of a picture needs to know of clipping.
+//! Lines cut at the edges of a frame.
+//!
+//! Not left to a clip path of SVG: what is far outside would be written down all the same, in numbers that renderers, which
+//! calculate in 32 bits, do not hold.
 
 /// A frame: left, top, right and bottom.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -17,8 +17,22 @@ pub(super) enum Shape {
     Fill { points: Vec<(f64, f64)>, color: Color },
     /// A disc, or a ring of that width.
     Disc { at: (f64, f64), radius: f64, color: Color, ring: Option<f64> },
-    /// Words on a baseline, read upwards if `upright` is false.
-    Text { at: (f64, f64), text: String, size: f64, anchor: Anchor, upright: bool, halo: bool },
+    /// Words on a baseline.
+    Words(Words),
+}
+
+/// Words on a baseline.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Words {
+    pub at: (f64, f64),
+    pub text: String,
+    /// Of the letters, in pixels.
+    pub size: f64,
+    pub anchor: Anchor,
+    /// Read from left to right; else from below upwards.
+    pub upright: bool,
+    /// With a white edge, for they stand on something.
+    pub halo: bool,
 }
 
 /// Which part of the words is at their point.
@@ -37,6 +51,6 @@ impl Scene {
     }
 
     pub(super) fn text(&mut self, at: (f64, f64), text: &str, size: f64, anchor: Anchor) {
-        self.shapes.push(Shape::Text { at, text: text.to_owned(), size, anchor, upright: true, halo: false });
+        self.shapes.push(Shape::Words(Words { at, text: text.to_owned(), size, anchor, upright: true, halo: false }));
     }
 }
