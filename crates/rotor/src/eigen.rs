@@ -232,6 +232,11 @@ fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), Pole
             }
             begin -= 1;
         }
+        // For good: the rows above are not brought along with this block, so it must not become one with them again when
+        // its diagonal has changed.
+        if begin > 0 {
+            rows[begin * size + begin - 1] = C64::ZERO;
+        }
         if begin == last {
             values[last] = rows[last * size + last];
             end -= 1;

@@ -109,3 +109,29 @@ fn what_is_not_finite_is_named_by_row_and_column() {
     assert_eq!(eigenvalues(a), Err(PoleError::NotFinite { row: 1, column: 3 }));
     assert_eq!(eigenvalues(DMatrix::<C64>::zeros(0, 0)), Ok(vec![]));
 }
+
+/// Seven equal masses in three groups that no shaft joins, undamped: three eigenvalues coincide and none has a real part.
+/// NumPy's largest is 6e-14. A row that was negligible beside a large diagonal, and no longer beside the small one that came
+/// in its place, made it 1.4e-9.
+#[test]
+fn val_groups_that_nothing_joins_stay_apart() {
+    let (mass, cross, bearing) = (7.865029960305856, 134.77187830904398, 0.04601738585044126);
+    let shafts = [0.0027858006679425786, 0.0, 1.787589262548095, 0.0, 0.02418524070803068, 0.003194401486339644];
+    let n = shafts.len() + 1;
+    let mut a = DMatrix::<C64>::zeros(2 * n, 2 * n);
+    for i in 0..n {
+        a[(i, n + i)] = C64::ONE;
+        a[(n + i, i)] = C64::from(-bearing / mass);
+        a[(n + i, n + i)] = J * cross;
+    }
+    for (i, shaft) in shafts.iter().enumerate() {
+        let by = shaft / mass;
+        for (row, column, sign) in [(i, i, -1.0), (i + 1, i + 1, -1.0), (i, i + 1, 1.0), (i + 1, i, 1.0)] {
+            a[(n + row, column)] += sign * by;
+        }
+    }
+    for a in [a.transpose(), a] {
+        let values = eigenvalues(a).expect("converges");
+        assert!(values.iter().all(|value| value.re.abs() < 1e-12), "{values:?}");
+    }
+}

@@ -81,15 +81,11 @@ fn a_critically_damped_mode_has_two_real_poles() {
 /// them real parts of either sign, as we do before rounding is taken off.
 #[test]
 fn nothing_that_is_undamped_is_called_stable_or_unstable() {
-    let mut seed = 20_260_101_u64;
-    let mut chance = move || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = fastrand::Rng::with_seed(20_260_101);
     for round in 0..2000 {
         let n = 1 + round % 12;
         let decades = if round % 3 == 0 { 6.0 } else { 1.0 };
-        let mut size = |zero: f64| if chance() < zero { 0.0 } else { 10_f64.powf(decades * (chance() - 0.5)) };
+        let mut size = |zero: f64| if random.f64() < zero { 0.0 } else { 10_f64.powf(decades * (random.f64() - 0.5)) };
         let mass = |size: &mut dyn FnMut(f64) -> f64| Mass {
             mass: size(0.0),
             cross_damping: 0.1 * size(0.5),

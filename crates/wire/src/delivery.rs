@@ -121,12 +121,11 @@ mod tests {
     /// Whatever is changed and undone: what the last events and the last bench status name is among the last documents.
     #[test]
     fn what_can_still_be_named_is_kept() {
-        let mut random = 1_u64;
+        let mut random = fastrand::Rng::with_seed(1);
         for spread in [1, 2, 7, 8, 9, 20, 64, 1000] {
             let (mut sent_documents, mut sent, mut named) = (SentDocuments::default(), Vec::new(), Vec::new());
             for _ in 0..5000 {
-                random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let settings = 1 + (random >> 33) % spread;
+                let settings = random.u64(1..=spread);
                 for hash in [0, settings] {
                     if sent_documents.is_due(hash) {
                         sent.push(hash);

@@ -132,13 +132,8 @@ mod tests {
     use crate::circular::whirl_equation::Problem;
     use crate::{Feedback, Mass, Rotor, builtin};
 
-    fn chance(seed: &mut u64) -> f64 {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 11) as f64 / (1_u64 << 53) as f64 * 2.0 - 1.0
-    }
-
-    fn complex(seed: &mut u64) -> C64 {
-        C64::new(chance(seed), chance(seed))
+    fn complex(random: &mut fastrand::Rng) -> C64 {
+        C64::new(2.0 * random.f64() - 1.0, 2.0 * random.f64() - 1.0)
     }
 
     #[test]
@@ -157,10 +152,10 @@ mod tests {
     #[test]
     fn every_direction_that_a_scan_of_the_circle_meets_is_a_root() {
         const SAMPLES: usize = 2000;
-        let (mut seed, mut met) = (1, 0);
+        let (mut random, mut met) = (fastrand::Rng::with_seed(1), 0);
         for _ in 0..60 {
-            let a = [complex(&mut seed), complex(&mut seed)];
-            let h = [[complex(&mut seed), complex(&mut seed)], [complex(&mut seed), complex(&mut seed)]];
+            let a = [complex(&mut random), complex(&mut random)];
+            let h = [[complex(&mut random), complex(&mut random)], [complex(&mut random), complex(&mut random)]];
             let all = directions(a, h).unwrap();
             assert!(all.len() <= 6, "{all:?}");
             // Im conj(z) (a_k + h_kl u) = -Im h_kk leaves two z for each u; the second equation tells which u.
@@ -246,7 +241,7 @@ mod tests {
     #[test]
     fn what_is_said_to_be_unique_no_start_finds_a_second_of() {
         let gapped = [0, 1, 2, 3, 4];
-        let (mut seed, mut proven) = (1, 0);
+        let (mut random, mut proven) = (fastrand::Rng::with_seed(1), 0);
         for damping in [0.05, 0.3, 0.8] {
             let (rotor, feedback) = five(damping);
             let problem = Problem::new(&rotor, &feedback, &[0.1; 5], true).unwrap();
@@ -257,7 +252,7 @@ mod tests {
                 proven += 1;
                 let mut first: Option<DVector<f64>> = None;
                 for _ in 0..60 {
-                    let c: Vec<C64> = (0..5).map(|_| complex(&mut seed)).collect();
+                    let c: Vec<C64> = (0..5).map(|_| complex(&mut random)).collect();
                     let Some((x, _)) = problem.solve_any(problem.pack(&c, speed, speed), Closing::Speed(speed)) else {
                         continue;
                     };
