@@ -38,7 +38,7 @@ fn main() {
     let mut moving = Vec::new();
     for _ in 0..20 {
         for _ in 0..33 {
-            frames.headless().hear(&state(seq));
+            frames.headless().push_step(&state(seq));
             seq += 1;
         }
         frames.draw().expect("memory");
@@ -121,8 +121,8 @@ fn fed(layout: &str) -> Headless {
     let layouts = built_in_layouts();
     let layout = layouts.iter().position(|built_in| built_in.name() == layout).expect("built in");
     let mut headless = Headless::new("bench", &Options { layout, layouts, ..Options::default() });
-    headless.read(bench_status());
-    (0..2 * POINTS).for_each(|seq| headless.hear(&state(seq)));
+    headless.push_bench_status(bench_status());
+    (0..2 * POINTS).for_each(|seq| headless.push_step(&state(seq)));
     headless
 }
 
@@ -132,7 +132,7 @@ fn frame(bencher: Bencher<'_, '_>, layout: &str) {
     let mut frames = fed(layout).frames(Sent::default(), SIZE.0, SIZE.1).expect("memory");
     let mut seq = 2 * POINTS;
     bencher.bench_local(|| {
-        frames.headless().hear(&state(seq));
+        frames.headless().push_step(&state(seq));
         seq += 1;
         frames.draw()
     });

@@ -4,7 +4,7 @@ mod act;
 #[cfg(test)]
 mod fuzz;
 mod keys;
-mod past;
+mod playback;
 mod plots;
 mod recording;
 mod search;
@@ -23,34 +23,34 @@ use ratatui::layout::Rect;
 use rotor::Settings;
 
 use crate::actions;
+use crate::appearance::Look;
 use crate::input::Input;
 use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::layout::Layout;
-use crate::looks::Look;
-use crate::options::{DashError, Ended, Options};
-use crate::panels::panel::{Intent, Mouse};
+use crate::options::{DashboardError, Ended, Options};
+use crate::panels::panel::{Mouse, PanelRequest};
 use crate::panels::registry::Panels;
-use crate::pointed::Pointed;
 use crate::screen;
+use crate::selection::Selection;
 use crate::terminal::{self, Screen};
-use crate::view::{Cursor, Message, View};
-use telemetry::command_history::Recall;
-use telemetry::contact::Contact;
-use telemetry::edits::{Edit, Outcome};
-use telemetry::frame_data::Picture;
-use telemetry::jobs::Desk;
+use crate::view::{Message, SettingsCursor, View};
+use telemetry::command_history::CommandHistory;
+use telemetry::connection::Connection;
+use telemetry::edits::{Edit, EditOutcome};
+use telemetry::frame_data::FrameData;
+use telemetry::gain_search::GainSearch;
+use telemetry::jobs::Jobs;
 use telemetry::presets::Presets;
-use telemetry::processes::{Keeper, Scribe};
-use telemetry::reader::{Shared, lock};
+use telemetry::processes::{RecorderProcess, SimulationProcess};
+use telemetry::reader::{SharedFeed, lock};
 use telemetry::replay::Player;
-use telemetry::search::Search;
 use telemetry::view_time::ViewTime;
 use telemetry::what_if::WhatIf;
 
 /// Time between two frames while everything moves: 30 a second.
 const FRAME: Duration = Duration::from_millis(33);
-/// Time between two looks while the picture is paused.
+/// Time between two looks while the view is paused.
 const PAUSED_FRAME: Duration = Duration::from_millis(250);
 /// How often the age of silent data is drawn anew.
 const SILENT_FRAME: Duration = Duration::from_millis(200);
@@ -63,7 +63,7 @@ pub(crate) struct Streams {
     /// Keys, the mouse, signals, resizes.
     pub(crate) inputs: Receiver<Input>,
     /// What became of edits.
-    pub(crate) outcomes: Receiver<Outcome>,
+    pub(crate) outcomes: Receiver<EditOutcome>,
     /// A token when the reader has something that should not wait for the next frame.
     pub(crate) wakes: Receiver<()>,
 }
@@ -71,9 +71,9 @@ pub(crate) struct Streams {
 /// What the dashboard knows beside the feed.
 pub(crate) struct App<'a> {
     bench: String,
-    feed: Shared,
+    feed: SharedFeed,
     edits: Sender<Edit>,
-    keeper: Option<&'a mut dyn Keeper>,
+    simulation: Option<&'a mut dyn SimulationProcess>,
     /// The selected row of the settings.
     row: usize,
     message: (Message, Instant),
@@ -84,7 +84,7 @@ pub(crate) struct App<'a> {
     keymap: Keymap,
     /// Which moment is looked at.
     time: ViewTime,
-    desk: Desk,
+    jobs: Jobs,
     alarms: Alarms,
     /// Whether the terminal rings when something rises past a limit.
     bell: bool,
@@ -95,11 +95,11 @@ pub(crate) struct App<'a> {
     layout: usize,
     panels: Panels,
     presets: Presets,
-    recall: Recall,
+    command_history: CommandHistory,
     /// Settings to compare with.
     held: Option<Settings>,
     read_only: bool,
-    /// Where pictures are kept, and how they look.
+    /// Where screenshots are kept, and how they look.
     pictures: Option<PathBuf>,
     look: Look,
     /// What the last frame was drawn on.
@@ -114,23 +114,23 @@ pub(crate) struct App<'a> {
     quit: Option<Ended>,
     /// Moves through a recording, if there is no bench.
     player: Option<Player>,
-    scribe: Option<&'a mut dyn Scribe>,
+    recorder_process: Option<&'a mut dyn RecorderProcess>,
     /// A gain search under way.
-    search: Option<Search>,
+    search: Option<GainSearch>,
     /// What the gains in force do and what those do that a search found, while that waits for an answer.
-    beside: Vec<crate::view::Offer>,
+    beside: Vec<crate::view::PopupRow>,
     /// What is pointed at beside a moment.
-    pointed: Pointed,
+    selection: Selection,
 }
 
 impl<'a> App<'a> {
     /// A dashboard on which nothing has been pressed yet.
     pub(crate) fn new(
         bench: String,
-        feed: Shared,
+        feed: SharedFeed,
         edits: Sender<Edit>,
-        keeper: Option<&'a mut dyn Keeper>,
-        desk: Desk,
+        simulation: Option<&'a mut dyn SimulationProcess>,
+        jobs: Jobs,
         idle: Arc<AtomicBool>,
         options: &Options,
     ) -> Self {
@@ -138,14 +138,14 @@ impl<'a> App<'a> {
             bench,
             feed,
             edits,
-            keeper,
+            simulation,
             row: 0,
             message: (Message::Hints, Instant::now()),
             layers: Vec::new(),
             filter: String::new(),
             keymap: options.keys.clone(),
             time: ViewTime::LIVE,
-            desk,
+            jobs,
             alarms: Alarms::new(options.limits.clone()),
             bell: options.bell,
             idle,
@@ -153,11 +153,11 @@ impl<'a> App<'a> {
             layout: options.layout,
             panels: Panels::new(),
             presets: Presets(options.presets.clone()),
-            recall: Recall::read(options.commands.clone()),
+            command_history: CommandHistory::read(options.commands.clone()),
             held: None,
             read_only: options.read_only,
             pictures: options.pictures.clone(),
-            look: Look::of_picture(options.wishes),
+            look: Look::of_screenshot(options.wishes),
             area: Rect::default(),
             dragged: None,
             suspend: false,
@@ -166,15 +166,15 @@ impl<'a> App<'a> {
             told_end: false,
             quit: None,
             player: None,
-            scribe: None,
+            recorder_process: None,
             search: None,
             beside: Vec::new(),
-            pointed: Pointed::default(),
+            selection: Selection::default(),
         }
     }
 
     /// Shows the bench until a person, a signal or a failure ends it.
-    pub(crate) fn run(&mut self, mut screen: Screen, streams: &Streams) -> Result<Ended, DashError> {
+    pub(crate) fn run(&mut self, mut screen: Screen, streams: &Streams) -> Result<Ended, DashboardError> {
         let mut drawn = Drawn::default();
         loop {
             if let Some(ended) = self.quit {
@@ -197,7 +197,7 @@ impl<'a> App<'a> {
                 }
                 recv(streams.outcomes) -> outcome => {
                     if let Ok(outcome) = outcome {
-                        self.learn(outcome);
+                        self.take_outcome(outcome);
                     }
                     drawn.stale = true;
                 }
@@ -206,7 +206,7 @@ impl<'a> App<'a> {
                 recv(tick) -> _ => drawn.stale |= self.tick(),
             }
             if Screen::is_broken() {
-                return Err(DashError::Panicked);
+                return Err(DashboardError::Panicked);
             }
         }
     }
@@ -246,10 +246,10 @@ impl<'a> App<'a> {
         let age = now.saturating_duration_since(at);
         let feed = lock(&self.feed);
         (feed.changes() != drawn.changes && age >= FRAME.mul_f64(0.9))
-            || (feed.heard().is_some() && age >= SILENT_FRAME)
+            || (feed.last_step_at().is_some() && age >= SILENT_FRAME)
     }
 
-    /// Draws a frame, in roles still. Drawing does nothing else: what has come in is heeded between frames.
+    /// Draws a frame, in roles: the last pass makes colours of them. Drawing does nothing else: what has come in is heeded between frames.
     pub(crate) fn render(&mut self, area: Rect, buffer: &mut ratatui::buffer::Buffer) {
         self.area = area;
         self.with_view(|view, layout, panels| screen::draw(view, layout, panels, area, buffer));
@@ -257,79 +257,80 @@ impl<'a> App<'a> {
 
     /// Does something with all that a frame shows at this moment.
     fn with_view<T>(&mut self, look: impl FnOnce(&View<'_>, &Layout, &mut Panels) -> T) -> T {
-        let mut picture = lock(&self.feed).picture(&self.time, Instant::now());
-        picture.recorder_starts = self.scribe.as_ref().is_some_and(|scribe| scribe.is_starting());
+        let mut data = lock(&self.feed).frame_data(&self.time, Instant::now());
+        data.recorder_starts =
+            self.recorder_process.as_ref().is_some_and(|recorder_process| recorder_process.is_starting());
         if let Some(player) = &self.player {
-            player.finish(&mut picture);
+            player.adapt(&mut data);
         }
-        if let Some((_, poles)) = picture.poles() {
-            self.pointed.follow(poles);
+        if let Some((_, poles)) = data.poles() {
+            self.selection.follow(poles);
         }
         // What is typed comes first; then what is run on beside a recording.
         let beside = || self.player.as_ref().and_then(|player| player.what_if().cloned());
-        let what_if = self.what_if(&picture).or_else(beside);
+        let what_if = self.what_if(&data).or_else(beside);
         let typed = self.layers.iter().rev().find_map(|layer| match layer {
             Layer::Value(typed) => Some(typed.clone()),
             _ => None,
         });
-        let offers = match self.layers.last() {
-            Some(Layer::Command(line)) => self.offers(line.text(), &picture),
-            Some(Layer::Offer(..) | Layer::Ask(..)) => self.beside.clone(),
+        let popup = match self.layers.last() {
+            Some(Layer::Command(line)) => self.popup(line.text(), &data),
+            Some(Layer::AskFound(..) | Layer::AskUnstable(..)) => self.beside.clone(),
             _ => Vec::new(),
         };
         let view = View {
-            picture: &picture,
+            data: &data,
             time: &self.time,
             bench: &self.bench,
-            cursor: &Cursor { row: self.row, typed },
+            cursor: &SettingsCursor { row: self.row, typed },
             message: &self.message.0,
             layers: &self.layers,
-            offers: &offers,
+            popup: &popup,
             filter: &self.filter,
             keymap: &self.keymap,
             what_if: what_if.as_ref(),
             read_only: self.read_only,
-            desk: &self.desk,
+            jobs: &self.jobs,
             alarms: self.player.as_ref().map_or(&self.alarms, Player::alarms),
-            pointed: &self.pointed,
-            replay: self.player.as_ref().map(|player| player.shown(&picture)),
+            selection: &self.selection,
+            replay: self.player.as_ref().map(|player| player.status(&data)),
         };
         look(&view, &self.layouts[self.layout], &mut self.panels)
     }
 
     /// What the change that is being typed, or waits for a yes, would mean.
-    fn what_if(&self, picture: &Picture) -> Option<WhatIf> {
-        let present = picture.settings.as_ref()?;
+    fn what_if(&self, data: &FrameData) -> Option<WhatIf> {
+        let present = data.settings.as_ref()?;
         let settings = match self.layers.last()? {
             Layer::Value(typed) => {
                 let typed = [(self.selected()?, typed.text().parse().ok()?)];
-                Edit::Set(picture.units().settings_of_typed(&typed)).applied(present)?
+                Edit::Set(data.units().settings_of_typed(&typed)).applied(present)?
             }
             Layer::Command(line) => self.candidate(&actions::parse(line.text()).ok()?, present)?,
-            Layer::Offer(edit, _) => edit.applied(present)?,
-            Layer::Ask(_, settings, _) => (**settings).clone(),
+            Layer::AskFound(edit, _) => edit.applied(present)?,
+            Layer::AskUnstable(_, settings, _) => (**settings).clone(),
             _ => return None,
         };
-        let (rotor, bench_status) = (picture.rotor.as_ref()?, picture.bench_status.as_ref()?);
+        let (rotor, bench_status) = (data.rotor.as_ref()?, data.bench_status.as_ref()?);
         Some(WhatIf::of(rotor, settings)?.on(rotor, bench_status.dtau, bench_status.rate_hz))
     }
 
     /// What became of an edit.
-    pub(crate) fn learn(&mut self, outcome: Outcome) {
+    pub(crate) fn take_outcome(&mut self, outcome: EditOutcome) {
         match outcome {
-            Outcome::Done(text) => self.tell(Message::Good(text)),
-            Outcome::Swapped(text, before) => {
+            EditOutcome::Done(text) => self.tell(Message::Good(text)),
+            EditOutcome::Swapped(text, before) => {
                 self.held = Some(*before);
                 self.tell(Message::Good(text));
             }
-            Outcome::Refused(text) => self.tell(Message::Bad(text)),
-            Outcome::Asks(edit, settings, damping) => {
+            EditOutcome::Refused(text) => self.tell(Message::Bad(text)),
+            EditOutcome::Asks(edit, settings, damping) => {
                 let word = crate::theme::verdict(damping).1;
                 let why = format!("{word} with that: minimum damping {damping:.4}");
                 // No key that was meant for something else may answer.
                 if self.layers.is_empty() {
-                    self.layers.push(Layer::Ask(edit, settings, why));
-                } else if !matches!(self.layers.last(), Some(Layer::Ask(..))) {
+                    self.layers.push(Layer::AskUnstable(edit, settings, why));
+                } else if !matches!(self.layers.last(), Some(Layer::AskUnstable(..))) {
                     self.tell(Message::Bad(format!("{why}: not done")));
                 }
             }
@@ -345,14 +346,14 @@ impl<'a> App<'a> {
             self.message.0 = Message::Hints;
             shows = true;
         }
-        shows |= self.watch_scribe();
+        shows |= self.watch_recorder();
         shows |= self.watch_search();
         if !self.told_end
-            && let Some(keeper) = &mut self.keeper
-            && let Some(how) = keeper.ended()
+            && let Some(simulation) = &mut self.simulation
+            && let Some(how) = simulation.ended()
         {
             self.told_end = true;
-            lock(&self.feed).stand(Contact::Gone);
+            lock(&self.feed).set_connection(Connection::Gone);
             self.tell(Message::Bad(format!("the simulation has ended ({how}): R starts it again")));
             shows = true;
         }
@@ -366,7 +367,7 @@ impl<'a> App<'a> {
         if self.player.is_some() {
             return false;
         }
-        let reading = lock(&self.feed).reading();
+        let reading = lock(&self.feed).take_alarm_reading();
         let turns = self.alarms.read(&reading);
         self.rings |= self.alarms.has_risen() && self.bell;
         !turns.is_empty()
@@ -383,7 +384,7 @@ impl<'a> App<'a> {
             Input::Stop => self.suspend = true,
             Input::Continued => self.continued = true,
             Input::Key(key) => self.press(key),
-            Input::Mouse(event) => self.point(event),
+            Input::Mouse(event) => self.mouse(event),
         }
     }
 }

@@ -18,13 +18,13 @@ pub(crate) enum Scaling {
 
 /// One axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Axis {
+pub(crate) struct PlotAxis {
     fixed: Option<[f64; 2]>,
     /// What it last showed: where a zoom begins.
     shown: Option<[f64; 2]>,
 }
 
-impl Axis {
+impl PlotAxis {
     /// The range to show, where `auto` would show everything.
     pub(crate) fn over(&mut self, auto: [f64; 2]) -> [f64; 2] {
         let shown = self.fixed.unwrap_or(auto);
@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn an_axis_follows_until_it_is_fixed_and_again_when_it_is_released() {
-        let mut axis = Axis::default();
+        let mut axis = PlotAxis::default();
         axis.zoom(0.5, None);
         assert!(!axis.is_fixed(), "nothing was shown yet that could be halved");
         assert_eq!((axis.over([-4.0, 4.0]), axis.word()), ([-4.0, 4.0], ""));
@@ -131,14 +131,14 @@ mod tests {
         fn zooming_leaves_a_range_and_goes_back(
             low in -1e3..1e3_f64, width in 1e-3..1e3_f64, times in prop::collection::vec(1e-3..1e3_f64, 0..20),
         ) {
-            let mut axis = Axis::default();
+            let mut axis = PlotAxis::default();
             axis.over([low, low + width]);
             for times in &times {
                 axis.zoom(*times, None);
                 let [low, high] = axis.over([0.0, 1.0]);
                 prop_assert!(low < high && low.is_finite() && high.is_finite());
             }
-            let mut once = Axis::default();
+            let mut once = PlotAxis::default();
             once.over([low, low + width]);
             once.zoom(0.5, None);
             once.zoom(2.0, None);

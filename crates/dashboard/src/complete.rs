@@ -4,7 +4,7 @@ use rotor::PARAMETERS;
 
 use crate::actions::ACTIONS;
 use crate::panels::registry::plots;
-use crate::panels::series;
+use crate::series;
 
 /// Every way to go on with a command line: whole lines.
 pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) -> Vec<String> {

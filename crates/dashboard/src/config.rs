@@ -5,8 +5,8 @@ use text::{Fault as Problem, Faults as Problems};
 use toml::de::{DeTable, DeValue};
 
 use crate::actions::ACTIONS;
+use crate::appearance::ThemeName;
 use crate::keymap::{Chord, Keymap};
-use crate::looks::ThemeName;
 
 /// What a configuration file says.
 #[derive(Clone, Debug, Default, PartialEq)]

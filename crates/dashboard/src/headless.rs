@@ -11,46 +11,46 @@ use ratatui::{Terminal, TerminalOptions, Viewport};
 use wire::{BenchStatus, Step};
 
 use crate::app::App;
-use crate::looks::Look;
-use crate::looks::still::Still;
+use crate::appearance::Look;
 use crate::options::Options;
+use crate::screenshot::image::Screenshot;
 use crate::terminal;
 use telemetry::feed::Feed;
-use telemetry::jobs::Desk;
-use telemetry::reader::{Shared, lock};
+use telemetry::jobs::Jobs;
+use telemetry::reader::{SharedFeed, lock};
 
 /// A dashboard without a terminal, without threads and without keys.
 pub struct Headless {
-    feed: Shared,
+    feed: SharedFeed,
     app: App<'static>,
     look: Look,
 }
 
 impl Headless {
-    /// A dashboard that has heard nothing yet. A picture can have all colours.
+    /// A dashboard that has heard nothing yet. A screenshot can have all colours.
     #[must_use]
     pub fn new(bench: &str, options: &Options) -> Self {
-        let feed: Shared = Arc::new(Mutex::new(Feed::with_bound("waiting", options.history)));
+        let feed: SharedFeed = Arc::new(Mutex::new(Feed::with_bound("waiting", options.history)));
         // Without keys nothing is wanted.
         let (edits, _) = channel::bounded(0);
-        let app = App::new(bench.to_owned(), feed.clone(), edits, None, Desk::at_once(), Arc::default(), options);
-        Self { feed, app, look: Look::of_picture(options.wishes) }
+        let app = App::new(bench.to_owned(), feed.clone(), edits, None, Jobs::inline(), Arc::default(), options);
+        Self { feed, app, look: Look::of_screenshot(options.wishes) }
     }
 
     /// Takes in one step.
-    pub fn hear(&mut self, state: &impl Step) {
-        lock(&self.feed).hear(state, Instant::now());
+    pub fn push_step(&mut self, state: &impl Step) {
+        lock(&self.feed).push_step(state, Instant::now());
     }
 
     /// Takes in a bench status.
-    pub fn read(&mut self, bench_status: Box<BenchStatus>) {
-        lock(&self.feed).read(bench_status);
+    pub fn push_bench_status(&mut self, bench_status: Box<BenchStatus>) {
+        lock(&self.feed).push_bench_status(bench_status);
     }
 
-    /// A picture of what it shows now.
+    /// A screenshot of what it shows now.
     #[must_use]
-    pub fn still(&mut self, width: u16, height: u16) -> Still {
-        self.app.still(Rect::new(0, 0, width, height))
+    pub fn screenshot(&mut self, width: u16, height: u16) -> Screenshot {
+        self.app.screenshot(Rect::new(0, 0, width, height))
     }
 
     /// Sends frames to `out` as to a terminal of `width` by `height` cells; what it is shown already is not sent again.
@@ -91,15 +91,15 @@ impl<W: Write> Frames<W> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::appearance::AppearanceOptions;
     use crate::layout::built_in;
-    use crate::looks::Wishes;
     use telemetry::test_support as tests;
 
-    fn headless(layout: usize, wishes: Wishes) -> Headless {
+    fn headless(layout: usize, wishes: AppearanceOptions) -> Headless {
         let mut headless = Headless::new("default", &Options { layout, wishes, ..Options::default() });
-        headless.read(tests::bench_status("three-mass", "composite"));
+        headless.push_bench_status(tests::bench_status("three-mass", "composite"));
         for seq in 0..9000 {
-            headless.hear(&tests::state(3, seq));
+            headless.push_step(&tests::state(3, seq));
         }
         headless
     }
@@ -107,7 +107,8 @@ mod tests {
     #[test]
     fn every_glyph_of_every_layout_has_an_ascii_twin() {
         for layout in 0..built_in().len() {
-            let Still { text, svg } = headless(layout, Wishes { ascii: true, ..Wishes::default() }).still(200, 60);
+            let Screenshot { text, svg } =
+                headless(layout, AppearanceOptions { ascii: true, ..AppearanceOptions::default() }).screenshot(200, 60);
             assert!(text.is_ascii() && text.contains("RUNNING"), "{text}");
             // The only question mark is the key of the help.
             assert_eq!(text.matches('?').count(), 1, "{text}");
@@ -117,7 +118,7 @@ mod tests {
 
     #[test]
     fn a_picture_is_what_the_screen_shows() {
-        let Still { text, svg } = headless(1, Wishes::default()).still(120, 40);
+        let Screenshot { text, svg } = headless(1, AppearanceOptions::default()).screenshot(120, 40);
         assert!(text.contains("minimum damping") && text.contains("orbits"), "{text}");
         assert_eq!(text.lines().count(), 40);
         assert!(svg.contains("minimum damping") && svg.contains("width=\"976\""), "120 cells of 8, and the edges");
@@ -126,9 +127,9 @@ mod tests {
     #[test]
     fn what_is_shown_already_is_not_sent_again() {
         let mut sent = Vec::new();
-        let mut frames = headless(0, Wishes::default()).frames(&mut sent, 200, 60).unwrap();
+        let mut frames = headless(0, AppearanceOptions::default()).frames(&mut sent, 200, 60).unwrap();
         frames.draw().unwrap();
-        frames.headless().hear(&tests::state(3, 9000));
+        frames.headless().push_step(&tests::state(3, 9000));
         for _ in 0..3 {
             frames.draw().unwrap();
         }

@@ -5,7 +5,7 @@ use std::str::FromStr;
 
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
-use crate::actions::{ACTIONS, Action, Keys, Row, parse};
+use crate::actions::{ACTIONS, Action, ActionRow, KeyBinding, parse};
 
 /// A key with what is held down.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -119,7 +119,7 @@ impl Default for Keymap {
 }
 
 /// The command line of a row with an argument.
-fn line(row: &Row, argument: &str) -> String {
+fn line(row: &ActionRow, argument: &str) -> String {
     format!("{} {argument}", row.name).trim_end().to_owned()
 }
 
@@ -154,7 +154,7 @@ impl Keymap {
     }
 
     /// The keys of one line of the help, as people read them; empty if the configuration has taken them away.
-    pub(crate) fn shown(&self, row: &Row, keys: &Keys) -> String {
+    pub(crate) fn shown(&self, row: &ActionRow, keys: &KeyBinding) -> String {
         let lines: Vec<String> = keys.chords.iter().map(|(_, argument)| line(row, argument)).collect();
         let bound = self.0.iter().filter(|(_, bound)| lines.contains(bound));
         let mut mine: Vec<String> = bound.map(|(chord, _)| chord.to_string()).collect();

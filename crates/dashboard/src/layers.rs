@@ -2,7 +2,7 @@
 
 use rotor::Settings;
 
-use crate::typing::Typing;
+use crate::line_editor::LineEditor;
 use telemetry::edits::Edit;
 
 /// One layer.
@@ -11,22 +11,22 @@ pub(crate) enum Layer {
     /// The help, from this line on.
     Help(usize),
     /// A value is being typed for the selected setting.
-    Value(Typing),
+    Value(LineEditor),
     /// A command is being typed.
-    Command(Typing),
+    Command(LineEditor),
     /// What the lists shall show is being typed.
-    Filter(Typing),
+    Filter(LineEditor),
     /// A change that would harm waits for a yes: the settings that it leads to, and how it would harm.
-    Ask(Edit, Box<Settings>, String),
+    AskUnstable(Edit, Box<Settings>, String),
     /// A change is offered, and why.
-    Offer(Edit, String),
+    AskFound(Edit, String),
     /// Something that cannot be undone waits for a yes, and what it would do away with.
-    Confirm(Deed, String),
+    AskPreset(PresetChange, String),
 }
 
 /// What is done to files only after a yes.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Deed {
+pub(crate) enum PresetChange {
     /// Keep the gains under a name that is taken.
     Replace(String),
     /// Delete the gains kept under a name.

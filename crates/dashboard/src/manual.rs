@@ -1,6 +1,6 @@
 //! The manual's tables, made from the one table of actions.
 
-use crate::actions::{ACTIONS, Row};
+use crate::actions::{ACTIONS, ActionRow};
 use crate::keymap::Keymap;
 
 /// The manual's table of keys: each with what it does.
@@ -14,6 +14,6 @@ pub fn manual_keys() -> Vec<(String, &'static str)> {
 /// The manual's table of commands that can be typed: each with what it does.
 #[must_use]
 pub fn manual_commands() -> Vec<(String, &'static str)> {
-    let command = |row: &Row| (format!("{} {}", row.name, row.argument).trim_end().to_owned(), row.meaning);
+    let command = |row: &ActionRow| (format!("{} {}", row.name, row.argument).trim_end().to_owned(), row.meaning);
     ACTIONS.iter().map(command).collect()
 }

@@ -5,14 +5,14 @@ use std::path::PathBuf;
 
 use alarms::Limits;
 
+use crate::appearance::AppearanceOptions;
 use crate::keymap::Keymap;
 use crate::layout::{Layout, built_in};
-use crate::looks::Wishes;
 use telemetry::history::BOUND;
 
 /// Why the dashboard did not start, or could not go on.
 #[derive(Debug, thiserror::Error)]
-pub enum DashError {
+pub enum DashboardError {
     /// Standard input or output is not a terminal.
     #[error(
         "no terminal here: `whirl sim` runs the simulation alone, `whirl tail` prints its telemetry, \
@@ -24,7 +24,7 @@ pub enum DashError {
     Terminal(#[from] io::Error),
     /// A recording cannot be played.
     #[error("{0}")]
-    Past(String),
+    Recording(String),
     /// A thread panicked; its message is on the terminal.
     #[error("the dashboard failed: the message above says where")]
     Panicked,
@@ -49,7 +49,7 @@ pub struct Options {
     /// The one that is shown first, by its place among them.
     pub layout: usize,
     /// Colours and glyphs.
-    pub wishes: Wishes,
+    pub wishes: AppearanceOptions,
     /// Limits past which alarms rise.
     pub limits: Limits,
     /// Whether the terminal's bell rings when one rises.
@@ -72,7 +72,7 @@ impl Default for Options {
             history: BOUND,
             layouts: built_in(),
             layout: 0,
-            wishes: Wishes::default(),
+            wishes: AppearanceOptions::default(),
             limits: Limits::default(),
             bell: false,
             keys: Keymap::default(),

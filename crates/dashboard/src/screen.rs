@@ -7,12 +7,11 @@ use ratatui::widgets::Widget;
 
 use crate::layers::Layer;
 use crate::layout::{Layout, SMALLEST};
-use crate::panels::offers;
-use crate::panels::panel::Wish;
+use crate::panels::panel::PanelCommand;
 use crate::panels::registry::Panels;
-use crate::panels::{help, status, time_line};
 use crate::theme;
 use crate::view::View;
+use crate::{help, popup, status_line, time_line};
 
 /// Draws everything.
 pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: Rect, buffer: &mut Buffer) {
@@ -28,26 +27,26 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     }
     let [top, line, body, foot] = parts(area, view.replay.is_some());
     match &view.replay {
-        None => status::draw_top(view, top, buffer),
+        None => status_line::draw_top(view, top, buffer),
         Some(show) => {
             time_line::draw_top(show, view, top, buffer);
             time_line::draw_time(show, line, buffer);
         }
     }
     let (places, strips) = layout.places_and_strips(body);
-    panels.wish_any(&Wish::StripsOfLayout(strips));
+    panels.command_any(&PanelCommand::StripsOfLayout(strips));
     for (kind, place) in places {
         panels.draw(kind, view, place, buffer);
-        if view.pointed.plot == Some(kind) {
+        if view.selection.plot == Some(kind) {
             mark_chosen(place, buffer);
         }
     }
-    status::draw_foot(view, foot, buffer);
+    status_line::draw_foot(view, foot, buffer);
     let title = match view.layers.last() {
-        Some(Layer::Offer(..) | Layer::Ask(..)) => offers::BESIDE,
-        _ => offers::COMPLETES,
+        Some(Layer::AskFound(..) | Layer::AskUnstable(..)) => popup::BESIDE,
+        _ => popup::COMPLETES,
     };
-    offers::draw(title, view.offers, body, buffer);
+    popup::draw(title, view.popup, body, buffer);
     let help = view.layers.iter().find_map(|layer| match layer {
         Layer::Help(from) => Some(*from),
         _ => None,
@@ -90,59 +89,59 @@ mod tests {
     use wire::Step;
 
     use super::*;
-    use crate::looks::still::text;
+    use crate::screenshot::image::text;
     use crate::view::tests::view;
-    use telemetry::contact::Contact;
+    use telemetry::connection::Connection;
     use telemetry::feed::Feed;
-    use telemetry::frame_data::Picture;
+    use telemetry::frame_data::FrameData;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
-    fn frame(picture: &Picture, width: u16, height: u16, help: bool) -> String {
-        frame_of("overview", picture, width, height, help)
+    fn frame(data: &FrameData, width: u16, height: u16, help: bool) -> String {
+        frame_of("overview", data, width, height, help)
     }
 
-    fn frame_of(layout: &str, picture: &Picture, width: u16, height: u16, help: bool) -> String {
+    fn frame_of(layout: &str, data: &FrameData, width: u16, height: u16, help: bool) -> String {
         let area = Rect::new(0, 0, width, height);
         let mut buffer = Buffer::empty(area);
         let layouts = crate::layout::built_in();
         let layout = layouts.iter().find(|built_in| built_in.name() == layout).unwrap();
         let layers = if help { vec![Layer::Help(0)] } else { Vec::new() };
-        draw(&View { layers: &layers, ..view(picture) }, layout, &mut Panels::new(), area, &mut buffer);
+        draw(&View { layers: &layers, ..view(data) }, layout, &mut Panels::new(), area, &mut buffer);
         text(&buffer)
     }
 
     #[test]
     fn every_panel_is_on_the_usual_screens() {
-        let picture = tests::picture();
+        let data = tests::frame_data();
         for (width, height) in [SMALLEST, (80, 24), (200, 60)] {
-            let frame = frame(&picture, width, height, false);
+            let frame = frame(&data, width, height, false);
             for panel in ["poles", "minimum damping", "orbits", "tau", "settings", "control force", "RUNNING", "select"]
             {
                 assert!(frame.contains(panel), "{panel} at {width} x {height}:\n{frame}");
             }
         }
-        insta::assert_snapshot!("screen_80x24", frame(&picture, 80, 24, false));
-        insta::assert_snapshot!("screen_120x40", frame(&picture, 120, 40, false));
-        insta::assert_snapshot!("screen_200x60", frame(&picture, 200, 60, false));
-        insta::assert_snapshot!("screen_60x16", frame(&picture, 60, 16, false));
+        insta::assert_snapshot!("screen_80x24", frame(&data, 80, 24, false));
+        insta::assert_snapshot!("screen_120x40", frame(&data, 120, 40, false));
+        insta::assert_snapshot!("screen_200x60", frame(&data, 200, 60, false));
+        insta::assert_snapshot!("screen_60x16", frame(&data, 60, 16, false));
     }
 
     #[test]
     fn every_layout_has_its_screen() {
-        let picture = tests::picture();
+        let data = tests::frame_data();
         for layout in crate::layout::built_in() {
             for (width, height) in [SMALLEST, (80, 24), (120, 40), (200, 60)] {
                 let name = format!("{}_{width}x{height}", layout.name());
                 if layout.name() != "overview" {
-                    insta::assert_snapshot!(name, frame_of(layout.name(), &picture, width, height, false));
+                    insta::assert_snapshot!(name, frame_of(layout.name(), &data, width, height, false));
                 }
             }
         }
     }
 
     /// A bench on which every number is long, and things have happened.
-    fn long_numbers(scales: Option<rotor::Scales>) -> (Picture, alarms::Alarms) {
+    fn long_numbers(scales: Option<rotor::Scales>) -> (FrameData, alarms::Alarms) {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
         let mut bench_status = tests::bench_status("three-mass", "composite");
@@ -160,7 +159,7 @@ mod tests {
         bench_status.settings = wire::SettingsDocument::of(&settings);
         (bench_status.health.steps, bench_status.health.missed) = (123_456_789, 12_345);
         (bench_status.health.lateness_p50_us, bench_status.health.lateness_p99_us) = (12_345.0, 123_456.0);
-        feed.read(bench_status);
+        feed.push_bench_status(bench_status);
         for seq in 0..17_000_u64 {
             let mut state = tests::state(3, seq);
             for mass in 0..3 {
@@ -169,18 +168,18 @@ mod tests {
                 state = state.with_point(mass, wire::Point { y, z, vy, vz });
             }
             let (tau, angle) = (state.tau() + 12_345.678, state.angle() + 123_456.789);
-            feed.hear(&state.with(wire::Channel::Tau, 0, tau).with(wire::Channel::Angle, 0, angle), now);
+            feed.push_step(&state.with(wire::Channel::Tau, 0, tau).with(wire::Channel::Angle, 0, angle), now);
         }
         let trip = wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1_234.567_891, limit: 1_000.123_456 };
         let impulse = wire::Happening::Impulse { mass: 1, velocity: rotor::C64::new(-2.512_345_678, 0.25) };
         for (number, happening) in (1..).zip([wire::Happening::Started, impulse, wire::Happening::Tripped(trip)]) {
-            feed.happen(&telemetry::test_support::event(number, &happening, &settings));
+            feed.push_event(&telemetry::test_support::event(number, &happening, &settings));
         }
         let mut alarms = alarms::Alarms::default();
         let at = wire::Moment { wall_ns: 50_607_000_000_000, ..wire::Moment::default() };
         let cause = trip.told(scales);
         alarms.read(&alarms::Reading::new(at).with(alarms::Watch::Damping, -0.030_612_345).tripped(&cause));
-        (feed.picture(&ViewTime::LIVE, now), alarms)
+        (feed.frame_data(&ViewTime::LIVE, now), alarms)
     }
 
     /// What has a digit in it between blanks and lines.
@@ -196,7 +195,7 @@ mod tests {
         let message = crate::view::Message::Good(long.to_owned());
         let mut wrong = Vec::new();
         for scales in [None, Some(telemetry::test_support::SI)] {
-            let (picture, alarms) = long_numbers(scales);
+            let (data, alarms) = long_numbers(scales);
             for (layout, (width, height)) in crate::layout::built_in()
                 .into_iter()
                 .flat_map(|layout| [(60, 16), (80, 24), (120, 40), (200, 60)].map(|size| (layout.clone(), size)))
@@ -204,10 +203,10 @@ mod tests {
                 let area = Rect::new(0, 0, width, height);
                 let mut buffer = Buffer::empty(area);
                 let mut panels = Panels::new();
-                crate::panels::tests::written();
-                let seen = View { alarms: &alarms, message: &message, ..view(&picture) };
+                crate::drawing::tests::written();
+                let seen = View { alarms: &alarms, message: &message, ..view(&data) };
                 draw(&seen, &layout, &mut panels, area, &mut buffer);
-                let told = crate::panels::tests::written();
+                let told = crate::drawing::tests::written();
                 let frame = text(&buffer);
                 let place = format!("{} at {width} x {height}", layout.name());
                 for (y, row) in frame.lines().enumerate() {
@@ -228,9 +227,9 @@ mod tests {
 
     #[test]
     fn a_small_screen_says_what_it_needs_on_one_line() {
-        let picture = tests::picture();
+        let data = tests::frame_data();
         for (width, height) in [(59, 16), (60, 15), (50, 3)] {
-            let frame = frame(&picture, width, height, true);
+            let frame = frame(&data, width, height, true);
             let said: Vec<&str> = frame.lines().filter(|line| !line.is_empty()).collect();
             assert_eq!(said.len(), 1);
             assert!(said[0].contains(&format!("needs 60 x 16 (is {width} x {height}), q quits")), "{frame}");
@@ -239,15 +238,15 @@ mod tests {
 
     #[test]
     fn no_size_and_no_state_of_the_feed_breaks_a_frame() {
-        let waiting = Feed::new("waiting for bench 'x'").picture(&ViewTime::LIVE, std::time::Instant::now());
-        let mut gone = tests::picture();
-        gone.contact = Contact::Gone;
-        for picture in [&waiting, &gone, &tests::picture()] {
+        let waiting = Feed::new("waiting for bench 'x'").frame_data(&ViewTime::LIVE, std::time::Instant::now());
+        let mut gone = tests::frame_data();
+        gone.connection = Connection::Gone;
+        for data in [&waiting, &gone, &tests::frame_data()] {
             for (width, height) in
                 [(0, 0), (0, 5), (5, 0), (1, 1), (3, 2), (60, 16), (61, 17), (80, 24), (500, 10), (60, 200)]
             {
-                frame(picture, width, height, false);
-                frame(picture, width, height, true);
+                frame(data, width, height, false);
+                frame(data, width, height, true);
             }
         }
         assert!(frame(&waiting, 80, 24, false).contains("waiting for bench 'x'"));
@@ -269,9 +268,9 @@ mod tests {
             bench_status.set_rotor(&rotor);
             let settings = rotor::Settings::new(&rotor, 1.0, rotor::builtin::feedback(&rotor, "off").unwrap());
             bench_status.settings = wire::SettingsDocument::of(&settings);
-            feed.read(bench_status);
-            (0..300).for_each(|seq| feed.hear(&tests::state(masses, seq), now));
-            let drawn = frame(&feed.picture(&ViewTime::LIVE, now), 160, 50, false);
+            feed.push_bench_status(bench_status);
+            (0..300).for_each(|seq| feed.push_step(&tests::state(masses, seq), now));
+            let drawn = frame(&feed.frame_data(&ViewTime::LIVE, now), 160, 50, false);
             assert!(drawn.contains(&format!("{masses}")) && drawn.contains("orbits"), "{drawn}");
         }
     }

@@ -7,18 +7,18 @@ use crossbeam::channel;
 use wire::{BenchName, Carrier};
 
 use crate::app::{App, Streams};
+use crate::appearance::Look;
 use crate::input;
-use crate::looks::Look;
-use crate::options::{DashError, Ended, Options};
+use crate::options::{DashboardError, Ended, Options};
 use crate::signals;
 use crate::terminal::Screen;
 use telemetry::edits;
 use telemetry::feed::Feed;
-use telemetry::jobs::Desk;
-use telemetry::processes::{Keeper, Scribe};
-use telemetry::reader::{self, Shared, Wires};
+use telemetry::jobs::Jobs;
+use telemetry::processes::{RecorderProcess, SimulationProcess};
+use telemetry::reader::{self, ReaderChannels, SharedFeed};
 
-/// News that may wait for the clerk, who may wait a second for an answer: all events that a late reader is told, and bench statuses.
+/// News that may wait for the edit thread, which may wait a second for an answer: all events that a late reader is told, and bench statuses.
 pub(crate) const NEWS_WAITING: usize = 2 * wire::EVENTS_KEPT;
 /// Edits that may wait for the simulation; a key that repeats faster than it answers is not queued without end.
 pub(crate) const EDITS_WAITING: usize = 64;
@@ -30,16 +30,16 @@ pub(crate) const EDITS_WAITING: usize = 64;
 pub fn run<'a, C: Carrier>(
     carrier: C,
     bench: &BenchName,
-    keeper: Option<&'a mut dyn Keeper>,
-    scribe: Option<&'a mut dyn Scribe>,
+    simulation: Option<&'a mut dyn SimulationProcess>,
+    recorder_process: Option<&'a mut dyn RecorderProcess>,
     options: &Options,
-) -> Result<Ended, DashError> {
+) -> Result<Ended, DashboardError> {
     if !Screen::is_possible() {
-        return Err(DashError::NoTerminal);
+        return Err(DashboardError::NoTerminal);
     }
     let stop = Arc::new(AtomicBool::new(false));
     let why = format!("waiting for bench '{bench}'");
-    let feed: Shared = Arc::new(Mutex::new(Feed::with_bound(&why, options.history)));
+    let feed: SharedFeed = Arc::new(Mutex::new(Feed::with_bound(&why, options.history)));
     let (send_news, news) = channel::bounded(NEWS_WAITING);
     let (edits, take_edits) = channel::bounded(EDITS_WAITING);
     let (send_outcome, outcomes) = channel::unbounded();
@@ -49,13 +49,14 @@ pub fn run<'a, C: Carrier>(
     let signals = signals::listen(send_input.clone())?;
     let (wake, wakes) = channel::bounded(1);
     let idle = Arc::new(AtomicBool::new(false));
-    let desk = Desk::open(&wake)?;
-    let wires = Wires { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
+    let jobs = Jobs::start(&wake)?;
+    let wires = ReaderChannels { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
     let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
     let editor = edits::spawn(carrier, bench.clone(), take_edits, news, send_outcome)?;
     let screen = Screen::take(Look::of_environment(options.wishes))?;
     input::keyboard(send_input, stop.clone())?;
-    let mut app = App::new(bench.to_string(), feed, edits, keeper, desk, idle, options).recording_with(scribe);
+    let mut app =
+        App::new(bench.to_string(), feed, edits, simulation, jobs, idle, options).recording_with(recorder_process);
     let ended = app.run(screen, &Streams { inputs, outcomes, wakes });
     stop.store(true, Ordering::Relaxed);
     signals.close();

@@ -19,7 +19,7 @@ use crossterm::{execute, queue};
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 
-use crate::looks::Look;
+use crate::appearance::Look;
 use crate::signals;
 
 /// Whether the screen is ours at the moment.

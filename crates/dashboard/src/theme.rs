@@ -1,9 +1,10 @@
 //! Colours by meaning. Panels paint in *roles*: palette numbers that are never sent to a terminal. The last pass over a
-//! frame, [`Look::finish`](crate::looks::Look::finish), puts the chosen theme's colours in their place. Nothing is told
+//! frame, [`Look::finish`](crate::appearance::Look::finish), puts the chosen theme's colours in their place. Nothing is told
 //! by colour alone: words and signs say it too.
 
+use alarms::Level;
 use ratatui::style::{Color, Modifier, Style};
-use telemetry::stability::Stability;
+use telemetry::damping_verdict::DampingVerdict;
 
 /// How many roles there are.
 pub(crate) const ROLES: usize = 23;
@@ -31,7 +32,7 @@ pub(crate) const CLEARANCE: Color = role(6);
 /// Where poles go over speed.
 pub(crate) const TRAIL: Color = CLEARANCE;
 /// The keyphasor.
-pub(crate) const KEY: Color = role(7);
+pub(crate) const KEYPHASOR: Color = role(7);
 /// Control force.
 pub(crate) const FORCE: Color = role(8);
 
@@ -63,13 +64,31 @@ pub(crate) fn badge(color: Color) -> Style {
 
 /// The colour and the word for a minimum damping.
 pub(crate) fn verdict(min_damping: f64) -> (Color, &'static str) {
-    let stability = Stability::of(min_damping);
+    let stability = DampingVerdict::of(min_damping);
     let color = match stability {
-        Stability::Unstable | Stability::Marginal => BAD,
-        Stability::Low => WARN,
-        Stability::Stable => GOOD,
+        DampingVerdict::Unstable | DampingVerdict::Marginal => BAD,
+        DampingVerdict::Low => WARN,
+        DampingVerdict::Stable => GOOD,
     };
     (color, stability.word())
+}
+
+/// A level as a sign and a word.
+pub(crate) fn level_words(level: Level) -> &'static str {
+    match level {
+        Level::Fine => "ok",
+        Level::Warning => "! WARNING",
+        Level::Alarm => "!! ALARM",
+    }
+}
+
+/// The colour of a level.
+pub(crate) fn level_color(level: Level) -> Color {
+    match level {
+        Level::Fine => GOOD,
+        Level::Warning => WARN,
+        Level::Alarm => BAD,
+    }
 }
 
 #[cfg(test)]

@@ -4,29 +4,29 @@ use alarms::Alarms;
 
 use crate::keymap::Keymap;
 use crate::layers::Layer;
-use crate::pointed::Pointed;
-use crate::typing::Typing;
-use telemetry::frame_data::Picture;
-use telemetry::jobs::Desk;
-use telemetry::replay::Show;
+use crate::line_editor::LineEditor;
+use crate::selection::Selection;
+use telemetry::frame_data::FrameData;
+use telemetry::jobs::Jobs;
+use telemetry::replay::ReplayStatus;
 use telemetry::view_time::ViewTime;
 use telemetry::what_if::WhatIf;
 
 /// All that a frame shows.
 #[derive(Debug)]
 pub(crate) struct View<'a> {
-    pub(crate) picture: &'a Picture,
+    pub(crate) data: &'a FrameData,
     pub(crate) time: &'a ViewTime,
     pub(crate) bench: &'a str,
-    pub(crate) cursor: &'a Cursor,
+    pub(crate) cursor: &'a SettingsCursor,
     pub(crate) message: &'a Message,
     /// Where to ask for what takes long to compute.
-    pub(crate) desk: &'a Desk,
+    pub(crate) jobs: &'a Jobs,
     pub(crate) alarms: &'a Alarms,
     /// What lies on top of the panels, the topmost last.
     pub(crate) layers: &'a [Layer],
     /// What can follow the command that is being typed.
-    pub(crate) offers: &'a [Offer],
+    pub(crate) popup: &'a [PopupRow],
     /// What lists shall show; everything if it is empty.
     pub(crate) filter: &'a str,
     pub(crate) keymap: &'a Keymap,
@@ -34,18 +34,18 @@ pub(crate) struct View<'a> {
     pub(crate) what_if: Option<&'a WhatIf>,
     pub(crate) read_only: bool,
     /// What a person points at.
-    pub(crate) pointed: &'a Pointed,
+    pub(crate) selection: &'a Selection,
     /// The player, if this is a recording.
-    pub(crate) replay: Option<Show<'a>>,
+    pub(crate) replay: Option<ReplayStatus<'a>>,
 }
 
 /// What a person is doing with the settings.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Cursor {
+pub(crate) struct SettingsCursor {
     /// The selected row.
     pub(crate) row: usize,
     /// What has been typed, while a value is being typed.
-    pub(crate) typed: Option<Typing>,
+    pub(crate) typed: Option<LineEditor>,
 }
 
 /// What is told at the foot.
@@ -61,7 +61,7 @@ pub(crate) enum Message {
 
 /// One way to go on.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Offer {
+pub(crate) struct PopupRow {
     /// What would be typed.
     pub(crate) word: String,
     /// What that means; may be empty.
@@ -74,31 +74,31 @@ pub(crate) mod tests {
 
     use super::*;
 
-    static CURSOR: Cursor = Cursor { row: 0, typed: None };
+    static CURSOR: SettingsCursor = SettingsCursor { row: 0, typed: None };
     static HINTS: Message = Message::Hints;
     static KEYMAP: std::sync::LazyLock<Keymap> = std::sync::LazyLock::new(Keymap::default);
     static LIVE: ViewTime = ViewTime::LIVE;
-    static DESK: LazyLock<Desk> = LazyLock::new(Desk::at_once);
-    static NOTHING: Pointed = Pointed { plot: None, mode: None, frequency: None, speed: None };
+    static JOBS: LazyLock<Jobs> = LazyLock::new(Jobs::inline);
+    static NOTHING: Selection = Selection { plot: None, mode: None, frequency: None, speed: None };
     static ALARMS: LazyLock<Alarms> = LazyLock::new(Alarms::default);
 
-    /// A view of `picture` by somebody who has pressed nothing yet.
-    pub(crate) fn view(picture: &Picture) -> View<'_> {
+    /// A view of `data` by somebody who has pressed nothing yet.
+    pub(crate) fn view(data: &FrameData) -> View<'_> {
         View {
-            picture,
+            data,
             time: &LIVE,
             bench: "default",
             cursor: &CURSOR,
             message: &HINTS,
-            desk: &DESK,
+            jobs: &JOBS,
             alarms: &ALARMS,
             layers: &[],
-            offers: &[],
+            popup: &[],
             filter: "",
             keymap: &KEYMAP,
             what_if: None,
             read_only: false,
-            pointed: &NOTHING,
+            selection: &NOTHING,
             replay: None,
         }
     }

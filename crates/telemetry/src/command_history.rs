@@ -9,14 +9,14 @@ const KEPT: usize = 500;
 
 /// The lines, and which of them is looked at.
 #[derive(Debug, Default)]
-pub struct Recall {
+pub struct CommandHistory {
     file: Option<PathBuf>,
     lines: Vec<String>,
     /// The line that is shown, and what had been typed before one was.
     shown: Option<(usize, String)>,
 }
 
-impl Recall {
+impl CommandHistory {
     /// What was typed in earlier sessions, if a file keeps it.
     pub fn read(file: Option<PathBuf>) -> Self {
         let text = file.as_ref().and_then(|file| fs::read(file).ok()).unwrap_or_default();
@@ -34,7 +34,7 @@ impl Recall {
     }
 
     /// A line was typed and is done. What cannot be kept is forgotten with the session.
-    pub fn keep(&mut self, line: &str) {
+    pub fn push(&mut self, line: &str) {
         self.shown = None;
         let line = line.trim();
         if line.is_empty() || self.lines.last().is_some_and(|last| last == line) {
@@ -58,13 +58,13 @@ impl Recall {
     }
 
     /// The typing is given up.
-    pub fn leave(&mut self) {
+    pub fn stop_browsing(&mut self) {
         self.shown = None;
     }
 
     /// The line before (-1) or after (1) the one that is shown, of those that begin like what was `typed`; after the
     /// newest comes what was typed. Nothing if there is no other.
-    pub fn look(&mut self, by: isize, typed: &str) -> Option<String> {
+    pub fn browse(&mut self, by: isize, typed: &str) -> Option<String> {
         let (at, draft) = self.shown.clone().unwrap_or_else(|| (self.lines.len(), typed.to_owned()));
         let fits = |at: &usize| self.lines[*at].starts_with(&draft) && self.lines[*at] != typed;
         if by < 0 {
@@ -92,9 +92,9 @@ mod tests {
 
     #[test]
     fn earlier_lines_that_begin_alike_are_walked_and_the_draft_comes_back() {
-        let mut recall = Recall::default();
-        ["speed 3", "note a", "speed 4", "speed 4", " "].iter().for_each(|line| recall.keep(line));
-        let mut walk = |by, typed: &str| recall.look(by, typed);
+        let mut command_history = CommandHistory::default();
+        ["speed 3", "note a", "speed 4", "speed 4", " "].iter().for_each(|line| command_history.push(line));
+        let mut walk = |by, typed: &str| command_history.browse(by, typed);
         assert_eq!(walk(1, "sp"), None);
         assert_eq!(walk(-1, "sp").as_deref(), Some("speed 4"));
         assert_eq!(walk(-1, "speed 4").as_deref(), Some("speed 3"));
@@ -102,25 +102,25 @@ mod tests {
         assert_eq!(walk(1, "speed 3").as_deref(), Some("speed 4"));
         assert_eq!(walk(1, "speed 4").as_deref(), Some("sp"));
         assert_eq!(walk(-1, "").as_deref(), Some("speed 4"));
-        recall.leave();
-        assert_eq!(recall.look(-1, "note").as_deref(), Some("note a"));
+        command_history.stop_browsing();
+        assert_eq!(command_history.browse(-1, "note").as_deref(), Some("note a"));
     }
 
     #[test]
     fn lines_outlive_the_session_and_are_bounded() {
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("state/commands");
-        let mut recall = Recall::read(Some(file.clone()));
+        let mut command_history = CommandHistory::read(Some(file.clone()));
         for number in 0..3 * KEPT {
-            recall.keep(&format!("seek {number}"));
+            command_history.push(&format!("seek {number}"));
         }
-        assert_eq!(recall.lines.len(), KEPT);
-        let mut next = Recall::read(Some(file.clone()));
-        assert_eq!(next.look(-1, "").as_deref(), Some(&*format!("seek {}", 3 * KEPT - 1)));
+        assert_eq!(command_history.lines.len(), KEPT);
+        let mut next = CommandHistory::read(Some(file.clone()));
+        assert_eq!(next.browse(-1, "").as_deref(), Some(&*format!("seek {}", 3 * KEPT - 1)));
         assert_eq!(fs::read_to_string(file).unwrap().lines().count(), KEPT, "the file was shortened");
         // Where nothing can be kept, commands work all the same.
-        let mut nowhere = Recall::read(Some(folder.path().join("state/commands/none")));
-        nowhere.keep("undo");
-        assert_eq!(nowhere.look(-1, "").as_deref(), Some("undo"));
+        let mut nowhere = CommandHistory::read(Some(folder.path().join("state/commands/none")));
+        nowhere.push("undo");
+        assert_eq!(nowhere.browse(-1, "").as_deref(), Some("undo"));
     }
 }

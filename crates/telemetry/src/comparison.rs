@@ -5,12 +5,12 @@ use std::sync::Arc;
 use rotor::{GainKind, Rotor, Settings, circular};
 use tuner::{Family, Options, Problem, Schedule, Stop, Structure};
 
-use crate::jobs::over_speed::{OverSpeed, Question};
+use crate::jobs::pole_trace::{PoleTrace, PoleTraceRequest};
 use crate::units::{Units, rounded};
 
 /// What one set of gains does.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Deeds {
+pub struct GainEffects {
     settings: Settings,
     /// The smallest damping ratio over the speeds that were searched.
     pub min_damping: f64,
@@ -25,13 +25,13 @@ pub struct Deeds {
     whirl: Option<f64>,
 }
 
-impl Deeds {
+impl GainEffects {
     /// What `settings` do to `rotor` over the speeds `from..=to` and a quarter beyond.
     pub fn of(rotor: &Arc<Rotor>, settings: &Settings, [from, to]: [f64; 2], stop: Stop) -> Self {
         let top = settings.speed.max(to);
-        let over = OverSpeed::of(&Question::at(rotor.clone(), settings.feedback.clone(), top));
+        let over = PoleTrace::of(&PoleTraceRequest::at(rotor.clone(), settings.feedback.clone(), top));
         let within = over.speeds.iter().zip(&over.min_damping).filter(|(speed, _)| (from..=to).contains(speed));
-        let ends = [from, to].map(|speed| over.at(speed));
+        let ends = [from, to].map(|speed| over.min_damping_at(speed));
         let min_damping = within.map(|(_, damping)| *damping).chain(ends).fold(f64::INFINITY, f64::min);
         let Settings { feedback, deadband, speed, .. } = settings;
         let stable = |found: Result<circular::Circular, _>| {
@@ -60,7 +60,7 @@ impl Deeds {
     }
 
     /// In what `found` is worse than this: some words each.
-    pub fn better_than(&self, found: &Self) -> Vec<&'static str> {
+    pub fn drawbacks_of(&self, found: &Self) -> Vec<&'static str> {
         let less =
             |now: Option<f64>, found: Option<f64>| matches!((now, found), (Some(now), Some(found)) if found < now);
         // A force, or a whirl, that there was none of is the worst of them.
@@ -106,13 +106,13 @@ pub struct Compared {
 }
 
 /// Each quantity under the gains in force and under those found, in the units of the rotor.
-pub fn rows(now: &Deeds, found: &Deeds, units: &Units) -> Vec<Compared> {
+pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compared> {
     let row = |word: &str, [now, found]: [String; 2]| Compared {
         quantity: word.to_owned(),
         told: if now == found { format!("{now} in both") } else { format!("{now} in force, {found} found") },
     };
     let both = [now, found];
-    let ranges = |deeds: &Deeds| match &deeds.stable[..] {
+    let ranges = |effects: &GainEffects| match &effects.stable[..] {
         [] => "nowhere".to_owned(),
         ranges => {
             let told = ranges.iter().map(|[from, to]| match units.scales {
@@ -122,15 +122,17 @@ pub fn rows(now: &Deeds, found: &Deeds, units: &Units) -> Vec<Compared> {
             told.collect::<Vec<_>>().join(" and ")
         }
     };
-    let force = |deeds: &Deeds| deeds.force.map_or_else(|| "none steady".to_owned(), |u| units.force.told(u, 5));
-    let mut rows = vec![row("min damping", both.map(|deeds| format!("{:.4}", deeds.min_damping)))];
-    if let [Some(_), Some(_)] = both.map(|deeds| deeds.any_deadband) {
-        let worst = |deeds: &Deeds| format!("{:.4}", deeds.any_deadband.unwrap_or(f64::NAN));
+    let force =
+        |effects: &GainEffects| effects.force.map_or_else(|| "none steady".to_owned(), |u| units.force.told(u, 5));
+    let mut rows = vec![row("min damping", both.map(|effects| format!("{:.4}", effects.min_damping)))];
+    if let [Some(_), Some(_)] = both.map(|effects| effects.any_deadband) {
+        let worst = |effects: &GainEffects| format!("{:.4}", effects.any_deadband.unwrap_or(f64::NAN));
         rows.push(row("any deadband", both.map(worst)));
     }
     rows.extend([row("stable", both.map(ranges)), row("force", both.map(force))]);
-    if both.iter().any(|deeds| has_deadband(&deeds.settings)) {
-        let whirl = |deeds: &Deeds| deeds.whirl.map_or_else(|| "none".to_owned(), |r| units.length.told(r, 5));
+    if both.iter().any(|effects| has_deadband(&effects.settings)) {
+        let whirl =
+            |effects: &GainEffects| effects.whirl.map_or_else(|| "none".to_owned(), |r| units.length.told(r, 5));
         rows.push(row("self-excited whirl", both.map(whirl)));
     }
     let signals = now.settings.feedback.signals.iter().zip(&found.settings.feedback.signals).enumerate();
@@ -154,23 +156,23 @@ mod tests {
 
     use super::*;
 
-    fn deeds(feedback: &str) -> Deeds {
+    fn effects(feedback: &str) -> GainEffects {
         let rotor = Arc::new(builtin::rotor("three-mass").unwrap());
         let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
         settings.deadband.fill(0.0);
-        Deeds::of(&rotor, &settings, [0.0, 2.8], Stop::NEVER)
+        GainEffects::of(&rotor, &settings, [0.0, 2.8], Stop::NEVER)
     }
 
     #[test]
     fn what_is_found_stands_beside_what_is_in_force() {
-        let (now, found) = (deeds("composite"), deeds("off"));
+        let (now, found) = (effects("composite"), effects("off"));
         let rows = rows(&now, &found, &Units::DIMENSIONLESS);
         let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
         assert_eq!(words, ["min damping", "stable", "force", "kd", "cd", "kc", "cc"]);
         // The composite gains hold to 7.07, none to 1.7755; without control nothing pushes.
         assert!(rows[1].told.contains("R 0 to 7.07") && rows[1].told.contains("R 0 to 1.77"), "{rows:?}");
-        assert_eq!(now.better_than(&found), ["stable LESS FAR from rest", "NO steady motion at the present speed"]);
-        assert!(!found.better_than(&now).contains(&"stable LESS FAR from rest"));
+        assert_eq!(now.drawbacks_of(&found), ["stable LESS FAR from rest", "NO steady motion at the present speed"]);
+        assert!(!found.drawbacks_of(&now).contains(&"stable LESS FAR from rest"));
         assert_eq!(rows[3].told, "-0.5879 in force, 0 found");
         assert!(now.force.is_some() && found.min_damping < 0.0, "{rows:?}");
     }
@@ -179,12 +181,12 @@ mod tests {
     fn with_a_clearance_the_worst_it_can_do_stands_beside_too() {
         // At R = 2.5 the composite gains are stable at the centre and whirl far out; those for any deadband do not.
         let rotor = Arc::new(builtin::rotor("three-mass").unwrap());
-        let deeds = |feedback: &str| {
+        let effects = |feedback: &str| {
             let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
             settings.deadband.fill(1.0);
-            Deeds::of(&rotor, &settings, [0.0, 2.8], Stop::NEVER)
+            GainEffects::of(&rotor, &settings, [0.0, 2.8], Stop::NEVER)
         };
-        let (composite, individual) = (deeds("composite"), deeds("individual"));
+        let (composite, individual) = (effects("composite"), effects("individual"));
         assert!(composite.any_deadband.unwrap() < composite.min_damping);
         let rows = rows(&individual, &composite, &Units::DIMENSIONLESS);
         let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
@@ -193,7 +195,7 @@ mod tests {
 
     #[test]
     fn an_si_rotor_is_told_in_rpm_and_newtons() {
-        let (now, found) = (deeds("composite"), deeds("off"));
+        let (now, found) = (effects("composite"), effects("off"));
         let units = Units::of(Some(crate::test_support::SI), Some(1.0));
         let rows = rows(&now, &found, &units);
         assert!(rows[1].told.contains(" rpm in force") && rows[2].told.contains("N in force"), "{rows:?}");

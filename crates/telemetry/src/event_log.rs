@@ -6,7 +6,7 @@ use alarms::Level;
 use rotor::Settings;
 use wire::{Event, Happening};
 
-use crate::replay::{PastEvent, PastWhat};
+use crate::replay::{RecordedEvent, RecordedKind};
 use crate::units::Units;
 
 /// Entries kept.
@@ -14,7 +14,7 @@ const KEPT: usize = 500;
 
 /// One thing that happened.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Entry {
+pub struct LoggedEvent {
     /// When, nanoseconds since 1970.
     pub wall_ns: u64,
     /// The rotor's time then.
@@ -33,16 +33,16 @@ pub struct Entry {
 
 /// All that has been told, the oldest first.
 #[derive(Clone, Debug, Default)]
-pub struct Journal {
-    entries: Arc<Vec<Entry>>,
+pub struct EventLog {
+    entries: Arc<Vec<LoggedEvent>>,
     /// Run and number of the newest event: what has been told already is told again to who attaches anew.
     newest: (u64, u64),
     settings: Option<Settings>,
 }
 
-impl Journal {
+impl EventLog {
     /// Takes in an event, and puts it in words with the bench's `units`. Returns whether it was news.
-    pub fn hear(&mut self, event: &Event, units: &Units) -> bool {
+    pub fn push(&mut self, event: &Event, units: &Units) -> bool {
         let (run, number) = self.newest;
         if event.run_id == run && event.number <= number {
             return false;
@@ -56,20 +56,28 @@ impl Journal {
         };
         let what = if difference.is_empty() { units.happening(&happening) } else { difference };
         let (who, why) = (event.who.as_str().to_owned(), event.why.as_str().to_owned());
-        self.push(Entry { wall_ns: event.wall_ns, tau: event.tau, what, happening, level: Level::Fine, who, why });
+        self.keep(LoggedEvent {
+            wall_ns: event.wall_ns,
+            tau: event.tau,
+            what,
+            happening,
+            level: Level::Fine,
+            who,
+            why,
+        });
         true
     }
 
     /// Takes in an event of a recording.
-    pub fn recall(&mut self, event: &PastEvent, units: &Units) {
+    pub fn push_past(&mut self, event: &RecordedEvent, units: &Units) {
         let what = units.past(&event.what);
         let (happening, level) = match &event.what {
-            PastWhat::Happening(happening) => (happening.clone(), Level::Fine),
-            PastWhat::Alarm(turn) => (Happening::Note(what.clone()), turn.level),
-            PastWhat::Remark(words) => (Happening::Note(words.clone()), Level::Fine),
+            RecordedKind::Happening(happening) => (happening.clone(), Level::Fine),
+            RecordedKind::Alarm(turn) => (Happening::Note(what.clone()), turn.level),
+            RecordedKind::Remark(words) => (Happening::Note(words.clone()), Level::Fine),
         };
         // There are as many as there are: all of them stay.
-        Arc::make_mut(&mut self.entries).push(Entry {
+        Arc::make_mut(&mut self.entries).push(LoggedEvent {
             wall_ns: event.at.wall_ns,
             tau: event.at.tau,
             what,
@@ -80,7 +88,7 @@ impl Journal {
         });
     }
 
-    fn push(&mut self, entry: Entry) {
+    fn keep(&mut self, entry: LoggedEvent) {
         let entries = Arc::make_mut(&mut self.entries);
         if entries.len() >= KEPT {
             entries.remove(0);
@@ -89,7 +97,7 @@ impl Journal {
     }
 
     /// The entries, the oldest first.
-    pub fn entries(&self) -> Arc<Vec<Entry>> {
+    pub fn entries(&self) -> Arc<Vec<LoggedEvent>> {
         self.entries.clone()
     }
 }
@@ -102,16 +110,16 @@ mod tests {
     #[test]
     fn changes_are_told_in_words_and_once() {
         let mut settings = bench_status("three-mass", "composite").settings.get().clone();
-        let mut journal = Journal::default();
-        assert!(journal.hear(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
+        let mut log = EventLog::default();
+        assert!(log.push(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
         let change = event(2, &Happening::Settings, &settings);
         assert!(
-            journal.hear(&change, &Units::DIMENSIONLESS) && !journal.hear(&change, &Units::DIMENSIONLESS),
+            log.push(&change, &Units::DIMENSIONLESS) && !log.push(&change, &Units::DIMENSIONLESS),
             "told again to who attaches anew"
         );
-        journal.hear(&event(3, &Happening::Note("here it hums".into()), &settings), &Units::DIMENSIONLESS);
-        let told: Vec<String> = journal.entries().iter().map(|entry| entry.what.clone()).collect();
+        log.push(&event(3, &Happening::Note("here it hums".into()), &settings), &Units::DIMENSIONLESS);
+        let told: Vec<String> = log.entries().iter().map(|entry| entry.what.clone()).collect();
         assert_eq!(told[0], "started");
         assert!(told[1].contains("kd") && told[1].contains("-0.5879 -> 0.1"), "{told:?}");
         assert_eq!(told[2], "note: here it hums");
@@ -120,14 +128,14 @@ mod tests {
     #[test]
     fn another_run_is_news_and_the_newest_stay() {
         let settings = bench_status("three-mass", "composite").settings.get().clone();
-        let mut journal = Journal::default();
+        let mut log = EventLog::default();
         for number in 1..=KEPT as u64 + 5 {
-            journal.hear(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);
+            log.push(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);
         }
         let mut other = event(1, &Happening::Started, &settings);
         other.run_id = 8;
-        assert!(journal.hear(&other, &Units::DIMENSIONLESS));
-        let entries = journal.entries();
+        assert!(log.push(&other, &Units::DIMENSIONLESS));
+        let entries = log.entries();
         assert_eq!((entries.len(), entries.last().unwrap().happening.clone()), (KEPT, Happening::Started));
     }
 }

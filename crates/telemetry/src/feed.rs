@@ -1,4 +1,4 @@
-//! What has been heard from the simulation: the history, how things stand, and the picture of them that one frame is
+//! What has been heard from the simulation: the history, how things stand, and all of it that one frame is
 //! drawn from.
 
 use std::sync::Arc;
@@ -8,30 +8,30 @@ use alarms::{Reading, Sampler};
 use rotor::{Rotor, Settings};
 use wire::{BenchStatus, Event, Happening, RecorderStatus, Step};
 
-use crate::contact::Contact;
-use crate::event_log::Journal;
-use crate::frame_data::Picture;
+use crate::connection::Connection;
+use crate::event_log::EventLog;
+use crate::frame_data::FrameData;
 use crate::history::{Era, History};
-use crate::replay::PastEvent;
+use crate::replay::RecordedEvent;
 use crate::units::Units;
 use crate::view_time::ViewTime;
 
-/// Steps before the cursor that a picture has in any case: all that an orbit shows.
+/// Steps before the cursor that a frame has in any case: all that an orbit shows.
 const BEFORE: u64 = 10_240;
 /// Seconds that an overview shows at least.
 const OVERVIEW: f64 = 60.0;
 
-/// All that has been heard, in bounded memory. The reader thread writes it, the drawing thread takes pictures.
+/// All that has been heard, in bounded memory. The reader thread writes it, the drawing thread takes the data of one frame at a time.
 #[derive(Debug)]
 pub struct Feed {
     history: History,
-    heard: Option<Instant>,
+    last_step_at: Option<Instant>,
     pace: Pace,
     sampler: Sampler,
-    journal: Journal,
+    event_log: EventLog,
     rotor: Option<Arc<Rotor>>,
     bench_status: Option<Arc<BenchStatus>>,
-    contact: Contact,
+    connection: Connection,
     recorder: Option<Box<RecorderStatus>>,
     changes: u64,
 }
@@ -48,30 +48,30 @@ impl Feed {
     pub fn with_bound(why: &str, bound: usize) -> Self {
         Self {
             history: History::new(bound),
-            heard: None,
+            last_step_at: None,
             pace: Pace::default(),
             sampler: Sampler::default(),
-            journal: Journal::default(),
+            event_log: EventLog::default(),
             rotor: None,
             bench_status: None,
-            contact: Contact::Waiting(why.to_owned()),
+            connection: Connection::Waiting(why.to_owned()),
             recorder: None,
             changes: 0,
         }
     }
 
     /// Takes in one state.
-    pub fn hear(&mut self, state: &impl Step, now: Instant) {
+    pub fn push_step(&mut self, state: &impl Step, now: Instant) {
         self.history.push(state);
         self.sampler.hear(state);
-        self.heard = Some(now);
+        self.last_step_at = Some(now);
         self.pace.count(now);
-        self.contact = Contact::Live;
+        self.connection = Connection::Live;
         self.changes += 1;
     }
 
     /// Takes in one bench status.
-    pub fn read(&mut self, bench_status: Box<BenchStatus>) {
+    pub fn push_bench_status(&mut self, bench_status: Box<BenchStatus>) {
         self.history.note_bench_status(&bench_status);
         self.sampler.learn(&bench_status, self.history.lost());
         if self.bench_status.as_ref().is_none_or(|last| last.run_id != bench_status.run_id) {
@@ -82,34 +82,34 @@ impl Feed {
     }
 
     /// Takes in one step of the past: nobody is heard, and no time passes.
-    pub fn recall(&mut self, state: &impl Step) {
+    pub fn push_past_step(&mut self, state: &impl Step) {
         self.history.push(state);
         self.changes += 1;
     }
 
     /// Takes in settings of the past, for the steps that were made with them.
-    pub fn tell(&mut self, bench_status: &BenchStatus) {
+    pub fn note_past_settings(&mut self, bench_status: &BenchStatus) {
         self.history.note_bench_status(bench_status);
     }
 
     /// Forgets every step; the next one gets the place `first`.
-    pub fn forget(&mut self, first: u64) {
+    pub fn clear_steps(&mut self, first: u64) {
         self.history = self.history.emptied(first);
         self.changes += 1;
     }
 
     /// What is in force at the moment that is looked at, which then stands for the present.
-    pub fn stand_at(&mut self, bench_status: Box<BenchStatus>) {
+    pub fn set_present(&mut self, bench_status: Box<BenchStatus>) {
         if self.rotor.is_none() {
             self.rotor = bench_status.rotor().ok().map(Arc::new);
         }
         self.bench_status = Some(Arc::from(bench_status));
-        self.contact = Contact::Live;
+        self.connection = Connection::Live;
         self.changes += 1;
     }
 
     /// Takes in what is known of a recorder.
-    pub fn hear_recorder(&mut self, status: Option<Box<RecorderStatus>>) {
+    pub fn set_recorder(&mut self, status: Option<Box<RecorderStatus>>) {
         if self.recorder != status {
             self.recorder = status;
             self.changes += 1;
@@ -122,8 +122,8 @@ impl Feed {
     }
 
     /// Takes in an event.
-    pub fn happen(&mut self, event: &Event) {
-        let is_news = self.journal.hear(event, &self.units());
+    pub fn push_event(&mut self, event: &Event) {
+        let is_news = self.event_log.push(event, &self.units());
         self.sampler.happen(event);
         if is_news && let Some(Happening::Note(_)) = event.happening() {
             self.history.note(event.run_id, event.seq);
@@ -132,32 +132,32 @@ impl Feed {
     }
 
     /// Takes in an event of a recording.
-    pub fn remember(&mut self, event: &PastEvent) {
+    pub fn push_past_event(&mut self, event: &RecordedEvent) {
         let units = self.units();
-        self.journal.recall(event, &units);
+        self.event_log.push_past(event, &units);
     }
 
     /// Notes how things stand; what has been heard stays.
-    pub fn stand(&mut self, contact: Contact) {
-        if self.contact != contact {
-            self.contact = contact;
+    pub fn set_connection(&mut self, connection: Connection) {
+        if self.connection != connection {
+            self.connection = connection;
             self.changes += 1;
         }
     }
 
     /// What is to be held against the alarms' limits: all that has come in since this was last asked.
-    pub fn reading(&mut self) -> Reading {
+    pub fn take_alarm_reading(&mut self) -> Reading {
         self.sampler.take()
     }
 
     /// When the last state came.
-    pub fn heard(&self) -> Option<Instant> {
-        self.heard
+    pub fn last_step_at(&self) -> Option<Instant> {
+        self.last_step_at
     }
 
     /// How things stand.
-    pub fn contact(&self) -> &Contact {
-        &self.contact
+    pub fn connection(&self) -> &Connection {
+        &self.connection
     }
 
     /// The settings in force, once they are known.
@@ -181,7 +181,7 @@ impl Feed {
     }
 
     /// Seconds from step to step, as the simulation means it; 0 while unknown.
-    pub fn seconds(&self) -> f64 {
+    pub fn step_seconds(&self) -> f64 {
         self.bench_status
             .as_ref()
             .map(|bench_status| bench_status.rate_hz)
@@ -189,7 +189,7 @@ impl Feed {
             .map_or(0.0, f64::recip)
     }
 
-    /// Rises with everything that is taken in: a picture of the same count shows nothing new.
+    /// Rises with everything that is taken in: a frame of the same count shows nothing new.
     pub fn changes(&self) -> u64 {
         self.changes
     }
@@ -205,8 +205,8 @@ impl Feed {
     }
 
     /// What one frame shows. Shares the steps with the history, copies little.
-    pub fn picture(&self, time: &ViewTime, now: Instant) -> Picture {
-        let (kept, seconds) = (self.history.places(), self.seconds());
+    pub fn frame_data(&self, time: &ViewTime, now: Instant) -> FrameData {
+        let (kept, seconds) = (self.history.kept(), self.step_seconds());
         let view = time.resolve(&kept, seconds);
         let minute = ViewTime::steps_of(OVERVIEW, seconds);
         let overview = view.window.start.min(view.window.end.saturating_sub(minute))..view.window.end;
@@ -221,7 +221,7 @@ impl Feed {
         let fits = |era: &Arc<Era>| masses == 0 || era.settings.deadband.len() == masses;
         let era_now = view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned();
         let speed = view.now.map(|now| track.speed(place(now)));
-        Picture {
+        FrameData {
             era: era_now.map(|era| self.at_speed(era, speed)),
             track,
             window: place(view.window.start)..place(view.window.end),
@@ -237,11 +237,11 @@ impl Feed {
             settings: self.settings(),
             rotor: self.rotor.clone(),
             bench_status: self.bench_status.clone(),
-            events: self.journal.entries(),
+            events: self.event_log.entries(),
             lost: self.history.lost(),
             rate: self.pace.rate(now),
-            age: self.heard.map(|heard| now.saturating_duration_since(heard)),
-            contact: self.contact.clone(),
+            age: self.last_step_at.map(|heard| now.saturating_duration_since(heard)),
+            connection: self.connection.clone(),
             recorder: self.recorder.clone(),
             recorder_starts: false,
             tripped: self.history.is_tripped(),
@@ -282,38 +282,38 @@ mod tests {
     use wire::Channel;
 
     use super::*;
-    use crate::test_support::{bench_status, picture, state};
+    use crate::test_support::{bench_status, frame_data, state};
 
     #[test]
     fn a_live_picture_shows_the_newest_steps_and_says_how_things_stand() {
-        let picture = picture();
-        assert_eq!((picture.window.clone(), picture.now, picture.behind), (0..3000, Some(2999), 0));
-        assert_eq!((picture.masses(), picture.lost, picture.tripped), (3, 0, false));
-        assert_eq!((picture.contact.clone(), picture.seconds), (Contact::Live, 1e-3));
-        assert_eq!(picture.track.force(2999), state(3, 2999).force_delivered());
-        assert_eq!(picture.least_damping(&picture.overview), picture.era.as_ref().map(|era| era.min_damping));
+        let data = frame_data();
+        assert_eq!((data.window.clone(), data.now, data.behind), (0..3000, Some(2999), 0));
+        assert_eq!((data.masses(), data.lost, data.tripped), (3, 0, false));
+        assert_eq!((data.connection.clone(), data.seconds), (Connection::Live, 1e-3));
+        assert_eq!(data.track.force(2999), state(3, 2999).force_delivered());
+        assert_eq!(data.least_damping(&data.overview), data.era.as_ref().map(|era| era.min_damping));
     }
 
     #[test]
     fn a_picture_of_the_past_is_whole_while_settings_stay_live() {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(bench_status("three-mass", "composite"));
-        (0..70_000).for_each(|seq| feed.hear(&state(3, seq), now));
+        feed.push_bench_status(bench_status("three-mass", "composite"));
+        (0..70_000).for_each(|seq| feed.push_step(&state(3, seq), now));
         let mut off = bench_status("three-mass", "off");
         off.revision = 2;
-        feed.read(off);
-        (70_000..90_000).for_each(|seq| feed.hear(&state(3, seq).with_word(Channel::Revision, 2), now));
+        feed.push_bench_status(off);
+        (70_000..90_000).for_each(|seq| feed.push_step(&state(3, seq).with_word(Channel::Revision, 2), now));
         let mut time = ViewTime::default();
-        time.at(69_990, &feed.history().places(), feed.seconds());
-        let past = feed.picture(&time, now);
+        time.look_at(69_990, &feed.history().kept(), feed.step_seconds());
+        let past = feed.frame_data(&time, now);
         assert_eq!(past.now.map(|now| past.track.tau(now)), Some(699.9));
         assert_eq!(past.behind, 90_000 - 1 - 69_990);
         assert_eq!(past.window.len(), 4000);
         assert_eq!(past.overview.len(), 60_000);
         assert_eq!(past.era.as_ref().map(|era| era.revision), Some(1));
         let then = past.poles().unwrap().0;
-        let live = feed.picture(&ViewTime::default(), now);
+        let live = feed.frame_data(&ViewTime::default(), now);
         assert!(then > 0.0 && live.poles().unwrap().0 < 0.0);
         assert_eq!(past.settings, live.settings, "what can be changed is what is in force now");
         assert_eq!(live.least_damping(&live.overview), live.poles().map(|(least, _)| least), "the least of both");

@@ -8,14 +8,14 @@ use rotor::{C64, Rotor, Settings};
 use wire::message::Trip;
 use wire::{BenchStatus, RecorderStatus};
 
-use crate::contact::Contact;
-use crate::event_log::Entry;
+use crate::connection::Connection;
+use crate::event_log::LoggedEvent;
 use crate::history::{Era, Mark, Track};
 use crate::units::Units;
 
 /// What one frame is drawn from. Everything is at the cursor's moment, unless it says that it is live.
 #[derive(Clone, Debug)]
-pub struct Picture {
+pub struct FrameData {
     /// Steps around the window and before the cursor.
     pub track: Track,
     /// The steps in view.
@@ -41,7 +41,7 @@ pub struct Picture {
     /// Live: the latest bench status.
     pub bench_status: Option<Arc<BenchStatus>>,
     /// Live: what has happened, the oldest first.
-    pub events: Arc<Vec<Entry>>,
+    pub events: Arc<Vec<LoggedEvent>>,
     /// Live: steps that were sent and did not reach us.
     pub lost: u64,
     /// Live: steps a second that reach us.
@@ -49,7 +49,7 @@ pub struct Picture {
     /// Live: age of the latest step.
     pub age: Option<Duration>,
     /// Live: how things stand.
-    pub contact: Contact,
+    pub connection: Connection,
     /// Live: what is known of a recorder.
     pub recorder: Option<Box<RecorderStatus>>,
     /// A recorder was started here, and has not spoken up yet.
@@ -60,7 +60,7 @@ pub struct Picture {
     pub behind: u64,
 }
 
-impl Picture {
+impl FrameData {
     /// How many masses have been heard of.
     pub fn masses(&self) -> usize {
         self.track.masses()

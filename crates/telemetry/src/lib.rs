@@ -3,16 +3,18 @@
 //!
 //! [`reader`] drains what a bench sends into the bounded [`feed`]: steps into its [`history`], events into words.
 //! [`replay`] fills the same feed from a recording. [`view_time`] says which moment is looked at, and
-//! [`Feed::picture`](feed::Feed::picture) is all that one frame shows of it. [`edits`] carries changes to the simulation on a
-//! thread of its own and knows what can be undone; [`jobs`] computes what takes longer than a frame; [`search`] looks for gains.
+//! [`Feed::frame_data`](feed::Feed::frame_data) is all that one frame shows of it. [`edits`] carries changes to the simulation on a
+//! thread of its own and knows what can be undone; [`jobs`] computes what takes longer than a frame; [`gain_search`] looks for gains.
 
 pub mod command_history;
 pub mod comparison;
-pub mod contact;
+pub mod connection;
+pub mod damping_verdict;
 pub mod edits;
 pub mod event_log;
 pub mod feed;
 pub mod frame_data;
+pub mod gain_search;
 pub mod history;
 pub mod jobs;
 pub mod numbers;
@@ -20,8 +22,6 @@ pub mod presets;
 pub mod processes;
 pub mod reader;
 pub mod replay;
-pub mod search;
-pub mod stability;
 #[cfg(any(test, feature = "test-support"))]
 pub mod test_support;
 pub mod units;

@@ -8,7 +8,7 @@ use rotor::file::{read_feedback, write_feedback};
 use rotor::{Feedback, Rotor, Settings};
 use text::MAX_BYTES;
 
-use crate::stability::Stability;
+use crate::damping_verdict::DampingVerdict;
 use crate::units::Units;
 use crate::what_if::WhatIf;
 
@@ -62,13 +62,13 @@ impl Presets {
         let file = self.file(name)?;
         match fs::remove_file(&file) {
             Ok(()) => Ok(file),
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.none(name)),
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.not_found(name)),
             Err(error) => Err(format!("{}: cannot be deleted: {error}", file.display())),
         }
     }
 
     /// What is said where nothing is kept as `name`.
-    pub fn none(&self, name: &str) -> String {
+    pub fn not_found(&self, name: &str) -> String {
         format!("no gains are kept as '{name}': there are {}", self.list())
     }
 
@@ -83,7 +83,7 @@ impl Presets {
             _ => fs::read_to_string(&file),
         };
         let text = text.map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => self.none(name),
+            std::io::ErrorKind::NotFound => self.not_found(name),
             _ => format!("{}: {error}", file.display()),
         })?;
         let read = read_feedback(&text, Some(masses)).map_err(|problems| problems.in_file(&file.display().to_string()));
@@ -104,13 +104,13 @@ impl Presets {
     }
 
     /// What the gains kept as `name` would do under `settings`, in words.
-    pub fn words(&self, name: &str, rotor: &Rotor, settings: &Settings) -> String {
+    pub fn describe(&self, name: &str, rotor: &Rotor, settings: &Settings) -> String {
         let Ok(feedback) = self.load(name, rotor.len()) else { return "does not fit".into() };
         let in_force = if feedback == settings.feedback { ", in force" } else { "" };
         match WhatIf::of(rotor, Settings { feedback, ..settings.clone() }) {
             None => "does not fit".into(),
             Some(then) => {
-                let word = if then.is_unstable() { Stability::of(then.min_damping).word() } else { "" };
+                let word = if then.is_unstable() { DampingVerdict::of(then.min_damping).word() } else { "" };
                 let gap = if word.is_empty() { "" } else { " " };
                 let speed = Units::of(rotor.scales().copied(), Some(1.0)).speed_told(settings.speed);
                 format!("min damping {:.4}{gap}{word} at {speed}{in_force}", then.min_damping)

@@ -3,53 +3,53 @@
 /// What the dashboard asked of its surroundings failed: with the error of whoever was to do it.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
-pub struct OutsideError(Box<dyn std::error::Error + Send + Sync>);
+pub struct ExternalError(Box<dyn std::error::Error + Send + Sync>);
 
-impl OutsideError {
+impl ExternalError {
     /// That failed, for this.
     pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         Self(error.into())
     }
 }
 
-impl From<OutsideError> for String {
+impl From<ExternalError> for String {
     /// In the words that the message line has.
-    fn from(error: OutsideError) -> Self {
+    fn from(error: ExternalError) -> Self {
         error.to_string()
     }
 }
 
 /// Whoever started the simulation, if it was us.
-pub trait Keeper {
+pub trait SimulationProcess {
     /// How the simulation ended, once it has.
     fn ended(&mut self) -> Option<String>;
     /// Starts it again.
     ///
     /// # Errors
     /// It cannot be started.
-    fn revive(&mut self) -> Result<(), OutsideError>;
+    fn restart(&mut self) -> Result<(), ExternalError>;
 }
 
 /// Whoever can record the bench, in a process of its own.
-pub trait Scribe {
+pub trait RecorderProcess {
     /// Starts a recording, and says in which file it will be. Does not wait for it.
     ///
     /// # Errors
     /// It cannot be started.
-    fn start(&mut self) -> Result<String, OutsideError>;
+    fn start(&mut self) -> Result<String, ExternalError>;
     /// Whether a recording that was started here has not said yet that it records.
     fn is_starting(&self) -> bool;
     /// Asks the recording that was started here to end in good order. Does not wait.
     fn stop(&mut self);
     /// Whether a recording that was started here has not ended yet.
-    fn is_at_work(&self) -> bool;
+    fn is_running(&self) -> bool;
     /// What has become of the recording that was started here: each thing is told once.
-    fn news(&mut self) -> Option<ScribeNews>;
+    fn news(&mut self) -> Option<RecorderNews>;
 }
 
 /// What becomes of a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum ScribeNews {
+pub enum RecorderNews {
     /// It records, in this file.
     Records(String),
     /// It has ended, in good order or not, in words.

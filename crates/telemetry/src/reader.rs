@@ -8,13 +8,13 @@ use std::time::{Duration, Instant};
 use crossbeam::channel::Sender;
 use wire::{BenchName, Carrier, HostState, Listener, WireError};
 
-use crate::contact::Contact;
+use crate::connection::Connection;
 use crate::edits::News;
 use crate::feed::Feed;
 
 /// How often we look for new states: a fraction of a frame, and of the buffer at any rate.
 const POLL: Duration = Duration::from_millis(4);
-/// The same while the picture is paused.
+/// The same while the view is paused.
 const IDLE_POLL: Duration = Duration::from_millis(40);
 /// How often we look for a bench that is not there.
 const RETRY: Duration = Duration::from_millis(25);
@@ -27,17 +27,17 @@ const STALL: Duration = Duration::from_millis(250);
 const RECORDER: Duration = Duration::from_millis(250);
 
 /// A feed that threads share. A poisoned lock means another thread has panicked: what was heard is still whole.
-pub type Shared = Arc<Mutex<Feed>>;
+pub type SharedFeed = Arc<Mutex<Feed>>;
 
 /// The feed, to read or to write; threads that want it meanwhile wait.
-pub fn lock(feed: &Shared) -> MutexGuard<'_, Feed> {
+pub fn lock(feed: &SharedFeed) -> MutexGuard<'_, Feed> {
     feed.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// What the reader tells others, and is told.
 #[derive(Debug)]
-pub struct Wires {
-    /// Every bench status and every event, for the clerk.
+pub struct ReaderChannels {
+    /// Every bench status and every event, for the edit thread.
     pub news: Sender<News>,
     /// A token when something has come that should not wait for the next frame.
     pub wake: Sender<()>,
@@ -48,7 +48,12 @@ pub struct Wires {
 }
 
 /// Starts the reader.
-pub fn spawn<C: Carrier>(carrier: C, bench: BenchName, feed: Shared, wires: Wires) -> std::io::Result<JoinHandle<()>> {
+pub fn spawn<C: Carrier>(
+    carrier: C,
+    bench: BenchName,
+    feed: SharedFeed,
+    wires: ReaderChannels,
+) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("reader".into()).spawn(move || {
         while !wires.stop.load(Ordering::Relaxed) {
             match carrier.listen(&bench) {
@@ -56,16 +61,16 @@ pub fn spawn<C: Carrier>(carrier: C, bench: BenchName, feed: Shared, wires: Wire
                     tracing::info!(%bench, "attached");
                     if let Err(error) = read(listener, &feed, &wires) {
                         tracing::warn!(%error, "lost the bench");
-                        lock(&feed).stand(Contact::Waiting(error.to_string()));
+                        lock(&feed).set_connection(Connection::Waiting(error.to_string()));
                     }
                 }
                 Err(WireError::NoBench(_)) => {
                     let mut feed = lock(&feed);
-                    if feed.heard().is_none() {
-                        feed.stand(Contact::Waiting(format!("waiting for bench '{bench}'")));
+                    if feed.last_step_at().is_none() {
+                        feed.set_connection(Connection::Waiting(format!("waiting for bench '{bench}'")));
                     }
                 }
-                Err(error) => lock(&feed).stand(Contact::Waiting(error.to_string())),
+                Err(error) => lock(&feed).set_connection(Connection::Waiting(error.to_string())),
             }
             std::thread::sleep(RETRY);
         }
@@ -73,7 +78,7 @@ pub fn spawn<C: Carrier>(carrier: C, bench: BenchName, feed: Shared, wires: Wire
 }
 
 /// Reads until told to stop; a simulation that ends is waited for, and its successor heard.
-fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(), WireError> {
+fn read(mut listener: impl Listener, feed: &SharedFeed, wires: &ReaderChannels) -> Result<(), WireError> {
     let attached = Instant::now();
     let mut told = (0, false);
     let mut looked = attached;
@@ -83,12 +88,12 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
         if now - looked > RECORDER {
             looked = now;
             let status = listener.recorder()?;
-            lock(feed).hear_recorder(status);
+            lock(feed).set_recorder(status);
         }
         let drained = {
             let mut feed = lock(feed);
             if let Some(bench_status) = bench_status {
-                // If the clerk is behind it has a newer one coming.
+                // If the edit thread is behind it has a newer one coming.
                 let _ = wires.news.try_send(News::BenchStatus(Arc::new((*bench_status).clone())));
                 let news = (bench_status.revision, bench_status.trip.is_tripped());
                 if news != told {
@@ -96,25 +101,25 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
                     // A token that still lies there will do.
                     let _ = wires.wake.try_send(());
                 }
-                feed.read(bench_status);
+                feed.push_bench_status(bench_status);
             }
             listener.events(|event| {
                 // What does not fit there shows by its revision.
                 let _ = wires.news.try_send(News::Event(Box::new(event.clone())));
-                feed.happen(event);
+                feed.push_event(event);
             })?;
-            listener.drain(|step| feed.hear(&step, now))?
+            listener.drain(|step| feed.push_step(&step, now))?
         };
         let poll = if wires.idle.load(Ordering::Relaxed) { IDLE_POLL } else { POLL };
         if drained > 0 {
             std::thread::sleep(poll);
             continue;
         }
-        let silence = lock(feed).heard().unwrap_or(attached).elapsed();
+        let silence = lock(feed).last_step_at().unwrap_or(attached).elapsed();
         if silence > SILENCE {
             match listener.host() {
-                HostState::Gone => stand(feed, wires, Contact::Gone),
-                HostState::Alive if silence > STALL => stand(feed, wires, Contact::Stalled),
+                HostState::Gone => stand(feed, wires, Connection::Gone),
+                HostState::Alive if silence > STALL => stand(feed, wires, Connection::Stalled),
                 HostState::Alive => {}
             }
             std::thread::sleep(RETRY);
@@ -126,11 +131,11 @@ fn read(mut listener: impl Listener, feed: &Shared, wires: &Wires) -> Result<(),
 }
 
 /// Notes how things stand, and wakes the screen if that is new.
-fn stand(feed: &Shared, wires: &Wires, contact: Contact) {
+fn stand(feed: &SharedFeed, wires: &ReaderChannels, connection: Connection) {
     let mut feed = lock(feed);
-    if *feed.contact() != contact {
-        tracing::info!(?contact, "the simulation");
-        feed.stand(contact);
+    if *feed.connection() != connection {
+        tracing::info!(?connection, "the simulation");
+        feed.set_connection(connection);
         let _ = wires.wake.try_send(());
     }
 }

@@ -84,7 +84,7 @@ impl ViewTime {
     pub fn step(&mut self, by: i64, kept: &Range<u64>, seconds: f64) {
         self.pause(kept);
         if let Some(past) = self.past {
-            self.at(past.cursor.saturating_add_signed(by), kept, seconds);
+            self.look_at(past.cursor.saturating_add_signed(by), kept, seconds);
         }
     }
 
@@ -95,7 +95,7 @@ impl ViewTime {
     }
 
     /// Puts the cursor on a step; the window follows where it would leave it. The view then stands.
-    pub fn at(&mut self, place: u64, kept: &Range<u64>, seconds: f64) {
+    pub fn look_at(&mut self, place: u64, kept: &Range<u64>, seconds: f64) {
         self.pause(kept);
         let Some(past) = &mut self.past else { return };
         past.cursor = place.clamp(kept.start, kept.end.saturating_sub(1).max(kept.start));
@@ -108,7 +108,7 @@ impl ViewTime {
     }
 
     /// Puts the cursor on a step that is kept, at the end of the window.
-    pub fn jump(&mut self, place: u64) {
+    pub fn jump_to(&mut self, place: u64) {
         self.past = Some(Past { cursor: place, end: place + 1 });
     }
 
@@ -124,13 +124,13 @@ impl ViewTime {
     }
 
     /// Shows so many seconds.
-    pub fn show(&mut self, span: f64, seconds: f64) {
+    pub fn set_span(&mut self, span: f64, seconds: f64) {
         self.zoom(span / self.span, seconds);
     }
 
     /// The span of the start.
     pub fn reset_span(&mut self, seconds: f64) {
-        self.show(SPAN, seconds);
+        self.set_span(SPAN, seconds);
     }
 
     /// What is in view of the steps `kept`: a moment that has been let go of is the oldest that is left.
@@ -190,7 +190,7 @@ mod tests {
     #[test]
     fn what_has_been_let_go_of_gives_way_to_the_oldest_that_is_left() {
         let mut view = ViewTime::default();
-        view.at(2000, &KEPT, SECONDS);
+        view.look_at(2000, &KEPT, SECONDS);
         assert_eq!(resolved(&view, 50_000..60_000), (50_000..54_000, Some(50_000)));
         assert_eq!(resolved(&view, 0..0), (0..0, None));
         assert_eq!(resolved(&view, 7..8), (7..8, Some(7)));
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn zooming_keeps_the_cursor_where_it_is_on_the_screen() {
         let mut view = ViewTime::default();
-        view.at(9000, &KEPT, SECONDS);
+        view.look_at(9000, &KEPT, SECONDS);
         view.zoom(0.5, SECONDS);
         // Half way in the window before and after.
         assert_eq!(resolved(&view, KEPT), (8000..10_000, Some(9000)));

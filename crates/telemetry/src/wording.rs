@@ -4,7 +4,7 @@ use alarms::{Level, Turn, Watch};
 use wire::Happening;
 use wire::message::Trip;
 
-use crate::replay::PastWhat;
+use crate::replay::RecordedKind;
 use crate::units::Units;
 
 impl Units {
@@ -49,11 +49,11 @@ impl Units {
     }
 
     /// What a recording tells.
-    pub fn past(&self, what: &PastWhat) -> String {
+    pub fn past(&self, what: &RecordedKind) -> String {
         match what {
-            PastWhat::Happening(happening) => self.happening(happening),
-            PastWhat::Alarm(turn) => self.turn(turn),
-            PastWhat::Remark(words) => words.clone(),
+            RecordedKind::Happening(happening) => self.happening(happening),
+            RecordedKind::Alarm(turn) => self.turn(turn),
+            RecordedKind::Remark(words) => words.clone(),
         }
     }
 }

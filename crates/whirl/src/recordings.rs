@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use telemetry::processes::{OutsideError, Scribe, ScribeNews};
+use telemetry::processes::{ExternalError, RecorderNews, RecorderProcess};
 use wire::BenchName;
 
 use crate::child_process::ChildProcess;
@@ -68,13 +68,13 @@ fn outcome(recorder: &mut ChildProcess) -> Result<String, Failure> {
     if recorder.did_well() { Ok(recorder.last_words()) } else { Err(recorder.failure()) }
 }
 
-impl Scribe for Recordings {
-    fn start(&mut self) -> Result<String, OutsideError> {
+impl RecorderProcess for Recordings {
+    fn start(&mut self) -> Result<String, ExternalError> {
         let path = new_name(&self.bench);
         let launched = tape::available()
             .map_err(Failure::from)
             .and_then(|()| record::launch(&path, Force::default(), &self.bench));
-        self.recorder = Some(launched.map_err(OutsideError::new)?);
+        self.recorder = Some(launched.map_err(ExternalError::new)?);
         let told = path.display().to_string();
         self.starting = Some(path);
         Ok(told)
@@ -90,11 +90,11 @@ impl Scribe for Recordings {
         }
     }
 
-    fn is_at_work(&self) -> bool {
+    fn is_running(&self) -> bool {
         self.recorder.is_some()
     }
 
-    fn news(&mut self) -> Option<ScribeNews> {
+    fn news(&mut self) -> Option<RecorderNews> {
         if self.starting.is_some() {
             let ready = self.recorder.as_mut().map_or(Ok(true), ChildProcess::is_ready);
             if let Ok(false) = ready {
@@ -102,12 +102,12 @@ impl Scribe for Recordings {
             }
             let path = self.starting.take().unwrap_or_default();
             return Some(match ready {
-                Ok(_) => ScribeNews::Records(path.display().to_string()),
+                Ok(_) => RecorderNews::Records(path.display().to_string()),
                 Err(failure) => {
                     self.recorder = None;
                     let told = failure.to_string();
                     self.said.push(Err(failure));
-                    ScribeNews::Ended(Err(told))
+                    RecorderNews::Ended(Err(told))
                 }
             });
         }
@@ -115,7 +115,7 @@ impl Scribe for Recordings {
         let said = outcome(&mut recorder);
         let told = said.as_ref().map(|words| words.trim().to_owned()).map_err(ToString::to_string);
         self.said.push(said);
-        Some(ScribeNews::Ended(told))
+        Some(RecorderNews::Ended(told))
     }
 }
 

@@ -3,7 +3,7 @@
 use rotor::Key;
 
 use crate::axis::Scaling;
-use crate::panels::series::Strip;
+use crate::series::Strip;
 
 /// What a person asks of the dashboard.
 #[derive(Clone, Debug, PartialEq)]
@@ -68,7 +68,7 @@ pub(crate) enum Action {
     /// The scale of the values of a plot: of the named one, or of the chosen one.
     Scale(Option<String>, Vec<Scaling>),
     /// Move the read-out of the chosen plot.
-    Read(Read),
+    Read(ReadoutMove),
     /// What the strips show; what the layout says if there is none.
     Strips(Option<Vec<Strip>>),
     /// The mass, counted from 0, and the frequencies of the spectra: `None` leaves them as they are.
@@ -88,7 +88,7 @@ pub(crate) enum Action {
     /// A recording: to its end, or its beginning.
     End(bool),
     /// Keep a picture of the screen, in this file or in one named by bench and time.
-    Picture(String),
+    FrameData(String),
     /// Another layout, by its number counted from 1 or its name.
     Layout(String),
     /// Start to type a command; this much is typed already.
@@ -109,7 +109,7 @@ pub(crate) enum Action {
 
 /// Where the read-out of a plot shall stand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Read {
+pub(crate) enum ReadoutMove {
     /// So many columns, or modes, further on.
     Move(i32),
     /// At a value as it stands on the axis.

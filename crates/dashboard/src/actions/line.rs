@@ -38,7 +38,7 @@ pub(crate) fn parse(line: &str) -> Result<Action, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::actions::Read;
+    use crate::actions::ReadoutMove;
     use crate::axis::Scaling;
 
     #[test]
@@ -75,7 +75,7 @@ mod tests {
         assert!(matches!(parse("strips y.1+z.1 force"), Ok(Action::Strips(Some(strips))) if strips.len() == 2));
         assert_eq!(parse("spectrum 2 -3..3"), Ok(Action::Spectra(Some(Some(1)), Some(fix(-3.0, 3.0)))));
         assert_eq!(parse("spectrum auto"), Ok(Action::Spectra(Some(None), Some(Scaling::Auto))));
-        assert_eq!(parse("read -1.25"), Ok(Action::Read(Read::At(-1.25))));
+        assert_eq!(parse("read -1.25"), Ok(Action::Read(ReadoutMove::At(-1.25))));
         for (line, complaint) in [
             ("scale", "scale : expected auto, TIMES or LOW..HIGH"),
             ("scale orbits", "scale orbits: expected auto, TIMES or LOW..HIGH"),

@@ -8,6 +8,6 @@ mod argument;
 mod line;
 mod table;
 
-pub(crate) use action::{Action, Read};
+pub(crate) use action::{Action, ReadoutMove};
 pub(crate) use line::parse;
-pub(crate) use table::{ACTIONS, Keys, MOUSE, Row};
+pub(crate) use table::{ACTIONS, ActionRow, KeyBinding, MOUSE};

@@ -1,12 +1,12 @@
 //! The table itself.
 
-use super::action::{Action, Read};
+use super::action::{Action, ReadoutMove};
 use super::argument::{assignments, moves, number, run_up, scale, spectra, times, whole, within};
-use crate::panels::series::Strip;
+use crate::series::Strip;
 use telemetry::view_time::SPANS;
 
 /// One action.
-pub(crate) struct Row {
+pub(crate) struct ActionRow {
     /// Its name, as typed after `:` and in the configuration.
     pub(crate) name: &'static str,
     /// What must follow the name, in capitals; in brackets what may; empty if nothing does.
@@ -14,13 +14,13 @@ pub(crate) struct Row {
     /// What it does, as the command line tells it.
     pub(crate) meaning: &'static str,
     /// Its keys.
-    pub(crate) keys: &'static [Keys],
+    pub(crate) keys: &'static [KeyBinding],
     /// What it makes of its argument.
     pub(super) make: fn(&str) -> Result<Action, String>,
 }
 
 /// Keys that do the same, more or less.
-pub(crate) struct Keys {
+pub(crate) struct KeyBinding {
     /// Each with what follows the name of the action.
     pub(crate) chords: &'static [(&'static str, &'static str)],
     /// What they do.
@@ -33,27 +33,27 @@ const fn keys(
     chords: &'static [(&'static str, &'static str)],
     meaning: &'static str,
     hint: Option<&'static str>,
-) -> Keys {
-    Keys { chords, meaning, hint }
+) -> KeyBinding {
+    KeyBinding { chords, meaning, hint }
 }
 
 /// Every action, in the order of the help screen.
-pub(crate) const ACTIONS: &[Row] = &[
-    Row {
+pub(crate) const ACTIONS: &[ActionRow] = &[
+    ActionRow {
         name: "help",
         argument: "",
         meaning: "show and hide the help",
         keys: &[keys(&[("?", ""), ("f1", "")], "this help", Some("help"))],
         make: |_| Ok(Action::Help),
     },
-    Row {
+    ActionRow {
         name: "quit",
         argument: "",
         meaning: "quit",
         keys: &[keys(&[("q", ""), ("ctrl-c", "")], "quit; where text is typed, ctrl-c does", Some("quit"))],
         make: |_| Ok(Action::Quit),
     },
-    Row {
+    ActionRow {
         name: "command",
         argument: "[TEXT]",
         meaning: "type a command",
@@ -64,14 +64,14 @@ pub(crate) const ACTIONS: &[Row] = &[
         )],
         make: |text| Ok(Action::Command(text.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "select",
         argument: "ROWS",
         meaning: "select the setting so many rows further down",
         keys: &[keys(&[("up", "-1"), ("down", "1"), ("k", "-1"), ("j", "1")], "select a setting", Some("select"))],
         make: |rows| whole(rows).and_then(moves).map(|rows| Action::Select(rows as isize)),
     },
-    Row {
+    ActionRow {
         name: "nudge",
         argument: "STEPS",
         meaning: "raise the selected setting by so many steps",
@@ -86,126 +86,126 @@ pub(crate) const ACTIONS: &[Row] = &[
         ],
         make: |steps| number(steps).and_then(moves).map(Action::Nudge),
     },
-    Row {
+    ActionRow {
         name: "type",
         argument: "",
         meaning: "type a value for the selected setting",
         keys: &[keys(&[("enter", "")], "type a value: enter takes it, esc drops it", Some("type"))],
         make: |_| Ok(Action::Type),
     },
-    Row {
+    ActionRow {
         name: "set",
         argument: "KEY=VALUE...",
         meaning: "set speed, gains ..., all at once; `speed 3` and `kd=0.1` will do too",
         keys: &[],
         make: assignments,
     },
-    Row {
+    ActionRow {
         name: "undo",
         argument: "",
         meaning: "take back the last change of settings, whoever made it",
         keys: &[keys(&[("u", "")], "undo the last change, whoever made it", Some("undo"))],
         make: |_| Ok(Action::Undo),
     },
-    Row {
+    ActionRow {
         name: "redo",
         argument: "",
         meaning: "make it again",
         keys: &[keys(&[("ctrl-r", "")], "redo it", None)],
         make: |_| Ok(Action::Redo),
     },
-    Row {
+    ActionRow {
         name: "off",
         argument: "",
         meaning: "control off: all gains to zero",
         keys: &[keys(&[("0", "")], "control off: all gains to zero", Some("off"))],
         make: |_| Ok(Action::Off),
     },
-    Row {
+    ActionRow {
         name: "hold",
         argument: "",
         meaning: "hold the present settings, to compare others with",
         keys: &[keys(&[("B", "")], "hold the present settings, to compare others with", None)],
         make: |_| Ok(Action::Hold),
     },
-    Row {
+    ActionRow {
         name: "swap",
         argument: "",
         meaning: "switch between the held settings and the present ones",
         keys: &[keys(&[("b", "")], "switch between the held settings and the present ones", None)],
         make: |_| Ok(Action::Swap),
     },
-    Row {
+    ActionRow {
         name: "save",
         argument: "NAME",
         meaning: "keep the gains under a name",
         keys: &[keys(&[("s", "")], "keep the gains under a name", None)],
         make: |name| Ok(Action::Save(name.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "load",
         argument: "NAME",
         meaning: "take gains that were kept",
         keys: &[keys(&[("o", "")], "take gains that were kept; lists them with their minimum damping", None)],
         make: |name| Ok(Action::Load(name.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "delete",
         argument: "NAME",
         meaning: "delete gains that were kept, after a yes",
         keys: &[keys(&[("D", "")], "delete gains that were kept", None)],
         make: |name| Ok(Action::Delete(name.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "search",
         argument: "[A..B] [robust|full]|stop",
         meaning: "search gains to past this speed, or over a range",
         keys: &[keys(&[("S", "")], "search better gains, to be seen before they apply", None)],
         make: |words| Ok(Action::Search(words.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "impulse",
         argument: "",
         meaning: "an impulse on the mass with the control bearing",
         keys: &[keys(&[("i", "")], "an impulse on the mass with the control bearing", Some("impulse"))],
         make: |_| Ok(Action::Impulse),
     },
-    Row {
+    ActionRow {
         name: "run-up",
         argument: "[A..]B RATE",
         meaning: "the speed goes to B at RATE, up or down; from A if it is there",
         keys: &[],
         make: run_up,
     },
-    Row {
+    ActionRow {
         name: "stay",
         argument: "",
         meaning: "the speed stays where it is on its way",
         keys: &[],
         make: |_| Ok(Action::Stay),
     },
-    Row {
+    ActionRow {
         name: "restart",
         argument: "",
         meaning: "restart from rest, after a trip too",
         keys: &[keys(&[("R", "")], "restart from rest; after a trip too", Some("restart"))],
         make: |_| Ok(Action::Restart),
     },
-    Row {
+    ActionRow {
         name: "note",
         argument: "TEXT",
         meaning: "put a note on the record, for everybody",
         keys: &[keys(&[("w", "")], "write a note on the record", None)],
         make: |text| Ok(Action::Note(text.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "pause",
         argument: "",
         meaning: "let the picture stand, or go on with the newest; data always go on",
         keys: &[keys(&[("space", "")], "pause the picture and go on; data always go on", Some("pause"))],
         make: |_| Ok(Action::Pause),
     },
-    Row {
+    ActionRow {
         name: "seek",
         argument: "SECONDS",
         meaning: "look so many seconds further on; back if negative",
@@ -216,14 +216,14 @@ pub(crate) const ACTIONS: &[Row] = &[
         )],
         make: |seconds| number(seconds).and_then(moves).map(Action::Seek),
     },
-    Row {
+    ActionRow {
         name: "step",
         argument: "STEPS",
         meaning: "look so many steps further on; back if negative",
         keys: &[keys(&[("<", "-1"), (">", "1")], "look one step back and forward", None)],
         make: |steps| whole(steps).and_then(moves).map(Action::Step),
     },
-    Row {
+    ActionRow {
         name: "zoom",
         argument: "[TIMES]",
         meaning: "show so many times as much; without a number, as at the start",
@@ -237,40 +237,40 @@ pub(crate) const ACTIONS: &[Row] = &[
             by => number(by).and_then(times).map(Action::Zoom),
         },
     },
-    Row {
+    ActionRow {
         name: "span",
         argument: "SECONDS",
         meaning: "show so many seconds",
         keys: &[],
         make: |seconds| number(seconds).and_then(|seconds| within(seconds, SPANS)).map(Action::Span),
     },
-    Row {
+    ActionRow {
         name: "choose",
         argument: "PLOT|STEPS",
         meaning: "choose the plot whose scale and read-out keys change",
         keys: &[keys(&[("tab", "1"), ("shift-tab", "-1")], "choose the next plot, the one before; esc none", None)],
         make: |plot| Ok(Action::Choose(plot.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "scale",
         argument: "[PLOT] auto|TIMES|LOW..HIGH",
         meaning: "let values follow, show so many times as much, or fix their range",
         keys: &[keys(&[("z", "0.5"), ("Z", "2")], "the chosen plot's values closer, wider; = lets them follow", None)],
         make: scale,
     },
-    Row {
+    ActionRow {
         name: "read",
         argument: "left|right|VALUE|off",
         meaning: "read the chosen plot at a frequency or speed, or the next mode",
         keys: &[keys(&[(",", "left"), (".", "right")], "the chosen plot's read-out to the left, to the right", None)],
         make: |there| match there {
-            "left" => Ok(Action::Read(Read::Move(-1))),
-            "right" => Ok(Action::Read(Read::Move(1))),
-            "off" => Ok(Action::Read(Read::Off)),
-            value => number(value).map(|value| Action::Read(Read::At(value))),
+            "left" => Ok(Action::Read(ReadoutMove::Move(-1))),
+            "right" => Ok(Action::Read(ReadoutMove::Move(1))),
+            "off" => Ok(Action::Read(ReadoutMove::Off)),
+            value => number(value).map(|value| Action::Read(ReadoutMove::At(value))),
         },
     },
-    Row {
+    ActionRow {
         name: "strips",
         argument: "SERIES...|auto",
         meaning: "what the strips show: a word each, as y.1+z.1 force; auto: the layout's",
@@ -280,42 +280,42 @@ pub(crate) const ACTIONS: &[Row] = &[
             words => Strip::read_all(words).map(|strips| Action::Strips(Some(strips))),
         },
     },
-    Row {
+    ActionRow {
         name: "spectrum",
         argument: "MASS|LOW..HIGH|auto",
         meaning: "mass and frequencies of the spectra; auto: the bearing's mass, and all",
         keys: &[],
         make: spectra,
     },
-    Row {
+    ActionRow {
         name: "record",
         argument: "",
         meaning: "record the bench, or end that",
         keys: &[keys(&[("r", "")], "record the bench; again ends it", Some("record"))],
         make: |_| Ok(Action::Record),
     },
-    Row {
+    ActionRow {
         name: "acknowledge",
         argument: "",
         meaning: "acknowledge the alarms",
         keys: &[keys(&[("a", "")], "acknowledge the alarms", Some("alarms"))],
         make: |_| Ok(Action::Acknowledge),
     },
-    Row {
+    ActionRow {
         name: "pace",
         argument: "STEPS",
         meaning: "play a recording faster by so many steps, or slower",
         keys: &[keys(&[("(", "-1"), (")", "1")], "recording: slower, faster", None)],
         make: |steps| whole(steps).and_then(moves).map(|steps| Action::Pace(steps as isize)),
     },
-    Row {
+    ActionRow {
         name: "event",
         argument: "COUNT",
         meaning: "go so many events on in a recording, or back",
         keys: &[keys(&[("n", "1"), ("N", "-1")], "recording: to the next event, the one before", None)],
         make: |count| whole(count).and_then(moves).map(|count| Action::Event(count as isize)),
     },
-    Row {
+    ActionRow {
         name: "go",
         argument: "TAU|first|last",
         meaning: "go to a time of a recording, its beginning or its end",
@@ -330,14 +330,14 @@ pub(crate) const ACTIONS: &[Row] = &[
             tau => number(tau).map(Action::GoTo),
         },
     },
-    Row {
+    ActionRow {
         name: "loop",
         argument: "",
         meaning: "begin a loop in a recording, end it, drop it",
         keys: &[keys(&[("m", "")], "recording: a loop begins here, ends here, is dropped", None)],
         make: |_| Ok(Action::Loop),
     },
-    Row {
+    ActionRow {
         name: "layout",
         argument: "NAME",
         meaning: "show another layout",
@@ -358,35 +358,35 @@ pub(crate) const ACTIONS: &[Row] = &[
         )],
         make: |name| Ok(Action::Layout(name.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "picture",
         argument: "[FILE]",
         meaning: "keep a picture of the screen as FILE.svg or FILE.txt, or else as both",
         keys: &[keys(&[("P", "")], "keep a picture of the screen, as SVG and as text", None)],
-        make: |file| Ok(Action::Picture(file.to_owned())),
+        make: |file| Ok(Action::FrameData(file.to_owned())),
     },
-    Row {
+    ActionRow {
         name: "scroll",
         argument: "ROWS",
         meaning: "scroll the lists on the screen by so many rows",
         keys: &[keys(&[("pageup", "-5"), ("pagedown", "5")], "scroll the lists: events, alarms, modes, numbers", None)],
         make: |rows| whole(rows).and_then(moves).map(|rows| Action::Scroll(rows as isize)),
     },
-    Row {
+    ActionRow {
         name: "filter",
         argument: "",
         meaning: "type what the lists shall show: events, alarms, modes, numbers, settings, this help",
         keys: &[keys(&[("/", "")], "type what the lists shall show; esc shows all again", None)],
         make: |_| Ok(Action::Filter),
     },
-    Row {
+    ActionRow {
         name: "escape",
         argument: "",
         meaning: "close what lies on top",
         keys: &[keys(&[("esc", "")], "close what lies on top", None)],
         make: |_| Ok(Action::Escape),
     },
-    Row {
+    ActionRow {
         name: "suspend",
         argument: "",
         meaning: "back to the shell; `fg` returns",

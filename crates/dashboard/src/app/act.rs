@@ -7,16 +7,15 @@ use crossterm::event::{MouseButton, MouseEvent, MouseEventKind};
 use ratatui::layout::Position;
 use rotor::{C64, Key, Rotor, Settings};
 
-use super::{App, Intent, Message, Mouse, lock};
+use super::{App, Message, Mouse, PanelRequest, lock};
 use crate::actions::Action;
-use crate::layers::{Deed, Layer};
-use crate::looks::still::Still;
+use crate::layers::{Layer, PresetChange};
+use crate::line_editor::LineEditor;
 use crate::options::Ended;
-use crate::panels::registry::KINDS;
+use crate::panels::registry::PANELS;
 use crate::panels::settings::{rows, shown_rows};
 use crate::screen;
-use crate::screenshot_file;
-use crate::typing::Typing;
+use crate::screenshot::image::Screenshot;
 use telemetry::edits::Edit;
 use telemetry::units::Units;
 
@@ -61,7 +60,7 @@ impl App<'_> {
     /// The spin speed of the newest step.
     pub(super) fn present_speed(&self) -> Option<f64> {
         let feed = lock(&self.feed);
-        let places = feed.history().places();
+        let places = feed.history().kept();
         let last = places.end.checked_sub(1).filter(|last| *last >= places.start)?;
         let track = feed.history().track(&(last..last + 1));
         (track.len() > 0).then(|| track.speed(0))
@@ -91,7 +90,7 @@ impl App<'_> {
     }
 
     /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
-    fn undone(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
+    fn overridden(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
         let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
         let mut assigned = rotor::typed::Assigned::new(masses);
         let noted = values.iter().try_for_each(|(key, value)| assigned.key(*key, &format!("{key}={value}")));
@@ -110,7 +109,7 @@ impl App<'_> {
         known
     }
 
-    /// Has something done. On a bench the clerk does it, and asks first if it would make a stable rotor unstable.
+    /// Has something done. On a bench the edit thread does it, and asks first if it would make a stable rotor unstable.
     pub(super) fn send(&mut self, edit: Edit) {
         if self.player.is_some() {
             let before = self.settings();
@@ -128,20 +127,20 @@ impl App<'_> {
     }
 
     pub(super) fn act(&mut self, action: Action) {
-        if self.act_on_past(&action) {
+        if self.act_on_recording(&action) {
             return;
         }
         match action {
             Action::Quit => self.quit = Some(Ended::Quit),
             Action::Escape => {
                 // One thing at a time, the topmost first.
-                if self.layers.pop().is_none() && !self.pointed.clear() {
+                if self.layers.pop().is_none() && !self.selection.clear() {
                     self.filter.clear();
                 }
             }
             Action::Help => self.layers.push(Layer::Help(0)),
-            Action::Command(line) => self.layers.push(Layer::Command(Typing::from(&*line))),
-            Action::Filter => self.layers.push(Layer::Filter(Typing::from(&*self.filter))),
+            Action::Command(line) => self.layers.push(Layer::Command(LineEditor::from(&*line))),
+            Action::Filter => self.layers.push(Layer::Filter(LineEditor::from(&*self.filter))),
             Action::Suspend => self.suspend = true,
             Action::Select(rows_down) => {
                 let keys = self.settings().map(|settings| rows(&settings)).unwrap_or_default();
@@ -154,8 +153,8 @@ impl App<'_> {
                 Some(key) => self.send(self.nudge(key, steps)),
                 None => self.tell(Message::Bad("no settings are known yet".into())),
             },
-            Action::Type => self.layers.push(Layer::Value(Typing::default())),
-            Action::Set(values) => match self.undone(&values) {
+            Action::Type => self.layers.push(Layer::Value(LineEditor::default())),
+            Action::Set(values) => match self.overridden(&values) {
                 Some(why) => self.tell(Message::Bad(why)),
                 None => self.send(Edit::Set(self.units().settings_of_typed(&values))),
             },
@@ -191,7 +190,7 @@ impl App<'_> {
             Action::Seek(by) => self.look(|time, kept, seconds| time.seek(by, kept, seconds)),
             Action::Step(by) => self.look(|time, kept, seconds| time.step(by, kept, seconds)),
             Action::Zoom(factor) => self.zoom(factor),
-            Action::Span(span) => self.look(|time, _, seconds| time.show(span, seconds)),
+            Action::Span(span) => self.look(|time, _, seconds| time.set_span(span, seconds)),
             Action::Scroll(rows) => self.scroll(rows),
             Action::ZoomReset => self.zoom_reset(),
             Action::Choose(plot) => self.choose(&plot),
@@ -200,7 +199,7 @@ impl App<'_> {
             Action::Strips(strips) => self.show_strips(strips.as_deref()),
             Action::Spectra(mass, along) => self.show_spectra(mass, along),
             Action::Layout(name) => self.show(&name),
-            Action::Picture(file) => self.keep_picture(&file),
+            Action::FrameData(file) => self.keep_screenshot(&file),
             // These are for recordings alone.
             Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_) => {}
         }
@@ -222,15 +221,15 @@ impl App<'_> {
                 None => self.tell(Message::Bad("nothing is held to switch to: hold the settings first".into())),
             },
             Action::Save(name) if self.presets.has(&name) => {
-                let why = format!("'{name}' is kept already{}: replace?", self.told_of(&name));
-                self.layers.push(Layer::Confirm(Deed::Replace(name), why));
+                let why = format!("'{name}' is kept already{}: replace?", self.effect_of(&name));
+                self.layers.push(Layer::AskPreset(PresetChange::Replace(name), why));
             }
             Action::Save(name) => self.save(&name, &settings),
             Action::Delete(name) if self.presets.has(&name) => {
-                let why = format!("delete the gains '{name}'{}?", self.told_of(&name));
-                self.layers.push(Layer::Confirm(Deed::Delete(name), why));
+                let why = format!("delete the gains '{name}'{}?", self.effect_of(&name));
+                self.layers.push(Layer::AskPreset(PresetChange::Delete(name), why));
             }
-            Action::Delete(name) => self.tell(Message::Bad(self.presets.none(&name))),
+            Action::Delete(name) => self.tell(Message::Bad(self.presets.not_found(&name))),
             Action::Load(name) => match self.presets.load(&name, settings.deadband.len()) {
                 Ok(feedback) => {
                     let wanted = Settings { feedback, ..settings.clone() };
@@ -243,10 +242,11 @@ impl App<'_> {
     }
 
     /// What gains that are kept would do, in brackets.
-    fn told_of(&mut self, name: &str) -> String {
+    fn effect_of(&mut self, name: &str) -> String {
         let known = self.machine();
-        known
-            .map_or_else(String::new, |(settings, rotor)| format!(" ({})", self.presets.words(name, &rotor, &settings)))
+        known.map_or_else(String::new, |(settings, rotor)| {
+            format!(" ({})", self.presets.describe(name, &rotor, &settings))
+        })
     }
 
     fn save(&mut self, name: &str, settings: &Settings) {
@@ -257,27 +257,27 @@ impl App<'_> {
     }
 
     /// Does to files what a person has said yes to.
-    pub(super) fn confirmed(&mut self, deed: Deed) {
+    pub(super) fn confirmed(&mut self, deed: PresetChange) {
         match deed {
-            Deed::Replace(name) => {
+            PresetChange::Replace(name) => {
                 if let Some((settings, _)) = self.machine() {
                     self.save(&name, &settings);
                 }
             }
-            Deed::Delete(name) => self.tell(match self.presets.delete(&name) {
+            PresetChange::Delete(name) => self.tell(match self.presets.delete(&name) {
                 Ok(file) => Message::Good(format!("gains '{name}' deleted: {}", file.display())),
                 Err(why) => Message::Bad(why),
             }),
         }
     }
 
-    /// A picture of what it shows now.
-    pub(crate) fn still(&mut self, area: ratatui::layout::Rect) -> Still {
+    /// A screenshot of what it shows now.
+    pub(crate) fn screenshot(&mut self, area: ratatui::layout::Rect) -> Screenshot {
         let mut buffer = ratatui::buffer::Buffer::empty(area);
         self.watch_alarms();
         self.render(area, &mut buffer);
         self.look.finish(&mut buffer);
-        Still::of(&buffer)
+        Screenshot::of(&buffer)
     }
 
     /// Moves the lists on the screen.
@@ -290,15 +290,15 @@ impl App<'_> {
         });
     }
 
-    /// Keeps a picture of what the screen shows without what lies on top.
-    fn keep_picture(&mut self, file: &str) {
+    /// Keeps a screenshot of what the screen shows without what lies on top.
+    fn keep_screenshot(&mut self, file: &str) {
         let Some(folder) = self.pictures.clone() else {
             self.tell(Message::Bad("there is no folder for pictures here".into()));
             return;
         };
         self.tell(Message::Hints);
-        let still = self.still(self.area);
-        self.tell(match screenshot_file::keep(&still, &folder, &self.bench, file) {
+        let screenshot = self.screenshot(self.area);
+        self.tell(match crate::screenshot::file::keep(&screenshot, &folder, &self.bench, file) {
             Ok(told) => Message::Good(format!("picture kept: {told}")),
             Err(why) => Message::Bad(format!("picture: {why}")),
         });
@@ -324,7 +324,7 @@ impl App<'_> {
     ) {
         let (kept, seconds) = {
             let feed = lock(&self.feed);
-            (feed.history().places(), feed.seconds())
+            (feed.history().kept(), feed.step_seconds())
         };
         change(&mut self.time, &kept, seconds);
         self.idle.store(!self.time.is_live(), Ordering::Relaxed);
@@ -332,10 +332,10 @@ impl App<'_> {
 
     /// Restarts the rotor; or the simulation, if that has ended and was ours.
     fn restart(&mut self) {
-        if let Some(keeper) = &mut self.keeper
-            && keeper.ended().is_some()
+        if let Some(simulation) = &mut self.simulation
+            && simulation.ended().is_some()
         {
-            let revived = keeper.revive();
+            let revived = simulation.restart();
             self.told_end = false;
             self.tell(match revived {
                 Ok(()) => Message::Good("the simulation was started again".into()),
@@ -347,7 +347,7 @@ impl App<'_> {
     }
 
     /// The mouse: what lies on top first, then the panel under it.
-    pub(super) fn point(&mut self, event: MouseEvent) {
+    pub(super) fn mouse(&mut self, event: MouseEvent) {
         let at = (event.column, event.row);
         let mouse = match event.kind {
             MouseEventKind::ScrollUp => Mouse::Wheel(-1),
@@ -371,7 +371,7 @@ impl App<'_> {
                 *from = from.saturating_add_signed(3 * lines as isize).min(1000);
                 return;
             }
-            (Some(Layer::Help(_) | Layer::Ask(..) | Layer::Offer(..) | Layer::Confirm(..)), _) => return,
+            (Some(Layer::Help(_) | Layer::AskUnstable(..) | Layer::AskFound(..) | Layer::AskPreset(..)), _) => return,
             _ => {}
         }
         let (area, position) = (self.area, Position::new(at.0, at.1));
@@ -381,21 +381,21 @@ impl App<'_> {
             Some((kind, panels.mouse(kind, view, place, mouse, position)))
         });
         let Some((kind, intent)) = hit else { return };
-        if mouse == Mouse::Click && KINDS[kind].is_plot {
-            self.pointed.plot = Some(kind);
+        if mouse == Mouse::Click && PANELS[kind].is_plot {
+            self.selection.plot = Some(kind);
         }
         match intent {
-            Some(Intent::Row(row)) => {
+            Some(PanelRequest::SelectSetting(row)) => {
                 self.layers.clear();
                 self.row = row;
             }
             // A click on the same again takes it back; a drag within one cell does not.
-            Some(Intent::Point(point)) if mouse == Mouse::Click => self.pointed.at(point),
-            Some(Intent::Point(point)) => self.pointed.put(point, true),
-            Some(Intent::Look(place)) => self.look_at(place),
-            Some(Intent::When { wall_ns, tau }) => self.look_when(wall_ns, tau),
-            Some(Intent::ZoomTime(times)) => self.look(|time, _, seconds| time.zoom(times, seconds)),
-            Some(Intent::Do(action)) => self.act(action),
+            Some(PanelRequest::Select(point)) if mouse == Mouse::Click => self.selection.toggle(point),
+            Some(PanelRequest::Select(point)) => self.selection.set(point, true),
+            Some(PanelRequest::LookAtStep(place)) => self.look_at(place),
+            Some(PanelRequest::LookAtTime { wall_ns, tau }) => self.look_when(wall_ns, tau),
+            Some(PanelRequest::ZoomTime(times)) => self.look(|time, _, seconds| time.zoom(times, seconds)),
+            Some(PanelRequest::Do(action)) => self.act(action),
             None => {}
         }
     }

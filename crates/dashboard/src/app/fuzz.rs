@@ -107,7 +107,7 @@ fn play(events: u64, seed: u64) {
                 app.press(KeyEvent::new(KeyCode::Enter, KeyModifiers::NONE));
             }
             0..=5 => app.press(key(&mut dice)),
-            6 => app.point(mouse(&mut dice)),
+            6 => app.mouse(mouse(&mut dice)),
             7 => {
                 let (width, height) = dice.one_of(&SIZES);
                 let area = Rect::new(0, 0, width, height);
@@ -127,19 +127,19 @@ fn play(events: u64, seed: u64) {
                         row.set(Channel::Y, 0, f64::INFINITY);
                         row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [f64::NAN; 2]);
                     }
-                    feed.hear(&one, Instant::now());
+                    feed.push_step(&one, Instant::now());
                 }
             }
             _ => {
                 let mut feed = lock(&app.feed);
                 match dice.below(4) {
-                    0 => feed.stand(silence(dice.one_of(&[0, 1, 2]))),
+                    0 => feed.set_connection(silence(dice.one_of(&[0, 1, 2]))),
                     1 if dice.below(20) == 0 => {
                         // Another machine takes the name.
                         (run, seq, masses) = (run + 1, 0, if masses == 3 { 1 } else { 3 });
                         let mut news = bench_status(if masses == 3 { "three-mass" } else { "jeffcott" }, "off");
                         news.run_id = run;
-                        feed.read(news);
+                        feed.push_bench_status(news);
                     }
                     _ => {
                         revision += 1;
@@ -152,7 +152,7 @@ fn play(events: u64, seed: u64) {
                         };
                         let mut news = bench_status(if masses == 3 { "three-mass" } else { "jeffcott" }, feedback);
                         (news.run_id, news.revision) = (run, revision);
-                        feed.read(news);
+                        feed.push_bench_status(news);
                     }
                 }
             }
@@ -161,7 +161,7 @@ fn play(events: u64, seed: u64) {
             // Every third would do harm.
             let settings = lock(&app.feed).settings();
             if let (Some(settings), 0) = (settings, dice.below(3)) {
-                app.learn(Outcome::Asks(edit, Box::new(settings), -0.1));
+                app.take_outcome(EditOutcome::Asks(edit, Box::new(settings), -0.1));
             }
         }
         if app.quit.is_some() {
@@ -189,11 +189,11 @@ fn play(events: u64, seed: u64) {
 }
 
 /// One of the ways in which there is nobody to hear.
-fn silence(number: i32) -> Contact {
+fn silence(number: i32) -> Connection {
     match number {
-        0 => Contact::Gone,
-        1 => Contact::Stalled,
-        _ => Contact::Waiting("waiting".into()),
+        0 => Connection::Gone,
+        1 => Connection::Stalled,
+        _ => Connection::Waiting("waiting".into()),
     }
 }
 

@@ -7,11 +7,11 @@ use super::{App, Message};
 use crate::actions::{self, Action};
 use crate::complete;
 use crate::layers::Layer;
+use crate::line_editor::{LineEditor, LineEvent, is_letter};
 use crate::options::Ended;
-use crate::typing::{Typed, Typing, is_letter};
-use crate::view::Offer;
+use crate::view::PopupRow;
 use telemetry::edits::Edit;
-use telemetry::frame_data::Picture;
+use telemetry::frame_data::FrameData;
 
 impl App<'_> {
     pub(crate) fn press(&mut self, key: KeyEvent) {
@@ -46,53 +46,55 @@ impl App<'_> {
                 },
             },
             Some(Layer::Value(line)) => match line.press_number(key) {
-                Typed::Done => self.take_typed(),
-                Typed::Dropped => drop(self.layers.pop()),
+                LineEvent::Done => self.take_typed(),
+                LineEvent::Dropped => drop(self.layers.pop()),
                 // Another row drops what was typed; other keys neither type nor act by accident.
-                Typed::Recall(_) | Typed::Else => {
+                LineEvent::Earlier(_) | LineEvent::Else => {
                     if let Some(action @ (Action::Select(_) | Action::Help)) = action {
                         self.layers.pop();
                         self.act(action);
                     }
                 }
-                Typed::Taken | Typed::Complete => {}
+                LineEvent::Taken | LineEvent::Complete => {}
             },
             Some(Layer::Command(line)) => match line.press(key) {
-                Typed::Done => {
+                LineEvent::Done => {
                     let line = std::mem::take(line);
                     self.layers.pop();
-                    self.recall.keep(line.text());
+                    self.command_history.push(line.text());
                     self.command(line.text());
                 }
-                Typed::Dropped => {
+                LineEvent::Dropped => {
                     self.layers.pop();
-                    self.recall.leave();
+                    self.command_history.stop_browsing();
                 }
-                Typed::Complete => self.complete(),
-                Typed::Recall(by) => {
-                    if let Some(earlier) = self.recall.look(by, line.text()) {
-                        *line = Typing::from(&*earlier);
+                LineEvent::Complete => self.complete(),
+                LineEvent::Earlier(by) => {
+                    if let Some(earlier) = self.command_history.browse(by, line.text()) {
+                        *line = LineEditor::from(&*earlier);
                     }
                 }
-                Typed::Taken | Typed::Else => {}
+                LineEvent::Taken | LineEvent::Else => {}
             },
             Some(Layer::Filter(line)) => match line.press(key) {
-                Typed::Done => drop(self.layers.pop()),
-                Typed::Dropped => {
+                LineEvent::Done => drop(self.layers.pop()),
+                LineEvent::Dropped => {
                     self.layers.pop();
                     self.filter.clear();
                 }
-                Typed::Taken => line.text().clone_into(&mut self.filter),
-                Typed::Complete | Typed::Recall(_) | Typed::Else => {}
+                LineEvent::Taken => line.text().clone_into(&mut self.filter),
+                LineEvent::Complete | LineEvent::Earlier(_) | LineEvent::Else => {}
             },
-            Some(Layer::Ask(..) | Layer::Offer(..) | Layer::Confirm(..)) => {
+            Some(Layer::AskUnstable(..) | Layer::AskFound(..) | Layer::AskPreset(..)) => {
                 let asked = self.layers.pop();
                 self.beside.clear();
                 let yes = matches!(key.code, KeyCode::Char('y' | 'Y'));
                 match asked {
-                    Some(Layer::Ask(edit, settings, _)) if yes => self.send(Edit::Sure(Box::new(edit), settings)),
-                    Some(Layer::Offer(edit, _)) if yes => self.send(edit),
-                    Some(Layer::Confirm(deed, _)) if yes => self.confirmed(deed),
+                    Some(Layer::AskUnstable(edit, settings, _)) if yes => {
+                        self.send(Edit::Sure(Box::new(edit), settings))
+                    }
+                    Some(Layer::AskFound(edit, _)) if yes => self.send(edit),
+                    Some(Layer::AskPreset(deed, _)) if yes => self.confirmed(deed),
                     _ => self.tell(Message::Hints),
                 }
             }
@@ -124,24 +126,24 @@ impl App<'_> {
         if let Some(Layer::Command(line)) = self.layers.last_mut()
             && common.len() > line.text().len()
         {
-            *line = Typing::from(&*common);
+            *line = LineEditor::from(&*common);
         }
     }
 
     /// What can follow a command line, with what it means: kept gains with the minimum damping that they would give.
-    pub(super) fn offers(&self, line: &str, picture: &Picture) -> Vec<Offer> {
-        let known = picture.rotor.as_ref().zip(picture.settings.as_ref()).filter(|_| is_of_presets(line));
+    pub(super) fn popup(&self, line: &str, data: &FrameData) -> Vec<PopupRow> {
+        let known = data.rotor.as_ref().zip(data.settings.as_ref()).filter(|_| is_of_presets(line));
         let offer = |whole: String| {
             let word = whole.trim_end().rsplit(' ').next().unwrap_or_default().to_owned();
             let detail = match known {
-                Some((rotor, settings)) => self.presets.words(&word, rotor, settings),
+                Some((rotor, settings)) => self.presets.describe(&word, rotor, settings),
                 None => complete::meaning(&word),
             };
-            Offer { word, detail }
+            PopupRow { word, detail }
         };
-        let offers = self.completions(line).into_iter().map(offer);
+        let popup = self.completions(line).into_iter().map(offer);
         // What stands there already is no way to go on, unless it is gains and what they would do.
-        offers.filter(|offer| known.is_some() || !line.ends_with(&*offer.word)).collect()
+        popup.filter(|offer| known.is_some() || !line.ends_with(&*offer.word)).collect()
     }
 
     /// The settings that an action would lead to.

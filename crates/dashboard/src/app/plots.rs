@@ -1,12 +1,12 @@
 //! The chosen plot: its scale and its read-out.
 
 use super::App;
-use crate::actions::{Action, Read};
+use crate::actions::{Action, ReadoutMove};
 use crate::axis::Scaling;
-use crate::panels::panel::Wish;
-use crate::panels::registry::{KINDS, plots};
-use crate::panels::series::Strip;
+use crate::panels::panel::PanelCommand;
+use crate::panels::registry::{PANELS, plots};
 use crate::screen;
+use crate::series::Strip;
 use crate::view::Message;
 use telemetry::reader::lock;
 
@@ -15,12 +15,12 @@ impl App<'_> {
     fn shown_plots(&mut self) -> Vec<usize> {
         let area = self.area;
         let places = self.with_view(|view, layout, _| screen::panels(view, layout, area));
-        places.into_iter().map(|(kind, _)| kind).filter(|kind| KINDS[*kind].is_plot).collect()
+        places.into_iter().map(|(kind, _)| kind).filter(|kind| PANELS[*kind].is_plot).collect()
     }
 
     /// The chosen plot, if it is on the screen.
     fn chosen(&mut self) -> Option<usize> {
-        let plot = self.pointed.plot?;
+        let plot = self.selection.plot?;
         self.shown_plots().contains(&plot).then_some(plot)
     }
 
@@ -38,19 +38,19 @@ impl App<'_> {
         let shown = self.shown_plots();
         if let Ok(steps) = which.parse::<isize>() {
             let count = shown.len() as isize;
-            let before = shown.iter().position(|kind| Some(*kind) == self.pointed.plot);
+            let before = shown.iter().position(|kind| Some(*kind) == self.selection.plot);
             let next = match before {
                 _ if count == 0 => None,
                 Some(at) => Some((at as isize + steps % count).rem_euclid(count)),
                 None => Some(if steps < 0 { count - 1 } else { 0 }),
             };
-            self.pointed.plot = next.map(|at| shown[at as usize]);
+            self.selection.plot = next.map(|at| shown[at as usize]);
             return;
         }
-        match shown.iter().find(|kind| KINDS[**kind].name == which) {
-            Some(kind) => self.pointed.plot = Some(*kind),
+        match shown.iter().find(|kind| PANELS[**kind].name == which) {
+            Some(kind) => self.selection.plot = Some(*kind),
             None => {
-                let names: Vec<&str> = shown.iter().map(|kind| KINDS[*kind].name).collect();
+                let names: Vec<&str> = shown.iter().map(|kind| PANELS[*kind].name).collect();
                 self.tell(Message::Bad(format!("no plot '{which}' on this screen: there are {}", names.join(", "))));
             }
         }
@@ -58,16 +58,16 @@ impl App<'_> {
 
     /// Another scale of the values of a plot.
     pub(super) fn scale(&mut self, plot: Option<&str>, scalings: &[Scaling]) {
-        let is_strip = |name: &str| !KINDS.iter().any(|kind| kind.is_plot && kind.name == name);
+        let is_strip = |name: &str| !PANELS.iter().any(|kind| kind.is_plot && kind.name == name);
         if let (Some(name), true) = (plot.filter(|name| is_strip(name)), scalings.len() > 1) {
             return self.tell(Message::Bad(format!("{name}: expected one scale, for its one axis of values")));
         }
         let kind = match plot {
             None => self.chosen_or_told(),
             Some(name) => {
-                let kind = KINDS.iter().position(|kind| kind.is_plot && kind.name == name);
+                let kind = PANELS.iter().position(|kind| kind.is_plot && kind.name == name);
                 // What is no plot may be a strip.
-                let done = kind.is_none().then(|| self.panels.wish_any(&Wish::Strip(name, scalings)));
+                let done = kind.is_none().then(|| self.panels.command_any(&PanelCommand::Strip(name, scalings)));
                 match done {
                     Some(Some(Ok(()))) => return,
                     Some(Some(Err(why))) => return self.tell(Message::Bad(format!("{name} {why}"))),
@@ -81,25 +81,26 @@ impl App<'_> {
             }
         };
         let Some(kind) = kind else { return };
-        let name = KINDS[kind].name;
+        let name = PANELS[kind].name;
         // Of all plots that of the poles alone has two axes of values.
         if scalings.len() > 1 && name != "poles" {
             return self.tell(Message::Bad(format!("{name}: expected one scale, for its one axis of values")));
         }
         // A strip of the same name shows the same quantity.
         if let Some(plot) = plot {
-            let _ = self.panels.wish_any(&Wish::Strip(plot, scalings));
+            let _ = self.panels.command_any(&PanelCommand::Strip(plot, scalings));
         }
-        if let Some(Err(why)) = self.panels.wish(kind, &Wish::Value(scalings)) {
+        if let Some(Err(why)) = self.panels.command(kind, &PanelCommand::Value(scalings)) {
             self.tell(Message::Bad(format!("{name} {why}")));
         }
     }
 
     /// Shows less or more of the chosen plot's horizontal axis: of time, where it has no other.
     pub(super) fn zoom(&mut self, times: f64) {
-        let pointed = self.pointed;
-        let its_own =
-            self.chosen().and_then(|kind| self.panels.wish(kind, &Wish::Along(Scaling::Times(times), &pointed)));
+        let selection = self.selection;
+        let its_own = self
+            .chosen()
+            .and_then(|kind| self.panels.command(kind, &PanelCommand::Along(Scaling::Times(times), &selection)));
         if its_own.is_none() {
             self.look(|time, _, seconds| time.zoom(times, seconds));
         }
@@ -107,10 +108,10 @@ impl App<'_> {
 
     /// The chosen plot as at the start, and time with it where that is its horizontal axis.
     pub(super) fn zoom_reset(&mut self) {
-        let (chosen, pointed) = (self.chosen(), self.pointed);
-        let mut reset = |wish: &Wish<'_>| chosen.and_then(|kind| self.panels.wish(kind, wish));
-        reset(&Wish::Value(&[Scaling::Auto, Scaling::Auto]));
-        if reset(&Wish::Along(Scaling::Auto, &pointed)).is_none() {
+        let (chosen, selection) = (self.chosen(), self.selection);
+        let mut reset = |command: &PanelCommand<'_>| chosen.and_then(|kind| self.panels.command(kind, command));
+        reset(&PanelCommand::Value(&[Scaling::Auto, Scaling::Auto]));
+        if reset(&PanelCommand::Along(Scaling::Auto, &selection)).is_none() {
             self.look(|time, _, seconds| time.reset_span(seconds));
         }
     }
@@ -118,9 +119,9 @@ impl App<'_> {
     /// Looks at the step of a place in the history.
     pub(super) fn look_at(&mut self, place: u64) {
         if self.player.is_some() {
-            self.play(|player, feed, time| player.go_to_place(place, feed, time));
+            self.play(|player, feed, time| player.go_to_index(place, feed, time));
         } else {
-            self.look(|time, kept, seconds| time.at(place, kept, seconds));
+            self.look(|time, kept, seconds| time.look_at(place, kept, seconds));
         }
     }
 
@@ -129,7 +130,7 @@ impl App<'_> {
         if self.player.is_some() {
             return self.act(Action::GoTo(tau));
         }
-        let place = lock(&self.feed).history().place_at(wall_ns);
+        let place = lock(&self.feed).history().index_at(wall_ns);
         match place {
             Some(place) => self.look_at(place),
             None => self.tell(Message::Bad("that moment is not kept here".into())),
@@ -144,7 +145,7 @@ impl App<'_> {
             self.tell(Message::Bad(format!("strips '{}': expected a mass from 1 to {masses}", strip.name)));
             return;
         }
-        self.panels.wish_any(&Wish::Strips(strips));
+        self.panels.command_any(&PanelCommand::Strips(strips));
     }
 
     /// Another mass, or other frequencies, in everything that shows spectra.
@@ -155,28 +156,28 @@ impl App<'_> {
             return;
         }
         if let Some(mass) = mass {
-            self.panels.wish_any(&Wish::Mass(mass));
+            self.panels.command_any(&PanelCommand::Mass(mass));
         }
         if let Some(along) = along
-            && let Some(Err(why)) = self.panels.wish_any(&Wish::Frequencies(along))
+            && let Some(Err(why)) = self.panels.command_any(&PanelCommand::Frequencies(along))
         {
             self.tell(Message::Bad(format!("spectrum {why}")));
         }
     }
 
     /// Moves the read-out of the chosen plot.
-    pub(super) fn read(&mut self, read: Read) {
+    pub(super) fn read(&mut self, read: ReadoutMove) {
         let Some(kind) = self.chosen_or_told() else { return };
-        let before = self.pointed;
+        let before = self.selection;
         match self.with_view(|view, _, panels| panels.read(kind, view, read)) {
             // Where it stands already it stays.
             Some(point) => {
                 let mut after = before;
-                after.put(point, read != Read::Off);
-                self.pointed = after;
+                after.set(point, read != ReadoutMove::Off);
+                self.selection = after;
             }
             None => {
-                let name = KINDS[kind].name;
+                let name = PANELS[kind].name;
                 self.tell(Message::Bad(format!("{name} is read at the moment under the cursor: [ ] < > move it")));
             }
         }

@@ -2,13 +2,13 @@
 
 use super::App;
 use crate::view::Message;
-use telemetry::processes::{Scribe, ScribeNews};
+use telemetry::processes::{RecorderNews, RecorderProcess};
 use telemetry::reader::lock;
 
 impl<'a> App<'a> {
     /// The same with somebody who can record.
-    pub(crate) fn recording_with(self, scribe: Option<&'a mut dyn Scribe>) -> Self {
-        Self { scribe, ..self }
+    pub(crate) fn recording_with(self, recorder_process: Option<&'a mut dyn RecorderProcess>) -> Self {
+        Self { recorder_process, ..self }
     }
 
     /// Starts a recording, or ends the one that was started here.
@@ -17,17 +17,17 @@ impl<'a> App<'a> {
             .recorder()
             .filter(|status| status.is_recording())
             .map(|status| format!("recorded already by process {}, in {}", status.pid, status.path.as_str()));
-        let told = match (&mut self.scribe, others) {
+        let told = match (&mut self.recorder_process, others) {
             (None, _) if self.player.is_some() => Message::Bad("what is played is recorded already".into()),
             (None, _) => {
                 Message::Bad("nobody here can record: `whirl record FILE.rrd` does, from another terminal".into())
             }
-            (Some(scribe), _) if scribe.is_at_work() => {
-                scribe.stop();
+            (Some(recorder_process), _) if recorder_process.is_running() => {
+                recorder_process.stop();
                 Message::Good("the recording ends: what has been heard is being written".into())
             }
             (_, Some(others)) => Message::Bad(others),
-            (Some(scribe), None) => match scribe.start() {
+            (Some(recorder_process), None) => match recorder_process.start() {
                 Ok(file) => Message::Good(format!("a recording starts in {file}")),
                 Err(why) => Message::Bad(why.to_string()),
             },
@@ -36,12 +36,14 @@ impl<'a> App<'a> {
     }
 
     /// Says what has become of a recording. Returns whether there is news.
-    pub(super) fn watch_scribe(&mut self) -> bool {
-        let Some(news) = self.scribe.as_mut().and_then(|scribe| scribe.news()) else { return false };
+    pub(super) fn watch_recorder(&mut self) -> bool {
+        let Some(news) = self.recorder_process.as_mut().and_then(|recorder_process| recorder_process.news()) else {
+            return false;
+        };
         self.tell(match news {
-            ScribeNews::Records(file) => Message::Good(format!("records in {file}: r ends it")),
-            ScribeNews::Ended(Ok(words)) => Message::Good(words),
-            ScribeNews::Ended(Err(why)) => Message::Bad(format!("the recording failed: {why}")),
+            RecorderNews::Records(file) => Message::Good(format!("records in {file}: r ends it")),
+            RecorderNews::Ended(Ok(words)) => Message::Good(words),
+            RecorderNews::Ended(Err(why)) => Message::Bad(format!("the recording failed: {why}")),
         });
         true
     }
@@ -58,10 +60,10 @@ mod tests {
     use wire::{RecorderState, RecorderStatus, Text};
 
     use super::*;
-    use crate::looks::still::text;
     use crate::options::Options;
+    use crate::screenshot::image::text;
     use telemetry::feed::Feed;
-    use telemetry::processes::OutsideError;
+    use telemetry::processes::ExternalError;
 
     #[derive(Default)]
     struct Writer {
@@ -72,10 +74,10 @@ mod tests {
         refuses: bool,
     }
 
-    impl Scribe for Writer {
-        fn start(&mut self) -> Result<String, OutsideError> {
+    impl RecorderProcess for Writer {
+        fn start(&mut self) -> Result<String, ExternalError> {
             if self.refuses {
-                return Err(OutsideError::new("recordings need another build"));
+                return Err(ExternalError::new("recordings need another build"));
             }
             self.at_work = true;
             self.silent.get_or_insert(0);
@@ -90,31 +92,31 @@ mod tests {
             self.asked = true;
         }
 
-        fn is_at_work(&self) -> bool {
+        fn is_running(&self) -> bool {
             self.at_work
         }
 
-        fn news(&mut self) -> Option<ScribeNews> {
+        fn news(&mut self) -> Option<RecorderNews> {
             if let Some(left) = self.silent.filter(|_| self.at_work) {
                 self.silent = left.checked_sub(1);
-                return (left == 0).then(|| ScribeNews::Records("s.rrd".into()));
+                return (left == 0).then(|| RecorderNews::Records("s.rrd".into()));
             }
             let ended = std::mem::take(&mut self.asked);
             self.at_work &= !ended;
-            ended.then(|| ScribeNews::Ended(Ok("recorded s.rrd".into())))
+            ended.then(|| RecorderNews::Ended(Ok("recorded s.rrd".into())))
         }
     }
 
     fn app<'a>(writer: &'a mut Writer, recorder: Option<RecorderStatus>) -> App<'a> {
         let mut feed = Feed::new("");
-        feed.hear_recorder(recorder.map(Box::new));
+        feed.set_recorder(recorder.map(Box::new));
         let (edits, _taken) = channel::bounded(8);
         App::new(
             "default".into(),
             Arc::new(Mutex::new(feed)),
             edits,
             None,
-            telemetry::jobs::Desk::at_once(),
+            telemetry::jobs::Jobs::inline(),
             Arc::default(),
             &Options::default(),
         )
@@ -159,9 +161,9 @@ mod tests {
         assert_eq!(app.message.0, Message::Good("a recording starts in s.rrd".into()));
         for _ in 0..2 {
             assert!(frame(&mut app).lines().next().unwrap().contains("● REC starting"), "{}", frame(&mut app));
-            assert!(!app.watch_scribe());
+            assert!(!app.watch_recorder());
         }
-        assert!(app.watch_scribe());
+        assert!(app.watch_recorder());
         assert_eq!(app.message.0, Message::Good("records in s.rrd: r ends it".into()));
         assert!(!frame(&mut app).contains("starting"));
     }

@@ -2,9 +2,9 @@
 
 use super::{App, Message};
 use crate::layers::Layer;
-use crate::view::Offer;
+use crate::view::PopupRow;
 use telemetry::edits::Edit;
-use telemetry::search::{Search, Wish};
+use telemetry::gain_search::{GainSearch, SearchGoal};
 
 impl App<'_> {
     /// Begins a search; `stop` ends it with the best so far.
@@ -25,7 +25,8 @@ impl App<'_> {
         // A speed on its way passes all from here to there.
         let highest = self.present_speed().map_or(settings.speed, |now| now.max(settings.speed));
         let present = rotor::Settings { speed: highest, ..settings.clone() };
-        let begun = Wish::read(words, &present, &units).and_then(|wish| Search::begin(&rotor, &settings, wish));
+        let begun =
+            SearchGoal::read(words, &present, &units).and_then(|goal| GainSearch::begin(&rotor, &settings, goal));
         match begun {
             Ok(search) => {
                 self.tell(Message::Good(search.words(&units)));
@@ -44,8 +45,8 @@ impl App<'_> {
             return false;
         }
         let units = telemetry::reader::lock(&self.feed).units();
-        let (wish, words) = (search.wish().words(&units), search.words(&units));
-        let robust = search.wish().robust;
+        let (goal, words) = (search.goal().words(&units), search.words(&units));
+        let robust = search.goal().robust;
         let Some(ended) = search.ended() else {
             let shows = self.message.0 != Message::Good(words.clone());
             self.tell(Message::Good(words));
@@ -56,26 +57,26 @@ impl App<'_> {
             Ok(found) => {
                 let proven = if found.proven { "proven" } else { "the worst found" };
                 let early = if found.stopped { ", stopped early" } else { "" };
-                let [now, new] = &*found.deeds;
-                let worse = match &now.better_than(new)[..] {
+                let [now, new] = &*found.effects;
+                let worse = match &now.drawbacks_of(new)[..] {
                     [] => String::new(),
                     worse => format!(", but, beside now, {}", worse.join(", ")),
                 };
                 let compared = telemetry::comparison::rows(now, new, &units).into_iter();
-                self.beside = compared.map(|row| Offer { word: row.quantity, detail: row.told }).collect();
+                self.beside = compared.map(|row| PopupRow { word: row.quantity, detail: row.told }).collect();
                 let what = format!(
-                    "found {wish}{early}: min damping {:.4} at {} ({proven}){worse}",
+                    "found {goal}{early}: min damping {:.4} at {} ({proven}){worse}",
                     found.min_damping,
                     units.speed_told(found.worst_speed)
                 );
                 let change = Box::new((found.before, found.settings));
                 let candidate = Box::new(change.1.clone());
                 self.message = (Message::Hints, std::time::Instant::now());
-                let edit = Edit::Become(change, format!("gains searched {wish}"));
+                let edit = Edit::Become(change, format!("gains searched {goal}"));
                 // What rounding decides is told as exactly zero: no success.
                 let holds = found.min_damping > 0.0 && new.min_damping > 0.0;
                 self.layers.push(if holds {
-                    Layer::Offer(edit, what)
+                    Layer::AskFound(edit, what)
                 } else {
                     let verdict = crate::theme::verdict(found.min_damping).1;
                     let instead = if robust && !found.stopped {
@@ -83,10 +84,10 @@ impl App<'_> {
                     } else {
                         ": "
                     };
-                    Layer::Ask(edit, candidate, format!("{verdict}{instead}{what}"))
+                    Layer::AskUnstable(edit, candidate, format!("{verdict}{instead}{what}"))
                 });
             }
-            Err(why) => self.tell(Message::Bad(format!("search {wish}: {why}"))),
+            Err(why) => self.tell(Message::Bad(format!("search {goal}: {why}"))),
         }
         true
     }

@@ -11,12 +11,12 @@ use telemetry::test_support as tests;
 /// A dashboard with a feed of the three-mass rotor, and where its edits go.
 pub(super) fn dashboard(options: &Options) -> (App<'static>, Receiver<Edit>) {
     let mut feed = Feed::new("");
-    feed.read(tests::bench_status("three-mass", "composite"));
-    (0..3000).for_each(|seq| feed.hear(&tests::state(3, seq), Instant::now()));
+    feed.push_bench_status(tests::bench_status("three-mass", "composite"));
+    (0..3000).for_each(|seq| feed.push_step(&tests::state(3, seq), Instant::now()));
     let (edits, taken) = channel::bounded(64);
     let feed = Arc::new(Mutex::new(feed));
     let mut app =
-        App::new("default".into(), feed, edits, None, telemetry::jobs::Desk::at_once(), Arc::default(), options);
+        App::new("default".into(), feed, edits, None, telemetry::jobs::Jobs::inline(), Arc::default(), options);
     frame(&mut app);
     (app, taken)
 }
@@ -26,7 +26,7 @@ pub(super) fn frame(app: &mut App<'_>) -> String {
     let area = Rect::new(0, 0, 120, 40);
     let mut buffer = ratatui::buffer::Buffer::empty(area);
     app.render(area, &mut buffer);
-    crate::looks::still::text(&buffer)
+    crate::screenshot::image::text(&buffer)
 }
 
 fn press(app: &mut App<'_>, keys: &[KeyCode]) {
@@ -92,10 +92,10 @@ fn an_impulse_strikes_the_mass_with_the_bearing() {
     assert_eq!(pressed(&[Char('R')]).0, [Edit::Restart]);
 }
 
-/// The clerk asks whether all gains shall be zero.
+/// The edit thread asks whether all gains shall be zero.
 fn asks_about_off(app: &mut App<'_>) -> Settings {
     let settings = tests::bench_status("three-mass", "off").settings.get().clone();
-    app.learn(Outcome::Asks(Edit::Off, Box::new(settings.clone()), -0.0306));
+    app.take_outcome(EditOutcome::Asks(Edit::Off, Box::new(settings.clone()), -0.0306));
     settings
 }
 
@@ -170,8 +170,8 @@ fn commands_are_typed_completed_and_done() {
 #[test]
 fn looking_back_moves_the_cursor_and_space_returns() {
     let (_, mut app) = pressed(&[Char('['), Char('<'), Char('+')]);
-    let picture = lock(&app.feed).picture(&app.time, Instant::now());
-    assert_eq!((picture.now, picture.behind), (Some(1998), 1001));
+    let data = lock(&app.feed).frame_data(&app.time, Instant::now());
+    assert_eq!((data.now, data.behind), (Some(1998), 1001));
     assert!(frame(&mut app).contains("PAUSED"));
     press(&mut app, &[Char(' ')]);
     assert!(app.time.is_live());
@@ -188,7 +188,7 @@ fn two_settings_are_compared_with_one_key() {
     assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Swap(Box::new(held.clone()))]);
     assert_eq!(app.held.as_ref(), Some(&held), "nothing has changed places until it is in force");
     let before = Settings { speed: 2.6, ..held };
-    app.learn(Outcome::Swapped("swapped, from step 42".into(), Box::new(before.clone())));
+    app.take_outcome(EditOutcome::Swapped("swapped, from step 42".into(), Box::new(before.clone())));
     assert_eq!(app.held, Some(before));
 }
 
@@ -306,7 +306,7 @@ fn lists_scroll_by_key_and_wheel() {
     let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
     for number in 1..=90 {
         let note = wire::Happening::Note(format!("no. {number}."));
-        lock(&app.feed).happen(&telemetry::test_support::event(number, &note, &settings));
+        lock(&app.feed).push_event(&telemetry::test_support::event(number, &note, &settings));
     }
     app.layout = 5;
     assert!(frame(&mut app).contains("no. 90."));
@@ -317,7 +317,7 @@ fn lists_scroll_by_key_and_wheel() {
     assert!(frame(&mut app).contains("no. 90."));
     let shown = frame(&mut app);
     let row = shown.lines().position(|line| line.contains("no. 88.")).unwrap() as u16;
-    app.point(MouseEvent { kind: MouseEventKind::ScrollDown, column: 5, row, modifiers: KeyModifiers::NONE });
+    app.mouse(MouseEvent { kind: MouseEventKind::ScrollDown, column: 5, row, modifiers: KeyModifiers::NONE });
     assert!(frame(&mut app).contains("3 more ▲"));
 }
 
@@ -362,19 +362,19 @@ fn the_mouse_selects_nudges_and_zooms() {
         row: row as u16,
         modifiers: KeyModifiers::NONE,
     };
-    app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
+    app.mouse(event(MouseEventKind::Down(MouseButton::Left), column, row));
     assert_eq!(app.row, 3);
-    app.point(event(MouseEventKind::Drag(MouseButton::Left), column + 2, row));
+    app.mouse(event(MouseEventKind::Drag(MouseButton::Left), column + 2, row));
     assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kd"), 0.02)]);
-    app.point(event(MouseEventKind::Up(MouseButton::Left), column + 2, row));
-    app.point(event(MouseEventKind::ScrollUp, column, row));
+    app.mouse(event(MouseEventKind::Up(MouseButton::Left), column + 2, row));
+    app.mouse(event(MouseEventKind::ScrollUp, column, row));
     assert_eq!(app.row, 2);
     let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("│z")).unwrap();
     let column = line.chars().position(|c| c == 'z').unwrap() + 10;
     let before = app.time;
-    app.point(event(MouseEventKind::ScrollUp, column, row));
+    app.mouse(event(MouseEventKind::ScrollUp, column, row));
     assert_ne!(app.time, before);
-    app.point(event(MouseEventKind::Down(MouseButton::Left), column, row));
+    app.mouse(event(MouseEventKind::Down(MouseButton::Left), column, row));
     assert!(!app.time.is_live());
 }
 
@@ -501,7 +501,7 @@ fn click(app: &mut App<'_>, text: &str, (right, down): (u16, u16)) {
     let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains(text)).expect(text);
     let column = line[..line.find(text).unwrap()].chars().count() as u16;
     let kind = MouseEventKind::Down(MouseButton::Left);
-    app.point(MouseEvent { kind, column: column + right, row: row as u16 + down, modifiers: KeyModifiers::NONE });
+    app.mouse(MouseEvent { kind, column: column + right, row: row as u16 + down, modifiers: KeyModifiers::NONE });
 }
 
 fn command(app: &mut App<'_>, line: &str) {
@@ -538,12 +538,12 @@ fn a_plot_is_chosen_and_its_scale_stands_still_until_it_is_let_go() {
     let mut seen = Vec::new();
     for _ in 0..6 {
         press(&mut app, &[Tab]);
-        seen.push(app.pointed.plot.unwrap());
+        seen.push(app.selection.plot.unwrap());
     }
     let around = seen[1..].iter().position(|plot| *plot == seen[0]).unwrap() + 1;
     assert!(around >= 5, "{seen:?}");
     app.press(KeyEvent::new(KeyCode::BackTab, KeyModifiers::SHIFT));
-    assert_eq!(app.pointed.plot, Some(seen[4]));
+    assert_eq!(app.selection.plot, Some(seen[4]));
 }
 
 #[test]
@@ -553,8 +553,8 @@ fn a_mode_a_frequency_and_a_speed_are_pointed_at_and_read_everywhere() {
     command(&mut app, "choose poles");
     press(&mut app, &[Char('.'), Char('.')]);
     let shown = frame(&mut app);
-    let (_, poles) = app.with_view(|view, _, _| view.picture.poles().map(|(d, poles)| (d, poles.to_vec()))).unwrap();
-    assert_eq!(app.pointed.mode, Some(poles[1]));
+    let (_, poles) = app.with_view(|view, _, _| view.data.poles().map(|(d, poles)| (d, poles.to_vec()))).unwrap();
+    assert_eq!(app.selection.mode, Some(poles[1]));
     assert!(shown.contains(&format!("ζ {:.4}", rotor::damping_ratio(poles[1]))), "{shown}");
     assert!(shown.matches('◈').count() >= 2, "the pole and its label:\n{shown}");
     command(&mut app, "choose damping-over-speed");
@@ -565,7 +565,7 @@ fn a_mode_a_frequency_and_a_speed_are_pointed_at_and_read_everywhere() {
     press(&mut app, &[Char('+')]);
     assert!(app.time == before && frame(&mut app).contains("┆ R 4"), "speeds are zoomed, not time");
     command(&mut app, "read off");
-    assert_eq!(app.pointed.speed, None);
+    assert_eq!(app.selection.speed, None);
     command(&mut app, "layout whirl");
     command(&mut app, "choose spectrum");
     frame(&mut app);
@@ -613,24 +613,24 @@ fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
         (3000..6000).for_each(|seq| {
             // The event below is at 50 602 s.
             let wall_ns = 50_600_000_000_000 + (seq - 3000) * 1_000_000;
-            feed.hear(&tests::state(3, seq).with_word(wire::Channel::WallNs, wall_ns), Instant::now());
+            feed.push_step(&tests::state(3, seq).with_word(wire::Channel::WallNs, wall_ns), Instant::now());
         });
         let note = wire::Happening::Note("here it hums".into());
-        feed.happen(&telemetry::test_support::event(2, &note, &settings));
+        feed.push_event(&telemetry::test_support::event(2, &note, &settings));
     }
     app.layouts
         .push(crate::layout::Layout::read("mine", "[[screen]]\npicture = \"\"\"\nevents\nalarms\n\"\"\"").unwrap());
     command(&mut app, "layout mine");
     click(&mut app, "here it hums", (0, 0));
     assert!(!app.time.is_live());
-    let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
+    let at = app.with_view(|view, _, _| view.data.now.map(|now| view.data.track.wall_ns(now)));
     assert_eq!(at, Some(50_602_000_000_000));
     press(&mut app, &[Char(' ')]);
     app.alarms.read(&crate::panels::alarms::tests::damping(50_601, -0.03));
     click(&mut app, "!! ALARM  damping", (0, 0));
     assert_eq!(app.alarms.unseen(), 0);
     click(&mut app, "!! ALARM  damping", (0, 0));
-    let at = app.with_view(|view, _, _| view.picture.now.map(|now| view.picture.track.wall_ns(now)));
+    let at = app.with_view(|view, _, _| view.data.now.map(|now| view.data.track.wall_ns(now)));
     assert_eq!(at, Some(50_601_000_000_000));
 }
 
@@ -641,7 +641,7 @@ fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
         let mut bench_status = tests::bench_status("three-mass", "composite");
         let scales = telemetry::test_support::SI;
         bench_status.scales = [scales.w0, scales.k_t, scales.m_t, scales.e_t];
-        lock(&app.feed).read(bench_status);
+        lock(&app.feed).push_bench_status(bench_status);
     }
     let shown = frame(&mut app);
     assert!(shown.contains("23873 rpm") && !shown.contains("R 2.5") && shown.contains("23873.24"), "{shown}");

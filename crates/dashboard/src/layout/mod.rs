@@ -19,8 +19,8 @@ mod read;
 use ratatui::layout::{Constraint, Layout as Split, Rect};
 use text::Faults as Problems;
 
-use crate::panels::registry::KINDS;
-use crate::panels::series::Strip;
+use crate::panels::registry::PANELS;
+use crate::series::Strip;
 
 /// The smallest screen that the panels fit on.
 pub(crate) const SMALLEST: (u16, u16) = (60, 16);
@@ -107,7 +107,7 @@ impl Layout {
     #[must_use]
     pub fn panels(&self, width: u16, height: u16) -> Vec<&'static str> {
         let area = Rect::new(0, 0, width, height.saturating_sub(2));
-        self.places(area).into_iter().map(|(kind, _)| KINDS[kind].name).collect()
+        self.places(area).into_iter().map(|(kind, _)| PANELS[kind].name).collect()
     }
 
     /// The smallest terminal, two lines at the edges included, on which each of its screens is shown, the first screen first.
@@ -145,7 +145,7 @@ impl Layout {
 /// Whether every panel has the room that it needs.
 fn fits(placed: &[(usize, Rect)]) -> bool {
     placed.iter().all(|(kind, area)| {
-        let (width, height) = KINDS[*kind].least;
+        let (width, height) = PANELS[*kind].least;
         area.width >= width && area.height >= height
     })
 }
@@ -187,11 +187,11 @@ impl Screen {
         };
         let wide = |width| {
             let placed = self.place(Rect::new(0, 0, width, MOST));
-            placed.iter().all(|(kind, area)| area.width >= KINDS[*kind].least.0)
+            placed.iter().all(|(kind, area)| area.width >= PANELS[*kind].least.0)
         };
         let high = |height| {
             let placed = self.place(Rect::new(0, 0, MOST, height));
-            placed.iter().all(|(kind, area)| area.height >= KINDS[*kind].least.1)
+            placed.iter().all(|(kind, area)| area.height >= PANELS[*kind].least.1)
         };
         (search(&wide), search(&high))
     }

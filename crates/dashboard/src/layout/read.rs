@@ -8,8 +8,8 @@ use toml::de::{DeTable, DeValue};
 
 use super::{Layout, Place, Screen, Size};
 use crate::layout::SMALLEST;
-use crate::panels::registry::KINDS;
-use crate::panels::series::Strip;
+use crate::panels::registry::PANELS;
+use crate::series::Strip;
 
 type Value<'t> = Spanned<DeValue<'t>>;
 
@@ -108,7 +108,7 @@ impl<'t> Reader<'t> {
         };
         let lines = self.lines(picture)?;
         let places = self.places(&lines)?;
-        if strips.is_some() && !places.iter().any(|place| KINDS[place.kind].name == "strips") {
+        if strips.is_some() && !places.iter().any(|place| PANELS[place.kind].name == "strips") {
             self.problem(strips_at, "strips", "a screen with strips in its picture, or no word of what they show");
         }
         let mut sized = |given: Option<(usize, Vec<Size>)>, count: usize, what: &str| match given {
@@ -219,7 +219,7 @@ impl<'t> Reader<'t> {
                 if name == "." || places.iter().any(covered) {
                     continue;
                 }
-                let Some(kind) = KINDS.iter().position(|kind| kind.name == name) else {
+                let Some(kind) = PANELS.iter().position(|kind| kind.name == name) else {
                     self.problem(at, format!("no panel '{name}'"), known());
                     // Once is enough.
                     return None;
@@ -251,6 +251,6 @@ impl<'t> Reader<'t> {
 }
 
 fn known() -> String {
-    let names: Vec<&str> = KINDS.iter().map(|kind| kind.name).collect();
+    let names: Vec<&str> = PANELS.iter().map(|kind| kind.name).collect();
     format!("one of {}", names.join(", "))
 }

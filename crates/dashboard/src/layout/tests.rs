@@ -40,7 +40,7 @@ fn a_block_of_words_is_a_panel() {
     let text = "about = 'x'\n[[screen]]\ncolumns = '1 =20'\npicture = '''\npoles .\npoles force\n'''";
     let layout = Layout::read("mine", text).unwrap();
     let placed = layout.places(Rect::new(0, 0, 100, 20));
-    let named: Vec<_> = placed.into_iter().map(|(kind, area)| (KINDS[kind].name, area)).collect();
+    let named: Vec<_> = placed.into_iter().map(|(kind, area)| (PANELS[kind].name, area)).collect();
     assert_eq!(named, [("poles", Rect::new(0, 0, 80, 20)), ("force", Rect::new(80, 10, 20, 10))]);
     assert_eq!((layout.name(), layout.about()), ("mine", "x"));
 }
@@ -100,7 +100,7 @@ fn problems_name_line_and_column() {
 
 #[test]
 fn every_panel_is_in_a_built_in_layout() {
-    for (at, kind) in KINDS.iter().enumerate() {
+    for (at, kind) in PANELS.iter().enumerate() {
         let large = Rect::new(0, 0, 200, 58);
         let is_shown = built_in().iter().any(|layout| layout.places(large).iter().any(|(shown, _)| *shown == at));
         assert!(is_shown, "no layout shows {}", kind.name);

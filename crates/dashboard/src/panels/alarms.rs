@@ -16,11 +16,10 @@ use ratatui::layout::{Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
-use super::list::{List, mark, passes, row_of, told};
-use super::panel::{Intent, Mouse, Panel};
-use super::status::{level_color, level_words};
-use super::{framed, write};
+use super::panel::{Mouse, Panel, PanelRequest};
 use crate::actions::Action;
+use crate::drawing::{framed, write};
+use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
 use crate::view::View;
 use telemetry::units::{Unit, Units};
@@ -31,7 +30,7 @@ use telemetry::units::{Unit, Units};
 pub(crate) struct AlarmList {
     list: List,
     /// What a click on the entries that were last drawn asks for, and the row of the first.
-    drawn: (usize, Vec<Intent>),
+    drawn: (usize, Vec<PanelRequest>),
 }
 
 impl Panel for AlarmList {
@@ -43,12 +42,12 @@ impl Panel for AlarmList {
         self.drawn = draw(&mut self.list, view, area, buffer);
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         match mouse {
             Mouse::Wheel(notches) => self.scroll(3 * notches as isize),
             // What the frame says is of all of them.
             Mouse::Click if at.y == area.y && view.alarms.unseen() > 0 && view.replay.is_none() => {
-                return Some(Intent::Do(Action::Acknowledge));
+                return Some(PanelRequest::Do(Action::Acknowledge));
             }
             Mouse::Click => {
                 let (first, intents) = &self.drawn;
@@ -61,29 +60,29 @@ impl Panel for AlarmList {
 }
 
 /// What a click on an entry asks for. Those of a recording were for others to acknowledge.
-fn intent(entry: &Entry, is_recorded: bool) -> Intent {
+fn intent(entry: &Entry, is_recorded: bool) -> PanelRequest {
     match entry.seen_ns {
-        None if !is_recorded => Intent::Do(Action::Acknowledge),
-        _ => Intent::When { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
+        None if !is_recorded => PanelRequest::Do(Action::Acknowledge),
+        _ => PanelRequest::LookAtTime { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
     }
 }
 
 /// Draws it, and returns what a click on the entries asks for, with the row of the first.
-fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (usize, Vec<Intent>) {
+fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (usize, Vec<PanelRequest>) {
     let alarms = view.alarms;
     let mut title = vec![Span::raw(" alarms ")];
     if alarms.unseen() > 0 {
         let text = format!(" {} not acknowledged: a ", alarms.unseen());
-        title.push(Span::styled(text, theme::badge(level_color(alarms.shown()))));
+        title.push(Span::styled(text, theme::badge(theme::level_color(alarms.shown()))));
     }
     let judged = view.replay.as_ref().is_none_or(|show| show.judged);
     if !judged {
         title.push(Span::styled(" recorded without alarms ", theme::quiet()));
     }
     let all = alarms.entries().count();
-    let units = view.picture.units();
+    let units = view.data.units();
     let entries: Vec<&Entry> = alarms.entries().filter(|entry| passes(view.filter, &words(entry, &units))).collect();
-    title.push(Span::raw(told(view.filter, entries.len(), all)));
+    title.push(Span::raw(filter_title(view.filter, entries.len(), all)));
     let inner = framed(Line::from(title), area, buffer);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
     // What has been matters more than what is watched, where there is no room for both.
@@ -97,7 +96,7 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
     for (row, entry) in rows.by_ref().zip(&entries[in_view.clone()]) {
         draw_entry(entry, &units, row, buffer);
     }
-    mark(&in_view, told, area, buffer);
+    draw_overflow(&in_view, told, area, buffer);
     if all == 0
         && judged
         && let Some(row) = rows.next()
@@ -145,7 +144,7 @@ fn draw_standings(
             (None, _) => Span::styled("no limit", theme::quiet()),
             // A recorder that told of nothing has judged all the same.
             (Some(_), None) if view.replay.is_none() => Span::styled("unknown", theme::quiet()),
-            (Some(_), _) => Span::styled(level_words(standing.at), theme::loud(level_color(standing.at))),
+            (Some(_), _) => Span::styled(theme::level_words(standing.at), theme::loud(theme::level_color(standing.at))),
         };
         let unit = if units.scales.is_some() { unit.name } else { "" };
         (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
@@ -160,7 +159,7 @@ fn draw_standings(
 
 /// When, how bad and what, as a row shows it.
 fn words(entry: &Entry, units: &Units) -> String {
-    format!("{}{} {}", when(entry), level_words(entry.level), what(entry, units))
+    format!("{}{} {}", when(entry), theme::level_words(entry.level), what(entry, units))
 }
 
 fn when(entry: &Entry) -> String {
@@ -180,9 +179,9 @@ fn what(entry: &Entry, units: &Units) -> String {
 
 fn draw_entry(entry: &Entry, units: &Units, row: Rect, buffer: &mut Buffer) {
     let (when, what) = (when(entry), what(entry, units));
-    let color = level_color(entry.level);
+    let color = theme::level_color(entry.level);
     let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
-    let words = format!(" {} ", level_words(entry.level));
+    let words = format!(" {} ", theme::level_words(entry.level));
     let style = if entry.seen_ns.is_none() { theme::badge(color) } else { theme::loud(color) };
     let x = write(buffer, row, x, row.y, &words, style);
     let seen = if entry.seen_ns.is_none() { "  not acknowledged" } else { "" };
@@ -201,13 +200,13 @@ pub(crate) mod tests {
     use wire::Moment;
 
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
 
     fn frame(alarms: &Alarms, width: u16, height: u16) -> String {
-        let picture = tests::picture();
-        drawn(width, height, |area, buffer| AlarmList::default().draw(&View { alarms, ..view(&picture) }, area, buffer))
+        let data = tests::frame_data();
+        drawn(width, height, |area, buffer| AlarmList::default().draw(&View { alarms, ..view(&data) }, area, buffer))
     }
 
     fn at(second: u64) -> Reading {

@@ -18,11 +18,12 @@ use ratatui::text::Line;
 use ratatui::widgets::Widget;
 use tui_big_text::{BigText, PixelSize};
 
-use telemetry::jobs::over_speed::Question;
+use telemetry::jobs::pole_trace::PoleTraceRequest;
 
-use super::panel::{Intent, Mouse, Panel};
-use super::{framed, look_at, wheel_times, write, write_right};
-use crate::axis::Axis;
+use super::panel::{Mouse, Panel, PanelRequest};
+use super::{look_at, wheel_times};
+use crate::axis::PlotAxis;
+use crate::drawing::{framed, write, write_right};
 use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;
@@ -34,7 +35,7 @@ const DIGITS: (u16, u16) = (4, 4);
 /// The minimum damping; a click on its history looks at a moment, the wheel changes the scale of that.
 #[derive(Debug, Default)]
 pub(crate) struct Damping {
-    scale: Axis,
+    scale: PlotAxis,
 }
 
 impl Panel for Damping {
@@ -42,17 +43,17 @@ impl Panel for Damping {
         draw(view, &mut self.scale, area, buffer);
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         if let Mouse::Wheel(notches) = mouse {
             self.scale.zoom(wheel_times(notches), None);
             return None;
         }
-        let picture = view.picture;
-        let history = parts(area.inner(Margin::new(1, 1)), picture.poles()?.0).history;
-        look_at(picture, &picture.overview, history, at)
+        let data = view.data;
+        let history = parts(area.inner(Margin::new(1, 1)), data.poles()?.0).history;
+        look_at(data, &data.overview, history, at)
     }
 
-    fn scale(&mut self) -> Option<&mut Axis> {
+    fn scale(&mut self) -> Option<&mut PlotAxis> {
         Some(&mut self.scale)
     }
 }
@@ -78,10 +79,10 @@ fn parts(inner: Rect, min_damping: f64) -> Parts {
     Parts { large, fits_beside, head, history }
 }
 
-fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
+fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
     let inner = framed(Line::from(" minimum damping "), area, buffer);
-    let Some((min_damping, poles)) = picture.poles() else { return };
+    let Some((min_damping, poles)) = data.poles() else { return };
     let (color, word) = theme::verdict(min_damping);
     let number = format!("{min_damping:.4}");
     let width = number.len() as u16 * DIGITS.1;
@@ -129,33 +130,33 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     }
 }
 
-fn draw_history(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
+fn draw_history(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
-    let picture = view.picture;
+    let data = view.data;
     // The end of the window at the right edge; a column of dots shows the least of its values, so that no dip is lost.
     let columns = usize::from(area.width) * 2;
-    let steps: Vec<_> = picture.track.columns(picture.overview.clone(), columns).collect();
+    let steps: Vec<_> = data.track.columns(data.overview.clone(), columns).collect();
     // While the speed is on its way the damping is that of each moment's speed.
-    let over_speed = picture.era.as_ref().and_then(|era| Some((era, view.desk.over_speed(&Question::of(era)?)?)));
+    let pole_trace = data.era.as_ref().and_then(|era| Some((era, view.jobs.pole_trace(&PoleTraceRequest::of(era)?)?)));
     let least = |steps: &Range<usize>| {
-        let told = picture.least_damping(steps)?;
-        let (era, over_speed) = over_speed.as_ref()?;
-        let speed = picture.track.speed(steps.end.max(steps.start + 1) - 1);
-        let is_on_its_way = picture.era_of(steps).is_some_and(|of| of.revision == era.revision && of.speed != speed);
-        Some(if is_on_its_way { over_speed.near(speed) } else { told })
+        let told = data.least_damping(steps)?;
+        let (era, pole_trace) = pole_trace.as_ref()?;
+        let speed = data.track.speed(steps.end.max(steps.start + 1) - 1);
+        let is_on_its_way = data.era_of(steps).is_some_and(|of| of.revision == era.revision && of.speed != speed);
+        Some(if is_on_its_way { pole_trace.min_damping_near(speed) } else { told })
     };
     let shown: Vec<f64> =
-        steps.iter().map(|steps| least(steps).or_else(|| picture.least_damping(steps)).unwrap_or(f64::NAN)).collect();
+        steps.iter().map(|steps| least(steps).or_else(|| data.least_damping(steps)).unwrap_or(f64::NAN)).collect();
     let top = nice_ceiling(shown.iter().copied().fold(0.0, f64::max) * 1.05);
     let bottom = shown.iter().copied().fold(0.0, f64::min);
     let bottom = if bottom < 0.0 { -nice_ceiling(-bottom * 1.05) } else { -0.15 * top };
     let [bottom, top] = axis.over([bottom, top]);
-    let [left, right] = [picture.overview.start as f64, picture.overview.end as f64];
+    let [left, right] = [data.overview.start as f64, data.overview.end as f64];
     let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
-    if let Some(now) = picture.now.filter(|_| !view.time.is_live()) {
+    if let Some(now) = data.now.filter(|_| !view.time.is_live()) {
         plot.line([now as f64 + 0.5, bottom], [now as f64 + 0.5, top], theme::WARN);
     }
     for (steps, pair) in steps.windows(2).zip(shown.windows(2)) {
@@ -168,8 +169,8 @@ fn draw_history(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffe
     if axis.is_fixed() || bottom < -0.2 * top {
         write(buffer, area, area.left(), area.bottom() - 1, &short(bottom, 3), theme::quiet());
     }
-    let seconds = short(picture.overview.len() as f64 * picture.seconds, 2);
-    if area.height > 2 && !picture.overview.is_empty() {
+    let seconds = short(data.overview.len() as f64 * data.seconds, 2);
+    if area.height > 2 && !data.overview.is_empty() {
         write_right(buffer, area, area.bottom() - 1, &format!("{seconds} s"), theme::quiet());
     }
 }
@@ -177,34 +178,34 @@ fn draw_history(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffe
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::history::Era;
     use telemetry::test_support as tests;
 
     #[test]
     fn a_stable_rotor_shows_its_damping_large() {
-        let mut picture = tests::picture();
-        let (first, era) = picture.eras[0].clone();
+        let mut data = tests::frame_data();
+        let (first, era) = data.eras[0].clone();
         let lower = Era { min_damping: 0.03, ..(*era).clone() };
-        picture.eras = vec![(first, std::sync::Arc::new(lower)), (1500, era)];
+        data.eras = vec![(first, std::sync::Arc::new(lower)), (1500, era)];
         insta::assert_snapshot!(
             "damping",
-            drawn(44, 12, |area, buffer| Damping::default().draw(&view(&picture), area, buffer))
+            drawn(44, 12, |area, buffer| Damping::default().draw(&view(&data), area, buffer))
         );
     }
 
     #[test]
     fn an_unstable_rotor_says_so_in_words() {
-        let mut picture = tests::picture();
+        let mut data = tests::frame_data();
         let era = std::sync::Arc::new(Era::of(&tests::bench_status("three-mass", "off"), None));
-        picture.eras.push((2000, era.clone()));
-        picture.era = Some(era);
+        data.eras.push((2000, era.clone()));
+        data.era = Some(era);
         for (width, height) in [(44, 12), (26, 7), (20, 3)] {
-            let frame = drawn(width, height, |area, buffer| Damping::default().draw(&view(&picture), area, buffer));
+            let frame = drawn(width, height, |area, buffer| Damping::default().draw(&view(&data), area, buffer));
             assert!(frame.contains("UNSTABLE"), "{frame}");
         }
-        let small = drawn(20, 3, |area, buffer| Damping::default().draw(&view(&picture), area, buffer));
+        let small = drawn(20, 3, |area, buffer| Damping::default().draw(&view(&data), area, buffer));
         assert!(small.contains("-0.0306"), "{small}");
     }
 }

@@ -16,16 +16,17 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 
-use super::panel::{Intent, Mouse, Panel, Wish};
-use super::{framed, wheel_times, write, write_right};
-use crate::actions::Read;
-use crate::axis::Axis;
-use crate::fit::{longest, width};
+use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::wheel_times;
+use crate::actions::ReadoutMove;
+use crate::axis::PlotAxis;
+use crate::drawing::{framed, write, write_right};
+use crate::fit_text::{longest, width};
 use crate::plot::{Plot, Window};
-use crate::pointed::Point;
+use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
-use telemetry::jobs::{OverSpeed, Question};
+use telemetry::jobs::{PoleTrace, PoleTraceRequest};
 use telemetry::numbers::{nice_ceiling, short};
 use telemetry::units::Units;
 
@@ -33,15 +34,15 @@ use telemetry::units::Units;
 #[derive(Clone, Copy, Debug)]
 struct Facts<'a> {
     /// Of the settings in force.
-    pub(crate) over_speed: &'a OverSpeed,
+    pub(crate) pole_trace: &'a PoleTrace,
     /// The present speed, in units of `w0`.
     pub(crate) speed: f64,
     /// The minimum damping at that speed.
     pub(crate) min_damping: f64,
     /// What would be: its curve, once that is computed, its speed and its minimum damping there.
-    pub(crate) candidate: Option<(Option<&'a OverSpeed>, f64, f64)>,
+    pub(crate) candidate: Option<(Option<&'a PoleTrace>, f64, f64)>,
     /// A speed that is pointed at.
-    pub(crate) pointed: Option<f64>,
+    pub(crate) selection: Option<f64>,
     pub(crate) units: Units,
 }
 
@@ -49,8 +50,8 @@ struct Facts<'a> {
 #[derive(Clone, Debug, Default)]
 pub(crate) struct DampingOverSpeed {
     /// Speeds, as they stand on the axis.
-    along: Axis,
-    value: Axis,
+    along: PlotAxis,
+    value: PlotAxis,
     /// The speeds that were last shown, in units of `w0`, and over how many columns.
     shown: Option<([f64; 2], u16)>,
 }
@@ -60,73 +61,80 @@ impl Panel for DampingOverSpeed {
         draw(view, self, area, buffer);
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         let inner = area.inner(Margin::new(1, 1));
         let ([low, high], _) = self.shown?;
         let along = (f64::from(at.x.checked_sub(inner.x)?) + 0.5) / f64::from(inner.width);
         let speed = low + along * (high - low);
         match mouse {
             Mouse::Wheel(notches) => {
-                self.along.zoom(wheel_times(notches), Some(speed * view.picture.units().speed.factor));
+                self.along.zoom(wheel_times(notches), Some(speed * view.data.units().speed.factor));
                 None
             }
-            Mouse::Click | Mouse::Drag(_) => inner.contains(at).then_some(Intent::Point(Point::Speed(speed))),
+            Mouse::Click | Mouse::Drag(_) => {
+                inner.contains(at).then_some(PanelRequest::Select(SelectedItem::Speed(speed)))
+            }
         }
     }
 
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        match wish {
-            Wish::Value(scalings) => Some(self.value.take(*scalings.first()?, None)),
-            Wish::Along(scaling, _) => Some(self.along.take(*scaling, None)),
+    fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        match command {
+            PanelCommand::Value(scalings) => Some(self.value.take(*scalings.first()?, None)),
+            PanelCommand::Along(scaling, _) => Some(self.along.take(*scaling, None)),
             _ => None,
         }
     }
 
-    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+    fn read(&mut self, view: &View<'_>, read: ReadoutMove) -> Option<SelectedItem> {
         let ([low, high], columns) = self.shown?;
-        let before = view.pointed.speed;
+        let before = view.selection.speed;
         let speed = match read {
-            Read::Off => before.unwrap_or(low),
-            Read::At(speed) => speed / view.picture.units().speed.factor,
-            Read::Move(by) => {
-                let present = view.picture.era.as_ref().map_or(low, |era| era.speed);
+            ReadoutMove::Off => before.unwrap_or(low),
+            ReadoutMove::At(speed) => speed / view.data.units().speed.factor,
+            ReadoutMove::Move(by) => {
+                let present = view.data.era.as_ref().map_or(low, |era| era.speed);
                 before.map_or(present, |speed| speed + f64::from(by) * (high - low) / f64::from(columns.max(1)))
             }
         };
-        Some(Point::Speed(speed.clamp(low, high)))
+        Some(SelectedItem::Speed(speed.clamp(low, high)))
     }
 }
 
 fn draw(view: &View<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut Buffer) {
-    let known = view.picture.era.as_ref().filter(|era| !era.poles.is_empty());
-    let asked = known.and_then(|era| Some((era, view.desk.over_speed(&Question::of(era)?)?)));
-    let Some((era, over_speed)) = asked else {
+    let known = view.data.era.as_ref().filter(|era| !era.poles.is_empty());
+    let asked = known.and_then(|era| Some((era, view.jobs.pole_trace(&PoleTraceRequest::of(era)?)?)));
+    let Some((era, pole_trace)) = asked else {
         framed(Line::from(" damping over speed "), area, buffer);
         return;
     };
-    let units = view.picture.units();
-    let pointed = view.pointed.speed;
+    let units = view.data.units();
+    let selection = view.selection.speed;
     let (speed, min_damping) = (era.speed, era.min_damping);
     let would_be = view.what_if.and_then(|what_if| {
         let settings = &what_if.settings;
-        let question = Question::at(era.rotor.clone()?, settings.feedback.clone(), settings.speed);
-        Some((view.desk.over_speed_of_candidate(&question), settings.speed, what_if.min_damping))
+        let question = PoleTraceRequest::at(era.rotor.clone()?, settings.feedback.clone(), settings.speed);
+        Some((view.jobs.pole_trace_of_candidate(&question), settings.speed, what_if.min_damping))
     });
-    let candidate = would_be.as_ref().map(|(over_speed, speed, damping)| (over_speed.as_deref(), *speed, *damping));
-    draw_facts(&Facts { over_speed: &over_speed, speed, min_damping, candidate, pointed, units }, panel, area, buffer);
+    let candidate = would_be.as_ref().map(|(pole_trace, speed, damping)| (pole_trace.as_deref(), *speed, *damping));
+    draw_facts(
+        &Facts { pole_trace: &pole_trace, speed, min_damping, candidate, selection, units },
+        panel,
+        area,
+        buffer,
+    );
 }
 
 fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffer: &mut Buffer) {
-    let (over_speed, units) = (facts.over_speed, &facts.units);
+    let (pole_trace, units) = (facts.pole_trace, &facts.units);
     let (color, word) = theme::verdict(facts.min_damping);
     // The name goes before the range does.
-    let stable = stable_words(over_speed, units);
+    let stable = stable_words(pole_trace, units);
     let room = usize::from(area.width.saturating_sub(2));
     let name = longest(&[" damping over speed  ", " damping  ", " "], room.saturating_sub(width(&stable) + 1));
     let stable = if width(&stable) + 2 > room { stable.replace("stable ", "") } else { stable };
     let title = vec![
         Span::raw(name),
-        Span::styled(stable, theme::loud(if over_speed.stable.is_empty() { theme::BAD } else { theme::GOOD })),
+        Span::styled(stable, theme::loud(if pole_trace.stable.is_empty() { theme::BAD } else { theme::GOOD })),
         Span::raw(" "),
     ];
     let inner = framed(Line::from(title), area, buffer);
@@ -135,9 +143,9 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
     let plotted = Rect { height: inner.height.saturating_sub(told), ..inner };
     // There is nothing to show below zero and beyond what was computed.
     let factor = units.speed.factor;
-    let [from, to] = panel.along.over([0.0, over_speed.top() * factor]).map(|end| end / factor);
-    let from = from.clamp(0.0, 0.999 * over_speed.top());
-    let speeds = [from, to.clamp(from + 1e-3 * over_speed.top(), over_speed.top())];
+    let [from, to] = panel.along.over([0.0, pole_trace.top() * factor]).map(|end| end / factor);
+    let from = from.clamp(0.0, 0.999 * pole_trace.top());
+    let speeds = [from, to.clamp(from + 1e-3 * pole_trace.top(), pole_trace.top())];
     panel.shown = Some((speeds, plotted.width));
     draw_curves(facts, speeds, &mut panel.value, plotted, buffer);
 
@@ -148,8 +156,8 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
         Some(_) => format!("{}{low} to {high} rpm", panel.along.sign()),
         None => format!("R {}{low} to {high}", panel.along.sign()),
     };
-    let there = facts.pointed.map(|speed| {
-        let damping = over_speed.at(speed);
+    let there = facts.selection.map(|speed| {
+        let damping = pole_trace.min_damping_at(speed);
         let (color, word) = theme::verdict(damping);
         (format!("┆ {}  {damping:.4} {word}", units.speed_told(speed)), theme::loud(color))
     });
@@ -177,13 +185,13 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
     }
 }
 
-fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut Axis, area: Rect, buffer: &mut Buffer) {
+fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     if area.is_empty() {
         return;
     }
-    let over_speed = facts.over_speed;
+    let pole_trace = facts.pole_trace;
     let would_be = facts.candidate.and_then(|(candidate, ..)| candidate);
-    let all = would_be.iter().flat_map(|candidate| &candidate.min_damping).chain(&over_speed.min_damping);
+    let all = would_be.iter().flat_map(|candidate| &candidate.min_damping).chain(&pole_trace.min_damping);
     let [low, high] = all.fold([0.0, 0.0], |[low, high]: [f64; 2], d| [low.min(*d), high.max(*d)]);
     let high = if high > 0.0 { high } else { 0.05 };
     let top = nice_ceiling(1.05 * high);
@@ -194,10 +202,10 @@ fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut Axis, area: Rect
     let window = Window { x: speeds, y: [bottom, top] };
     let mut plot = Plot::new(area, window);
 
-    shade(over_speed, window, area, &mut plot);
-    plot.line([0.0, 0.0], [over_speed.top(), 0.0], theme::GRID);
+    shade(pole_trace, window, area, &mut plot);
+    plot.line([0.0, 0.0], [pole_trace.top(), 0.0], theme::GRID);
     plot.line([facts.speed, bottom], [facts.speed, top], theme::CURSOR);
-    if let Some(speed) = facts.pointed {
+    if let Some(speed) = facts.selection {
         dotted_line(speed, [bottom, top], theme::CURSOR, area, &mut plot);
     }
     if let Some((candidate, speed, _)) = facts.candidate {
@@ -208,7 +216,7 @@ fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut Axis, area: Rect
             dotted_line(speed, [bottom, top], theme::CANDIDATE, area, &mut plot);
         }
     }
-    curve(over_speed, |damping| theme::verdict(damping).0, false, &mut plot);
+    curve(pole_trace, |damping| theme::verdict(damping).0, false, &mut plot);
     plot.paint(buffer);
 
     write(buffer, area, area.left(), area.top(), &format!("{}{}", value.sign(), short(top, 2)), theme::quiet());
@@ -233,14 +241,14 @@ fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut Axis, area: Rect
 }
 
 /// Every fourth dot between the curve and zero, over the speeds at which all modes decay.
-fn shade(over_speed: &OverSpeed, Window { x: [from, to], y: [bottom, top] }: Window, area: Rect, plot: &mut Plot) {
+fn shade(pole_trace: &PoleTrace, Window { x: [from, to], y: [bottom, top] }: Window, area: Rect, plot: &mut Plot) {
     let (columns, rows) = (usize::from(area.width) * 2, usize::from(area.height) * 4);
     for column in 0..columns {
         let speed = from + (column as f64 + 0.5) / columns as f64 * (to - from);
-        if !over_speed.stable.iter().any(|[from, to]| (*from..=*to).contains(&speed)) {
+        if !pole_trace.stable.iter().any(|[from, to]| (*from..=*to).contains(&speed)) {
             continue;
         }
-        let below = over_speed.near(speed);
+        let below = pole_trace.min_damping_near(speed);
         // On a fixed raster, so that shades of different heights match.
         for row in (0..rows).filter(|row| (column + 2 * row).is_multiple_of(4)) {
             let damping = top - (row as f64 + 0.5) / rows as f64 * (top - bottom);
@@ -251,8 +259,8 @@ fn shade(over_speed: &OverSpeed, Window { x: [from, to], y: [bottom, top] }: Win
     }
 }
 
-fn curve(over_speed: &OverSpeed, color: impl Fn(f64) -> Color, dotted: bool, plot: &mut Plot) {
-    let points = over_speed.speeds.iter().zip(&over_speed.min_damping);
+fn curve(pole_trace: &PoleTrace, color: impl Fn(f64) -> Color, dotted: bool, plot: &mut Plot) {
+    let points = pole_trace.speeds.iter().zip(&pole_trace.min_damping);
     let points: Vec<[f64; 2]> = points.map(|(speed, damping)| [*speed, *damping]).collect();
     for (at, pair) in points.windows(2).enumerate() {
         if !dotted || at % 4 < 2 {
@@ -269,9 +277,9 @@ fn dotted_line(speed: f64, [bottom, top]: [f64; 2], color: Color, area: Rect, pl
 }
 
 /// Where all modes decay, in words.
-fn stable_words(over_speed: &OverSpeed, units: &Units) -> String {
+fn stable_words(pole_trace: &PoleTrace, units: &Units) -> String {
     let ranges: Vec<String> =
-        over_speed.stable.iter().map(|[from, to]| format!("{} to {}", units.speed(*from), units.speed(*to))).collect();
+        pole_trace.stable.iter().map(|[from, to]| format!("{} to {}", units.speed(*from), units.speed(*to))).collect();
     match ranges.len() {
         0 => "UNSTABLE throughout".to_owned(),
         _ => format!("stable {}", ranges.join(", ")),
@@ -281,8 +289,8 @@ fn stable_words(over_speed: &OverSpeed, units: &Units) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
-    use telemetry::test_support::over_speed;
+    use crate::drawing::tests::drawn;
+    use telemetry::test_support::pole_trace;
 
     fn frame(facts: &Facts<'_>, width: u16, height: u16) -> String {
         drawn(width, height, |area, buffer| draw_facts(facts, &mut DampingOverSpeed::default(), area, buffer))
@@ -290,57 +298,57 @@ mod tests {
 
     #[test]
     fn the_stable_range_is_shaded_and_told_and_the_speed_is_marked() {
-        let composite = over_speed("three-mass", "composite");
+        let composite = pole_trace("three-mass", "composite");
         let facts = Facts {
-            over_speed: &composite,
+            pole_trace: &composite,
             speed: 2.5,
-            min_damping: composite.at(2.5),
+            min_damping: composite.min_damping_at(2.5),
             candidate: None,
-            pointed: None,
+            selection: None,
             units: Units::DIMENSIONLESS,
         };
         insta::assert_snapshot!("damping_over_speed", frame(&facts, 60, 14));
         insta::assert_snapshot!("damping_over_speed_small", frame(&facts, 30, 6));
         insta::assert_snapshot!("damping_over_speed_large", frame(&facts, 120, 30));
         assert!(frame(&facts, 60, 14).contains("stable 0 to 7.0"));
-        let picture = telemetry::test_support::picture();
+        let data = telemetry::test_support::frame_data();
         let drawn = drawn(60, 14, |area, buffer| {
-            DampingOverSpeed::default().draw(&crate::view::tests::view(&picture), area, buffer);
+            DampingOverSpeed::default().draw(&crate::view::tests::view(&data), area, buffer);
         });
         assert_eq!(drawn, frame(&facts, 60, 14));
     }
 
     #[test]
     fn a_candidate_that_would_be_unstable_says_so_in_words() {
-        let (now, off) = (over_speed("three-mass", "composite"), over_speed("three-mass", "off"));
-        let candidate = Some((Some(&off), 2.5, off.at(2.5)));
+        let (now, off) = (pole_trace("three-mass", "composite"), pole_trace("three-mass", "off"));
+        let candidate = Some((Some(&off), 2.5, off.min_damping_at(2.5)));
         let facts = Facts {
-            over_speed: &now,
+            pole_trace: &now,
             speed: 2.5,
-            min_damping: now.at(2.5),
+            min_damping: now.min_damping_at(2.5),
             candidate,
-            pointed: None,
+            selection: None,
             units: Units::DIMENSIONLESS,
         };
         let frame = frame(&facts, 60, 14);
         assert!(frame.contains("UNSTABLE  stable 0 to 1.776"), "{frame}");
         assert!(frame.contains('◆') && frame.contains('◇'), "{frame}");
         insta::assert_snapshot!("damping_over_speed_candidate", frame);
-        let facts = Facts { candidate: Some((None, 2.5, off.at(2.5))), ..facts };
+        let facts = Facts { candidate: Some((None, 2.5, off.min_damping_at(2.5))), ..facts };
         let frame = drawn(60, 16, |area, buffer| draw_facts(&facts, &mut DampingOverSpeed::default(), area, buffer));
         assert!(frame.contains("UNSTABLE  computing …"), "{frame}");
     }
 
     #[test]
     fn rotors_in_si_units_have_rpm() {
-        let now = over_speed("jeffcott", "off");
+        let now = pole_trace("jeffcott", "off");
         let scales = rotor::Scales { w0: 100.0, k_t: 1e6, m_t: 100.0, e_t: 1e-5 };
         let units = Units::of(Some(scales), Some(1.0));
-        let (speed, min_damping) = (1.0, now.at(1.0));
-        let facts = Facts { over_speed: &now, speed, min_damping, candidate: None, pointed: Some(2.0), units };
+        let (speed, min_damping) = (1.0, now.min_damping_at(1.0));
+        let facts = Facts { pole_trace: &now, speed, min_damping, candidate: None, selection: Some(2.0), units };
         let frame = frame(&facts, 60, 10);
         // 2.209975 w0, in turns a minute.
         assert!(frame.contains("stable 0 to 2110") && frame.contains("│955 rpm"), "{frame}");
-        assert!(frame.contains(&format!("┆ 1910 rpm  {:.4} stable", now.at(2.0))), "{frame}");
+        assert!(frame.contains(&format!("┆ 1910 rpm  {:.4} stable", now.min_damping_at(2.0))), "{frame}");
     }
 }

@@ -16,12 +16,12 @@ use ratatui::text::Line;
 use wire::Happening;
 
 use super::alarms::clock;
-use super::list::{List, mark, passes, row_of, told};
-use super::panel::{Intent, Mouse, Panel};
-use super::{framed, write};
+use super::panel::{Mouse, Panel, PanelRequest};
+use crate::drawing::{framed, write};
+use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
 use crate::view::View;
-use telemetry::event_log::Entry;
+use telemetry::event_log::LoggedEvent;
 use telemetry::numbers::short;
 
 /// The list; a click looks at the moment of an event.
@@ -38,17 +38,17 @@ impl Panel for Events {
     }
 
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        let picture = view.picture;
-        let shown: Vec<&Entry> =
-            picture.events.iter().rev().filter(|entry| passes(view.filter, &words(entry))).collect();
-        let title = format!(" events {}", told(view.filter, shown.len(), picture.events.len()));
+        let data = view.data;
+        let shown: Vec<&LoggedEvent> =
+            data.events.iter().rev().filter(|entry| passes(view.filter, &words(entry))).collect();
+        let title = format!(" events {}", filter_title(view.filter, shown.len(), data.events.len()));
         let inner = framed(Line::from(title), area, buffer);
-        if picture.events.is_empty() {
+        if data.events.is_empty() {
             write(buffer, inner, inner.left(), inner.top(), "nothing has happened", theme::quiet());
         }
         // While the newest step is looked at, nothing is after it.
-        let until = picture.now.filter(|_| picture.behind > 0).map(|now| picture.track.wall_ns(now));
-        let is_after = |entry: &Entry| until.is_some_and(|until| entry.wall_ns > until);
+        let until = data.now.filter(|_| data.behind > 0).map(|now| data.track.wall_ns(now));
+        let is_after = |entry: &LoggedEvent| until.is_some_and(|until| entry.wall_ns > until);
         // What is after the cursor takes no more than a third: what was before it must be found.
         let after = shown.iter().take_while(|entry| is_after(entry)).count();
         let first = after.saturating_sub(usize::from(inner.height / 3));
@@ -56,35 +56,35 @@ impl Panel for Events {
         for (y, entry) in (inner.top()..inner.bottom()).zip(&shown[rows.clone()]) {
             draw_entry(entry, is_after(entry), Rect { y, height: 1, ..inner }, buffer);
         }
-        mark(&rows, shown.len(), area, buffer);
+        draw_overflow(&rows, shown.len(), area, buffer);
         self.drawn.clear();
         self.drawn.extend(shown[rows].iter().map(|entry| (entry.wall_ns, entry.tau)));
     }
 
-    fn mouse(&mut self, _view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, _view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         if let Mouse::Wheel(notches) = mouse {
             self.scroll(3 * notches as isize);
         }
         let (wall_ns, tau) = *self.drawn.get(row_of(area, at)?).filter(|_| mouse == Mouse::Click)?;
-        Some(Intent::When { wall_ns, tau })
+        Some(PanelRequest::LookAtTime { wall_ns, tau })
     }
 }
 
 /// When, what and who, as a row shows them.
-fn words(entry: &Entry) -> String {
+fn words(entry: &LoggedEvent) -> String {
     format!("{}{}{}", when(entry), sign(entry).0, what_and_who(entry).join("  "))
 }
 
-fn when(entry: &Entry) -> String {
+fn when(entry: &LoggedEvent) -> String {
     format!("{}  tau {:<7} ", clock(entry.wall_ns), short(entry.tau, 5))
 }
 
-fn what_and_who(entry: &Entry) -> [String; 2] {
+fn what_and_who(entry: &LoggedEvent) -> [String; 2] {
     let by = if entry.why.is_empty() { entry.who.clone() } else { format!("{}, {}", entry.who, entry.why) };
     [entry.what.clone(), by]
 }
 
-fn draw_entry(entry: &Entry, is_after: bool, row: Rect, buffer: &mut Buffer) {
+fn draw_entry(entry: &LoggedEvent, is_after: bool, row: Rect, buffer: &mut Buffer) {
     let (sign, color) = sign(entry);
     let (when, [what, by]) = (when(entry), what_and_who(entry));
     let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
@@ -99,7 +99,7 @@ fn draw_entry(entry: &Entry, is_after: bool, row: Rect, buffer: &mut Buffer) {
 }
 
 /// What stands before an event, and its colour.
-fn sign(entry: &Entry) -> (&'static str, Option<Color>) {
+fn sign(entry: &LoggedEvent) -> (&'static str, Option<Color>) {
     match entry.happening {
         _ if entry.level == Level::Alarm => ("!! ", Some(theme::BAD)),
         _ if entry.level == Level::Warning => ("! ", Some(theme::WARN)),
@@ -115,7 +115,7 @@ mod tests {
     use wire::message::Trip;
 
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
     use telemetry::test_support as tests;
@@ -127,17 +127,17 @@ mod tests {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
         let mut settings = tests::bench_status("three-mass", "composite").settings.get().clone();
-        feed.happen(&event(1, &Happening::Started, &settings));
+        feed.push_event(&event(1, &Happening::Started, &settings));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
         let mut change = event(2, &Happening::Settings, &settings);
         change.why = wire::Text::new("typed");
-        feed.happen(&change);
-        feed.happen(&event(3, &Happening::Note("here it hums".into()), &settings));
+        feed.push_event(&change);
+        feed.push_event(&event(3, &Happening::Note("here it hums".into()), &settings));
         let trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
-        feed.happen(&event(4, &Happening::Tripped(trip), &settings));
-        let picture = feed.picture(&ViewTime::LIVE, now);
+        feed.push_event(&event(4, &Happening::Tripped(trip), &settings));
+        let data = feed.frame_data(&ViewTime::LIVE, now);
         let frame_of =
-            |width, height| drawn(width, height, |area, buffer| Events::default().draw(&view(&picture), area, buffer));
+            |width, height| drawn(width, height, |area, buffer| Events::default().draw(&view(&data), area, buffer));
         let frame = frame_of(100, 7);
         let rows: Vec<&str> = frame.lines().collect();
         assert!(rows[1].contains("14:03:24") && rows[1].contains("!! tripped: orbit of mass 2"), "{frame}");
@@ -151,22 +151,22 @@ mod tests {
     #[test]
     fn where_one_looks_back_there_is_what_had_happened_by_then() {
         let mut feed = Feed::new("");
-        feed.read(tests::bench_status("three-mass", "composite"));
+        feed.push_bench_status(tests::bench_status("three-mass", "composite"));
         let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         for number in 1..=100 {
-            feed.happen(&event(number, &Happening::Note(format!("number {number}")), &settings));
+            feed.push_event(&event(number, &Happening::Note(format!("number {number}")), &settings));
         }
         // Steps a second apart, as the events are.
         for seq in 0..100 {
-            feed.hear(
+            feed.push_step(
                 &tests::state(3, seq).with_word(wire::Channel::WallNs, (50_600 + seq) * 1_000_000_000),
                 std::time::Instant::now(),
             );
         }
         let mut time = ViewTime::LIVE;
-        time.jump(50);
-        let picture = feed.picture(&time, std::time::Instant::now());
-        let view = crate::view::View { time: &time, ..view(&picture) };
+        time.jump_to(50);
+        let data = feed.frame_data(&time, std::time::Instant::now());
+        let view = crate::view::View { time: &time, ..view(&data) };
         let frame = drawn(60, 11, |area, buffer| Events::default().draw(&view, area, buffer));
         let rows: Vec<&str> = frame.lines().collect();
         assert!(
@@ -177,8 +177,8 @@ mod tests {
 
     #[test]
     fn nothing_is_told_as_such() {
-        let picture = tests::picture();
-        let frame = drawn(40, 4, |area, buffer| Events::default().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(40, 4, |area, buffer| Events::default().draw(&view(&data), area, buffer));
         assert!(frame.contains("nothing has happened"), "{frame}");
     }
 
@@ -189,15 +189,15 @@ mod tests {
         let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         for number in 1..=40 {
             let text = format!("{} {number}", if number % 4 == 0 { "Hum" } else { "quiet" });
-            feed.happen(&event(number, &Happening::Note(text), &settings));
+            feed.push_event(&event(number, &Happening::Note(text), &settings));
         }
-        let picture = feed.picture(&ViewTime::LIVE, now);
+        let data = feed.frame_data(&ViewTime::LIVE, now);
         let mut events = Events::default();
         let frame_of = |events: &mut Events, filter: &str| {
             let area = Rect::new(0, 0, 80, 7);
             let mut buffer = Buffer::empty(area);
-            events.draw(&View { filter, ..view(&picture) }, area, &mut buffer);
-            crate::looks::still::text(&buffer)
+            events.draw(&View { filter, ..view(&data) }, area, &mut buffer);
+            crate::screenshot::image::text(&buffer)
         };
         assert!(frame_of(&mut events, "").contains("35 more ▼"));
         events.scroll(10);

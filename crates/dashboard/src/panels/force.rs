@@ -12,9 +12,9 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 
 use super::panel::Panel;
-use super::{framed, write, write_right};
-use crate::axis::Axis;
-use crate::fit::longest;
+use crate::axis::PlotAxis;
+use crate::drawing::{framed, write, write_right};
+use crate::fit_text::longest;
 use crate::theme;
 use crate::view::View;
 use telemetry::numbers::short;
@@ -25,7 +25,7 @@ const HEAD: u16 = 13;
 /// The force; the wheel changes the scale of its bar.
 #[derive(Debug, Default)]
 pub(crate) struct Force {
-    scale: Axis,
+    scale: PlotAxis,
 }
 
 impl Panel for Force {
@@ -33,7 +33,7 @@ impl Panel for Force {
         draw(view, &mut self.scale, area, buffer);
     }
 
-    fn scale(&mut self) -> Option<&mut Axis> {
+    fn scale(&mut self) -> Option<&mut PlotAxis> {
         Some(&mut self.scale)
     }
 }
@@ -43,13 +43,13 @@ pub(super) fn when(view: &View<'_>) -> &'static str {
     if view.time.is_live() { "now" } else { "was" }
 }
 
-fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let unit = picture.units().force;
+fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
+    let unit = data.units().force;
     let inner = framed(Line::from(format!(" control force  {} ", unit.name)), area, buffer);
-    let Some(at) = picture.now else { return };
-    let [y, z] = picture.track.force(at);
-    let (now, peak) = (y.hypot(z) * unit.factor, picture.peak_force * unit.factor);
+    let Some(at) = data.now else { return };
+    let [y, z] = data.track.force(at);
+    let (now, peak) = (y.hypot(z) * unit.factor, data.peak_force * unit.factor);
     let [_, full] = axis.over([0.0, peak]);
     let mut line = |row: u16, name: &str, value: f64| {
         let text = format!("{name} {:>8}", short(value, 5));
@@ -67,7 +67,7 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
     if axis.is_fixed() {
         write_right(buffer, inner, inner.top() + 1, &format!("{} fixed", short(full, 3)), theme::quiet());
     } else {
-        let since = picture.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
+        let since = data.era.as_ref().map_or_else(String::new, |era| format!("since revision {}", era.revision));
         let short = since.replace("revision", "rev").replace("since ", "");
         let since = longest(&[&since, &short], usize::from(inner.width.saturating_sub(HEAD)));
         write(buffer, inner, inner.left() + HEAD, inner.top() + 1, &since, theme::quiet());
@@ -77,14 +77,14 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
 
     #[test]
     fn shows_the_force_now_and_at_most() {
-        let picture = tests::picture();
-        let frame = drawn(40, 4, |area, buffer| Force::default().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(40, 4, |area, buffer| Force::default().draw(&view(&data), area, buffer));
         assert!(frame.contains("now   0.8000") && frame.contains("max   0.8000"), "{frame}");
         assert!(frame.contains("since revision 1"), "{frame}");
     }

@@ -21,12 +21,12 @@ use rotor::{C64, J, Signal};
 
 use super::force::when;
 use super::panel::Panel;
-use super::{framed, write};
-use crate::axis::Axis;
-use crate::fit::longest;
+use crate::axis::PlotAxis;
+use crate::drawing::{framed, write};
+use crate::fit_text::longest;
 use crate::theme;
 use crate::view::View;
-use telemetry::history::{Channel, Track};
+use telemetry::history::{StepQuantity, Track};
 use telemetry::numbers::short;
 
 /// Width of a label and its number.
@@ -55,7 +55,7 @@ impl Terms {
                 })
                 .sum()
         };
-        let p = sum(&signal.displacement, &|mass| track.place(step, mass));
+        let p = sum(&signal.displacement, &|mass| track.displacement(step, mass));
         let v = sum(&signal.velocity, &|mass| track.velocity(step, mass));
         let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|gain| signal.gains[gain].at(speed));
         Self { kd: -kd * p, kc: J * kc * p, cd: -cd * v, cc: J * cc * v }
@@ -71,7 +71,7 @@ impl Terms {
 /// The budget; the wheel changes the scale of its bars.
 #[derive(Debug, Default)]
 pub(crate) struct ForceBudget {
-    scale: Axis,
+    scale: PlotAxis,
 }
 
 impl Panel for ForceBudget {
@@ -79,27 +79,27 @@ impl Panel for ForceBudget {
         draw(view, &mut self.scale, area, buffer);
     }
 
-    fn scale(&mut self) -> Option<&mut Axis> {
+    fn scale(&mut self) -> Option<&mut PlotAxis> {
         Some(&mut self.scale)
     }
 }
 
-fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let unit = picture.units().force;
+fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
+    let unit = data.units().force;
     let mut title = format!(" force budget  {} ", unit.name);
     if axis.is_fixed() {
         let [_, full] = axis.over([0.0, 1.0]);
         title += &format!(" bars to {} fixed ", short(full, 3));
     }
     let inner = framed(Line::from(title), area, buffer);
-    let Some(now) = picture.now else { return };
-    let track = &picture.track;
+    let Some(now) = data.now else { return };
+    let track = &data.track;
     let factor = unit.factor;
     // A zero has no sign.
     let [y, z] = track.force(now).map(|part| part * factor + 0.0);
-    let most = picture.peak_force * factor;
-    let within = track.range(Channel::FORCE, picture.window.clone()).map_or(0.0, |[_, high]| high * factor);
+    let most = data.peak_force * factor;
+    let within = track.range(StepQuantity::FORCE, data.window.clone()).map_or(0.0, |[_, high]| high * factor);
     let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * factor);
     let [_, full] = axis.over([0.0, limit.unwrap_or(most).max(f64::MIN_POSITIVE)]);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
@@ -119,7 +119,7 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
         gauge(name, value, full, color, row, buffer);
     }
     let mut lines = Vec::new();
-    if let Some(era) = &picture.era {
+    if let Some(era) = &data.era {
         let speed = track.speed(now);
         for (at, signal) in era.settings.feedback.signals.iter().enumerate() {
             let terms = Terms::of(signal, speed, track, now);
@@ -153,7 +153,7 @@ mod tests {
     use rotor::{Feedback, builtin};
 
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
     use telemetry::test_support as tests;
@@ -161,9 +161,9 @@ mod tests {
 
     #[test]
     fn now_most_and_each_term_are_told() {
-        let picture = tests::picture();
+        let data = tests::frame_data();
         let frame_of = |width, height| {
-            drawn(width, height, |area, buffer| ForceBudget::default().draw(&view(&picture), area, buffer))
+            drawn(width, height, |area, buffer| ForceBudget::default().draw(&view(&data), area, buffer))
         };
         insta::assert_snapshot!("force_budget", frame_of(52, 9));
         insta::assert_snapshot!("force_budget_small", frame_of(24, 5));
@@ -192,8 +192,8 @@ mod tests {
             }
             let now = std::time::Instant::now();
             let mut feed = Feed::new("");
-            feed.hear(&state, now);
-            let track = feed.picture(&ViewTime::LIVE, now).track;
+            feed.push_step(&state, now);
+            let track = feed.frame_data(&ViewTime::LIVE, now).track;
             let sum: C64 = feedback.signals.iter().map(|signal| Terms::of(signal, speed, &track, 0).sum()).sum();
             let row = feedback.at(speed);
             let law = -(0..rotor.len()).map(|m| row.displacement[m] * p[m] + row.velocity[m] * v[m]).sum::<C64>();

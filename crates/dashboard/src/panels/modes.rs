@@ -17,10 +17,10 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{C64, Mode, Whirl};
 
-use super::list::{List, mark, passes, row_of, told};
-use super::panel::{Intent, Mouse, Panel};
-use super::{framed, write};
-use crate::pointed::Point;
+use super::panel::{Mouse, Panel, PanelRequest};
+use crate::drawing::{framed, write};
+use crate::list::{List, draw_overflow, filter_title, passes, row_of};
+use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
 use telemetry::history::Era;
@@ -45,12 +45,12 @@ pub(crate) struct Modes {
 
 impl Panel for Modes {
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        let Some(era) = view.picture.era.as_ref().filter(|era| !era.poles.is_empty()) else {
+        let Some(era) = view.data.era.as_ref().filter(|era| !era.poles.is_empty()) else {
             framed(Line::from(" modes "), area, buffer);
             return;
         };
         let speed = era.settings.speed;
-        let units = view.picture.units();
+        let units = view.data.units();
         if self.known.as_ref().is_none_or(|(of, _)| !Arc::ptr_eq(of, era)) {
             self.known = Some((era.clone(), modes(era)));
         }
@@ -58,7 +58,8 @@ impl Panel for Modes {
         let words = |mode: &Mode| cells(mode, speed, &units).join(" ");
         let shown: Vec<(usize, &Mode)> =
             modes.iter().enumerate().filter(|(_, mode)| passes(view.filter, &words(mode))).collect();
-        let title = format!(" modes at {} {}", units.speed_told(speed), told(view.filter, shown.len(), modes.len()));
+        let title =
+            format!(" modes at {} {}", units.speed_told(speed), filter_title(view.filter, shown.len(), modes.len()));
         let inner = framed(Line::from(title), area, buffer);
         heading(&units, inner, buffer);
         let below = Rect { y: inner.y + 1, height: inner.height.saturating_sub(1), ..inner };
@@ -67,23 +68,23 @@ impl Panel for Modes {
             let place = Rect { y, height: 1, ..below };
             row(mode, *rank == 0, (speed, &units), place, buffer);
             // The analysis here and that of the simulation differ in their last digits.
-            if view.pointed.mode.is_some_and(|pole| (pole - mode.pole).norm() <= 1e-9 * (1.0 + pole.norm())) {
+            if view.selection.mode.is_some_and(|pole| (pole - mode.pole).norm() <= 1e-9 * (1.0 + pole.norm())) {
                 write(buffer, place, place.x, y, "◈", theme::loud(theme::CURSOR));
                 buffer.set_style(place, Style::new().add_modifier(Modifier::UNDERLINED));
             }
         }
-        mark(&rows, shown.len(), area, buffer);
+        draw_overflow(&rows, shown.len(), area, buffer);
         self.drawn.clear();
         self.drawn.extend(shown[rows].iter().map(|(rank, _)| *rank));
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         if let Mouse::Wheel(notches) = mouse {
             self.scroll(3 * notches as isize);
         }
         let rank = *self.drawn.get(row_of(area, at)?.checked_sub(1)?).filter(|_| mouse == Mouse::Click)?;
-        let (_, poles) = view.picture.poles()?;
-        Some(Intent::Point(Point::Mode(*poles.get(rank)?)))
+        let (_, poles) = view.data.poles()?;
+        Some(PanelRequest::Select(SelectedItem::Mode(*poles.get(rank)?)))
     }
 
     fn scroll(&mut self, rows: isize) {
@@ -164,24 +165,24 @@ fn part_text(part: C64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
-    use telemetry::frame_data::Picture;
+    use telemetry::frame_data::FrameData;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
-    fn frame(picture: &Picture, width: u16, height: u16) -> String {
-        drawn(width, height, |area, buffer| Modes::default().draw(&view(picture), area, buffer))
+    fn frame(data: &FrameData, width: u16, height: u16) -> String {
+        drawn(width, height, |area, buffer| Modes::default().draw(&view(data), area, buffer))
     }
 
     #[test]
     fn the_least_damped_mode_is_first_and_marked() {
-        let picture = tests::picture();
-        let frame_of = |width, height| frame(&picture, width, height);
+        let data = tests::frame_data();
+        let frame_of = |width, height| frame(&data, width, height);
         let frame = frame_of(96, 10);
         let rows: Vec<&str> = frame.lines().collect();
-        let least = format!("{:.4}", picture.era.as_ref().unwrap().min_damping);
+        let least = format!("{:.4}", data.era.as_ref().unwrap().min_damping);
         assert!(rows[2].starts_with("│◆") && rows[2].contains(&least), "{frame}");
         assert_eq!(frame.matches('◆').count(), 1);
         assert_eq!(frame.matches("forward").count() + frame.matches("backward").count(), 6);
@@ -199,11 +200,11 @@ mod tests {
             settings.speed = speed;
             bench_status.settings = wire::SettingsDocument::of(&settings);
             let mut feed = Feed::new("");
-            feed.read(bench_status);
-            feed.hear(&tests::state(3, 0), std::time::Instant::now());
-            let picture = feed.picture(&ViewTime::LIVE, std::time::Instant::now());
+            feed.push_bench_status(bench_status);
+            feed.push_step(&tests::state(3, 0), std::time::Instant::now());
+            let data = feed.frame_data(&ViewTime::LIVE, std::time::Instant::now());
             // The mode on its threshold is the one next to zero damping.
-            let modes = modes(picture.era.as_ref().unwrap());
+            let modes = modes(data.era.as_ref().unwrap());
             let critical = modes.iter().min_by(|a, b| a.damping().abs().total_cmp(&b.damping().abs())).unwrap();
             [0, 1, 2].map(|mass| critical.shape[mass].re)
         };
@@ -218,7 +219,7 @@ mod tests {
 
     #[test]
     fn nothing_known_is_an_empty_table() {
-        let empty = Feed::new("waiting").picture(&ViewTime::LIVE, std::time::Instant::now());
+        let empty = Feed::new("waiting").frame_data(&ViewTime::LIVE, std::time::Instant::now());
         assert!(frame(&empty, 40, 5).contains(" modes "));
     }
 }

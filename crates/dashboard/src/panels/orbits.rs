@@ -15,16 +15,16 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 
 use super::panel::Panel;
-use super::{framed, write};
-use crate::axis::Axis;
-use crate::fit::longest;
+use crate::axis::PlotAxis;
+use crate::drawing::{framed, write};
+use crate::fit_text::longest;
 use crate::plot::Plot;
 use crate::theme;
 use crate::view::View;
-use telemetry::frame_data::Picture;
-use telemetry::history::{Channel, Track};
+use telemetry::frame_data::FrameData;
+use telemetry::history::{StepQuantity, Track};
 use telemetry::numbers::{nice_ceiling, short};
-use telemetry::replay::Beside;
+use telemetry::replay::WhatIfRun;
 use telemetry::units::Unit;
 
 /// Turns of the rotor that an orbit shows.
@@ -41,7 +41,7 @@ const ROWS_FOR_PLACE: u16 = 12;
 /// The orbits; the wheel changes their scale.
 #[derive(Debug, Default)]
 pub(crate) struct Orbits {
-    scale: Axis,
+    scale: PlotAxis,
 }
 
 impl Panel for Orbits {
@@ -49,19 +49,19 @@ impl Panel for Orbits {
         draw(view, &mut self.scale, area, buffer);
     }
 
-    fn scale(&mut self) -> Option<&mut Axis> {
+    fn scale(&mut self) -> Option<&mut PlotAxis> {
         Some(&mut self.scale)
     }
 }
 
-fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let track = &picture.track;
-    let shown = shown_steps(track, picture.now);
-    let furthest = |mass| track.range(Channel::radius(mass), shown.clone()).map_or(0.0, |[_, furthest]| furthest);
-    let reach = (0..picture.masses()).map(furthest).fold(0.0, f64::max);
+fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
+    let track = &data.track;
+    let shown = shown_steps(track, data.now);
+    let furthest = |mass| track.range(StepQuantity::radius(mass), shown.clone()).map_or(0.0, |[_, furthest]| furthest);
+    let reach = (0..data.masses()).map(furthest).fold(0.0, f64::max);
     let beside = view.replay.as_ref().and_then(|replay| replay.beside);
-    let other = |step| (0..picture.masses()).filter_map(move |mass| beside?.place(step, mass)).map(radius);
+    let other = |step| (0..data.masses()).filter_map(move |mass| beside?.displacement(step, mass)).map(radius);
     // A machine that runs away beside this one must not make a point of it.
     let reach = reach.max(shown.clone().flat_map(other).fold(0.0, f64::max).min(if reach > 0.0 {
         4.0 * reach
@@ -69,44 +69,44 @@ fn draw(view: &View<'_>, axis: &mut Axis, area: Rect, buffer: &mut Buffer) {
         f64::MAX
     }));
     // A clearance much larger than the orbit would squeeze it to a point: it goes out of view then.
-    let clearance = clearances(picture).into_iter().flatten().fold(0.0, f64::max);
+    let clearance = clearances(data).into_iter().flatten().fold(0.0, f64::max);
     let scale = nice_ceiling(1.02 * reach.max(if clearance < 4.0 * reach || reach == 0.0 { clearance } else { 0.0 }));
-    let unit = picture.units().length;
+    let unit = data.units().length;
     let shown_scale = axis.reach(if unit.factor == 1.0 { scale } else { nice_ceiling(scale * unit.factor) });
     let scale = shown_scale / unit.factor;
     let title = format!(" orbits  ±{} {}{}  ◉ now ● once a turn ", short(shown_scale, 2), unit.name, axis.word());
     let inner = framed(Line::from(title), area, buffer);
     let turns = Turns::of(track, shown.clone());
-    let cells = grid(inner, picture.masses());
+    let cells = grid(inner, data.masses());
     for (mass, cell) in cells.into_iter().enumerate() {
-        draw_one(picture, beside, mass, &turns, (scale, unit), cell, buffer);
+        draw_one(data, beside, mass, &turns, (scale, unit), cell, buffer);
     }
 }
 
 fn draw_one(
-    picture: &Picture,
-    beside: Option<Beside<'_>>,
+    data: &FrameData,
+    beside: Option<WhatIfRun<'_>>,
     mass: usize,
     turns: &Turns,
     (scale, unit): (f64, Unit),
     cell: Rect,
     buffer: &mut Buffer,
 ) {
-    let track = &picture.track;
+    let track = &data.track;
     let window = Plot::round(cell, scale);
     let mut plot = Plot::new(cell, window);
     plot.line([window.x[0], 0.0], [window.x[1], 0.0], theme::GRID);
     plot.line([0.0, window.y[0]], [0.0, window.y[1]], theme::GRID);
-    if let Some(clearance) = clearances(picture).get(mass).copied().flatten() {
+    if let Some(clearance) = clearances(data).get(mass).copied().flatten() {
         plot.circle(clearance, theme::CLEARANCE);
     }
     let color = theme::TRACES[mass % theme::TRACES.len()];
     // What is older than a turn or two fades, so that the eye finds where the mass goes.
     let Turns { shown, fresh, begun } = turns;
-    plot.path(track.places(shown.start..*fresh, mass), theme::GRID);
-    plot.path(track.places(fresh.saturating_sub(1).max(shown.start)..shown.end, mass), color);
-    let turns: Vec<[f64; 2]> = begun.iter().map(|step| track.place(*step, mass)).collect();
-    let others: Vec<_> = shown.clone().filter_map(|step| beside?.place(step, mass)).collect();
+    plot.path(track.displacements(shown.start..*fresh, mass), theme::GRID);
+    plot.path(track.displacements(fresh.saturating_sub(1).max(shown.start)..shown.end, mass), color);
+    let turns: Vec<[f64; 2]> = begun.iter().map(|step| track.displacement(*step, mass)).collect();
+    let others: Vec<_> = shown.clone().filter_map(|step| beside?.displacement(step, mass)).collect();
     others.windows(2).for_each(|pair| plot.line(pair[0], pair[1], theme::CANDIDATE));
     plot.paint(buffer);
     let mut mark = |[y, z]: [f64; 2], sign, color| {
@@ -115,22 +115,22 @@ fn draw_one(
         }
     };
     if let Some((last, earlier)) = turns.split_last() {
-        earlier.iter().for_each(|place| mark(*place, "•", theme::KEY));
-        mark(*last, "●", theme::KEY);
+        earlier.iter().for_each(|place| mark(*place, "•", theme::KEYPHASOR));
+        mark(*last, "●", theme::KEYPHASOR);
     }
     if let Some(now) = shown.clone().last() {
-        mark(track.place(now, mass), "◉", color);
+        mark(track.displacement(now, mass), "◉", color);
     }
     if let Some(place) = others.last() {
         mark(*place, "◆", theme::CANDIDATE);
     }
-    let carries = picture.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
+    let carries = data.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
     // What is told of one mass must not touch what is told of the next.
     let cell = Rect { width: cell.width.saturating_sub(1), ..cell };
     let behind = write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color)) + 1;
     if let Some(last) = shown.clone().last() {
-        let [y, z] = track.place(last, mass);
+        let [y, z] = track.displacement(last, mass);
         let told = |value| unit.short(value, 3);
         // In fewer digits where there is no room for more: one that is rounded is still the same number.
         let size = |room: u16| {
@@ -159,8 +159,8 @@ fn draw_one(
 }
 
 /// The clearance of every mass that has a support bearing and a deadband in it.
-fn clearances(picture: &Picture) -> Vec<Option<f64>> {
-    let Some((era, rotor)) = picture.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref()?))) else {
+fn clearances(data: &FrameData) -> Vec<Option<f64>> {
+    let Some((era, rotor)) = data.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref()?))) else {
         return Vec::new();
     };
     rotor
@@ -245,15 +245,15 @@ fn grid(area: Rect, count: usize) -> Vec<Rect> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
     #[test]
     fn every_mass_has_its_orbit_on_one_scale() {
-        let picture = tests::picture();
-        let frame = drawn(72, 14, |area, buffer| Orbits::default().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(72, 14, |area, buffer| Orbits::default().draw(&view(&data), area, buffer));
         assert!(frame.contains("±4.0 e_t"), "{frame}");
         assert!(frame.contains("1 ⊕"), "{frame}");
         insta::assert_snapshot!("orbits", frame);
@@ -261,20 +261,20 @@ mod tests {
 
     #[test]
     fn eight_turns_are_shown_and_a_restart_cuts_them() {
-        let picture = tests::picture();
-        let shown = shown_steps(&picture.track, picture.now);
+        let data = tests::frame_data();
+        let shown = shown_steps(&data.track, data.now);
         // 8 turns at R = 2.5 and 0.01 a step.
         assert_eq!(shown.len(), (8.0 * std::f64::consts::TAU / 0.025).floor() as usize + 1);
         let now = std::time::Instant::now();
         let mut feed = telemetry::feed::Feed::new("");
-        (0..500).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        (0..500).for_each(|seq| feed.push_step(&tests::state(3, seq), now));
         (500..600).for_each(|seq| {
             let fresh = tests::state(3, seq - 500);
-            feed.hear(&fresh.with_word(wire::Channel::Seq, seq), now);
+            feed.push_step(&fresh.with_word(wire::Channel::Seq, seq), now);
         });
-        let picture = feed.picture(&ViewTime::LIVE, now);
-        assert_eq!(shown_steps(&picture.track, picture.now), 500..600);
-        assert_eq!(shown_steps(&picture.track, Some(499)), 0..500, "the motion before, with the cursor there");
+        let data = feed.frame_data(&ViewTime::LIVE, now);
+        assert_eq!(shown_steps(&data.track, data.now), 500..600);
+        assert_eq!(shown_steps(&data.track, Some(499)), 0..500, "the motion before, with the cursor there");
     }
 
     #[test]

@@ -3,11 +3,11 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 
-use super::series::Strip;
 use super::wheel_times;
-use crate::actions::{Action, Read};
-use crate::axis::{Axis, Scaling};
-use crate::pointed::{Point, Pointed};
+use crate::actions::{Action, ReadoutMove};
+use crate::axis::{PlotAxis, Scaling};
+use crate::selection::{SelectedItem, Selection};
+use crate::series::Strip;
 use crate::view::View;
 
 /// A part of the screen. It owns its state and draws its own frame.
@@ -19,12 +19,12 @@ pub(crate) trait Panel {
     fn scroll(&mut self, _rows: isize) {}
 
     /// The scale of its values, if it has one and no more to say about it.
-    fn scale(&mut self) -> Option<&mut Axis> {
+    fn scale(&mut self) -> Option<&mut PlotAxis> {
         None
     }
 
     /// What the mouse at a position of its area asks for. The wheel moves a list, and changes a scale.
-    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<Intent> {
+    fn mouse(&mut self, _view: &View<'_>, _area: Rect, mouse: Mouse, _at: Position) -> Option<PanelRequest> {
         if let Mouse::Wheel(notches) = mouse {
             match self.scale() {
                 Some(scale) => scale.zoom(wheel_times(notches), None),
@@ -35,24 +35,24 @@ pub(crate) trait Panel {
     }
 
     /// Changes a scale or what it shows; `None` if that is no matter of this panel.
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        let Wish::Value([scaling, ..]) = wish else { return None };
+    fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        let PanelCommand::Value([scaling, ..]) = command else { return None };
         self.scale().map(|scale| scale.take(*scaling, None))
     }
 
     /// Where its read-out goes from what is pointed at now.
-    fn read(&mut self, _view: &View<'_>, _read: Read) -> Option<Point> {
+    fn read(&mut self, _view: &View<'_>, _read: ReadoutMove) -> Option<SelectedItem> {
         None
     }
 }
 
 /// What is wished of a plot.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Wish<'a> {
+pub(crate) enum PanelCommand<'a> {
     /// Another scale of its values; the second is that of the other axis, where both are values.
     Value(&'a [Scaling]),
     /// Another scale of its horizontal axis, where that is not time. What is pointed at stays where it is.
-    Along(Scaling, &'a Pointed),
+    Along(Scaling, &'a Selection),
     /// Another scale of the strip of this name.
     Strip(&'a str, &'a [Scaling]),
     /// Other strips; those of the layout if there are none.
@@ -78,15 +78,15 @@ pub(crate) enum Mouse {
 
 /// What a panel asks of the dashboard.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Intent {
+pub(crate) enum PanelRequest {
     /// Select this row of the settings.
-    Row(usize),
+    SelectSetting(usize),
     /// Look at the step of this place in the history.
-    Look(u64),
+    LookAtStep(u64),
     /// Point at this.
-    Point(Point),
+    Select(SelectedItem),
     /// Look at what was at this time, in nanoseconds since 1970 and in that of the rotor.
-    When { wall_ns: u64, tau: f64 },
+    LookAtTime { wall_ns: u64, tau: f64 },
     /// Show so many times as much time.
     ZoomTime(f64),
     /// The same as a key.

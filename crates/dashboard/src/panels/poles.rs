@@ -16,16 +16,17 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::text::Line;
 use rotor::{C64, Whirl, damping_ratio};
 
-use super::panel::{Intent, Mouse, Panel, Wish};
-use super::{framed, wheel_times, write, write_free, write_right};
-use crate::actions::Read;
-use crate::axis::{Axis, Scaling};
-use crate::fit::width;
+use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::wheel_times;
+use crate::actions::ReadoutMove;
+use crate::axis::{PlotAxis, Scaling};
+use crate::drawing::{framed, write, write_free, write_right};
+use crate::fit_text::width;
 use crate::plot::{Plot, Window};
-use crate::pointed::Point;
+use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
-use telemetry::jobs::Question;
+use telemetry::jobs::PoleTraceRequest;
 use telemetry::numbers::{neat, nice_ceiling, short};
 use telemetry::units::Units;
 
@@ -41,8 +42,8 @@ const GRASP: f64 = 4.0;
 /// The poles: a click takes a mode, the wheel changes the scale.
 #[derive(Debug, Default)]
 pub(crate) struct Poles {
-    re: Axis,
-    im: Axis,
+    re: PlotAxis,
+    im: PlotAxis,
 }
 
 impl Panel for Poles {
@@ -53,7 +54,7 @@ impl Panel for Poles {
         }
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         match mouse {
             Mouse::Wheel(notches) => {
                 self.re.zoom(wheel_times(notches), None);
@@ -63,7 +64,7 @@ impl Panel for Poles {
             Mouse::Drag(_) => None,
             Mouse::Click => {
                 let plot = Plot::new(area.inner(Margin::new(1, 1)), self.window(view)?);
-                let (_, poles) = view.picture.poles()?;
+                let (_, poles) = view.data.poles()?;
                 // A cell is twice as high as it is wide.
                 let far = |pole: &C64| {
                     let (x, y) = plot.cell(pole.re, pole.im)?;
@@ -71,15 +72,15 @@ impl Panel for Poles {
                 };
                 let near = poles.iter().filter_map(|pole| Some((far(pole)?, *pole))).filter(|(far, _)| *far <= GRASP);
                 let (_, pole) = near.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
-                Some(Intent::Point(Point::Mode(pole)))
+                Some(PanelRequest::Select(SelectedItem::Mode(pole)))
             }
         }
     }
 
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        let Wish::Value(scalings) = wish else { return None };
+    fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        let PanelCommand::Value(scalings) = command else { return None };
         let re = self.re.take(*scalings.first()?, None);
-        // One wish but a range is for both: a range is that of Re, a second one that of Im.
+        // One scale but a range is for both: a range is that of Re, a second one that of Im.
         let im = match scalings {
             [scaling @ (Scaling::Auto | Scaling::Times(_))] | [_, scaling] => self.im.take(*scaling, None),
             _ => Ok(()),
@@ -87,22 +88,22 @@ impl Panel for Poles {
         Some(re.and(im))
     }
 
-    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
-        next_mode(view, read).map(Point::Mode)
+    fn read(&mut self, view: &View<'_>, read: ReadoutMove) -> Option<SelectedItem> {
+        next_mode(view, read).map(SelectedItem::Mode)
     }
 }
 
 /// The mode that a read-out moves on to: modes are in order of their damping.
-pub(super) fn next_mode(view: &View<'_>, read: Read) -> Option<C64> {
-    let (_, poles) = view.picture.poles()?;
-    let at = view.pointed.mode.and_then(|mode| poles.iter().position(|pole| *pole == mode));
+pub(super) fn next_mode(view: &View<'_>, read: ReadoutMove) -> Option<C64> {
+    let (_, poles) = view.data.poles()?;
+    let at = view.selection.mode.and_then(|mode| poles.iter().position(|pole| *pole == mode));
     let at = match (read, at) {
-        (Read::Off, at) => at.unwrap_or(0),
-        (Read::Move(by), Some(at)) => at.saturating_add_signed(by as isize).min(poles.len() - 1),
-        (Read::Move(_), None) => 0,
+        (ReadoutMove::Off, at) => at.unwrap_or(0),
+        (ReadoutMove::Move(by), Some(at)) => at.saturating_add_signed(by as isize).min(poles.len() - 1),
+        (ReadoutMove::Move(_), None) => 0,
         // By its frequency.
-        (Read::At(frequency), _) => {
-            let frequency = frequency / view.picture.units().frequency.factor;
+        (ReadoutMove::At(frequency), _) => {
+            let frequency = frequency / view.data.units().frequency.factor;
             let far = |pole: &C64| (pole.im - frequency).abs();
             (0..poles.len()).min_by(|a, b| far(&poles[*a]).total_cmp(&far(&poles[*b])))?
         }
@@ -118,14 +119,14 @@ fn told(pole: C64, units: &Units, width: usize) -> String {
     let ratio = format!("ζ {:.4}", damping_ratio(pole));
     let both = format!("{place}  {ratio}");
     let full = format!("{both}  {}  {whirl}", units.frequency.told(pole.im.abs(), 4));
-    [full, both, place].into_iter().find(|text| crate::fit::width(text) + 4 <= width).unwrap_or(ratio)
+    [full, both, place].into_iter().find(|text| crate::fit_text::width(text) + 4 <= width).unwrap_or(ratio)
 }
 
 impl Poles {
     /// The part of the plane to show, in units of `w0`; nothing as long as no poles are known.
     fn window(&mut self, view: &View<'_>) -> Option<Window> {
-        let (_, poles) = view.picture.poles()?;
-        let factor = view.picture.units().rate.factor;
+        let (_, poles) = view.data.poles()?;
+        let factor = view.data.units().rate.factor;
         let candidates = view.what_if.iter().flat_map(|candidate| &candidate.poles);
         let reach =
             |part: fn(&C64) -> f64| factor * poles.iter().chain(candidates.clone()).map(part).fold(0.0, f64::max);
@@ -149,8 +150,8 @@ fn write_beside(buffer: &mut Buffer, area: Rect, marks: &[(u16, u16)], rows: imp
 }
 
 fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, buffer: &mut Buffer) {
-    let Some((_, poles)) = view.picture.poles() else { return };
-    let units = view.picture.units();
+    let Some((_, poles)) = view.data.poles() else { return };
+    let units = view.data.units();
     let Window { x: [left, right], y: [bottom, top] } = window;
     let mut plot = Plot::new(inner, window);
     trail(view, &mut plot);
@@ -214,11 +215,11 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
             write_free(buffer, inner, x, y, &format!("{zeta}"), theme::quiet());
         }
     }
-    let pointed = view.pointed.mode;
-    if let Some((x, y)) = pointed.and_then(|pole| plot.cell(pole.re, pole.im)) {
+    let selection = view.selection.mode;
+    if let Some((x, y)) = selection.and_then(|pole| plot.cell(pole.re, pole.im)) {
         write(buffer, inner, x, y, "◈", theme::loud(theme::CURSOR));
     }
-    if let Some((sign, pole)) = pointed.map(|pole| ("◈", pole)).or(poles.first().map(|pole| ("◆", *pole))) {
+    if let Some((sign, pole)) = selection.map(|pole| ("◈", pole)).or(poles.first().map(|pole| ("◆", *pole))) {
         // On the lower edge of the frame, where no pole is hidden by it.
         let edge = Rect { width: area.width.saturating_sub(2), ..area };
         let label = format!(" {sign} {} ", told(pole, &units, usize::from(edge.width)));
@@ -230,9 +231,9 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
 /// Where the poles go over speed for the gains in force, faintly. Nothing where modes cannot be told
 /// apart.
 fn trail(view: &View<'_>, plot: &mut Plot) {
-    let Some(question) = view.picture.era.as_ref().and_then(|era| Question::of(era)) else { return };
-    let Some(over_speed) = view.desk.over_speed(&question) else { return };
-    for branch in &over_speed.branches {
+    let Some(question) = view.data.era.as_ref().and_then(|era| PoleTraceRequest::of(era)) else { return };
+    let Some(pole_trace) = view.jobs.pole_trace(&question) else { return };
+    for branch in &pole_trace.branches {
         for pair in branch.windows(2) {
             plot.line([pair[0].re, pair[0].im], [pair[1].re, pair[1].im], theme::TRAIL);
         }
@@ -242,7 +243,7 @@ fn trail(view: &View<'_>, plot: &mut Plot) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
     use telemetry::test_support as tests;
@@ -250,8 +251,8 @@ mod tests {
 
     #[test]
     fn every_pole_has_its_sign_and_the_least_damped_is_marked() {
-        let picture = tests::picture();
-        let frame = drawn(60, 20, |area, buffer| Poles::default().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(60, 20, |area, buffer| Poles::default().draw(&view(&data), area, buffer));
         // Six poles: three backward, two forward, and the least damped one; the title, which also has them, is left out.
         let count = |sign| frame.lines().skip(1).map(|line| line.matches(sign).count()).sum::<usize>();
         assert!((2..=3).contains(&count('▼')), "{frame}");
@@ -263,7 +264,7 @@ mod tests {
 
     #[test]
     fn nothing_known_is_an_empty_frame() {
-        let empty = Feed::new("waiting").picture(&ViewTime::LIVE, std::time::Instant::now());
+        let empty = Feed::new("waiting").frame_data(&ViewTime::LIVE, std::time::Instant::now());
         let frame = drawn(30, 4, |area, buffer| Poles::default().draw(&view(&empty), area, buffer));
         assert_eq!(frame.lines().nth(1), Some(&*format!("│{}│", " ".repeat(28))));
     }

@@ -17,14 +17,14 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::Line;
 
-use wire::{Channel as Told, Dimension};
+use wire::{Channel, Dimension};
 
-use super::list::{List, mark, passes, told};
 use super::panel::Panel;
-use super::{framed, write};
+use crate::drawing::{framed, write};
+use crate::list::{List, draw_overflow, filter_title, passes};
 use crate::theme;
 use crate::view::View;
-use telemetry::history::Channel;
+use telemetry::history::StepQuantity;
 use telemetry::numbers::short;
 
 /// Digits of a number, and the width of its column.
@@ -52,16 +52,16 @@ impl Panel for Raw {
 }
 
 fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let (track, Some(now)) = (&view.picture.track, view.picture.now) else {
+    let (track, Some(now)) = (&view.data.track, view.data.now) else {
         framed(Line::from(" step "), area, buffer);
         return;
     };
-    let units = view.picture.units();
+    let units = view.data.units();
     let speed = match units.scales {
         Some(_) => units.speed.told(track.speed(now), DIGITS),
         None => format!("R {}", short(track.speed(now), DIGITS)),
     };
-    let rate = track.value(Channel::Of(Told::SpeedRate, 0), now);
+    let rate = track.value(StepQuantity::Of(Channel::SpeedRate, 0), now);
     let rate = units.of_dimension(Dimension::Acceleration).told(rate, DIGITS);
     // Words go before numbers.
     let is_wide = usize::from(area.width.saturating_sub(2)) >= NAME + 5 * WIDTH;
@@ -75,8 +75,8 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         (format!("{speed}  angle {} rad  turn {turns}  rate {rate}", short(angle, 8)), plain),
         (row("mass", ["y", "z", "vy", "vz", "radius"].map(str::to_owned)), theme::quiet()),
     ];
-    for mass in 0..view.picture.masses() {
-        let ([y, z], [vy, vz]) = (track.place(now, mass), track.velocity(now, mass));
+    for mass in 0..view.data.masses() {
+        let ([y, z], [vy, vz]) = (track.displacement(now, mass), track.velocity(now, mass));
         let [y, z, radius] = [y, z, y.hypot(z)].map(|value| units.length.short(value, DIGITS));
         let [vy, vz] = [vy, vz].map(|value| units.velocity.short(value, DIGITS));
         let name = format!("{:>3}", mass + 1);
@@ -93,7 +93,7 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
     for sensor in 0..track.layout().sensors() {
-        let [y, z] = [Told::ReadingY, Told::ReadingZ].map(|of| track.value(Channel::Of(of, sensor), now));
+        let [y, z] = [Channel::ReadingY, Channel::ReadingZ].map(|of| track.value(StepQuantity::Of(of, sensor), now));
         let [y, z, size] = [y, z, y.hypot(z)].map(|value| units.length.short(value, DIGITS));
         lines.push((row(&format!("{reads}{}", sensor + 1), [y, z, String::new(), String::new(), size]), plain));
     }
@@ -101,13 +101,14 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     lines.retain(|(line, _)| passes(view.filter, line));
     let names = [units.length, units.velocity, units.force].map(|unit| unit.name).join("  ");
     let names = if units.scales.is_some() { format!(" {names} ") } else { String::new() };
-    let title = format!(" step at tau {} {names}{}", short(track.tau(now), 8), told(view.filter, lines.len(), all));
+    let title =
+        format!(" step at tau {} {names}{}", short(track.tau(now), 8), filter_title(view.filter, lines.len(), all));
     let inner = framed(Line::from(title), area, buffer);
     let rows = list.rows(lines.len(), inner.height, 0);
     for (y, (line, style)) in (inner.top()..inner.bottom()).zip(&lines[rows.clone()]) {
         write(buffer, inner, inner.left(), y, line, *style);
     }
-    mark(&rows, lines.len(), area, buffer);
+    draw_overflow(&rows, lines.len(), area, buffer);
 }
 
 /// A row of the table: a name, and as many cells as there are headings, each with a blank in front of it.
@@ -121,7 +122,7 @@ mod tests {
     use wire::Step;
 
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
     use telemetry::test_support as tests;
@@ -142,8 +143,8 @@ mod tests {
 
     #[test]
     fn every_number_of_the_step_is_there() {
-        let picture = tests::picture();
-        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&data), area, buffer));
         insta::assert_snapshot!("raw", frame);
         let last = tests::state(3, 2999);
         for (mass, point) in last.points().enumerate() {
@@ -164,9 +165,9 @@ mod tests {
         }
         let mut feed = Feed::new("");
         let now = std::time::Instant::now();
-        feed.hear(&state, now);
-        let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
+        feed.push_step(&state, now);
+        let data = feed.frame_data(&ViewTime::LIVE, now);
+        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&data), area, buffer));
         for (at, column) in columns.iter().enumerate() {
             assert!(frame.contains(&format!(" {}", 1000 + 7 * at)), "{}:\n{frame}", column.name());
         }
@@ -176,12 +177,12 @@ mod tests {
     fn flags_are_named_and_nothing_heard_is_nothing_shown() {
         let now = std::time::Instant::now();
         let mut feed = Feed::new("");
-        let empty = feed.picture(&ViewTime::LIVE, now);
+        let empty = feed.frame_data(&ViewTime::LIVE, now);
         drawn(64, 10, |area, buffer| Raw::default().draw(&view(&empty), area, buffer));
         let flags = wire::message::Flags::contact(0b10) | wire::message::Flags::SATURATED;
-        feed.hear(&tests::state(3, 0).with_flags(flags), now);
-        let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&picture), area, buffer));
+        feed.push_step(&tests::state(3, 0).with_flags(flags), now);
+        let data = feed.frame_data(&ViewTime::LIVE, now);
+        let frame = drawn(64, 13, |area, buffer| Raw::default().draw(&view(&data), area, buffer));
         assert!(frame.contains("flags contact.2 saturated"), "{frame}");
     }
 }

@@ -11,16 +11,16 @@ use super::force::Force;
 use super::force_budget::ForceBudget;
 use super::modes::Modes;
 use super::orbits::Orbits;
-use super::panel::{Intent, Mouse, Panel, Wish};
+use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
 use super::poles::Poles;
 use super::strips::Strips;
 use super::{raw, settings, spectrum, waterfall};
-use crate::actions::Read;
-use crate::pointed::Point;
+use crate::actions::ReadoutMove;
+use crate::selection::SelectedItem;
 use crate::view::View;
 
 /// One row of the table.
-pub(crate) struct Kind {
+pub(crate) struct PanelKind {
     /// As layouts name it.
     pub(crate) name: &'static str,
     /// What it shows, in a few words.
@@ -34,106 +34,106 @@ pub(crate) struct Kind {
 }
 
 /// Every panel.
-pub(crate) const KINDS: &[Kind] = &[
-    Kind {
+pub(crate) const PANELS: &[PanelKind] = &[
+    PanelKind {
         name: "poles",
         meaning: "poles in the complex plane",
         least: (20, 7),
         is_plot: true,
         make: || Box::<Poles>::default(),
     },
-    Kind {
+    PanelKind {
         name: "damping",
         meaning: "the minimum damping, large, and what it has been",
         least: (18, 5),
         is_plot: true,
         make: || Box::<Damping>::default(),
     },
-    Kind {
+    PanelKind {
         name: "orbits",
         meaning: "an orbit of every mass",
         least: (18, 7),
         is_plot: true,
         make: || Box::<Orbits>::default(),
     },
-    Kind {
+    PanelKind {
         name: "strips",
         meaning: "y, z and control over time",
         least: (18, 4),
         is_plot: true,
         make: || Box::<Strips>::default(),
     },
-    Kind {
+    PanelKind {
         name: "settings",
         meaning: "speed, gains, deadbands and limits, to be changed",
         least: (20, 5),
         is_plot: false,
         make: || Box::new(settings::SettingsPanel),
     },
-    Kind {
+    PanelKind {
         name: "force",
         meaning: "the control force, now and at most",
         least: (18, 4),
         is_plot: true,
         make: || Box::<Force>::default(),
     },
-    Kind {
+    PanelKind {
         name: "force-budget",
         meaning: "the control force by component, by signal and by gain",
         least: (24, 5),
         is_plot: true,
         make: || Box::<ForceBudget>::default(),
     },
-    Kind {
+    PanelKind {
         name: "damping-over-speed",
         meaning: "how far the gains in force carry: minimum damping over speed",
         least: (28, 6),
         is_plot: true,
         make: || Box::<DampingOverSpeed>::default(),
     },
-    Kind {
+    PanelKind {
         name: "modes",
         meaning: "every mode: damping, frequency, sense of whirl and shape, the least damped first",
         least: (40, 4),
         is_plot: false,
         make: || Box::<Modes>::default(),
     },
-    Kind {
+    PanelKind {
         name: "spectrum",
         meaning: "full spectrum of one mass, forward and backward",
         least: (28, 6),
         is_plot: true,
         make: || Box::new(spectrum::panel()),
     },
-    Kind {
+    PanelKind {
         name: "waterfall",
         meaning: "its spectra over time",
         least: (24, 6),
         is_plot: true,
         make: || Box::new(waterfall::over_time()),
     },
-    Kind {
+    PanelKind {
         name: "waterfall-over-speed",
         meaning: "its spectra over the speeds that were run through",
         least: (24, 6),
         is_plot: true,
         make: || Box::new(waterfall::over_speed()),
     },
-    Kind {
+    PanelKind {
         name: "alarms",
         meaning: "what is watched, its limits, and what has been past them",
         least: (30, 4),
         is_plot: false,
         make: || Box::<AlarmList>::default(),
     },
-    Kind {
+    PanelKind {
         name: "events",
         meaning: "what happened: who changed what and why, trips, notes",
         least: (30, 3),
         is_plot: false,
         make: || Box::<Events>::default(),
     },
-    Kind {
+    PanelKind {
         name: "raw",
         meaning: "every number of one step",
         least: (40, 5),
@@ -144,12 +144,12 @@ pub(crate) const KINDS: &[Kind] = &[
 
 /// Name, meaning, and smallest width and height of every panel.
 pub fn panels() -> impl ExactSizeIterator<Item = (&'static str, &'static str, (u16, u16))> {
-    KINDS.iter().map(|kind| (kind.name, kind.meaning, kind.least))
+    PANELS.iter().map(|kind| (kind.name, kind.meaning, kind.least))
 }
 
 /// The names of the plots.
 pub(crate) fn plots() -> impl Iterator<Item = &'static str> {
-    KINDS.iter().filter(|kind| kind.is_plot).map(|kind| kind.name)
+    PANELS.iter().filter(|kind| kind.is_plot).map(|kind| kind.name)
 }
 
 /// The panels of one dashboard, made when they are first shown and kept, with what they remember, while others are.
@@ -158,7 +158,7 @@ pub(crate) struct Panels(Vec<Option<Box<dyn Panel>>>);
 impl Panels {
     /// None has been shown yet.
     pub(crate) fn new() -> Self {
-        Self(KINDS.iter().map(|_| None).collect())
+        Self(PANELS.iter().map(|_| None).collect())
     }
 
     /// What the mouse over the panel in row `kind` of the table asks for.
@@ -169,33 +169,33 @@ impl Panels {
         area: Rect,
         mouse: Mouse,
         at: Position,
-    ) -> Option<Intent> {
-        self.0[kind].get_or_insert_with(KINDS[kind].make).mouse(view, area, mouse, at)
+    ) -> Option<PanelRequest> {
+        self.0[kind].get_or_insert_with(PANELS[kind].make).mouse(view, area, mouse, at)
     }
 
     /// Moves the list of the panel in row `kind` of the table, if it is one.
     pub(crate) fn scroll(&mut self, kind: usize, rows: isize) {
-        self.0[kind].get_or_insert_with(KINDS[kind].make).scroll(rows);
+        self.0[kind].get_or_insert_with(PANELS[kind].make).scroll(rows);
     }
 
-    /// Wishes something of the panel in row `kind` of the table.
-    pub(crate) fn wish(&mut self, kind: usize, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        self.0[kind].get_or_insert_with(KINDS[kind].make).wish(wish)
+    /// Commands the panel in row `kind` of the table.
+    pub(crate) fn command(&mut self, kind: usize, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        self.0[kind].get_or_insert_with(PANELS[kind].make).command(command)
     }
 
-    /// Wishes something of every panel that it is a matter of; says what comes of it if it is one of any.
-    pub(crate) fn wish_any(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        (0..KINDS.len()).filter_map(|kind| self.wish(kind, wish)).reduce(Result::and)
+    /// Commands every panel that it is a matter of; says what comes of it if it is one of any.
+    pub(crate) fn command_any(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        (0..PANELS.len()).filter_map(|kind| self.command(kind, command)).reduce(Result::and)
     }
 
     /// Where the read-out of the panel in row `kind` of the table goes.
-    pub(crate) fn read(&mut self, kind: usize, view: &View<'_>, read: Read) -> Option<Point> {
-        self.0[kind].get_or_insert_with(KINDS[kind].make).read(view, read)
+    pub(crate) fn read(&mut self, kind: usize, view: &View<'_>, read: ReadoutMove) -> Option<SelectedItem> {
+        self.0[kind].get_or_insert_with(PANELS[kind].make).read(view, read)
     }
 
     /// Draws the panel in row `kind` of the table.
     pub(crate) fn draw(&mut self, kind: usize, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        self.0[kind].get_or_insert_with(KINDS[kind].make).draw(view, area, buffer);
+        self.0[kind].get_or_insert_with(PANELS[kind].make).draw(view, area, buffer);
     }
 }
 
@@ -203,9 +203,9 @@ impl Panels {
 mod tests {
     use super::*;
     use crate::axis::Scaling;
-    use crate::panels::series::Strip;
-    use crate::panels::tests::drawn;
-    use crate::pointed::Pointed;
+    use crate::drawing::tests::drawn;
+    use crate::selection::Selection;
+    use crate::series::Strip;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
@@ -215,13 +215,13 @@ mod tests {
         let now = std::time::Instant::now();
         for (steps_of, bench_status_of, feedback) in [(1, "three-mass", "individual"), (3, "jeffcott", "cancel")] {
             let mut feed = telemetry::feed::Feed::new("");
-            (0..300).for_each(|seq| feed.hear(&tests::state(steps_of, seq), now));
-            feed.read(tests::bench_status(bench_status_of, feedback));
-            let picture = feed.picture(&ViewTime::LIVE, now);
+            (0..300).for_each(|seq| feed.push_step(&tests::state(steps_of, seq), now));
+            feed.push_bench_status(tests::bench_status(bench_status_of, feedback));
+            let data = feed.frame_data(&ViewTime::LIVE, now);
             let mut panels = Panels::new();
-            for kind in 0..KINDS.len() {
+            for kind in 0..PANELS.len() {
                 let area = Rect::new(0, 0, 80, 30);
-                panels.draw(kind, &view(&picture), area, &mut Buffer::empty(area));
+                panels.draw(kind, &view(&data), area, &mut Buffer::empty(area));
             }
         }
     }
@@ -232,11 +232,11 @@ mod tests {
         let mut feed = telemetry::feed::Feed::new("");
         let mut bench_status = tests::bench_status("three-mass", "composite");
         bench_status.scales = scales.map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
-        feed.read(bench_status);
+        feed.push_bench_status(bench_status);
         let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
         for seq in (0..17_000).filter(|seq| *seq % 4001 != 4000) {
             let state = tests::state(3, seq).with(wire::Channel::Vy, 1, 1.5);
-            feed.hear(&state.with_word(wire::Channel::WallNs, 50_000_000_000_000 + seq * 1_000_000), now);
+            feed.push_step(&state.with_word(wire::Channel::WallNs, 50_000_000_000_000 + seq * 1_000_000), now);
         }
         let told = [
             wire::Happening::Started,
@@ -244,7 +244,7 @@ mod tests {
             wire::Happening::Tripped(wire::message::Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 }),
         ];
         for (number, happening) in (1..).zip(&told) {
-            feed.happen(&telemetry::test_support::event(number, happening, &settings));
+            feed.push_event(&telemetry::test_support::event(number, happening, &settings));
         }
         (feed, now)
     }
@@ -256,12 +256,12 @@ mod tests {
     #[test]
     fn every_panel_has_its_frame_at_its_smallest_at_a_usual_and_at_a_large_size() {
         let (feed, now) = eventful(None);
-        let picture = feed.picture(&ViewTime::LIVE, now);
-        for (at, kind) in KINDS.iter().enumerate() {
+        let data = feed.frame_data(&ViewTime::LIVE, now);
+        for (at, kind) in PANELS.iter().enumerate() {
             let panels = std::cell::RefCell::new(Panels::new());
             let frame_of = |(width, height): (u16, u16)| {
                 // At every small size too, down to 0 x 0.
-                drawn(width, height, |area, buffer| panels.borrow_mut().draw(at, &view(&picture), area, buffer))
+                drawn(width, height, |area, buffer| panels.borrow_mut().draw(at, &view(&data), area, buffer))
             };
             let frames = [kind.least, USUAL, LARGE].map(frame_of);
             for (frame, (width, height)) in frames.iter().zip([kind.least, USUAL, LARGE]) {
@@ -270,7 +270,7 @@ mod tests {
                 assert!(is_framed && rows[0].chars().count() == usize::from(width), "{}:\n{frame}", kind.name);
             }
             insta::assert_snapshot!(format!("panel_{}", kind.name), frames.join("\n"));
-            assert!(KINDS[..at].iter().all(|other| other.name != kind.name), "{} twice", kind.name);
+            assert!(PANELS[..at].iter().all(|other| other.name != kind.name), "{} twice", kind.name);
             assert!(kind.name.chars().all(|c| c.is_ascii_lowercase() || c == '-'), "{}", kind.name);
         }
     }
@@ -278,13 +278,13 @@ mod tests {
     #[test]
     fn a_rotor_in_si_units_is_shown_in_them_everywhere() {
         let (feed, now) = eventful(Some(telemetry::test_support::SI));
-        let picture = feed.picture(&ViewTime::LIVE, now);
+        let data = feed.frame_data(&ViewTime::LIVE, now);
         let mut panels = Panels::new();
-        for (at, kind) in KINDS.iter().enumerate() {
+        for (at, kind) in PANELS.iter().enumerate() {
             let area = Rect::new(0, 0, LARGE.0, LARGE.1);
             let mut buffer = Buffer::empty(area);
-            panels.draw(at, &view(&picture), area, &mut buffer);
-            let frame = crate::looks::still::text(&buffer);
+            panels.draw(at, &view(&data), area, &mut buffer);
+            let frame = crate::screenshot::image::text(&buffer);
             // What the simulation says of a trip is its own words.
             for sign in ["e_t", "w0", " R "].into_iter().filter(|_| kind.name != "events") {
                 assert!(!frame.contains(sign), "{} still says {sign}:\n{frame}", kind.name);
@@ -313,30 +313,30 @@ mod tests {
     fn no_wish_and_no_click_breaks_a_panel() {
         let (feed, now) = eventful(None);
         let mut past = ViewTime::LIVE;
-        past.at(9000, &feed.history().places(), feed.seconds());
+        past.look_at(9000, &feed.history().kept(), feed.step_seconds());
         let strips = Strip::read_all("y.3 radius damping speed command vy.2").unwrap();
-        let pole = feed.picture(&past, now).poles().unwrap().1[2];
-        let pointed = Pointed { plot: Some(0), mode: Some(pole), frequency: Some(1.2), speed: Some(3.0) };
+        let pole = feed.frame_data(&past, now).poles().unwrap().1[2];
+        let selection = Selection { plot: Some(0), mode: Some(pole), frequency: Some(1.2), speed: Some(3.0) };
         for time in [ViewTime::LIVE, past] {
-            let picture = feed.picture(&time, now);
-            let view = View { time: &time, pointed: &pointed, ..view(&picture) };
+            let data = feed.frame_data(&time, now);
+            let view = View { time: &time, selection: &selection, ..view(&data) };
             let mut panels = Panels::new();
-            for (at, kind) in KINDS.iter().enumerate() {
+            for (at, kind) in PANELS.iter().enumerate() {
                 let fixes = [Scaling::Fix([1e-3, 2e-3]), Scaling::Fix([1e5, 1e6])];
                 let wishes = [
-                    Wish::Value(&[Scaling::Times(1e-9)]),
-                    Wish::Value(&[Scaling::Times(1e9)]),
-                    Wish::Value(&fixes),
-                    Wish::Value(&[]),
-                    Wish::Along(Scaling::Times(0.01), &pointed),
-                    Wish::Along(Scaling::Fix([-7.0, -6.0]), &pointed),
-                    Wish::Along(Scaling::Fix([500.0, 600.0]), &pointed),
-                    Wish::Mass(Some(2)),
-                    Wish::Strips(Some(&strips)),
-                    Wish::Strip("damping", &[Scaling::Times(0.5)]),
+                    PanelCommand::Value(&[Scaling::Times(1e-9)]),
+                    PanelCommand::Value(&[Scaling::Times(1e9)]),
+                    PanelCommand::Value(&fixes),
+                    PanelCommand::Value(&[]),
+                    PanelCommand::Along(Scaling::Times(0.01), &selection),
+                    PanelCommand::Along(Scaling::Fix([-7.0, -6.0]), &selection),
+                    PanelCommand::Along(Scaling::Fix([500.0, 600.0]), &selection),
+                    PanelCommand::Mass(Some(2)),
+                    PanelCommand::Strips(Some(&strips)),
+                    PanelCommand::Strip("damping", &[Scaling::Times(0.5)]),
                 ];
-                for wish in &wishes {
-                    panels.wish(at, wish);
+                for command in &wishes {
+                    panels.command(at, command);
                     for (width, height) in [(0, 0), (1, 1), (7, 3), kind.least, USUAL, LARGE] {
                         let area = Rect::new(2, 1, width, height);
                         panels.draw(at, &view, area, &mut Buffer::empty(Rect::new(0, 0, 200, 60)));
@@ -345,7 +345,9 @@ mod tests {
                                 panels.mouse(at, &view, area, mouse, Position::from(spot));
                             }
                         }
-                        for read in [Read::Move(-1), Read::Move(1), Read::At(1.0), Read::Off] {
+                        for read in
+                            [ReadoutMove::Move(-1), ReadoutMove::Move(1), ReadoutMove::At(1.0), ReadoutMove::Off]
+                        {
                             panels.read(at, &view, read);
                         }
                     }

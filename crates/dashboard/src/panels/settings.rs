@@ -15,13 +15,13 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Scope, Settings};
 
-use super::list::{mark, passes, told};
-use super::panel::{Intent, Mouse, Panel};
-use super::{framed, write, write_line};
+use super::panel::{Mouse, Panel, PanelRequest};
 use crate::actions::Action;
-use crate::fit::width;
+use crate::drawing::{framed, write, write_line};
+use crate::fit_text::width;
+use crate::list::{draw_overflow, filter_title, passes};
 use crate::theme;
-use crate::view::{Cursor, View};
+use crate::view::{SettingsCursor, View};
 use telemetry::units::Units;
 
 /// The rows of the panel: every key there is, but one deadband for all masses where they are all alike, and no index on
@@ -53,18 +53,18 @@ impl Panel for SettingsPanel {
         draw(view, area, buffer);
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         let inner = area.inner(Margin::new(1, 1));
         let selected = view.cursor.row;
-        let shown = shown_rows(&rows(view.picture.settings.as_ref()?), view.filter, selected);
+        let shown = shown_rows(&rows(view.data.settings.as_ref()?), view.filter, selected);
         match mouse {
-            Mouse::Wheel(notches) => Some(Intent::Do(Action::Select(notches as isize))),
+            Mouse::Wheel(notches) => Some(PanelRequest::Do(Action::Select(notches as isize))),
             Mouse::Drag(0) => None,
-            Mouse::Drag(cells) => Some(Intent::Do(Action::Nudge(f64::from(cells)))),
+            Mouse::Drag(cells) => Some(PanelRequest::Do(Action::Nudge(f64::from(cells)))),
             Mouse::Click => {
                 let first = first_row(&shown, selected, inner.height);
                 let row = shown.get(first + usize::from(at.y.checked_sub(inner.y)?))?;
-                inner.contains(at).then_some(Intent::Row(*row))
+                inner.contains(at).then_some(PanelRequest::SelectSetting(*row))
             }
         }
     }
@@ -78,19 +78,19 @@ fn first_row(shown: &[usize], selected: usize, height: u16) -> usize {
 }
 
 fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let (picture, cursor) = (view.picture, view.cursor);
-    let keys = picture.settings.as_ref().map(rows).unwrap_or_default();
+    let (data, cursor) = (view.data, view.cursor);
+    let keys = data.settings.as_ref().map(rows).unwrap_or_default();
     let shown = shown_rows(&keys, view.filter, cursor.row);
-    let passed = told(view.filter, shown.len(), keys.len());
-    let title = match &picture.bench_status {
+    let passed = filter_title(view.filter, shown.len(), keys.len());
+    let title = match &data.bench_status {
         Some(bench_status) => {
             format!(" settings  rev {} by {} {passed}", bench_status.revision, bench_status.changed_by.as_str())
         }
         None => " settings ".to_owned(),
     };
     let inner = framed(Line::from(title), area, buffer);
-    let Some(settings) = &picture.settings else { return };
-    let units = picture.units();
+    let Some(settings) = &data.settings else { return };
+    let units = data.units();
     let first = first_row(&shown, cursor.row, inner.height);
     for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
         let row = Rect { y, height: 1, ..inner };
@@ -98,10 +98,16 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     }
     // On the frame, where no value is hidden by it.
     let last = (first + usize::from(inner.height)).min(shown.len());
-    mark(&(first..last), shown.len(), area, buffer);
+    draw_overflow(&(first..last), shown.len(), area, buffer);
 }
 
-fn draw_row((settings, units): (&Settings, &Units), key: Key, cursor: Option<&Cursor>, row: Rect, buffer: &mut Buffer) {
+fn draw_row(
+    (settings, units): (&Settings, &Units),
+    key: Key,
+    cursor: Option<&SettingsCursor>,
+    row: Rect,
+    buffer: &mut Buffer,
+) {
     let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
     write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
     let name = write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style) - row.left();
@@ -160,7 +166,7 @@ fn compact(value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
 
@@ -173,23 +179,23 @@ mod tests {
 
     #[test]
     fn values_steps_and_selection_are_shown() {
-        let picture = tests::picture();
-        let cursor = Cursor { row: 3, typed: None };
-        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
+        let data = tests::frame_data();
+        let cursor = SettingsCursor { row: 3, typed: None };
+        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &cursor, ..view(&data) }, area, buffer));
         insta::assert_snapshot!("settings", frame);
-        let typing = Cursor { row: 3, typed: Some("-0.4".into()) };
-        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &typing, ..view(&picture) }, area, buffer));
+        let typing = SettingsCursor { row: 3, typed: Some("-0.4".into()) };
+        let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &typing, ..view(&data) }, area, buffer));
         assert!(frame.contains("▶ kd") && frame.contains("-0.4_"), "{frame}");
     }
 
     #[test]
     fn the_selected_row_stays_in_view() {
-        let mut picture = tests::picture();
-        picture.settings = Some(tests::bench_status("three-mass", "individual").settings.get().clone());
-        let cursor = Cursor { row: 10, typed: None };
-        let frame = drawn(36, 5, |area, buffer| draw(&View { cursor: &cursor, ..view(&picture) }, area, buffer));
+        let mut data = tests::frame_data();
+        data.settings = Some(tests::bench_status("three-mass", "individual").settings.get().clone());
+        let cursor = SettingsCursor { row: 10, typed: None };
+        let frame = drawn(36, 5, |area, buffer| draw(&View { cursor: &cursor, ..view(&data) }, area, buffer));
         assert!(frame.contains("▶ cc.2"), "{frame}");
-        let first = drawn(36, 5, |area, buffer| draw(&view(&picture), area, buffer));
+        let first = drawn(36, 5, |area, buffer| draw(&view(&data), area, buffer));
         assert!(first.contains("▶ speed") && first.contains('▼'), "{first}");
     }
 

@@ -5,13 +5,13 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use spectrum::Peak;
 
-use super::panel::{Intent, Mouse, Panel, Wish};
+use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
-use crate::actions::Read;
-use crate::axis::{Axis, Scaling};
-use crate::pointed::Point;
+use crate::actions::ReadoutMove;
+use crate::axis::{PlotAxis, Scaling};
+use crate::selection::SelectedItem;
 use crate::view::View;
-use telemetry::frame_data::Picture;
+use telemetry::frame_data::FrameData;
 use telemetry::numbers::{nice_ceiling, short};
 use telemetry::units::Units;
 
@@ -26,7 +26,7 @@ pub(crate) struct SpectralPanel {
 
 impl SpectralPanel {
     pub(super) fn new(draw: Draw) -> Self {
-        let (along, value) = (Axis::default(), Axis::default());
+        let (along, value) = (PlotAxis::default(), PlotAxis::default());
         Self { axes: Spectral { mass: None, along, shown: None, value, units: Units::DIMENSIONLESS }, draw }
     }
 }
@@ -36,15 +36,15 @@ impl Panel for SpectralPanel {
         (self.draw)(view, &mut self.axes, area, buffer);
     }
 
-    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, _area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         self.axes.mouse(view, mouse, at)
     }
 
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        self.axes.wish(wish)
+    fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        self.axes.command(command)
     }
 
-    fn read(&mut self, view: &View<'_>, read: Read) -> Option<Point> {
+    fn read(&mut self, view: &View<'_>, read: ReadoutMove) -> Option<SelectedItem> {
         self.axes.read(view, read)
     }
 }
@@ -55,26 +55,26 @@ pub(super) struct Spectral {
     /// The mass, counted from 0; that with the control bearing if there is none.
     mass: Option<usize>,
     /// Frequencies, as they stand on the axis.
-    along: Axis,
+    along: PlotAxis,
     /// The frequencies that were last shown, in units of `w0`, where, and over how many columns.
     shown: Option<([f64; 2], Rect)>,
     /// Decades of density, as they stand on the axis.
-    pub(super) value: Axis,
+    pub(super) value: PlotAxis,
     /// The units that the axes count in.
     pub(super) units: Units,
 }
 
 impl Spectral {
     /// The mass that is looked at.
-    pub(super) fn mass(&self, picture: &Picture) -> usize {
-        let bearing = picture.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
-        self.mass.unwrap_or(bearing).min(picture.masses().saturating_sub(1))
+    pub(super) fn mass(&self, data: &FrameData) -> usize {
+        let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
+        self.mass.unwrap_or(bearing).min(data.masses().saturating_sub(1))
     }
 
     /// The range of frequencies to show over `area`, in units of `w0`.
-    pub(super) fn over(&mut self, picture: &Picture, area: Rect) -> [f64; 2] {
-        let factor = picture.units().frequency.factor;
-        let reach = reach(picture) * factor;
+    pub(super) fn over(&mut self, data: &FrameData, area: Rect) -> [f64; 2] {
+        let factor = data.units().frequency.factor;
+        let reach = reach(data) * factor;
         let range = self.along.over([-reach, reach]).map(|end| end / factor);
         self.shown = Some((range, area));
         range
@@ -91,13 +91,13 @@ impl Spectral {
     }
 
     /// What the mouse asks for: a click points at a frequency, the wheel shows more or fewer.
-    fn mouse(&mut self, view: &View<'_>, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         let ([low, high], area) = self.shown?;
         let along = (f64::from(at.x.checked_sub(area.x)?) + 0.5) / f64::from(area.width);
         let frequency = low + along * (high - low);
         match mouse {
             Mouse::Wheel(notches) => {
-                let there = frequency * view.picture.units().frequency.factor;
+                let there = frequency * view.data.units().frequency.factor;
                 // Both sides alike, unless what is pointed at lies far from the middle.
                 let about = if self.along.is_fixed() { Some(there) } else { None };
                 self.along.zoom(wheel_times(notches), about);
@@ -105,25 +105,25 @@ impl Spectral {
             }
             Mouse::Click | Mouse::Drag(_) => {
                 let within = at.x < area.right() && (area.top()..=area.bottom()).contains(&at.y);
-                within.then_some(Intent::Point(Point::Frequency(frequency)))
+                within.then_some(PanelRequest::Select(SelectedItem::Frequency(frequency)))
             }
         }
     }
 
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        match wish {
-            Wish::Value(scalings) => {
+    fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        match command {
+            PanelCommand::Value(scalings) => {
                 // The highest density stays where it is.
                 let top = self.value.shown().map(|[_, top]| top);
                 let scaling = in_decades(*scalings.first()?);
                 Some(scaling.and_then(|scaling| self.value.take(scaling, top)))
             }
-            Wish::Along(scaling, pointed) => {
-                let about = pointed.frequency.map(|frequency| frequency * self.units.frequency.factor);
+            PanelCommand::Along(scaling, selection) => {
+                let about = selection.frequency.map(|frequency| frequency * self.units.frequency.factor);
                 Some(self.along.take(*scaling, about))
             }
-            Wish::Frequencies(scaling) => Some(self.along.take(*scaling, None)),
-            Wish::Mass(mass) => {
+            PanelCommand::Frequencies(scaling) => Some(self.along.take(*scaling, None)),
+            PanelCommand::Mass(mass) => {
                 self.mass = *mass;
                 Some(Ok(()))
             }
@@ -131,16 +131,16 @@ impl Spectral {
         }
     }
 
-    fn read(&self, view: &View<'_>, read: Read) -> Option<Point> {
+    fn read(&self, view: &View<'_>, read: ReadoutMove) -> Option<SelectedItem> {
         let ([low, high], _) = self.shown?;
-        let before = view.pointed.frequency;
-        let speed = view.picture.now.map_or(0.0, |now| view.picture.track.speed(now));
+        let before = view.selection.frequency;
+        let speed = view.data.now.map_or(0.0, |now| view.data.track.speed(now));
         let frequency = match read {
-            Read::Off => before.unwrap_or(0.0),
-            Read::At(frequency) => frequency / view.picture.units().frequency.factor,
-            Read::Move(by) => before.map_or(speed, |there| there + 2.0 * f64::from(by) * self.half_column()),
+            ReadoutMove::Off => before.unwrap_or(0.0),
+            ReadoutMove::At(frequency) => frequency / view.data.units().frequency.factor,
+            ReadoutMove::Move(by) => before.map_or(speed, |there| there + 2.0 * f64::from(by) * self.half_column()),
         };
-        Some(Point::Frequency(frequency.clamp(low, high)))
+        Some(SelectedItem::Frequency(frequency.clamp(low, high)))
     }
 }
 
@@ -161,10 +161,10 @@ pub(super) fn shift(units: &Units) -> f64 {
 }
 
 /// The highest frequency that is shown: beyond twice the speed, and beyond every mode; round on the screen.
-pub(super) fn reach(picture: &Picture) -> f64 {
-    let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
-    let highest = picture.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
-    let factor = picture.units().frequency.factor;
+pub(super) fn reach(data: &FrameData) -> f64 {
+    let speed = data.now.map_or(0.0, |now| data.track.speed(now));
+    let highest = data.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
+    let factor = data.units().frequency.factor;
     nice_ceiling((2.2 * speed).max(1.2 * highest).max(0.1) * factor) / factor
 }
 

@@ -17,11 +17,11 @@ use ratatui::text::Line;
 use spectrum::Spectrum;
 
 use super::spectral::{Spectral, SpectralPanel, shift, told};
-use super::{framed, write, write_right};
+use crate::drawing::{framed, write, write_right};
 use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;
-use telemetry::jobs::{Orbit, OrbitSpectrum};
+use telemetry::jobs::{OrbitSpectrum, SpectrumRequest};
 use telemetry::numbers::short;
 
 /// Orders that are marked, on both sides, the most important first.
@@ -37,13 +37,13 @@ pub(crate) fn panel() -> SpectralPanel {
 }
 
 fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let mass = axes.mass(picture);
+    let data = view.data;
+    let mass = axes.mass(data);
     let word = axes.word();
     let title = |tau: &str| Line::from(format!(" full spectrum  mass {}{tau}{word} ", mass + 1));
-    let asked = picture.now.filter(|_| picture.masses() > 0).and_then(|now| {
-        let view_steps = picture.window.len();
-        view.desk.spectrum(&Orbit::until(&picture.track, mass, now, view_steps, picture.seconds))
+    let asked = data.now.filter(|_| data.masses() > 0).and_then(|now| {
+        let view_steps = data.window.len();
+        view.jobs.spectrum(&SpectrumRequest::until(&data.track, mass, now, view_steps, data.seconds))
     });
     let Some(answer) = asked else {
         framed(title(""), area, buffer);
@@ -52,7 +52,7 @@ fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
     let inner = framed(title(&format!("  {} tau", short(answer.tau, 3))), area, buffer);
     match &answer.spectrum {
         Ok(spectrum) => draw_spectrum(spectrum, &answer, view, axes, (area, inner), buffer),
-        // Stability still, or just begun.
+        // Standing still, or just begun.
         Err(why) => {
             write(buffer, inner, inner.left(), inner.top(), &why.to_string(), theme::quiet());
         }
@@ -70,11 +70,11 @@ fn draw_spectrum(
     if area.is_empty() {
         return;
     }
-    let (picture, units) = (view.picture, view.picture.units());
+    let (data, units) = (view.data, view.data.units());
     axes.units = units;
-    let speed = picture.now.map_or(0.0, |now| picture.track.speed(now));
+    let speed = data.now.map_or(0.0, |now| data.track.speed(now));
     let plotted = Rect { height: area.height.saturating_sub(1), ..area };
-    let [low, high] = axes.over(picture, plotted);
+    let [low, high] = axes.over(data, plotted);
     let columns = usize::from(plotted.width) * 2;
     let densities = columns_of(spectrum, [low, high], columns, shift(&units));
     let top = densities.iter().copied().fold(f64::NEG_INFINITY, f64::max).ceil();
@@ -91,7 +91,7 @@ fn draw_spectrum(
     };
     let marks = marks(speed, [low, high]);
     marks.iter().for_each(|(frequency, _)| upright(*frequency, 3, theme::GRID));
-    if let Some(frequency) = view.pointed.frequency {
+    if let Some(frequency) = view.selection.frequency {
         upright(frequency, 2, theme::CURSOR);
     }
     let at = |column: usize| low + (high - low) * (column as f64 + 0.5) / columns as f64;
@@ -113,9 +113,9 @@ fn draw_spectrum(
     write(buffer, plotted, area.left(), area.top(), &highest, theme::quiet());
     let foot = area.bottom() - 1;
     let mut taken: Vec<[u16; 2]> = Vec::new();
-    let mode = view.pointed.mode.map(|pole| (pole.im, "◈".to_owned()));
+    let mode = view.selection.mode.map(|pole| (pole.im, "◈".to_owned()));
     for (frequency, name) in mode.into_iter().chain(marks) {
-        let width = crate::fit::width(&name) as u16;
+        let width = crate::fit_text::width(&name) as u16;
         let Some((x, _)) = plot.cell(frequency, 0.5 * (top + bottom)) else { continue };
         let x = x.saturating_sub(width / 2).max(area.left());
         // A name that would run into another is left out: the important ones come first.
@@ -136,7 +136,7 @@ fn draw_spectrum(
     }
     // A line is as wide as a column, and its window two bins: what is nearest is the line.
     let within = axes.half_column().max(1.01 * spectrum.resolution());
-    if let Some(line) = view.pointed.frequency.and_then(|frequency| spectrum.at(frequency, within, speed)) {
+    if let Some(line) = view.selection.frequency.and_then(|frequency| spectrum.at(frequency, within, speed)) {
         let edge = Rect { width: frame.width.saturating_sub(1), ..frame };
         let text = told(&line, &units);
         write(buffer, edge, frame.x + 1, frame.bottom().saturating_sub(1), &text, theme::loud(theme::CURSOR));
@@ -155,7 +155,7 @@ fn marks(speed: f64, [low, high]: [f64; 2]) -> Vec<(f64, String)> {
 }
 
 /// The decimal logarithm of the highest density in each of `columns` equal parts of a range of frequencies, raised by `shift`, so
-/// that no line falls between two columns; where a part has no bin of its own, that of the nearest one.
+/// that no line waterfalls between two columns; where a part has no bin of its own, that of the nearest one.
 pub(crate) fn columns_of(spectrum: &Spectrum, [low, high]: [f64; 2], columns: usize, shift: f64) -> Vec<f64> {
     let bins = spectrum.frequency.len();
     let place = |frequency: f64| ((frequency - spectrum.frequency[0]) / spectrum.resolution()).round();
@@ -184,40 +184,40 @@ mod tests {
 
     use super::*;
     use crate::axis::Scaling;
-    use crate::panels::panel::{Panel, Wish};
+    use crate::drawing::tests::drawn;
+    use crate::panels::panel::{Panel, PanelCommand};
     use crate::panels::spectral::reach;
-    use crate::panels::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
-    use telemetry::frame_data::Picture;
+    use telemetry::frame_data::FrameData;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
     /// A mass that whirls forward at 1X and, less, backward at half of it.
-    pub(crate) fn picture() -> Picture {
+    pub(crate) fn frame_data() -> FrameData {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(tests::bench_status("three-mass", "composite"));
+        feed.push_bench_status(tests::bench_status("three-mass", "composite"));
         for seq in 0..17_000 {
             let state = tests::state(3, seq);
             let p = C64::from_polar(2.0, 2.5 * state.tau()) + C64::from_polar(0.05, -1.25 * state.tau());
-            feed.hear(&state.with_point(0, Point { y: p.re, z: p.im, ..Point::default() }), now);
+            feed.push_step(&state.with_point(0, Point { y: p.re, z: p.im, ..Point::default() }), now);
         }
-        feed.picture(&ViewTime::LIVE, now)
+        feed.frame_data(&ViewTime::LIVE, now)
     }
 
     #[test]
     fn lines_are_named_and_stand_on_their_marks() {
-        let picture = picture();
-        let frame_of = |width, height| drawn(width, height, |area, buffer| panel().draw(&view(&picture), area, buffer));
+        let data = frame_data();
+        let frame_of = |width, height| drawn(width, height, |area, buffer| panel().draw(&view(&data), area, buffer));
         let frame = frame_of(72, 14);
         assert!(frame.contains("1X    2.000 e_t") && frame.contains("-0.5X    0.050 e_t"), "{frame}");
         insta::assert_snapshot!("spectrum", frame);
         insta::assert_snapshot!("spectrum_small", frame_of(28, 6));
         insta::assert_snapshot!("spectrum_large", frame_of(140, 24));
         // The highest column is that of 1X.
-        let reach = reach(&picture);
-        let orbit = Orbit::until(&picture.track, 0, picture.now.unwrap(), 0, picture.seconds);
+        let reach = reach(&data);
+        let orbit = SpectrumRequest::until(&data.track, 0, data.now.unwrap(), 0, data.seconds);
         let columns = columns_of(&OrbitSpectrum::of(&orbit).spectrum.unwrap(), [-reach, reach], 140, 0.0);
         let highest = (0..140).max_by(|a, b| columns[*a].total_cmp(&columns[*b])).unwrap();
         let of_1x = (140.0 * (2.5 / reach + 1.0) / 2.0) as usize;
@@ -226,20 +226,23 @@ mod tests {
 
     #[test]
     fn the_line_that_is_pointed_at_is_read_and_scales_stand_still() {
-        let picture = picture();
+        let data = frame_data();
         let pole = rotor::C64::new(-0.1, 1.9);
-        let pointed =
-            crate::pointed::Pointed { frequency: Some(2.47), mode: Some(pole), ..crate::pointed::Pointed::default() };
-        let seen = View { pointed: &pointed, ..view(&picture) };
+        let selection = crate::selection::Selection {
+            frequency: Some(2.47),
+            mode: Some(pole),
+            ..crate::selection::Selection::default()
+        };
+        let seen = View { selection: &selection, ..view(&data) };
         let mut shown = panel();
-        shown.wish(&Wish::Value(&[Scaling::Fix([1e-4, 1e2])]));
-        shown.wish(&Wish::Along(Scaling::Fix([1.0, 3.0]), &pointed));
+        shown.command(&PanelCommand::Value(&[Scaling::Fix([1e-4, 1e2])]));
+        shown.command(&PanelCommand::Along(Scaling::Fix([1.0, 3.0]), &selection));
         let panel = std::cell::RefCell::new(shown);
         let frame = drawn(72, 14, |area, buffer| panel.borrow_mut().draw(&seen, area, buffer));
         assert!(frame.contains("tau fixed ") && frame.contains("│=1e2"), "{frame}");
         assert!(frame.contains("└ ┆ 2.500  1X  2.000 e_t ─"), "{frame}");
         assert!(frame.contains('◈') && !frame.contains("-1X "), "backward is out of view, the mode is not:\n{frame}");
-        let wrong = panel.borrow_mut().wish(&Wish::Value(&[Scaling::Fix([-1.0, 2.0])]));
+        let wrong = panel.borrow_mut().command(&PanelCommand::Value(&[Scaling::Fix([-1.0, 2.0])]));
         assert_eq!(wrong, Some(Err("-1..2: expected densities above 0, such as 1e-6..1e2".into())));
         insta::assert_snapshot!("spectrum_pointed", frame);
     }
@@ -248,11 +251,11 @@ mod tests {
     fn too_little_motion_is_told_in_words_and_no_bin_is_lost_between_columns() {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        let empty = feed.picture(&ViewTime::LIVE, now);
+        let empty = feed.frame_data(&ViewTime::LIVE, now);
         drawn(40, 8, |area, buffer| panel().draw(&view(&empty), area, buffer));
-        (0..20).for_each(|seq| feed.hear(&tests::state(3, seq), now));
-        let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(60, 8, |area, buffer| panel().draw(&view(&picture), area, buffer));
+        (0..20).for_each(|seq| feed.push_step(&tests::state(3, seq), now));
+        let data = feed.frame_data(&ViewTime::LIVE, now);
+        let frame = drawn(60, 8, |area, buffer| panel().draw(&view(&data), area, buffer));
         assert!(frame.contains("20 samples are too few for a spectrum"), "{frame}");
         let frequency: Vec<f64> = (-50..50).map(f64::from).collect();
         let mut density = vec![1.0; 100];

@@ -15,19 +15,20 @@ use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
-use super::panel::{Intent, Mouse, Panel, Wish};
-use super::series::{Strip, Trace};
-use super::{framed, look_at, wheel_times, write, write_right};
-use crate::axis::{Axis, Scaling};
-use crate::fit::width;
-use wire::Channel as Told;
+use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::{look_at, wheel_times};
+use crate::axis::{PlotAxis, Scaling};
+use crate::drawing::{framed, write, write_right};
+use crate::fit_text::width;
+use crate::series::{Strip, Trace};
+use wire::Channel;
 
 use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;
-use telemetry::history::{Channel, Mark};
+use telemetry::history::{Mark, StepQuantity};
 use telemetry::numbers::{neat, nice_ceiling, short};
-use telemetry::replay::Beside;
+use telemetry::replay::WhatIfRun;
 use telemetry::units::Unit;
 
 /// What strips show if neither a person nor the layout says otherwise.
@@ -45,7 +46,7 @@ pub(crate) struct Strips {
     /// What a person wants to be shown.
     chosen: Option<Vec<Strip>>,
     /// The scale of every strip that has ever been shown, by its name.
-    scales: Vec<(String, Axis)>,
+    scales: Vec<(String, PlotAxis)>,
 }
 
 impl Default for Strips {
@@ -61,10 +62,10 @@ impl Strips {
     }
 
     /// The scale of a strip.
-    fn scale(&mut self, name: &str) -> &mut Axis {
+    fn scale(&mut self, name: &str) -> &mut PlotAxis {
         let at = self.scales.iter().position(|(of, _)| of == name).unwrap_or(self.scales.len());
         if at == self.scales.len() {
-            self.scales.push((name.to_owned(), Axis::default()));
+            self.scales.push((name.to_owned(), PlotAxis::default()));
         }
         &mut self.scales[at].1
     }
@@ -83,25 +84,25 @@ impl Panel for Strips {
         draw(view, self, area, buffer);
     }
 
-    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<Intent> {
+    fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         match mouse {
-            Mouse::Wheel(notches) => Some(Intent::ZoomTime(wheel_times(notches))),
+            Mouse::Wheel(notches) => Some(PanelRequest::ZoomTime(wheel_times(notches))),
             Mouse::Click | Mouse::Drag(_) => {
                 let inner = area.inner(Margin::new(1, 1));
-                look_at(view.picture, &view.picture.window, inner, at)
+                look_at(view.data, &view.data.window, inner, at)
             }
         }
     }
 
-    fn wish(&mut self, wish: &Wish<'_>) -> Option<Result<(), String>> {
-        match wish {
-            Wish::Value(scalings) => self.rescale(None, *scalings.first()?),
-            Wish::Strip(name, scalings) => self.rescale(Some(name), *scalings.first()?),
-            Wish::Strips(strips) => {
+    fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
+        match command {
+            PanelCommand::Value(scalings) => self.rescale(None, *scalings.first()?),
+            PanelCommand::Strip(name, scalings) => self.rescale(Some(name), *scalings.first()?),
+            PanelCommand::Strips(strips) => {
                 self.chosen = strips.map(<[Strip]>::to_vec);
                 Some(Ok(()))
             }
-            Wish::StripsOfLayout(strips) => {
+            PanelCommand::StripsOfLayout(strips) => {
                 if self.of_layout.as_deref() != *strips {
                     self.of_layout = strips.map(<[Strip]>::to_vec);
                 }
@@ -116,16 +117,16 @@ impl Panel for Strips {
 type Column = (f64, [f64; 2]);
 
 fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let window = picture.window.clone();
-    let dtau = picture.bench_status.as_ref().map_or(0.0, |bench_status| bench_status.dtau);
+    let data = view.data;
+    let window = data.window.clone();
+    let dtau = data.bench_status.as_ref().map_or(0.0, |bench_status| bench_status.dtau);
     let tau = short(window.len() as f64 * dtau, 3);
     let which = if view.time.is_live() { "last " } else { "" };
     let mut title = vec![Span::raw(format!(" {which}{tau} tau "))];
     let shown = strips.shown().to_vec();
     if shown.iter().any(Strip::is_of_every_mass) {
         title.push(Span::raw(" mass "));
-        let masses = picture.masses().min(theme::TRACES.len());
+        let masses = data.masses().min(theme::TRACES.len());
         title.extend((0..masses).map(|mass| Span::styled(format!("{} ", mass + 1), theme::loud(theme::TRACES[mass]))));
     }
     let inner = framed(Line::from(title), area, buffer);
@@ -133,7 +134,7 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
         return;
     }
     if area.height > 1 {
-        let label = format!(" {} s ", short(window.len() as f64 * picture.seconds, 3));
+        let label = format!(" {} s ", short(window.len() as f64 * data.seconds, 3));
         let edge = Rect { width: area.width.saturating_sub(2), ..area };
         write(buffer, edge, area.left() + 1, area.bottom() - 1, &label, theme::quiet());
     }
@@ -150,26 +151,26 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
         );
     }
     let rows = Layout::vertical(vec![Constraint::Fill(1); room]).split(inner);
-    let units = picture.units();
+    let units = data.units();
     for (strip, row) in shown.iter().zip(rows.iter()) {
         let unit = strip.unit(&units);
         draw_strip(strip, unit, strips.scale(&strip.name), view, *row, buffer);
     }
 }
 
-fn draw_strip(strip: &Strip, unit: Unit, axis: &mut Axis, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
+fn draw_strip(strip: &Strip, unit: Unit, axis: &mut PlotAxis, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
     let columns = usize::from(area.width) * 2;
     if columns == 0 {
         return;
     }
-    let traces = strip.traces(picture.masses());
+    let traces = strip.traces(data.masses());
     // Every column of dots shows the range of its steps, so that no peak falls between two columns.
-    let steps = picture.track.columns(picture.window.clone(), columns);
+    let steps = data.track.columns(data.window.clone(), columns);
     let columns_of = |trace: &Trace| -> Vec<Column> {
         let range = |steps: Range<usize>| {
             let middle = 0.5 * (steps.start + steps.end) as f64;
-            let [low, high] = trace.range(picture, steps)?;
+            let [low, high] = trace.range(data, steps)?;
             Some((middle, [low * unit.factor, high * unit.factor]))
         };
         steps.clone().filter_map(range).collect()
@@ -179,14 +180,14 @@ fn draw_strip(strip: &Strip, unit: Unit, axis: &mut Axis, view: &View<'_>, area:
     let others: Vec<Vec<Column>> =
         traces.iter().filter_map(|trace| Some(beside_columns(&beside?, trace.channel?, unit, steps.clone()))).collect();
     let [bottom, top] = axis.over(whole(&lines, &others, strip.is_size()));
-    let [left, right] = [picture.window.start as f64, picture.window.end as f64];
+    let [left, right] = [data.window.start as f64, data.window.end as f64];
     let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
     let mut upright = |step: usize, color| {
         let x = step as f64 + 0.5;
         plot.line([x, bottom], [x, top], color);
     };
-    for (step, mark) in &picture.marks {
+    for (step, mark) in &data.marks {
         match mark {
             Mark::Lost(_) | Mark::Trip => upright(*step, theme::BAD),
             Mark::NewRun | Mark::Restart => upright(*step, theme::WARN),
@@ -194,7 +195,7 @@ fn draw_strip(strip: &Strip, unit: Unit, axis: &mut Axis, view: &View<'_>, area:
             Mark::Settings(_) => {}
         }
     }
-    let cursor = picture.now.filter(|_| !view.time.is_live());
+    let cursor = data.now.filter(|_| !view.time.is_live());
     if let Some(now) = cursor {
         upright(now, theme::WARN);
     }
@@ -247,7 +248,7 @@ fn whole(lines: &[Vec<Column>], others: &[Vec<Column>], is_size: bool) -> [f64; 
 }
 
 /// A range as a label.
-fn scale_text([low, high]: [f64; 2], axis: &Axis, unit: &str) -> String {
+fn scale_text([low, high]: [f64; 2], axis: &PlotAxis, unit: &str) -> String {
     let range = if low == -high { format!("±{}", neat(high)) } else { format!("{} to {}", neat(low), neat(high)) };
     format!("{}{range} {unit}", axis.sign()).trim_end().to_owned()
 }
@@ -265,7 +266,7 @@ fn write_labels(
     let is_one = strip.is_of_every_mass() || strip.name == "u" || traces.is_empty();
     let value = |trace: &Trace| {
         let (now, unit) = cursor?;
-        Some(unit.short(trace.value(view.picture, now)?, 4))
+        Some(unit.short(trace.value(view.data, now)?, 4))
     };
     let words = |short: bool| -> Vec<(String, Style)> {
         let mut words = if is_one { vec![(strip.name.clone(), theme::quiet())] } else { Vec::new() };
@@ -294,19 +295,21 @@ fn write_labels(
 
 /// The range of a quantity of the machine beside, column by column, as far as it has come.
 fn beside_columns(
-    beside: &Beside<'_>,
-    channel: Channel,
+    beside: &WhatIfRun<'_>,
+    channel: StepQuantity,
     unit: Unit,
     columns: impl Iterator<Item = Range<usize>>,
 ) -> Vec<Column> {
     let size = |[y, z]: [f64; 2]| y.hypot(z);
     let value = |step| match channel {
-        Channel::Of(Told::Y, mass) => beside.place(step, mass).map(|[y, _]| y),
-        Channel::Of(Told::Z, mass) => beside.place(step, mass).map(|[_, z]| z),
-        Channel::FORCE_Y => beside.force(step).map(|[y, _]| y),
-        Channel::FORCE_Z => beside.force(step).map(|[_, z]| z),
-        Channel::FORCE => beside.force(step).map(size),
-        Channel::Size(_, mass) if channel == Channel::radius(mass) => beside.place(step, mass).map(size),
+        StepQuantity::Of(Channel::Y, mass) => beside.displacement(step, mass).map(|[y, _]| y),
+        StepQuantity::Of(Channel::Z, mass) => beside.displacement(step, mass).map(|[_, z]| z),
+        StepQuantity::FORCE_Y => beside.force(step).map(|[y, _]| y),
+        StepQuantity::FORCE_Z => beside.force(step).map(|[_, z]| z),
+        StepQuantity::FORCE => beside.force(step).map(size),
+        StepQuantity::Size(_, mass) if channel == StepQuantity::radius(mass) => {
+            beside.displacement(step, mass).map(size)
+        }
         _ => None,
     };
     let of = |steps: Range<usize>| {
@@ -322,15 +325,15 @@ mod tests {
     use wire::Step;
 
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
     #[test]
     fn y_z_and_control_each_have_a_strip() {
-        let picture = tests::picture();
-        let frame = drawn(60, 11, |area, buffer| Strips::default().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(60, 11, |area, buffer| Strips::default().draw(&view(&data), area, buffer));
         for sign in ["│y", "│z", "│u", "last 30.0 tau"] {
             assert!(frame.contains(sign), "{sign}:\n{frame}");
         }
@@ -341,12 +344,12 @@ mod tests {
     fn the_cursor_reads_what_was_and_losses_are_marked() {
         let now = std::time::Instant::now();
         let mut feed = telemetry::feed::Feed::new("");
-        feed.read(tests::bench_status("three-mass", "composite"));
-        (0..2000).chain(2100..4000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        feed.push_bench_status(tests::bench_status("three-mass", "composite"));
+        (0..2000).chain(2100..4000).for_each(|seq| feed.push_step(&tests::state(3, seq), now));
         let mut time = ViewTime::LIVE;
-        time.at(1000, &feed.history().places(), feed.seconds());
-        let picture = feed.picture(&time, now);
-        let seen = View { time: &time, ..view(&picture) };
+        time.look_at(1000, &feed.history().kept(), feed.step_seconds());
+        let data = feed.frame_data(&time, now);
+        let seen = View { time: &time, ..view(&data) };
         let frame = drawn(60, 11, |area, buffer| Strips::default().draw(&seen, area, buffer));
         let at = tests::state(3, 1000);
         for value in [at.point(0).y, at.point(2).z, at.force_delivered()[0]] {
@@ -359,20 +362,20 @@ mod tests {
     fn chosen_strips_have_their_names_their_values_under_the_cursor_and_their_units() {
         let now = std::time::Instant::now();
         let mut feed = telemetry::feed::Feed::new("");
-        feed.read(tests::bench_status("three-mass", "composite"));
-        (0..4000).for_each(|seq| feed.hear(&tests::state(3, seq), now));
+        feed.push_bench_status(tests::bench_status("three-mass", "composite"));
+        (0..4000).for_each(|seq| feed.push_step(&tests::state(3, seq), now));
         let mut time = ViewTime::LIVE;
-        time.at(1000, &feed.history().places(), feed.seconds());
-        let picture = feed.picture(&time, now);
-        let seen = View { time: &time, ..view(&picture) };
+        time.look_at(1000, &feed.history().kept(), feed.step_seconds());
+        let data = feed.frame_data(&time, now);
+        let seen = View { time: &time, ..view(&data) };
         let chosen = Strip::read_all("radius.2 y.1+z.1 force damping speed").unwrap();
         let mut strips = Strips::default();
-        strips.wish(&Wish::Strips(Some(&chosen)));
-        strips.wish(&Wish::Strip("speed", &[Scaling::Fix([2.0, 3.0])]));
+        strips.command(&PanelCommand::Strips(Some(&chosen)));
+        strips.command(&PanelCommand::Strip("speed", &[Scaling::Fix([2.0, 3.0])]));
         let strips = std::cell::RefCell::new(strips);
         let frame = drawn(90, 22, |area, buffer| strips.borrow_mut().draw(&seen, area, buffer));
-        let [y, z] = picture.track.place(1000, 0).map(|part| short(part, 4));
-        let damping = short(picture.era.as_ref().unwrap().min_damping, 4);
+        let [y, z] = data.track.displacement(1000, 0).map(|part| short(part, 4));
+        let damping = short(data.era.as_ref().unwrap().min_damping, 4);
         for words in [
             "│radius.2 2.500 ",
             &format!("│y.1 {y} z.1 {z} "),
@@ -394,10 +397,10 @@ mod tests {
         let mut feed = telemetry::feed::Feed::new("");
         for seq in 0..4000 {
             let y = if seq == 2222 { 4.9 } else { 0.0 };
-            feed.hear(&tests::state(1, seq).with(Told::Y, 0, y), now);
+            feed.push_step(&tests::state(1, seq).with(Channel::Y, 0, y), now);
         }
-        let picture = feed.picture(&ViewTime::LIVE, now);
-        let frame = drawn(40, 14, |area, buffer| Strips::default().draw(&view(&picture), area, buffer));
+        let data = feed.frame_data(&ViewTime::LIVE, now);
+        let frame = drawn(40, 14, |area, buffer| Strips::default().draw(&view(&data), area, buffer));
         assert!(frame.contains("±5"), "{frame}");
     }
 }

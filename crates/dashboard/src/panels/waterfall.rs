@@ -17,10 +17,10 @@ use ratatui::text::Line;
 use spectrum::Peak;
 
 use super::spectral::{Spectral, SpectralPanel, shift, told};
-use super::{framed, write, write_right};
+use crate::drawing::{framed, write, write_right};
 use crate::theme;
 use crate::view::View;
-use telemetry::jobs::{Fall, Orbit, Over, Row, Waterfall};
+use telemetry::jobs::{SpectrumRequest, Waterfall, WaterfallOrder, WaterfallRequest, WaterfallRow};
 use telemetry::numbers::short;
 
 /// Decades of density from the first sign of ink to the most: amplitudes down to a thousandth.
@@ -34,37 +34,37 @@ const LABEL: u16 = 6;
 
 /// Rows over time.
 pub(crate) fn over_time() -> SpectralPanel {
-    SpectralPanel::new(|view, axes, area, buffer| draw(view, Over::Time, axes, area, buffer))
+    SpectralPanel::new(|view, axes, area, buffer| draw(view, WaterfallOrder::Time, axes, area, buffer))
 }
 
 /// Rows over the speeds that were run through.
 pub(crate) fn over_speed() -> SpectralPanel {
-    SpectralPanel::new(|view, axes, area, buffer| draw(view, Over::Speed, axes, area, buffer))
+    SpectralPanel::new(|view, axes, area, buffer| draw(view, WaterfallOrder::Speed, axes, area, buffer))
 }
 
-fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let mass = axes.mass(picture);
+fn draw(view: &View<'_>, over: WaterfallOrder, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
+    let mass = axes.mass(data);
     let name = match over {
-        Over::Time => "waterfall",
-        Over::Speed => "waterfall over speed",
+        WaterfallOrder::Time => "waterfall",
+        WaterfallOrder::Speed => "waterfall over speed",
     };
     let word = if axes.value.is_fixed() { " fixed" } else { axes.word() };
     let inner = framed(Line::from(format!(" {name}  mass {}{word} ", mass + 1)), area, buffer);
-    let (Some(now), true) = (picture.now, picture.masses() > 0 && inner.height > 1 && inner.width > LABEL) else {
+    let (Some(now), true) = (data.now, data.masses() > 0 && inner.height > 1 && inner.width > LABEL) else {
         return;
     };
-    let units = picture.units();
+    let units = data.units();
     axes.units = units;
     let rows = usize::from(inner.height) - 1;
     let plotted = Rect { x: inner.x + LABEL, width: inner.width - LABEL, height: rows as u16, ..inner };
-    let range = axes.over(picture, plotted);
-    let shown = if picture.seconds > 0.0 { (SECONDS / picture.seconds) as usize } else { 0 };
-    let hop = shown.max(picture.window.len()).div_ceil(rows).max(1);
+    let range = axes.over(data, plotted);
+    let shown = if data.seconds > 0.0 { (SECONDS / data.seconds) as usize } else { 0 };
+    let hop = shown.max(data.window.len()).div_ceil(rows).max(1);
     // Rows are alike on both sides of zero: as far as the further end.
     let reach = range[0].abs().max(range[1].abs());
-    let orbit = Orbit::until(&picture.track, mass, now, 0, picture.seconds);
-    let Some(answer) = view.desk.waterfall(&Fall { orbit, over, rows, hop, reach }) else { return };
+    let orbit = SpectrumRequest::until(&data.track, mass, now, 0, data.seconds);
+    let Some(answer) = view.jobs.waterfall(&WaterfallRequest { orbit, over, rows, hop, reach }) else { return };
     if answer.rows.is_empty() {
         write(buffer, inner, inner.left(), inner.top(), "too little motion yet", theme::quiet());
         return;
@@ -76,15 +76,15 @@ fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &m
     for (row, y) in &placed {
         draw_row(row, (reach, range), [least, most], Rect { y: *y, height: 1, ..plotted }, buffer);
     }
-    let newest = picture.track.place_of(now);
+    let newest = data.track.index_of(now);
     for (row, y) in placed.iter().filter(|(_, y)| (plotted.bottom() - 1 - y).is_multiple_of(4)) {
         let label = match over {
-            Over::Time => format!("-{}s", short(newest.saturating_sub(row.end) as f64 * picture.seconds, 2)),
-            Over::Speed => units.speed(row.speed),
+            WaterfallOrder::Time => format!("-{}s", short(newest.saturating_sub(row.end) as f64 * data.seconds, 2)),
+            WaterfallOrder::Speed => units.speed(row.speed),
         };
         write(buffer, Rect { width: LABEL - 1, ..inner }, inner.x, *y, &label, theme::quiet());
     }
-    let speed = picture.track.speed(now);
+    let speed = data.track.speed(now);
     let foot = Rect { y: inner.bottom() - 1, height: 1, ..plotted };
     let column = |frequency: f64| {
         let at = (frequency - range[0]) / (range[1] - range[0]) * f64::from(plotted.width);
@@ -92,11 +92,18 @@ fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &m
     };
     let mut mark = |frequency: f64, name: &str| {
         if let Some(x) = column(frequency) {
-            write(buffer, foot, x.saturating_sub(crate::fit::width(name) as u16 / 2), foot.y, name, theme::quiet());
+            write(
+                buffer,
+                foot,
+                x.saturating_sub(crate::fit_text::width(name) as u16 / 2),
+                foot.y,
+                name,
+                theme::quiet(),
+            );
         }
     };
     mark(0.0, "0");
-    if speed > 0.0 && over == Over::Time {
+    if speed > 0.0 && over == WaterfallOrder::Time {
         [(-1.0, "-1X"), (1.0, "1X")].into_iter().for_each(|(order, name)| mark(order * speed, name));
     } else {
         // Over speed an order is no fixed frequency.
@@ -106,7 +113,7 @@ fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &m
     if units.scales.is_some() {
         write_right(buffer, foot, foot.y, units.frequency.name, theme::quiet());
     }
-    let Some(frequency) = view.pointed.frequency else { return };
+    let Some(frequency) = view.selection.frequency else { return };
     if let Some(x) = column(frequency) {
         for y in plotted.top()..plotted.bottom() {
             // Ink is not written over.
@@ -125,7 +132,7 @@ fn draw(view: &View<'_>, over: Over, axes: &mut Spectral, area: Rect, buffer: &m
 }
 
 /// What a row has at a frequency: the line that its bin would be the middle of.
-fn line_at(row: &Row, reach: f64, frequency: f64, speed: f64) -> Option<Peak> {
+fn line_at(row: &WaterfallRow, reach: f64, frequency: f64, speed: f64) -> Option<Peak> {
     let bins = row.density.len();
     let bin = 2.0 * reach / bins as f64;
     let at = ((frequency + reach) / bin).floor();
@@ -137,19 +144,25 @@ fn line_at(row: &Row, reach: f64, frequency: f64, speed: f64) -> Option<Peak> {
 }
 
 /// The rows and where they stand: over time the newest below; over speed, each at its own, the fastest below.
-fn rows_on_screen<'a>(answer: &'a Waterfall, over: Over, area: Rect) -> Vec<(&'a Row, u16)> {
-    let place = |at: usize, row: &Row| match over {
-        Over::Time => area.bottom().checked_sub((answer.rows.len() - at) as u16),
-        Over::Speed => {
+fn rows_on_screen<'a>(answer: &'a Waterfall, over: WaterfallOrder, area: Rect) -> Vec<(&'a WaterfallRow, u16)> {
+    let place = |at: usize, row: &WaterfallRow| match over {
+        WaterfallOrder::Time => area.bottom().checked_sub((answer.rows.len() - at) as u16),
+        WaterfallOrder::Speed => {
             let at = answer.edges.partition_point(|edge| *edge <= row.speed).saturating_sub(1);
             Some(area.y + (at as u16).min(area.height - 1))
         }
     };
-    let on = |at: usize, row: &'a Row| Some((row, place(at, row).filter(|y| *y >= area.y)?));
+    let on = |at: usize, row: &'a WaterfallRow| Some((row, place(at, row).filter(|y| *y >= area.y)?));
     answer.rows.iter().enumerate().filter_map(|(at, row)| on(at, row)).collect()
 }
 
-fn draw_row(row: &Row, (reach, range): (f64, [f64; 2]), [least, most]: [f64; 2], area: Rect, buffer: &mut Buffer) {
+fn draw_row(
+    row: &WaterfallRow,
+    (reach, range): (f64, [f64; 2]),
+    [least, most]: [f64; 2],
+    area: Rect,
+    buffer: &mut Buffer,
+) {
     let (cells, bins) = (usize::from(area.width), row.density.len());
     if bins == 0 {
         return;
@@ -185,27 +198,27 @@ mod tests {
     use wire::{Channel, Point, Step};
 
     use super::*;
+    use crate::drawing::tests::drawn;
     use crate::panels::panel::Panel;
-    use crate::panels::tests::drawn;
     use crate::view::tests::view;
     use telemetry::feed::Feed;
-    use telemetry::frame_data::Picture;
+    use telemetry::frame_data::FrameData;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
     /// A run-up from R = 1 to 3 in forty seconds, with the motion in step: 1X throughout.
-    fn run_up() -> Picture {
+    fn run_up() -> FrameData {
         let now = Instant::now();
         let mut feed = Feed::new("");
-        feed.read(tests::bench_status("three-mass", "composite"));
+        feed.push_bench_status(tests::bench_status("three-mass", "composite"));
         for seq in 0..40_000_u64 {
             let state = tests::state(3, seq);
             let tau = state.tau();
             let (sin, cos) = (tau + tau * tau / 400.0).sin_cos();
             let state = state.with_point(0, Point { y: cos, z: sin, ..Point::default() });
-            feed.hear(&state.with(Channel::Speed, 0, 1.0 + tau / 200.0), now);
+            feed.push_step(&state.with(Channel::Speed, 0, 1.0 + tau / 200.0), now);
         }
-        feed.picture(&ViewTime::LIVE, now)
+        feed.frame_data(&ViewTime::LIVE, now)
     }
 
     /// Where the most ink is in a line of a frame, after the labels.
@@ -215,27 +228,27 @@ mod tests {
 
     #[test]
     fn a_line_in_step_with_the_speed_leans_over_time_and_over_speed() {
-        let picture = run_up();
-        let times = drawn(64, 16, |area, buffer| over_time().draw(&view(&picture), area, buffer));
-        let speeds = drawn(64, 16, |area, buffer| over_speed().draw(&view(&picture), area, buffer));
+        let data = run_up();
+        let times = drawn(64, 16, |area, buffer| over_time().draw(&view(&data), area, buffer));
+        let speeds = drawn(64, 16, |area, buffer| over_speed().draw(&view(&data), area, buffer));
         for frame in [&times, &speeds] {
             let found: Vec<usize> = frame.lines().filter_map(hottest).collect();
             assert!(found.len() > 5 && found.is_sorted() && found[0] < found[found.len() - 1], "{found:?}\n{frame}");
         }
         insta::assert_snapshot!("waterfall_over_time", times);
         insta::assert_snapshot!("waterfall_over_speed", speeds);
-        let small = drawn(24, 6, |area, buffer| over_time().draw(&view(&picture), area, buffer));
+        let small = drawn(24, 6, |area, buffer| over_time().draw(&view(&data), area, buffer));
         insta::assert_snapshot!("waterfall_small", small);
-        let large = drawn(120, 30, |area, buffer| over_time().draw(&view(&picture), area, buffer));
+        let large = drawn(120, 30, |area, buffer| over_time().draw(&view(&data), area, buffer));
         insta::assert_snapshot!("waterfall_large", large);
     }
 
     #[test]
     fn the_newest_row_is_read_at_the_frequency_that_is_pointed_at() {
         // 1 e_t at 1X, which is R = 3 by the end; a row is some turns of a run-up, so its line is a little broad and low.
-        let picture = run_up();
-        let pointed = crate::pointed::Pointed { frequency: Some(2.97), ..crate::pointed::Pointed::default() };
-        let seen = View { pointed: &pointed, ..view(&picture) };
+        let data = run_up();
+        let selection = crate::selection::Selection { frequency: Some(2.97), ..crate::selection::Selection::default() };
+        let seen = View { selection: &selection, ..view(&data) };
         let frame = drawn(64, 16, |area, buffer| over_time().draw(&seen, area, buffer));
         let told = frame.lines().last().unwrap();
         let radius: f64 = told.split_whitespace().nth_back(2).unwrap().parse().unwrap();
@@ -245,8 +258,8 @@ mod tests {
 
     #[test]
     fn too_little_motion_is_told() {
-        let picture = tests::picture();
-        let frame = drawn(40, 6, |area, buffer| over_time().draw(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let frame = drawn(40, 6, |area, buffer| over_time().draw(&view(&data), area, buffer));
         assert!(frame.contains("too little motion yet"), "{frame}");
     }
 }

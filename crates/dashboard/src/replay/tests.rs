@@ -8,15 +8,15 @@ use ratatui::layout::Rect;
 use rotor::Key;
 use telemetry::edits::Edit;
 use telemetry::feed::Feed;
-use telemetry::replay::{Past, Player};
+use telemetry::replay::{Player, RecordingSource};
 use telemetry::test_support::{Long, Session, session};
 use telemetry::view_time::ViewTime;
 use wire::Step;
 
 use crate::layout::built_in;
-use crate::looks::still::text;
 use crate::panels::registry::Panels;
 use crate::screen;
+use crate::screenshot::image::text;
 use crate::view::View;
 
 fn key(name: &str) -> Key {
@@ -58,14 +58,14 @@ impl Stage {
     fn frame_of(&self, layout: &str, width: u16, height: u16) -> String {
         let area = Rect::new(0, 0, width, height);
         let mut buffer = Buffer::empty(area);
-        let mut picture = self.feed.picture(&self.time, Instant::now());
-        self.player.finish(&mut picture);
+        let mut data = self.feed.frame_data(&self.time, Instant::now());
+        self.player.adapt(&mut data);
         let view = View {
             time: &self.time,
             alarms: self.player.alarms(),
             what_if: self.player.what_if(),
-            replay: Some(self.player.shown(&picture)),
-            ..crate::view::tests::view(&picture)
+            replay: Some(self.player.status(&data)),
+            ..crate::view::tests::view(&data)
         };
         let layouts = built_in();
         let layout = layouts.iter().find(|there| there.name() == layout).unwrap();
@@ -168,8 +168,8 @@ fn the_poles_of_what_if_stand_beside_those_that_were() {
     );
     let overview = stage.frame(200, 50);
     assert!(overview.contains(&format!("what if {:.4} UNSTABLE", off.min_damping)), "{overview}");
-    let over_speed = stage.frame_of("tuning", 200, 60);
-    assert!(over_speed.contains(&format!("? {:.4} UNSTABLE", off.min_damping)), "{over_speed}");
+    let pole_trace = stage.frame_of("tuning", 200, 60);
+    assert!(pole_trace.contains(&format!("? {:.4} UNSTABLE", off.min_damping)), "{pole_trace}");
     stage.player.drop_branch(&mut stage.feed, &mut stage.time).unwrap();
     assert_eq!(ghosts(&stage), before);
 }

@@ -36,7 +36,7 @@ impl Edit {
     ///
     /// # Errors
     /// It does not fit them.
-    pub fn change(&self, settings: &mut Settings) -> Result<bool, SettingsError> {
+    pub fn apply(&self, settings: &mut Settings) -> Result<bool, SettingsError> {
         match self {
             Self::Nudge(key, delta) => settings.nudge(*key, *delta)?,
             Self::Set(values) => {
@@ -45,7 +45,7 @@ impl Edit {
             Self::Off => settings.feedback = settings.feedback.off(),
             Self::Become(change, _) => carry_over(&change.0, &change.1, settings),
             Self::Swap(held) => settings.clone_from(held),
-            Self::Sure(edit, _) => return edit.change(settings),
+            Self::Sure(edit, _) => return edit.apply(settings),
             Self::Undo | Self::Redo | Self::Impulse(..) | Self::Restart | Self::Note(_) => return Ok(false),
         }
         Ok(true)
@@ -54,11 +54,11 @@ impl Edit {
     /// What `settings` would become; `None` if the edit changes no settings that are known here, or does not fit them.
     pub fn applied(&self, settings: &Settings) -> Option<Settings> {
         let mut settings = settings.clone();
-        self.change(&mut settings).ok()?.then_some(settings)
+        self.apply(&mut settings).ok()?.then_some(settings)
     }
 
     /// What it is, for whoever asked for it, in the bench's `units`.
-    pub fn what(&self, units: &Units) -> String {
+    pub fn describe(&self, units: &Units) -> String {
         match self {
             Self::Nudge(key, _) => key.to_string(),
             Self::Set(values) => values
@@ -81,20 +81,20 @@ impl Edit {
                 format!("impulse {velocity} on mass {}", mass + 1)
             }
             Self::Restart => "restarted from rest".into(),
-            Self::Sure(edit, _) => edit.what(units),
+            Self::Sure(edit, _) => edit.describe(units),
         }
     }
 
     /// Why the settings change, for the record.
-    pub fn why(&self) -> String {
+    pub fn reason(&self) -> String {
         match self {
             Self::Nudge(..) => super::NUDGED.into(),
             Self::Set(_) => "typed".into(),
             Self::Undo => super::UNDO.into(),
             Self::Redo => super::REDO.into(),
-            Self::Sure(edit, _) => edit.why(),
+            Self::Sure(edit, _) => edit.reason(),
             // None of these has a number in it that is counted in anything.
-            other => other.what(&Units::DIMENSIONLESS),
+            other => other.describe(&Units::DIMENSIONLESS),
         }
     }
 }

@@ -1,9 +1,9 @@
-//! The clerk: a thread that carries edits to the simulation and waits for its answers.
+//! The edit thread: it carries edits to the simulation and waits for its answers.
 //!
 //! An edit is applied to the newest settings known, whoever made them, and sent whole with the revision it is based on.
 //! If somebody else's change came between, the simulation refuses and the edit is applied anew. A change that would make a
 //! stable rotor unstable is not sent, whatever makes it: a person is asked first. [`edit`] is what can be wanted,
-//! [`ledger`] what can be taken back.
+//! [`undo`] what can be taken back.
 
 mod edit;
 #[cfg(test)]
@@ -21,7 +21,7 @@ use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, Wi
 
 use crate::units::Units;
 pub use edit::{Edit, carry_over};
-use undo::Ledger;
+use undo::UndoHistory;
 
 /// How long the simulation may take to answer.
 const PATIENCE: Duration = Duration::from_secs(1);
@@ -34,7 +34,7 @@ const NUDGED: &str = "nudged";
 const UNDO: &str = "undo";
 const REDO: &str = "redo";
 
-/// What the reader tells the clerk.
+/// What the reader tells the edit thread.
 #[derive(Clone, Debug)]
 pub enum News {
     /// How things stand.
@@ -45,7 +45,7 @@ pub enum News {
 
 /// What became of an edit, in words.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Outcome {
+pub enum EditOutcome {
     /// It is in force.
     Done(String),
     /// It is, and these were before.
@@ -56,23 +56,23 @@ pub enum Outcome {
     Asks(Edit, Box<Settings>, f64),
 }
 
-impl From<String> for Outcome {
+impl From<String> for EditOutcome {
     fn from(why: String) -> Self {
         Self::Refused(why)
     }
 }
 
-/// Starts the clerk. It ends when `edits` closes.
+/// Starts the edit thread. It ends when `edits` closes.
 pub fn spawn<C: Carrier>(
     carrier: C,
     bench: BenchName,
     edits: Receiver<Edit>,
     news: Receiver<News>,
-    outcomes: Sender<Outcome>,
+    outcomes: Sender<EditOutcome>,
 ) -> std::io::Result<JoinHandle<()>> {
-    std::thread::Builder::new().name("clerk".into()).spawn(move || {
+    std::thread::Builder::new().name("edits".into()).spawn(move || {
         let who = format!("dash:{}", std::process::id());
-        let mut clerk = Clerk {
+        let mut edit_thread = EditThread {
             carrier,
             bench,
             who,
@@ -81,18 +81,18 @@ pub fn spawn<C: Carrier>(
             rotor: None,
             known: None,
             present_speed: 0.0,
-            ledger: Ledger::default(),
+            undo_history: UndoHistory::default(),
         };
         loop {
             select_biased! {
-                recv(clerk.news) -> news => match news {
-                    Ok(news) => clerk.learn(news),
+                recv(edit_thread.news) -> news => match news {
+                    Ok(news) => edit_thread.learn(news),
                     // The reader has ended: edits may still come until the screen has.
-                    Err(_) => clerk.news = crossbeam::channel::never(),
+                    Err(_) => edit_thread.news = crossbeam::channel::never(),
                 },
                 recv(edits) -> edit => {
                     let Ok(edit) = edit else { return };
-                    let outcome = clerk.carry(&edit);
+                    let outcome = edit_thread.carry(&edit);
                     tracing::debug!(?edit, ?outcome);
                     if outcomes.send(outcome).is_err() {
                         return;
@@ -119,7 +119,7 @@ struct Applied {
     answer: Answer,
 }
 
-struct Clerk<C: Carrier> {
+struct EditThread<C: Carrier> {
     carrier: C,
     bench: BenchName,
     who: String,
@@ -129,14 +129,14 @@ struct Clerk<C: Carrier> {
     known: Option<Known>,
     /// Spin speed that was told of last.
     present_speed: f64,
-    ledger: Ledger,
+    undo_history: UndoHistory,
 }
 
-impl<C: Carrier> Clerk<C> {
+impl<C: Carrier> EditThread<C> {
     fn learn(&mut self, news: News) {
         match news {
             News::Event(event) => {
-                self.ledger.hear(&event);
+                self.undo_history.push_event(&event);
                 // It may come before the bench status that tells the same.
                 if let Some(known) = &mut self.known
                     && known.run == event.run_id
@@ -160,7 +160,7 @@ impl<C: Carrier> Clerk<C> {
         }
     }
 
-    fn carry(&mut self, edit: &Edit) -> Outcome {
+    fn carry(&mut self, edit: &Edit) -> EditOutcome {
         while let Ok(news) = self.news.try_recv() {
             self.learn(news);
         }
@@ -176,14 +176,14 @@ impl<C: Carrier> Clerk<C> {
             Edit::Undo | Edit::Redo => self.retrace(wanted, agreed),
             _ => self
                 .apply(wanted, agreed, |settings| {
-                    wanted.change(settings).map(|_| ()).map_err(|error| units.fault(&error))
+                    wanted.apply(settings).map(|_| ()).map_err(|error| units.fault(&error))
                 })
                 .map(|applied| {
-                    let words = told(&applied.answer, &wanted.what(&self.units()));
+                    let words = told(&applied.answer, &wanted.describe(&self.units()));
                     if matches!(wanted, Edit::Swap(_)) {
-                        Outcome::Swapped(words, Box::new(applied.before))
+                        EditOutcome::Swapped(words, Box::new(applied.before))
                     } else {
-                        Outcome::Done(words)
+                        EditOutcome::Done(words)
                     }
                 }),
         };
@@ -196,31 +196,31 @@ impl<C: Carrier> Clerk<C> {
     }
 
     /// Has something done that changes no settings.
-    fn order(&mut self, edit: &Edit, change: &Change) -> Result<Outcome, Outcome> {
+    fn order(&mut self, edit: &Edit, change: &Change) -> Result<EditOutcome, EditOutcome> {
         let answer = self.ask(change, "")?;
-        let words = told(&answer, &edit.what(&self.units()));
-        Ok(if answer.is_accepted() { Outcome::Done(words) } else { Outcome::Refused(words) })
+        let words = told(&answer, &edit.describe(&self.units()));
+        Ok(if answer.is_accepted() { EditOutcome::Done(words) } else { EditOutcome::Refused(words) })
     }
 
     /// Takes the last change back, or makes it again.
-    fn retrace(&mut self, edit: &Edit, agreed: Option<&Settings>) -> Result<Outcome, Outcome> {
+    fn retrace(&mut self, edit: &Edit, agreed: Option<&Settings>) -> Result<EditOutcome, EditOutcome> {
         self.catch_up();
         let back = *edit == Edit::Undo;
-        let step = if back { self.ledger.to_undo() } else { self.ledger.to_redo() };
-        let step = step.cloned().ok_or_else(|| format!("nothing to {}", edit.why()))?;
+        let step = if back { self.undo_history.to_undo() } else { self.undo_history.to_redo() };
+        let step = step.cloned().ok_or_else(|| format!("nothing to {}", edit.reason()))?;
         let (from, to) = if back { (&step.after, &step.before) } else { (&step.before, &step.after) };
         let units = self.units();
         let applied = self.apply(edit, agreed, |settings| {
             // What was to be taken back is what the person saw last.
             if settings != from {
-                return Err(format!("not {}: somebody else has changed the settings meanwhile", edit.what(&units)));
+                return Err(format!("not {}: somebody else has changed the settings meanwhile", edit.describe(&units)));
             }
             settings.clone_from(to);
             Ok(())
         })?;
         let who = if step.who == self.who { String::new() } else { format!(", made by {}", step.who) };
         let difference = units.difference(&applied.before, &applied.after);
-        Ok(Outcome::Done(told(&applied.answer, &format!("{}: {difference}{who}", edit.what(&units)))))
+        Ok(EditOutcome::Done(told(&applied.answer, &format!("{}: {difference}{who}", edit.describe(&units)))))
     }
 
     /// Changes the newest settings and has the result put in force; asks first if the rotor would become unstable, unless
@@ -230,7 +230,7 @@ impl<C: Carrier> Clerk<C> {
         edit: &Edit,
         agreed: Option<&Settings>,
         change: impl Fn(&mut Settings) -> Result<(), String>,
-    ) -> Result<Applied, Outcome> {
+    ) -> Result<Applied, EditOutcome> {
         let mut refusal = String::from("no settings are known yet");
         for _ in 0..TRIES {
             let Some(Known { run, revision, settings: before, .. }) = self.known.clone() else { break };
@@ -239,10 +239,10 @@ impl<C: Carrier> Clerk<C> {
             if agreed != Some(&after)
                 && let Some(min_damping) = self.would_be_unstable(&before, &after)
             {
-                return Err(Outcome::Asks(edit.clone(), Box::new(after), min_damping));
+                return Err(EditOutcome::Asks(edit.clone(), Box::new(after), min_damping));
             }
             let request = Change::Settings { base_revision: revision, settings: after.clone() };
-            let answer = self.ask(&request, &edit.why())?;
+            let answer = self.ask(&request, &edit.reason())?;
             if answer.is_accepted() {
                 let by = self.who.clone();
                 self.known = Some(Known { run, revision: answer.revision, settings: after.clone(), by });
@@ -252,7 +252,7 @@ impl<C: Carrier> Clerk<C> {
             if answer.outdated == 0 {
                 break;
             }
-            self.wait_until(|clerk| clerk.known.as_ref().is_some_and(|known| known.revision != revision));
+            self.wait_until(|edit_thread| edit_thread.known.as_ref().is_some_and(|known| known.revision != revision));
         }
         Err(refusal.into())
     }
@@ -264,13 +264,13 @@ impl<C: Carrier> Clerk<C> {
 
     /// Waits until every change that led to the newest settings has been told. Those that are not told in time are one.
     fn catch_up(&mut self) {
-        let is_told = |clerk: &Self| {
-            let reaches = clerk.ledger.reaches();
-            clerk.known.as_ref().is_none_or(|known| reaches.0 == known.run && reaches.1 >= known.revision)
+        let is_told = |edit_thread: &Self| {
+            let reaches = edit_thread.undo_history.known_up_to();
+            edit_thread.known.as_ref().is_none_or(|known| reaches.0 == known.run && reaches.1 >= known.revision)
         };
         self.wait_until(is_told);
         if let (false, Some(known)) = (is_told(self), &self.known) {
-            self.ledger.fill(known.run, known.revision, &known.settings, &known.by);
+            self.undo_history.push_missed(known.run, known.revision, &known.settings, &known.by);
         }
     }
 

@@ -10,9 +10,9 @@ use crate::test_support::bench_status;
 /// What another console does before an edit, by its number.
 type Elsewhere<'a> = &'a [(usize, &'a str, f64)];
 
-/// A clerk with a simulation that takes every change and tells of it as the real one does; returns the outcomes of the
-/// edits and the last settings. What others do is told only after the clerk's next request was refused.
-fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<Outcome>, Settings) {
+/// An edit thread with a simulation that takes every change and tells of it as the real one does; returns the outcomes of the
+/// edits and the last settings. What others do is told only after the edit thread's next request was refused.
+fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<EditOutcome>, Settings) {
     let carrier = Memory::default();
     let bench = BenchName::default();
     let host = carrier.host(&bench).unwrap();
@@ -92,9 +92,9 @@ fn set(name: &str, value: f64) -> Edit {
 fn undo_and_redo_walk_the_changes_made_here() {
     let edits = [set("speed", 3.0), set("kd", -0.5), Edit::Undo, Edit::Undo, Edit::Undo, Edit::Redo];
     let (outcomes, settings) = carried(&edits, &[]);
-    assert_eq!(outcomes[0], Outcome::Done("speed = 3, from step 42".into()));
-    assert_eq!(outcomes[3], Outcome::Done("undone: speed 3 -> 2.5, from step 42".into()));
-    assert_eq!(outcomes[4], Outcome::Refused("nothing to undo".into()));
+    assert_eq!(outcomes[0], EditOutcome::Done("speed = 3, from step 42".into()));
+    assert_eq!(outcomes[3], EditOutcome::Done("undone: speed 3 -> 2.5, from step 42".into()));
+    assert_eq!(outcomes[4], EditOutcome::Refused("nothing to undo".into()));
     assert_eq!(settings, Settings { speed: 3.0, ..start() });
 }
 
@@ -111,7 +111,7 @@ fn nudges_of_one_gesture_are_undone_together() {
 fn an_edit_is_applied_anew_over_what_others_changed_and_undo_leaves_theirs_alone() {
     let edits = [Edit::Nudge(key("kd"), 0.1), Edit::Nudge(key("deadband"), 1.0), Edit::Undo];
     let (outcomes, settings) = carried(&edits, &[(1, "speed", 6.0)]);
-    assert!(outcomes.iter().all(|outcome| matches!(outcome, Outcome::Done(_))), "{outcomes:?}");
+    assert!(outcomes.iter().all(|outcome| matches!(outcome, EditOutcome::Done(_))), "{outcomes:?}");
     assert_eq!((settings.speed, settings.deadband), (6.0, vec![1.0; 3]));
     assert_eq!(settings.feedback.signals[0].gains[0], rotor::Gain::Constant(-0.4879));
 }
@@ -121,10 +121,13 @@ fn regress_quick_changes_of_others_are_undone_one_by_one_with_their_author() {
     let edits = [set("kd", -0.5), Edit::Undo, Edit::Undo, Edit::Undo, Edit::Undo, Edit::Redo];
     let (outcomes, settings) = carried(&edits, &[(1, "speed", 6.0), (1, "trip", 50.0)]);
     // The first finds that the settings have changed, and takes nothing back that nobody has seen.
-    assert_eq!(outcomes[1], Outcome::Refused("not undone: somebody else has changed the settings meanwhile".into()));
-    assert_eq!(outcomes[2], Outcome::Done("undone: trip 50 -> 1000, made by set:3, from step 42".into()));
-    assert_eq!(outcomes[3], Outcome::Done("undone: speed 6 -> 2.5, made by set:3, from step 42".into()));
-    assert_eq!(outcomes[4], Outcome::Done("undone: kd.1 -0.5 -> -0.5879, from step 42".into()));
+    assert_eq!(
+        outcomes[1],
+        EditOutcome::Refused("not undone: somebody else has changed the settings meanwhile".into())
+    );
+    assert_eq!(outcomes[2], EditOutcome::Done("undone: trip 50 -> 1000, made by set:3, from step 42".into()));
+    assert_eq!(outcomes[3], EditOutcome::Done("undone: speed 6 -> 2.5, made by set:3, from step 42".into()));
+    assert_eq!(outcomes[4], EditOutcome::Done("undone: kd.1 -0.5 -> -0.5879, from step 42".into()));
     assert_eq!(settings.get(key("kd")), Ok(-0.5));
 }
 
@@ -135,7 +138,7 @@ fn whatever_makes_a_stable_rotor_unstable_asks_first_and_yes_means_what_was_show
     let become_off = || Edit::Become(Box::new((start(), off.clone())), "gains 'off'".into());
     for edit in [Edit::Off, Edit::Swap(Box::new(off.clone())), become_off(), set("speed", 9.0)] {
         let (outcomes, settings) = carried(std::slice::from_ref(&edit), &[]);
-        assert!(matches!(&outcomes[..], [Outcome::Asks(asked, _, damping)] if *asked == edit && *damping < 0.0));
+        assert!(matches!(&outcomes[..], [EditOutcome::Asks(asked, _, damping)] if *asked == edit && *damping < 0.0));
         assert_eq!(settings, start(), "{edit:?}");
     }
     // Off, agreed to; stable again; undo would be unstable, and so would redo.
@@ -150,28 +153,28 @@ fn whatever_makes_a_stable_rotor_unstable_asks_first_and_yes_means_what_was_show
         sure(Edit::Redo, &off),
     ];
     let (outcomes, settings) = carried(&edits, &[]);
-    assert!(matches!(&outcomes[0], Outcome::Done(words) if words == "control off, from step 42"), "{outcomes:?}");
-    assert!(matches!(&outcomes[1], Outcome::Swapped(_, before) if **before == off), "{outcomes:?}");
-    assert!(matches!(&outcomes[2], Outcome::Asks(Edit::Undo, then, _) if **then == off), "{outcomes:?}");
-    assert!(matches!(&outcomes[3], Outcome::Done(words) if words.starts_with("undone")), "{outcomes:?}");
-    assert!(matches!(&outcomes[4], Outcome::Done(_)), "back to a stable one asks nothing: {outcomes:?}");
-    assert!(matches!(&outcomes[5], Outcome::Asks(Edit::Redo, ..)), "{outcomes:?}");
-    assert!(matches!(&outcomes[6], Outcome::Done(_)) && settings == off, "{outcomes:?}");
+    assert!(matches!(&outcomes[0], EditOutcome::Done(words) if words == "control off, from step 42"), "{outcomes:?}");
+    assert!(matches!(&outcomes[1], EditOutcome::Swapped(_, before) if **before == off), "{outcomes:?}");
+    assert!(matches!(&outcomes[2], EditOutcome::Asks(Edit::Undo, then, _) if **then == off), "{outcomes:?}");
+    assert!(matches!(&outcomes[3], EditOutcome::Done(words) if words.starts_with("undone")), "{outcomes:?}");
+    assert!(matches!(&outcomes[4], EditOutcome::Done(_)), "back to a stable one asks nothing: {outcomes:?}");
+    assert!(matches!(&outcomes[5], EditOutcome::Asks(Edit::Redo, ..)), "{outcomes:?}");
+    assert!(matches!(&outcomes[6], EditOutcome::Done(_)) && settings == off, "{outcomes:?}");
     // Yes to other settings than would come into force is no yes.
     let (outcomes, _) = carried(&[sure(Edit::Off, &back)], &[]);
-    assert!(matches!(&outcomes[0], Outcome::Asks(Edit::Off, ..)), "{outcomes:?}");
+    assert!(matches!(&outcomes[0], EditOutcome::Asks(Edit::Off, ..)), "{outcomes:?}");
 }
 
 #[test]
 fn impulses_and_restarts_are_answered_with_their_step() {
     let (outcomes, _) = carried(&[Edit::Impulse(0, C64::new(-2.5, 0.0)), Edit::Restart], &[]);
-    assert_eq!(outcomes[0], Outcome::Done("impulse -2.5 on mass 1, from step 43".into()));
-    assert_eq!(outcomes[1], Outcome::Done("restarted from rest, from step 43".into()));
+    assert_eq!(outcomes[0], EditOutcome::Done("impulse -2.5 on mass 1, from step 43".into()));
+    assert_eq!(outcomes[1], EditOutcome::Done("restarted from rest, from step 43".into()));
 }
 
 #[test]
 fn what_cannot_be_is_refused_without_asking() {
     let (outcomes, _) = carried(&[set("speed", -1.0), Edit::Redo], &[]);
-    assert_eq!(outcomes[0], Outcome::Refused("speed = -1: expected a number from 0 to 1000".into()));
-    assert_eq!(outcomes[1], Outcome::Refused("nothing to redo".into()));
+    assert_eq!(outcomes[0], EditOutcome::Refused("speed = -1: expected a number from 0 to 1000".into()));
+    assert_eq!(outcomes[1], EditOutcome::Refused("nothing to redo".into()));
 }

@@ -1,6 +1,6 @@
 //! The changes of settings that can be taken back and made again, by whomever.
 //!
-//! A pure function of the events of one run: dashboards that have heard the same events hold the same ledger, so that what
+//! A pure function of the events of one run: dashboards that have heard the same events hold the same undo history, so that what
 //! one undoes another can redo. An event tells who, why and the settings after it; why tells undo and redo from changes.
 
 use rotor::{Difference, Key, Settings};
@@ -15,7 +15,7 @@ const REMEMBERED: usize = 256;
 
 /// One change that can be taken back.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Step {
+pub(crate) struct UndoableChange {
     /// What it changed.
     pub(crate) before: Settings,
     /// What it led to.
@@ -28,32 +28,32 @@ pub(crate) struct Step {
 
 /// See the module.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Ledger {
+pub(crate) struct UndoHistory {
     run: u64,
     revision: u64,
     settings: Option<Settings>,
-    done: Vec<Step>,
-    undone: Vec<Step>,
+    done: Vec<UndoableChange>,
+    undone: Vec<UndoableChange>,
 }
 
-impl Ledger {
+impl UndoHistory {
     /// Run and revision up to which changes have been told.
-    pub(crate) fn reaches(&self) -> (u64, u64) {
+    pub(crate) fn known_up_to(&self) -> (u64, u64) {
         (self.run, self.revision)
     }
 
     /// The change that undo takes back.
-    pub(crate) fn to_undo(&self) -> Option<&Step> {
+    pub(crate) fn to_undo(&self) -> Option<&UndoableChange> {
         self.done.last()
     }
 
     /// The change that redo makes again.
-    pub(crate) fn to_redo(&self) -> Option<&Step> {
+    pub(crate) fn to_redo(&self) -> Option<&UndoableChange> {
         self.undone.last()
     }
 
     /// Takes in an event.
-    pub(crate) fn hear(&mut self, event: &Event) {
+    pub(crate) fn push_event(&mut self, event: &Event) {
         let why = match event.happening() {
             Some(Happening::Settings) => event.why.as_str(),
             _ => "",
@@ -63,7 +63,7 @@ impl Ledger {
     }
 
     /// Takes in settings whose events did not come: what led to them counts as one change.
-    pub(crate) fn fill(&mut self, run: u64, revision: u64, settings: &Settings, who: &str) {
+    pub(crate) fn push_missed(&mut self, run: u64, revision: u64, settings: &Settings, who: &str) {
         self.note((run, revision, 0), who, "", settings);
     }
 
@@ -87,12 +87,12 @@ impl Ledger {
         } else {
             self.undone.clear();
             let nudged = nudged_key(&before, settings).filter(|_| why == NUDGED).map(|key| (key, wall_ns));
-            self.push(Step { before, after: settings.clone(), who: who.to_owned(), nudged });
+            self.push(UndoableChange { before, after: settings.clone(), who: who.to_owned(), nudged });
         }
     }
 
     /// One more change, or the rest of the last one. The oldest is forgotten.
-    fn push(&mut self, step: Step) {
+    fn push(&mut self, step: UndoableChange) {
         if let Some(last) = self.done.last_mut()
             && let (Some((key, at)), Some((same, then))) = (step.nudged, last.nudged)
             && (key, &step.who) == (same, &last.who)
@@ -147,65 +147,65 @@ mod tests {
 
     #[test]
     fn each_of_several_quick_changes_is_a_step_with_its_author() {
-        let mut ledger = Ledger::default();
+        let mut undo_history = UndoHistory::default();
         let a = with("speed", 3.0, &start());
         let b = with("kd", 0.1, &a);
         for (revision, who, settings) in [(1, "sim", &start()), (2, "set:1", &a), (3, "dash:2", &b)] {
-            ledger.hear(&event(revision, who, "typed", settings));
+            undo_history.push_event(&event(revision, who, "typed", settings));
         }
-        let last = ledger.to_undo().unwrap().clone();
+        let last = undo_history.to_undo().unwrap().clone();
         assert_eq!((&last.before, &last.after, &*last.who), (&a, &b, "dash:2"));
-        ledger.hear(&event(4, "dash:9", UNDO, &a));
-        let next = ledger.to_undo().unwrap();
+        undo_history.push_event(&event(4, "dash:9", UNDO, &a));
+        let next = undo_history.to_undo().unwrap();
         assert_eq!((&next.before, &next.after, &*next.who), (&start(), &a, "set:1"));
-        assert_eq!(ledger.to_redo(), Some(&last), "what one has undone another can redo");
-        ledger.hear(&event(4, "dash:9", UNDO, &a));
-        assert_eq!(ledger.to_redo(), Some(&last), "told twice is done once");
+        assert_eq!(undo_history.to_redo(), Some(&last), "what one has undone another can redo");
+        undo_history.push_event(&event(4, "dash:9", UNDO, &a));
+        assert_eq!(undo_history.to_redo(), Some(&last), "told twice is done once");
     }
 
     #[test]
     fn another_change_ends_redo_and_another_run_begins_anew() {
-        let mut ledger = Ledger::default();
+        let mut undo_history = UndoHistory::default();
         let [a, b] = [3.0, 4.0].map(|speed| with("speed", speed, &start()));
-        ledger.hear(&event(1, "sim", "", &start()));
-        ledger.hear(&event(2, "x", "", &a));
-        ledger.hear(&event(3, "x", UNDO, &start()));
-        assert!(ledger.to_redo().is_some() && ledger.to_undo().is_none());
-        ledger.hear(&event(4, "x", "", &b));
-        assert!(ledger.to_redo().is_none() && ledger.to_undo().is_some());
+        undo_history.push_event(&event(1, "sim", "", &start()));
+        undo_history.push_event(&event(2, "x", "", &a));
+        undo_history.push_event(&event(3, "x", UNDO, &start()));
+        assert!(undo_history.to_redo().is_some() && undo_history.to_undo().is_none());
+        undo_history.push_event(&event(4, "x", "", &b));
+        assert!(undo_history.to_redo().is_none() && undo_history.to_undo().is_some());
         // A person may say "undo" of what is none.
-        ledger.hear(&event(5, "x", UNDO, &a));
-        assert_eq!(ledger.to_undo().map(|step| &step.after), Some(&a));
+        undo_history.push_event(&event(5, "x", UNDO, &a));
+        assert_eq!(undo_history.to_undo().map(|step| &step.after), Some(&a));
         let mut other = event(1, "sim", "", &b);
         other.run_id = 8;
-        ledger.hear(&other);
-        assert_eq!((ledger.to_undo(), ledger.reaches()), (None, (8, 1)));
+        undo_history.push_event(&other);
+        assert_eq!((undo_history.to_undo(), undo_history.known_up_to()), (None, (8, 1)));
     }
 
     #[test]
     fn changes_whose_events_are_lost_are_one_step() {
-        let mut ledger = Ledger::default();
-        ledger.hear(&event(1, "sim", "", &start()));
+        let mut undo_history = UndoHistory::default();
+        undo_history.push_event(&event(1, "sim", "", &start()));
         let later = with("speed", 3.0, &start());
-        ledger.fill(7, 5, &later, "set:3");
-        assert_eq!(ledger.to_undo().map(|step| &step.before), Some(&start()));
-        ledger.hear(&event(4, "late", "", &start()));
-        assert_eq!((ledger.reaches(), ledger.done.len()), ((7, 5), 1));
+        undo_history.push_missed(7, 5, &later, "set:3");
+        assert_eq!(undo_history.to_undo().map(|step| &step.before), Some(&start()));
+        undo_history.push_event(&event(4, "late", "", &start()));
+        assert_eq!((undo_history.known_up_to(), undo_history.done.len()), ((7, 5), 1));
     }
 
     #[test]
     fn nudges_of_one_hand_on_one_key_are_one_step() {
-        let mut ledger = Ledger::default();
-        ledger.hear(&event(1, "sim", "", &start()));
+        let mut undo_history = UndoHistory::default();
+        undo_history.push_event(&event(1, "sim", "", &start()));
         for (revision, who, key, at) in
             [(2, "a", "kd", 0), (3, "a", "kd", 600), (4, "b", "kd", 700), (5, "b", "cd", 800), (6, "b", "cd", 2800)]
         {
-            let settings = with(key, revision as f64, ledger.settings.as_ref().unwrap());
+            let settings = with(key, revision as f64, undo_history.settings.as_ref().unwrap());
             let mut event = event(revision, who, NUDGED, &settings);
             event.wall_ns = at * 1_000_000;
-            ledger.hear(&event);
+            undo_history.push_event(&event);
         }
-        let whose: Vec<&str> = ledger.done.iter().map(|step| &*step.who).collect();
+        let whose: Vec<&str> = undo_history.done.iter().map(|step| &*step.who).collect();
         assert_eq!(whose, ["a", "b", "b", "b"]);
     }
 
@@ -213,29 +213,29 @@ mod tests {
         /// Undoing all leads to the start through every settings that were; redoing all leads back.
         #[test]
         fn undo_and_redo_retrace_every_step(speeds in prop::collection::vec(0.0..9.0_f64, 1..40)) {
-            let mut ledger = Ledger::default();
+            let mut undo_history = UndoHistory::default();
             let mut told = vec![start()];
-            ledger.hear(&event(1, "sim", "", &start()));
+            undo_history.push_event(&event(1, "sim", "", &start()));
             for speed in speeds {
                 let settings = with("speed", speed, &start());
                 told.push(settings.clone());
-                ledger.hear(&event(told.len() as u64, "x", "", &settings));
+                undo_history.push_event(&event(told.len() as u64, "x", "", &settings));
             }
             let mut revision = told.len() as u64;
             for settings in told.iter().rev().skip(1) {
                 revision += 1;
-                let before = ledger.to_undo().unwrap().before.clone();
+                let before = undo_history.to_undo().unwrap().before.clone();
                 prop_assert_eq!(&before, settings);
-                ledger.hear(&event(revision, "y", UNDO, &before));
+                undo_history.push_event(&event(revision, "y", UNDO, &before));
             }
-            prop_assert!(ledger.to_undo().is_none());
+            prop_assert!(undo_history.to_undo().is_none());
             for settings in told.iter().skip(1) {
                 revision += 1;
-                let after = ledger.to_redo().unwrap().after.clone();
+                let after = undo_history.to_redo().unwrap().after.clone();
                 prop_assert_eq!(&after, settings);
-                ledger.hear(&event(revision, "z", REDO, &after));
+                undo_history.push_event(&event(revision, "z", REDO, &after));
             }
-            prop_assert!(ledger.to_redo().is_none());
+            prop_assert!(undo_history.to_redo().is_none());
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A run of consecutive steps in columns, with the range of every column over groups of them: drawing a million steps
 //! then looks at thousands of ranges.
 
-use wire::{Channel as Told, Layout, PAIRS, Pair, Step};
+use wire::{Channel, Layout, PAIRS, Pair, Step};
 
 /// Steps in a block.
 pub(crate) const STEPS: usize = 1024;
@@ -10,48 +10,48 @@ const GROUP: usize = 64;
 
 /// One quantity of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Channel {
+pub enum StepQuantity {
     /// A number that is told, of a mass or sensor counted from 0; of what occurs once, 0.
-    Of(Told, usize),
+    Of(Channel, usize),
     /// The size of a pair of [`PAIRS`], by its place in the table, of a mass or sensor.
     Size(usize, usize),
 }
 
-impl Channel {
+impl StepQuantity {
     /// Dimensionless time.
-    pub const TAU: Self = Self::Of(Told::Tau, 0);
+    pub const TAU: Self = Self::Of(Channel::Tau, 0);
     /// Spin angle in radians, unwrapped.
-    pub const ANGLE: Self = Self::Of(Told::Angle, 0);
+    pub const ANGLE: Self = Self::Of(Channel::Angle, 0);
     /// Spin speed `R`.
-    pub const SPEED: Self = Self::Of(Told::Speed, 0);
+    pub const SPEED: Self = Self::Of(Channel::Speed, 0);
     /// Control delivered along y.
-    pub const FORCE_Y: Self = Self::Of(Told::ForceY, 0);
+    pub const FORCE_Y: Self = Self::Of(Channel::ForceY, 0);
     /// Control delivered along z.
-    pub const FORCE_Z: Self = Self::Of(Told::ForceZ, 0);
+    pub const FORCE_Z: Self = Self::Of(Channel::ForceZ, 0);
     /// Control asked for along y.
-    pub const COMMAND_Y: Self = Self::Of(Told::CommandY, 0);
+    pub const COMMAND_Y: Self = Self::Of(Channel::CommandY, 0);
     /// Control asked for along z.
-    pub const COMMAND_Z: Self = Self::Of(Told::CommandZ, 0);
+    pub const COMMAND_Z: Self = Self::Of(Channel::CommandZ, 0);
     /// Magnitude of the control delivered.
-    pub const FORCE: Self = Self::size(Told::ForceY, 0);
+    pub const FORCE: Self = Self::size(Channel::ForceY, 0);
 
     /// Displacement of a mass along y.
     pub const fn y(mass: usize) -> Self {
-        Self::Of(Told::Y, mass)
+        Self::Of(Channel::Y, mass)
     }
 
     /// Displacement of a mass along z.
     pub const fn z(mass: usize) -> Self {
-        Self::Of(Told::Z, mass)
+        Self::Of(Channel::Z, mass)
     }
 
     /// Distance of a mass from the centre.
     pub const fn radius(mass: usize) -> Self {
-        Self::size(Told::Y, mass)
+        Self::size(Channel::Y, mass)
     }
 
     /// The size of the pair that begins with `y`.
-    pub const fn size(y: Told, index: usize) -> Self {
+    pub const fn size(y: Channel, index: usize) -> Self {
         let mut pair = 0;
         while PAIRS[pair].channels[0] as usize != y as usize {
             pair += 1;
@@ -158,18 +158,18 @@ impl Block {
     }
 
     /// A quantity at step `at`.
-    pub(crate) fn value(&self, channel: Channel, at: usize) -> f64 {
+    pub(crate) fn value(&self, channel: StepQuantity, at: usize) -> f64 {
         match channel {
-            Channel::Of(..) => self.values[channel.column(self.layout) * STEPS + at],
-            Channel::Size(pair, index) => {
-                let [y, z] = PAIRS[pair].channels.map(|part| self.value(Channel::Of(part, index), at));
+            StepQuantity::Of(..) => self.values[channel.column(self.layout) * STEPS + at],
+            StepQuantity::Size(pair, index) => {
+                let [y, z] = PAIRS[pair].channels.map(|part| self.value(StepQuantity::Of(part, index), at));
                 y.hypot(z)
             }
         }
     }
 
     /// A quantity of its own, over all steps that there is room for.
-    pub(crate) fn values(&self, channel: Channel) -> &[f64] {
+    pub(crate) fn values(&self, channel: StepQuantity) -> &[f64] {
         let column = channel.column(self.layout);
         &self.values[column * STEPS..(column + 1) * STEPS]
     }
@@ -185,7 +185,7 @@ impl Block {
     }
 
     /// Widens `range` by the values of a quantity over the steps `from..to` of this block.
-    pub(crate) fn widen(&self, range: &mut [f64; 2], channel: Channel, from: usize, to: usize) {
+    pub(crate) fn widen(&self, range: &mut [f64; 2], channel: StepQuantity, from: usize, to: usize) {
         let column = channel.column(self.layout);
         if from == 0 && to == self.len {
             widen(range, self.whole[column]);

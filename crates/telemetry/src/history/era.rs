@@ -80,7 +80,7 @@ pub enum Mark {
 
 impl Mark {
     /// Whether what was largest before it counts no longer.
-    pub fn starts_anew(&self) -> bool {
+    pub fn resets_peaks(&self) -> bool {
         matches!(self, Self::Restart | Self::NewRun | Self::Settings(_))
     }
 }

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use wire::message::Flags;
 use wire::{BenchStatus, Layout, Step};
 
-pub use block::Channel;
+pub use block::StepQuantity;
 use block::{Block, STEPS};
 pub use era::{Era, Mark};
 pub use track::Track;
@@ -77,7 +77,7 @@ impl History {
     }
 
     /// How many steps of a rotor of `masses` masses there is room for.
-    pub fn room_for(&self, masses: usize) -> u64 {
+    pub fn capacity_for(&self, masses: usize) -> u64 {
         ((self.bound / Block::bytes(Layout::new(masses))).saturating_sub(1).max(8) * STEPS) as u64
     }
 
@@ -105,7 +105,7 @@ impl History {
         }
         self.last_seq = state.seq();
         let is_new_revision = self.pass(state);
-        // A machine that is held would push what tripped it out of the picture.
+        // A machine that is held would push what tripped it out of what is shown.
         if tripped && self.tripped && !is_new_run {
             return;
         }
@@ -250,15 +250,15 @@ impl History {
             return self.peak_force;
         }
         let before = self.marks.partition_point(|(at, _)| *at <= place);
-        let since = self.marks.iter().take(before).rev().find(|(_, mark)| mark.starts_anew());
+        let since = self.marks.iter().take(before).rev().find(|(_, mark)| mark.resets_peaks());
         let since = since.map_or(self.first, |(at, _)| *at);
         self.track(&(since..place + 1))
-            .range(Channel::FORCE, 0..(place + 1 - since) as usize)
+            .range(StepQuantity::FORCE, 0..(place + 1 - since) as usize)
             .map_or(0.0, |[_, most]| most)
     }
 
     /// The steps that are kept, by their places.
-    pub fn places(&self) -> Range<u64> {
+    pub fn kept(&self) -> Range<u64> {
         self.first..self.end()
     }
 
@@ -291,8 +291,8 @@ impl History {
     }
 
     /// The place of the first step that was due at a time of the wall clock or after it; `None` if what was then is not kept.
-    pub fn place_at(&self, wall_ns: u64) -> Option<u64> {
-        let track = self.track(&self.places());
+    pub fn index_at(&self, wall_ns: u64) -> Option<u64> {
+        let track = self.track(&self.kept());
         if track.len() == 0 || track.wall_ns(0) > wall_ns || track.wall_ns(track.len() - 1) < wall_ns {
             return None;
         }

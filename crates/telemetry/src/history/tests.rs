@@ -26,14 +26,14 @@ fn history_is_bounded_and_keeps_the_latest() {
     let mut history = History::new(20 * Block::bytes(Layout::new(3)));
     let steps = 100_000;
     (0..steps).for_each(|seq| history.push(&state(3, seq)));
-    let places = history.places();
+    let places = history.kept();
     let kept = places.end - places.start;
     assert!((18 * STEPS as u64..=20 * STEPS as u64).contains(&kept), "{kept}");
     assert_eq!(places.end, steps);
     let track = history.track(&places);
     let last = state(3, steps - 1);
     assert_eq!(track.angle(track.len() - 1), last.angle());
-    assert_eq!(track.place(track.len() - 1, 2), [last.point(2).y, last.point(2).z]);
+    assert_eq!(track.displacement(track.len() - 1, 2), [last.point(2).y, last.point(2).z]);
     assert_eq!(track.tau(0), state(3, places.start).tau());
 }
 
@@ -46,13 +46,13 @@ fn every_number_of_a_step_is_kept() {
     row.set_word(wire::Channel::WallNs, 1_700_000_000_123_456_789);
     row.set_pair([wire::Channel::Vy, wire::Channel::Vz], 1, [7.5, -8.5]);
     history.push(&one);
-    let track = history.track(&history.places());
+    let track = history.track(&history.kept());
     assert_eq!((track.tau(0), track.speed(0), track.wall_ns(0)), (one.tau(), one.speed(), one.wall_ns()));
     assert_eq!((track.flags(0), track.velocity(0, 1), track.commanded(0)), (one.flags(), [7.5, -8.5], [3.0, -4.0]));
-    assert_eq!(track.value(Channel::size(wire::Channel::CommandY, 0), 0), 5.0);
-    assert_eq!(track.value(Channel::radius(2), 0), one.point(2).radius());
+    assert_eq!(track.value(StepQuantity::size(wire::Channel::CommandY, 0), 0), 5.0);
+    assert_eq!(track.value(StepQuantity::radius(2), 0), one.point(2).radius());
     for column in one.layout().number_columns() {
-        let kept = track.value(Channel::Of(column.channel, column.index), 0);
+        let kept = track.value(StepQuantity::Of(column.channel, column.index), 0);
         assert_eq!(kept, one.number(column.channel, column.index), "{}", column.name());
     }
 }
@@ -67,15 +67,19 @@ fn ranges_are_those_of_the_steps_they_cover() {
     }
     let track = history.track(&(100..4900));
     for (from, to) in [(0, 4800), (0, 1), (3, 64), (60, 70), (924, 1948), (17, 4700), (3109, 3112), (4799, 4800)] {
-        for channel in
-            [Channel::y(1), Channel::FORCE, Channel::radius(1), Channel::TAU, Channel::Of(wire::Channel::Vz, 0)]
-        {
+        for channel in [
+            StepQuantity::y(1),
+            StepQuantity::FORCE,
+            StepQuantity::radius(1),
+            StepQuantity::TAU,
+            StepQuantity::Of(wire::Channel::Vz, 0),
+        ] {
             let values = (from..to).map(|step| track.value(channel, step));
             let expected = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
             assert_eq!(track.range(channel, from..to), Some(expected), "{channel:?} {from}..{to}");
         }
     }
-    assert_eq!(track.range(Channel::TAU, 7..7), None);
+    assert_eq!(track.range(StepQuantity::TAU, 7..7), None);
 }
 
 #[test]
@@ -103,9 +107,9 @@ fn gaps_restarts_runs_and_trips_are_marked_where_they_are() {
     history.push(&state(1, 0).with_word(wire::Channel::Seq, 7));
     history.push(&state(1, 1).with_word(wire::Channel::Seq, 8).with_flags(Flags::TRIPPED));
     history.push(&state(1, 0).with_word(wire::Channel::RunId, 8));
-    let marks: Vec<_> = history.marks(&history.places()).cloned().collect();
+    let marks: Vec<_> = history.marks(&history.kept()).cloned().collect();
     assert_eq!(marks, [(2, Mark::Lost(3)), (4, Mark::Restart), (5, Mark::Trip), (6, Mark::NewRun)]);
-    assert_eq!((history.lost(), history.places()), (0, 0..7), "losses are those of this run");
+    assert_eq!((history.lost(), history.kept()), (0, 0..7), "losses are those of this run");
 }
 
 #[test]
@@ -120,11 +124,11 @@ fn notes_are_marked_at_their_steps_in_order() {
 }
 
 #[test]
-fn another_number_of_masses_starts_anew_at_a_place_of_its_own() {
+fn another_number_of_masses_resets_peaks_at_a_place_of_its_own() {
     let mut history = filled(100);
     history.push(&state(1, 0).with_word(wire::Channel::RunId, 8));
-    assert_eq!((history.places(), history.layout.masses()), (100..101, 1));
-    assert_eq!(history.marks(&history.places()).count(), 0);
+    assert_eq!((history.kept(), history.layout.masses()), (100..101, 1));
+    assert_eq!(history.marks(&history.kept()).count(), 0);
 }
 
 #[test]
@@ -133,9 +137,9 @@ fn a_held_machine_keeps_what_tripped_it() {
     (0..10).for_each(|seq| history.push(&state(1, seq)));
     let held = |seq| state(1, seq).with_flags(Flags::TRIPPED);
     (10..500).for_each(|seq| history.push(&held(seq)));
-    assert_eq!((history.places(), history.is_tripped(), history.lost()), (0..11, true, 0));
+    assert_eq!((history.kept(), history.is_tripped(), history.lost()), (0..11, true, 0));
     history.push(&state(1, 0).with_word(wire::Channel::Seq, 500));
-    assert_eq!((history.places(), history.is_tripped()), (0..12, false));
+    assert_eq!((history.kept(), history.is_tripped()), (0..12, false));
 }
 
 #[test]
@@ -157,7 +161,7 @@ fn settings_are_known_for_every_step() {
     assert_eq!([0, 9, 10, 19, 20, 29].map(revision), [1, 1, 1, 1, 3, 3].map(Some));
     let eras: Vec<_> = history.eras(&(5..25)).into_iter().map(|(at, era)| (at, era.revision)).collect();
     assert_eq!(eras, [(5, 1), (10, 1), (20, 3)]);
-    let marks: Vec<_> = history.marks(&history.places()).cloned().collect();
+    let marks: Vec<_> = history.marks(&history.kept()).cloned().collect();
     assert_eq!(marks, [(10, Mark::Settings(2)), (20, Mark::Settings(3))]);
 }
 
@@ -172,15 +176,15 @@ fn eras_and_marks_are_let_go_of_with_their_steps() {
         }
         history.push(&with_revision(seq / 100, state(3, seq)));
     }
-    let kept = history.places().end - history.places().start;
+    let kept = history.kept().end - history.kept().start;
     assert!(kept <= 10 * STEPS as u64 && kept >= 8 * STEPS as u64, "{kept}");
     assert!(history.eras.len() as u64 <= kept / 100 + 2, "{}", history.eras.len());
     assert!(history.marks.len() as u64 <= kept / 100 + 12, "{}", history.marks.len());
-    assert_eq!(history.era_at(history.places().start).map(|era| era.revision), Some(history.places().start / 100));
+    assert_eq!(history.era_at(history.kept().start).map(|era| era.revision), Some(history.kept().start / 100));
 }
 
 #[test]
-fn the_peak_force_starts_anew_with_every_change_and_is_known_for_the_past() {
+fn the_peak_force_resets_peaks_with_every_change_and_is_known_for_the_past() {
     let mut history = History::new(BOUND);
     let with = |seq, force, revision| {
         with_revision(revision, state(1, seq)).with(wire::Channel::ForceY, 0, force).with(wire::Channel::ForceZ, 0, 0.0)

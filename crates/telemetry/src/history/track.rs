@@ -6,7 +6,7 @@ use std::sync::Arc;
 use wire::Layout;
 use wire::message::Flags;
 
-use super::block::{Block, Channel, STEPS};
+use super::block::{Block, STEPS, StepQuantity};
 
 /// Consecutive steps, shared with the history; the first has the index 0.
 #[derive(Clone, Debug, Default)]
@@ -46,19 +46,20 @@ impl Track {
     }
 
     /// Displacements `[y, z]` of a mass over some steps.
-    pub fn places(&self, steps: Range<usize>, mass: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
+    pub fn displacements(&self, steps: Range<usize>, mass: usize) -> impl Iterator<Item = [f64; 2]> + '_ {
         let (from, to) = (self.skipped + steps.start, self.skipped + steps.end.min(self.len).max(steps.start));
         let blocks = if from < to { from / STEPS..to.div_ceil(STEPS) } else { 0..0 };
         blocks.flat_map(move |at| {
             let within = from.max(at * STEPS) - at * STEPS..to.min((at + 1) * STEPS) - at * STEPS;
             let block = &self.blocks[at];
-            let [y, z] = [Channel::y(mass), Channel::z(mass)].map(|channel| &block.values(channel)[within.clone()]);
+            let [y, z] =
+                [StepQuantity::y(mass), StepQuantity::z(mass)].map(|channel| &block.values(channel)[within.clone()]);
             y.iter().zip(z).map(|(y, z)| [*y, *z])
         })
     }
 
     /// Place of step `step` in the history: never used twice.
-    pub fn place_of(&self, step: usize) -> u64 {
+    pub fn index_of(&self, step: usize) -> u64 {
         self.first + step as u64
     }
 
@@ -68,13 +69,13 @@ impl Track {
     }
 
     /// A quantity at step `step`.
-    pub fn value(&self, channel: Channel, step: usize) -> f64 {
+    pub fn value(&self, channel: StepQuantity, step: usize) -> f64 {
         let (block, at) = self.block(step);
         block.value(channel, at)
     }
 
     /// The least and the greatest value of a quantity over some steps; `None` if there are none. Cheap over any length.
-    pub fn range(&self, channel: Channel, steps: Range<usize>) -> Option<[f64; 2]> {
+    pub fn range(&self, channel: StepQuantity, steps: Range<usize>) -> Option<[f64; 2]> {
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let (mut at, end) = (self.skipped + steps.start, self.skipped + steps.end.min(self.len));
         while at < end {
@@ -88,37 +89,40 @@ impl Track {
 
     /// Dimensionless time of step `step`.
     pub fn tau(&self, step: usize) -> f64 {
-        self.value(Channel::TAU, step)
+        self.value(StepQuantity::TAU, step)
     }
 
     /// Spin angle at step `step`, in radians.
     pub fn angle(&self, step: usize) -> f64 {
-        self.value(Channel::ANGLE, step)
+        self.value(StepQuantity::ANGLE, step)
     }
 
     /// Spin speed `R` at step `step`.
     pub fn speed(&self, step: usize) -> f64 {
-        self.value(Channel::SPEED, step)
+        self.value(StepQuantity::SPEED, step)
     }
 
     /// Control `[y, z]` delivered at step `step`.
     pub fn force(&self, step: usize) -> [f64; 2] {
-        [self.value(Channel::FORCE_Y, step), self.value(Channel::FORCE_Z, step)]
+        [self.value(StepQuantity::FORCE_Y, step), self.value(StepQuantity::FORCE_Z, step)]
     }
 
     /// Control `[y, z]` asked for at step `step`.
     pub fn commanded(&self, step: usize) -> [f64; 2] {
-        [self.value(Channel::COMMAND_Y, step), self.value(Channel::COMMAND_Z, step)]
+        [self.value(StepQuantity::COMMAND_Y, step), self.value(StepQuantity::COMMAND_Z, step)]
     }
 
     /// Displacement `[y, z]` of a mass at step `step`.
-    pub fn place(&self, step: usize, mass: usize) -> [f64; 2] {
-        [self.value(Channel::y(mass), step), self.value(Channel::z(mass), step)]
+    pub fn displacement(&self, step: usize, mass: usize) -> [f64; 2] {
+        [self.value(StepQuantity::y(mass), step), self.value(StepQuantity::z(mass), step)]
     }
 
     /// Velocity `[y, z]` of a mass at step `step`.
     pub fn velocity(&self, step: usize, mass: usize) -> [f64; 2] {
-        [self.value(Channel::Of(wire::Channel::Vy, mass), step), self.value(Channel::Of(wire::Channel::Vz, mass), step)]
+        [
+            self.value(StepQuantity::Of(wire::Channel::Vy, mass), step),
+            self.value(StepQuantity::Of(wire::Channel::Vz, mass), step),
+        ]
     }
 
     /// When step `step` was due to be sent, nanoseconds since 1970.

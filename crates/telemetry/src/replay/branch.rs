@@ -15,7 +15,7 @@ use rotor::Settings;
 use wire::Step;
 use wire::message::Trip;
 
-use super::machine::{Act, Machine, Root};
+use super::machine::{BranchPoint, Machine, RecordedChange};
 use super::rows::Rows;
 use crate::edits::{self, Edit};
 use crate::units::Units;
@@ -28,17 +28,17 @@ const STRIDE: u64 = 1 << 16;
 
 /// What a person has changed.
 #[derive(Clone, Debug, PartialEq)]
-struct Wish {
+struct BranchState {
     settings: Settings,
-    acts: Vec<(u64, Act)>,
+    acts: Vec<(u64, RecordedChange)>,
 }
 
 /// A machine beside the recorded one.
 pub(crate) struct Branch {
-    root: Root,
-    wish: Wish,
-    done: Vec<Wish>,
-    undone: Vec<Wish>,
+    root: BranchPoint,
+    state: BranchState,
+    done: Vec<BranchState>,
+    undone: Vec<BranchState>,
     machine: Machine,
     rows: Rows,
     /// How it was at the root and every [`STRIDE`] steps from there, as far as it has come; never empty.
@@ -50,24 +50,24 @@ impl Branch {
     ///
     /// # Errors
     /// Settings that this version cannot step.
-    pub(crate) fn new(root: Root) -> Result<Self, ProgramError> {
-        let wish = Wish { settings: root.settings.clone(), acts: Vec::new() };
-        let machine = Machine::new(&root, &wish.settings)?;
+    pub(crate) fn new(root: BranchPoint) -> Result<Self, ProgramError> {
+        let state = BranchState { settings: root.settings.clone(), acts: Vec::new() };
+        let machine = Machine::new(&root, &state.settings)?;
         let rows = Self::rows_from(&machine, &root);
         let memories = vec![machine.clone()];
-        Ok(Self { root, wish, done: Vec::new(), undone: Vec::new(), machine, rows, memories })
+        Ok(Self { root, state, done: Vec::new(), undone: Vec::new(), machine, rows, memories })
     }
 
-    /// The same wishes from another moment on; or why the bench would not have taken them then.
-    pub(crate) fn moved_to(&self, root: Root) -> Result<Self, ProgramError> {
+    /// The same edits from another moment on; or why the bench would not have taken them then.
+    pub(crate) fn moved_to(&self, root: BranchPoint) -> Result<Self, ProgramError> {
         let mut moved = Self::new(root)?;
-        edits::carry_over(&self.root.settings, &self.wish.settings, &mut moved.wish.settings);
-        moved.root.substeps_from_here(&moved.wish.settings)?;
+        edits::carry_over(&self.root.settings, &self.state.settings, &mut moved.state.settings);
+        moved.root.substeps_from_here(&moved.state.settings)?;
         Ok(moved)
     }
 
     /// No more than where a machine is now.
-    fn rows_from(machine: &Machine, root: &Root) -> Rows {
+    fn rows_from(machine: &Machine, root: &BranchPoint) -> Rows {
         let mut rows = Rows::new(2 + 2 * root.rotor.len(), machine.seq);
         rows.push(machine.row());
         rows
@@ -100,44 +100,44 @@ impl Branch {
 
     /// Takes an edit at step `at`, not before the root. Returns what was done, in words, or why not.
     pub(crate) fn edit(&mut self, edit: &Edit, at: u64) -> Result<String, String> {
-        let mut wish = self.wish.clone();
+        let mut state = self.state.clone();
         let units = Units::of(self.root.rotor.scales().copied(), Some(1.0));
         let words = match edit {
             Edit::Undo => {
                 let last = self.done.pop().ok_or("nothing to undo")?;
-                self.undone.push(std::mem::replace(&mut self.wish, last));
+                self.undone.push(std::mem::replace(&mut self.state, last));
                 return Ok("undone".into());
             }
             Edit::Redo => {
                 let next = self.undone.pop().ok_or("nothing to redo")?;
-                self.done.push(std::mem::replace(&mut self.wish, next));
+                self.done.push(std::mem::replace(&mut self.state, next));
                 return Ok("done again".into());
             }
             Edit::Impulse(mass, velocity) => {
-                wish.acts.push((at + 1, Act::Impulse(*mass, *velocity)));
-                edit.what(&units)
+                state.acts.push((at + 1, RecordedChange::Impulse(*mass, *velocity)));
+                edit.describe(&units)
             }
             Edit::Restart => {
-                wish.acts.push((at + 1, Act::Restart));
+                state.acts.push((at + 1, RecordedChange::Restart));
                 "restarts from rest".to_owned()
             }
             Edit::Note(_) => return Err("a recording takes no more notes".into()),
             edit => {
-                edit.change(&mut wish.settings).map_err(|error| units.fault(&error))?;
-                edit.what(&units)
+                edit.apply(&mut state.settings).map_err(|error| units.fault(&error))?;
+                edit.describe(&units)
             }
         };
-        wish.settings.check(&self.root.rotor).map_err(|error| units.fault(&error))?;
-        self.root.substeps_from_here(&wish.settings).map_err(|error| error.to_string())?;
-        self.done.push(std::mem::replace(&mut self.wish, wish));
+        state.settings.check(&self.root.rotor).map_err(|error| units.fault(&error))?;
+        self.root.substeps_from_here(&state.settings).map_err(|error| error.to_string())?;
+        self.done.push(std::mem::replace(&mut self.state, state));
         self.undone.clear();
         Ok(words)
     }
 
-    /// Begins all over again at the root: the wishes hold from the beginning.
+    /// Begins all over again at its root: the edits hold from the beginning.
     pub(crate) fn begin(&mut self) {
-        // Wishes were looked at when they were made.
-        if let Ok(machine) = Machine::new(&self.root, &self.wish.settings) {
+        // They were looked at when they were made.
+        if let Ok(machine) = Machine::new(&self.root, &self.state.settings) {
             self.machine = machine;
         }
         self.rows = Self::rows_from(&self.machine, &self.root);
@@ -146,7 +146,7 @@ impl Branch {
 
     /// Runs on towards the end of `wanted`, by so many steps at most that nobody notices, and remembers where it has been
     /// within `wanted`; `acts` is what was done to the recorded machine, ascending in step.
-    pub(crate) fn advance(&mut self, wanted: Range<u64>, acts: &[(u64, Act)]) {
+    pub(crate) fn advance(&mut self, wanted: Range<u64>, acts: &[(u64, RecordedChange)]) {
         self.turn_to(&wanted);
         let mut recorded = acts.partition_point(|(at, _)| *at <= self.machine.seq);
         let mut made = 0;
@@ -160,17 +160,17 @@ impl Branch {
                 recorded += 1;
                 still |= self.root.is_still(act);
                 let act = match act {
-                    Act::Settings(there, substeps) => {
-                        let carried = self.wish.carried_to(&self.root, there);
+                    RecordedChange::Settings(there, substeps) => {
+                        let carried = self.state.carried_to(&self.root, there);
                         // What the bench would have refused is not done here either.
                         let Ok(substeps) = self.root.substeps(&carried, (there, *substeps)) else { continue };
-                        Act::Settings(carried, substeps)
+                        RecordedChange::Settings(carried, substeps)
                     }
                     other => other.clone(),
                 };
                 self.machine.act(&self.root, &act);
             }
-            for (_, act) in self.wish.acts.iter().filter(|(at, _)| *at == seq) {
+            for (_, act) in self.state.acts.iter().filter(|(at, _)| *at == seq) {
                 self.machine.act(&self.root, act);
             }
             self.machine.step(still);
@@ -200,7 +200,7 @@ impl Branch {
     }
 
     /// Displacement `[y, z]` of a mass at step `seq`, if it is known there.
-    pub(crate) fn place(&self, seq: u64, mass: usize) -> Option<[f64; 2]> {
+    pub(crate) fn displacement(&self, seq: u64, mass: usize) -> Option<[f64; 2]> {
         self.rows.get(seq).map(|row| [row[2 + 2 * mass], row[3 + 2 * mass]])
     }
 
@@ -210,9 +210,9 @@ impl Branch {
     }
 }
 
-impl Wish {
-    /// Recorded settings with what is wished in place of what was.
-    fn carried_to(&self, root: &Root, recorded: &Settings) -> Settings {
+impl BranchState {
+    /// Recorded settings with what was edited in place of what was.
+    fn carried_to(&self, root: &BranchPoint, recorded: &Settings) -> Settings {
         let mut settings = recorded.clone();
         edits::carry_over(&root.settings, &self.settings, &mut settings);
         settings

@@ -12,7 +12,7 @@ const MOST_STEPS: u64 = 200_000;
 
 /// Something that was done to the machine, before the step of that number.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Act {
+pub(super) enum RecordedChange {
     /// An impulse on a mass.
     Impulse(usize, C64),
     /// Back to rest.
@@ -27,7 +27,7 @@ pub(super) use machine::Line;
 
 /// The moment from which a branch runs on.
 #[derive(Clone, Debug)]
-pub(super) struct Root {
+pub(super) struct BranchPoint {
     pub(super) rotor: Rotor,
     pub(super) dtau: f64,
     /// Steps a second; 0 if it was not paced.
@@ -40,10 +40,10 @@ pub(super) struct Root {
     pub(super) substeps: u32,
     pub(super) line: Line,
     /// The machine after this step with all that it held, where a snapshot of it led there.
-    pub(super) whole: Option<machine::Machine>,
+    pub(super) restored: Option<machine::Machine>,
 }
 
-impl Root {
+impl BranchPoint {
     /// The substeps of a step under `wanted`: as many as were made where `recorded` has just these settings, else as many as
     /// the bench would make.
     ///
@@ -83,7 +83,7 @@ impl Root {
         &self,
         (next, words): (u64, Vec<u64>),
         (settings, substeps): (&Settings, u32),
-        acts: &[(u64, Act)],
+        acts: &[(u64, RecordedChange)],
     ) -> Option<machine::Machine> {
         let seq = self.state.seq();
         if seq.checked_sub(next)? > MOST_STEPS / u64::from(substeps.max(1)) {
@@ -97,12 +97,12 @@ impl Root {
             while let Some((_, act)) = to_do.next_if(|(at, _)| *at == step) {
                 still |= self.is_still(act);
                 match act {
-                    Act::Impulse(mass, velocity) => machine.kick(*mass, *velocity),
-                    Act::Restart => machine.restart(),
-                    Act::Settings(settings, substeps) => {
+                    RecordedChange::Impulse(mass, velocity) => machine.kick(*mass, *velocity),
+                    RecordedChange::Restart => machine.restart(),
+                    RecordedChange::Settings(settings, substeps) => {
                         load(&mut machine, self.program(settings, *substeps).ok()?);
                     }
-                    Act::Pace(dtau) => machine.pace(*dtau),
+                    RecordedChange::Pace(dtau) => machine.pace(*dtau),
                 }
             }
             if !still {
@@ -122,11 +122,11 @@ impl Root {
     }
 
     /// Whether what was done is a step of its own in the recording, over which no time passes: an impulse in a run without a bench.
-    pub(super) fn is_still(&self, act: &Act) -> bool {
-        self.rate_hz == 0.0 && matches!(act, Act::Impulse(..))
+    pub(super) fn is_still(&self, act: &RecordedChange) -> bool {
+        self.rate_hz == 0.0 && matches!(act, RecordedChange::Impulse(..))
     }
 
-    /// The same for settings that are wished for from the beginning.
+    /// The same for settings that are edited from the beginning.
     ///
     /// # Errors
     /// The bench would refuse these settings.
@@ -164,15 +164,15 @@ pub(super) struct Machine {
 impl Machine {
     /// The machine as it was at `root`, under other settings, which the bench would take; it keeps its own else. Nothing if
     /// even those cannot be stepped.
-    pub(super) fn new(root: &Root, wanted: &Settings) -> Result<Self, ProgramError> {
+    pub(super) fn new(root: &BranchPoint, wanted: &Settings) -> Result<Self, ProgramError> {
         let (wanted, substeps) =
             root.substeps_from_here(wanted).map_or((&root.settings, root.substeps), |substeps| (wanted, substeps));
-        let mut machine = match &root.whole {
-            Some(whole) => whole.clone(),
+        let mut machine = match &root.restored {
+            Some(restored) => restored.clone(),
             None => root.resumed()?,
         };
         // Nothing was loaded where nothing was changed.
-        if root.whole.is_none() || (wanted, substeps) != (&root.settings, root.substeps) {
+        if root.restored.is_none() || (wanted, substeps) != (&root.settings, root.substeps) {
             load(&mut machine, root.program(wanted, substeps)?);
         }
         let held = root.state.flags().has(wire::Flags::TRIPPED);
@@ -190,15 +190,15 @@ impl Machine {
     }
 
     /// Something is done to it.
-    pub(super) fn act(&mut self, root: &Root, act: &Act) {
+    pub(super) fn act(&mut self, root: &BranchPoint, act: &RecordedChange) {
         match act {
-            Act::Impulse(mass, velocity) => self.machine.kick(*mass, *velocity),
-            Act::Restart => {
+            RecordedChange::Impulse(mass, velocity) => self.machine.kick(*mass, *velocity),
+            RecordedChange::Restart => {
                 self.machine.restart();
                 self.trip = None;
             }
-            Act::Pace(dtau) => self.machine.pace(*dtau),
-            Act::Settings(settings, substeps) => {
+            RecordedChange::Pace(dtau) => self.machine.pace(*dtau),
+            RecordedChange::Settings(settings, substeps) => {
                 // A recorded change was possible; what is not is not made.
                 let Ok(program) = root.program(settings, *substeps) else { return };
                 load(&mut self.machine, program);

@@ -8,9 +8,9 @@ use rotor::Settings;
 use wire::{BenchStatus, Happening, SettingsDocument, State, Step};
 
 use super::branch::Branch;
-use super::loaded::Loaded;
-use super::machine::{Act, Line, Root};
-use super::{Past, PastEvent};
+use super::loaded_steps::LoadedSteps;
+use super::machine::{BranchPoint, Line, RecordedChange};
+use super::{RecordedEvent, RecordingSource};
 use crate::edits::Edit;
 use crate::feed::Feed;
 use crate::view_time::ViewTime;
@@ -33,7 +33,7 @@ const IN_PASSING: u64 = 10_000;
 
 /// A part of the recording that is played over and over.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Repeat {
+pub enum LoopRange {
     /// None.
     Off,
     /// From here to an end that is not set yet.
@@ -44,13 +44,13 @@ pub enum Repeat {
 
 /// See the module.
 pub struct Player {
-    past: Box<dyn Past>,
+    past: Box<dyn RecordingSource>,
     /// The numbers of the first step and the last.
     ends: [u64; 2],
     /// Steps a second when it was recorded.
     rate: f64,
     masses: usize,
-    pub(super) events: Vec<PastEvent>,
+    pub(super) events: Vec<RecordedEvent>,
     pub(super) missing: Vec<Range<u64>>,
     /// What alarms did, and how they stood where we stand: after so many of these turns.
     turns: Vec<Turn>,
@@ -58,8 +58,8 @@ pub struct Player {
     pub(super) judged: bool,
     alarms: (usize, Alarms),
     /// What was done to the machine; gathered when it is first needed.
-    acts: Option<Vec<(u64, Act)>>,
-    pub(super) loaded: Loaded,
+    acts: Option<Vec<(u64, RecordedChange)>>,
+    pub(super) loaded: LoadedSteps,
     /// While paused there is more to be read in passing.
     reads_on: bool,
     /// The step we stand at, with the part of the next one that has passed.
@@ -67,13 +67,13 @@ pub struct Player {
     /// While playing: when the clock was last looked at.
     ticked: Option<Instant>,
     speed: usize,
-    pub(super) repeat: Repeat,
+    pub(super) repeat: LoopRange,
     pub(super) branch: Option<Branch>,
 }
 
 impl Player {
     /// A player at the beginning of `past`, which fills `feed` and moves `time`.
-    pub fn new(mut past: Box<dyn Past>, feed: &mut Feed, time: &mut ViewTime) -> Result<Self, String> {
+    pub fn new(mut past: Box<dyn RecordingSource>, feed: &mut Feed, time: &mut ViewTime) -> Result<Self, String> {
         let Some([first, last]) = past.span() else { return Err("there are no steps in it".into()) };
         let bench_status = past.bench_status_at(first.seq);
         let mut player = Self {
@@ -87,16 +87,16 @@ impl Player {
             judged: past.limits().is_some(),
             alarms: (usize::MAX, Alarms::default()),
             acts: None,
-            loaded: Loaded::default(),
+            loaded: LoadedSteps::default(),
             reads_on: true,
             position: first.seq as f64,
             ticked: None,
             speed: AS_RECORDED,
-            repeat: Repeat::Off,
+            repeat: LoopRange::Off,
             branch: None,
             past,
         };
-        player.events.iter().for_each(|event| feed.remember(event));
+        player.events.iter().for_each(|event| feed.push_past_event(event));
         player.show(feed, time, true)?;
         Ok(player)
     }
@@ -162,7 +162,7 @@ impl Player {
             return Ok(());
         }
         self.ticked = Some(now);
-        if self.seq() >= self.ends[1] && self.repeat == Repeat::Off {
+        if self.seq() >= self.ends[1] && self.repeat == LoopRange::Off {
             return self.go(self.ends[0], feed, time);
         }
         Ok(())
@@ -196,7 +196,7 @@ impl Player {
         let before = self.seq();
         self.position += steps;
         let mut jumped = false;
-        if let Repeat::Over(from, to) = self.repeat {
+        if let LoopRange::Over(from, to) = self.repeat {
             // The last step of all has no next one to wait for.
             let turn = (to + 1).min(self.ends[1]);
             if (before..=self.seq()).contains(&turn) && steps > 0.0 {
@@ -238,7 +238,7 @@ impl Player {
     }
 
     /// Goes to the step that the feed holds at a place.
-    pub fn go_to_place(&mut self, place: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn go_to_index(&mut self, place: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
         self.go(self.loaded.seq_of(place), feed, time)
     }
 
@@ -272,10 +272,12 @@ impl Player {
     pub fn mark_loop(&mut self) -> &'static str {
         let here = self.seq();
         let (repeat, words) = match self.repeat {
-            Repeat::Off => (Repeat::From(here), "loop begins here: again where it shall end"),
-            Repeat::From(from) if from == here => (Repeat::Off, "no loop"),
-            Repeat::From(from) => (Repeat::Over(from.min(here), from.max(here)), "loop ends here: again for no loop"),
-            Repeat::Over(..) => (Repeat::Off, "no loop"),
+            LoopRange::Off => (LoopRange::From(here), "loop begins here: again where it shall end"),
+            LoopRange::From(from) if from == here => (LoopRange::Off, "no loop"),
+            LoopRange::From(from) => {
+                (LoopRange::Over(from.min(here), from.max(here)), "loop ends here: again for no loop")
+            }
+            LoopRange::Over(..) => (LoopRange::Off, "no loop"),
         };
         self.repeat = repeat;
         words
@@ -287,7 +289,7 @@ impl Player {
         let back = (LOOK_BACK * self.rate) as u64;
         let back = back.max(time.steps(1.0 / self.rate)).clamp(BACK[0], BACK[1]);
         // What comes ahead needs room too.
-        let back = back.min(feed.history().room_for(self.masses) / 2);
+        let back = back.min(feed.history().capacity_for(self.masses) / 2);
         self.loaded.let_go(feed);
         let wanted = seq.saturating_sub(back).max(self.ends[0])..seq + 1;
         if !(self.loaded.range().contains(&wanted.start) && self.loaded.range().end > seq) {
@@ -295,12 +297,12 @@ impl Player {
             self.loaded.cover(&mut *self.past, feed, &wanted)?;
             self.reads_on = true;
         }
-        if let Some(place) = self.loaded.place_of(seq) {
-            let kept = feed.history().places();
+        if let Some(place) = self.loaded.index_of(seq) {
+            let kept = feed.history().kept();
             if jumped {
-                time.jump(place.clamp(kept.start, kept.end.saturating_sub(1)));
+                time.jump_to(place.clamp(kept.start, kept.end.saturating_sub(1)));
             } else {
-                time.at(place, &kept, 1.0 / self.rate);
+                time.look_at(place, &kept, 1.0 / self.rate);
             }
         }
         let mut bench_status = self.past.bench_status_at(seq);
@@ -314,7 +316,7 @@ impl Player {
             self.acts = Some(acts);
         }
         self.recall_alarms(seq, &bench_status, feed);
-        feed.stand_at(bench_status);
+        feed.set_present(bench_status);
         Ok(())
     }
 
@@ -325,11 +327,11 @@ impl Player {
             self.alarms = (turned, Alarms::recalled(self.limits.clone(), &self.turns[..turned]));
         }
         let alarms = &mut self.alarms.1;
-        let place = self.loaded.place_of(seq);
+        let place = self.loaded.index_of(seq);
         let track = place.map(|place| feed.history().track(&(place..place + 1))).filter(|track| track.len() > 0);
         let [mut orbit, mut force] = [None; 2];
         if let Some(track) = track {
-            let radii = (0..track.masses()).map(|mass| track.place(0, mass)).map(|[y, z]| y.hypot(z));
+            let radii = (0..track.masses()).map(|mass| track.displacement(0, mass)).map(|[y, z]| y.hypot(z));
             orbit = Some(radii.fold(0.0, f64::max));
             let [y, z] = track.force(0);
             force = Some(y.hypot(z));
@@ -352,7 +354,7 @@ impl Player {
     fn fetch_in_passing(&mut self, feed: &mut Feed) -> Result<(), String> {
         let range = self.loaded.range();
         let steps = self.ends[1] + 1 - range.start.min(self.ends[1]);
-        self.reads_on = range.end <= self.ends[1] && feed.history().room_for(self.masses) >= steps;
+        self.reads_on = range.end <= self.ends[1] && feed.history().capacity_for(self.masses) >= steps;
         if !self.reads_on {
             return Ok(());
         }
@@ -361,25 +363,27 @@ impl Player {
     }
 
     /// What was done to the machine, taken out: to be put back.
-    fn gathered(&mut self) -> Vec<(u64, Act)> {
+    fn gathered(&mut self) -> Vec<(u64, RecordedChange)> {
         if let Some(acts) = self.acts.take() {
             return acts;
         }
-        let mut acts: Vec<(u64, Act)> = self
+        let mut acts: Vec<(u64, RecordedChange)> = self
             .events
             .iter()
             .filter_map(|event| match event.happening()? {
-                Happening::Impulse { mass, velocity } => Some((event.at.seq, Act::Impulse(*mass, *velocity))),
-                Happening::Restarted => Some((event.at.seq, Act::Restart)),
+                Happening::Impulse { mass, velocity } => {
+                    Some((event.at.seq, RecordedChange::Impulse(*mass, *velocity)))
+                }
+                Happening::Restarted => Some((event.at.seq, RecordedChange::Restart)),
                 _ => None,
             })
             .collect();
         let changes = self.past.changes();
         acts.extend(changes.into_iter().map(|seq| {
             let there = self.past.bench_status_at(seq);
-            (seq, Act::Settings(there.settings.get().clone(), there.substeps.max(1)))
+            (seq, RecordedChange::Settings(there.settings.get().clone(), there.substeps.max(1)))
         }));
-        acts.extend(self.past.paces().into_iter().map(|(seq, dtau)| (seq, Act::Pace(dtau))));
+        acts.extend(self.past.paces().into_iter().map(|(seq, dtau)| (seq, RecordedChange::Pace(dtau))));
         // Stable: what came first within a step stays first.
         acts.sort_by_key(|(seq, _)| *seq);
         acts
@@ -429,8 +433,8 @@ impl Player {
     }
 
     /// The moment at step `seq`, or at the last one before it that is there, to run on from.
-    fn root(&mut self, seq: u64) -> Result<Root, String> {
-        let place = self.loaded.place_of(seq).ok_or("no step to run on from")?;
+    fn root(&mut self, seq: u64) -> Result<BranchPoint, String> {
+        let place = self.loaded.index_of(seq).ok_or("no step to run on from")?;
         let at = self.state(seq)?.map_or_else(|| self.state(self.loaded.seq_of(place)), |state| Ok(Some(state)))?;
         let state = at.ok_or("the step to run on from is missing")?;
         let bench_status = self.past.bench_status_at(state.seq());
@@ -440,12 +444,12 @@ impl Player {
         let substeps = bench_status.substeps.max(1);
         let line = self.line(&state, &settings, substeps)?;
         let (dtau, rate_hz) = (bench_status.dtau, bench_status.rate_hz);
-        let mut root = Root { rotor, dtau, rate_hz, state, settings, substeps, line, whole: None };
+        let mut root = BranchPoint { rotor, dtau, rate_hz, state, settings, substeps, line, restored: None };
         // What cannot be read costs what the loop held, and no more.
         if let Ok(Some(snapshot)) = self.past.snapshot_before(root.state.seq()) {
             let then = self.past.bench_status_at(snapshot.0);
             let acts = self.gathered();
-            root.whole = root.recalled(snapshot, (then.settings.get(), then.substeps.max(1)), &acts);
+            root.restored = root.recalled(snapshot, (then.settings.get(), then.substeps.max(1)), &acts);
             self.acts = Some(acts);
         }
         Ok(root)

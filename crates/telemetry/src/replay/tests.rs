@@ -9,7 +9,7 @@ use wire::{Channel, Step};
 use super::*;
 use crate::edits::Edit;
 use crate::feed::Feed;
-use crate::replay::player::{Repeat, SPEEDS};
+use crate::replay::player::{LoopRange, SPEEDS};
 use crate::test_support::{Long, Session, session, whole};
 use crate::view_time::ViewTime;
 
@@ -77,7 +77,7 @@ fn a_loop_is_not_left() {
     stage.player.mark_loop();
     stage.go(300);
     stage.player.mark_loop();
-    assert_eq!(stage.player.repeat, Repeat::Over(300, 400));
+    assert_eq!(stage.player.repeat, LoopRange::Over(300, 400));
     let mut seen = Vec::new();
     for at in 0..500 {
         stage.play(0.5 + f64::from(at % 37) * 1.7);
@@ -132,7 +132,7 @@ fn repeats(session: &Session) {
         let branch = stage.player.branch.as_ref().unwrap();
         for state in session.states.iter().filter(|state| state.seq() >= from) {
             for (mass, point) in state.points().enumerate() {
-                let beside = branch.place(state.seq(), mass).map(|place| place.map(f64::to_bits));
+                let beside = branch.displacement(state.seq(), mass).map(|place| place.map(f64::to_bits));
                 let happened = Some([point.y.to_bits(), point.z.to_bits()]);
                 assert_eq!(beside, happened, "mass {mass} at step {} from {from} on", state.seq());
             }
@@ -152,7 +152,7 @@ fn a_recording_that_begins_late_is_run_on_from_up_to_rounding() {
     stage.go(300);
     let branch = stage.player.branch.as_ref().unwrap();
     let there = session.states.iter().find(|state| state.seq() == 300).unwrap();
-    let [y, z] = branch.place(300, 1).unwrap();
+    let [y, z] = branch.displacement(300, 1).unwrap();
     assert!((y - there.point(1).y).abs() < 1e-12 && (z - there.point(1).z).abs() < 1e-12);
 }
 
@@ -168,8 +168,8 @@ fn other_gains_are_run_on_beside_what_happened_until_they_are_dropped() {
     stage.go(330);
     let branch = stage.player.branch.as_ref().unwrap();
     let there = &session.states[330];
-    assert_ne!(branch.place(330, 0), Some([there.point(0).y, there.point(0).z]));
-    assert_eq!(branch.place(99, 0), None);
+    assert_ne!(branch.displacement(330, 0), Some([there.point(0).y, there.point(0).z]));
+    assert_eq!(branch.displacement(99, 0), None);
     // What is edited is what is run on with; what was changed later in the recording is changed here too.
     assert_eq!(stage.feed.settings().unwrap().trip, 1.5);
     stage.go(500);
@@ -201,7 +201,7 @@ fn a_long_way_is_gone_in_stages_and_what_is_forgotten_is_run_anew() {
             stages += 1;
         }
         let branch = stage.player.branch.as_ref().unwrap();
-        let bits = |back: u64| branch.place(seq - back, 2).map(|place| place.map(f64::to_bits));
+        let bits = |back: u64| branch.displacement(seq - back, 2).map(|place| place.map(f64::to_bits));
         let known: Vec<_> = [0, 1, 999, 9999].map(bits).into_iter().collect();
         assert!(known.iter().all(Option::is_some), "{seq}: {known:?}");
         (known, stages)
@@ -213,7 +213,7 @@ fn a_long_way_is_gone_in_stages_and_what_is_forgotten_is_run_anew() {
     assert!((0.18..0.19).contains(&gone), "{gone}");
     let (far, stages) = arrive(&mut stage, 1_900_000);
     assert!(stages > 5, "{stages}");
-    assert_eq!(stage.player.branch.as_ref().unwrap().place(150_000, 2), None, "forgotten");
+    assert_eq!(stage.player.branch.as_ref().unwrap().displacement(150_000, 2), None, "forgotten");
     let (again, stages) = arrive(&mut stage, 150_000);
     assert_eq!((again, stages), (near, 0), "run anew from not far before");
     let (again, stages) = arrive(&mut stage, 1_900_000);
@@ -252,9 +252,9 @@ fn what_is_missing_is_passed_over_and_told() {
     assert_eq!(stage.player.seq(), 605);
     assert_eq!(stage.player.notices(), ["401 steps are missing"]);
     stage.go(300);
-    assert_eq!(stage.feed.picture(&stage.time, Instant::now()).now.map(|_| ()), Some(()));
+    assert_eq!(stage.feed.frame_data(&stage.time, Instant::now()).now.map(|_| ()), Some(()));
     for seq in [199, 200, 599, 600, 699, 700, 701] {
-        let place = stage.go(seq).player.loaded.place_of(seq).unwrap();
+        let place = stage.go(seq).player.loaded.index_of(seq).unwrap();
         let there = stage.player.loaded.seq_of(place);
         let before = session.states.iter().rev().find(|state| state.seq() <= seq).unwrap();
         assert_eq!(there, before.seq());
@@ -293,14 +293,14 @@ fn a_recording_longer_than_what_is_kept_is_played_all_the_same() {
     let mut player = Player::new(Box::new(long), &mut feed, &mut time).unwrap();
     for seq in [0, 59_999, 30_000, 29_000, 31_000, 12, 45_678] {
         player.go(seq, &mut feed, &mut time).unwrap();
-        let picture = feed.picture(&time, Instant::now());
-        assert_eq!(picture.now.map(|now| picture.track.place(now, 0)[0]), Some(seq as f64));
+        let data = feed.frame_data(&time, Instant::now());
+        assert_eq!(data.now.map(|now| data.track.displacement(now, 0)[0]), Some(seq as f64));
     }
     for _ in 0..100 {
         player.play(143.0, &mut feed, &mut time).unwrap();
-        let picture = feed.picture(&time, Instant::now());
-        assert_eq!(picture.now.map(|now| picture.track.place(now, 0)[0]), Some(player.seq() as f64));
+        let data = feed.frame_data(&time, Instant::now());
+        assert_eq!(data.now.map(|now| data.track.displacement(now, 0)[0]), Some(player.seq() as f64));
     }
-    let kept = feed.history().places();
-    assert!(kept.end - kept.start <= feed.history().room_for(3) + 2048, "{kept:?}");
+    let kept = feed.history().kept();
+    assert!(kept.end - kept.start <= feed.history().capacity_for(3) + 2048, "{kept:?}");
 }

@@ -14,8 +14,8 @@ use wire::{BenchStatus, Channel, Event, Happening, Layout, Point, SettingsDocume
 pub use recorded::{Long, Session, session, whole};
 
 use crate::feed::Feed;
-use crate::frame_data::Picture;
-use crate::jobs::{OverSpeed, Question};
+use crate::frame_data::FrameData;
+use crate::jobs::{PoleTrace, PoleTraceRequest};
 use crate::view_time::ViewTime;
 
 /// Scales with `w0` = 1000 rad/s, `e_t` = 5 um, and 2 kg on 2e6 N/m.
@@ -75,28 +75,28 @@ pub fn state(masses: usize, seq: u64) -> State {
     state
 }
 
-/// A picture of the three-mass rotor after 3000 steps of regular whirl.
+/// The data of a frame of the three-mass rotor after 3000 steps of regular whirl.
 #[must_use]
-pub fn picture() -> Picture {
+pub fn frame_data() -> FrameData {
     let now = Instant::now();
     let mut feed = Feed::new("");
-    feed.read(bench_status("three-mass", "composite"));
-    (0..3000).for_each(|seq| feed.hear(&state(3, seq), now));
-    feed.picture(&ViewTime::default(), now)
+    feed.push_bench_status(bench_status("three-mass", "composite"));
+    (0..3000).for_each(|seq| feed.push_step(&state(3, seq), now));
+    feed.frame_data(&ViewTime::default(), now)
 }
 
 /// Poles and damping over speed of a built-in rotor.
 #[must_use]
-pub fn question(rotor: &str, feedback: &str, speed: f64) -> Question {
+pub fn question(rotor: &str, feedback: &str, speed: f64) -> PoleTraceRequest {
     let rotor = builtin::rotor(rotor).unwrap();
     let feedback = builtin::feedback(&rotor, feedback).unwrap();
-    Question::at(Arc::new(rotor), feedback, speed)
+    PoleTraceRequest::at(Arc::new(rotor), feedback, speed)
 }
 
 /// The same, answered.
 #[must_use]
-pub fn over_speed(rotor: &str, feedback: &str) -> OverSpeed {
-    OverSpeed::of(&question(rotor, feedback, 2.5))
+pub fn pole_trace(rotor: &str, feedback: &str) -> PoleTrace {
+    PoleTrace::of(&question(rotor, feedback, 2.5))
 }
 
 /// Event number `number` of a run, a second after the one before.

@@ -13,8 +13,8 @@ use wire::{
     State, Step,
 };
 
-use crate::processes::OutsideError;
-use crate::replay::{Past, PastEvent, PastWhat};
+use crate::processes::ExternalError;
+use crate::replay::{RecordedEvent, RecordedKind, RecordingSource};
 
 /// A session in memory.
 #[derive(Clone)]
@@ -38,7 +38,7 @@ impl Session {
     }
 }
 
-impl Past for Session {
+impl RecordingSource for Session {
     fn name(&self) -> String {
         "memory".into()
     }
@@ -47,7 +47,7 @@ impl Past for Session {
         Some([Self::moment(self.states.first()?), Self::moment(self.states.last()?)])
     }
 
-    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
         let from = self.states.partition_point(|state| state.seq() < range.start);
         self.states[from..].iter().take_while(|state| state.seq() < range.end).for_each(each);
         Ok(())
@@ -74,16 +74,16 @@ impl Past for Session {
         self.events.iter().filter(|event| matches!(event.kind, 1 | 2)).map(|event| event.seq).collect()
     }
 
-    fn events(&self) -> Vec<PastEvent> {
-        let alarm = |turn: Turn| PastEvent {
+    fn events(&self) -> Vec<RecordedEvent> {
+        let alarm = |turn: Turn| RecordedEvent {
             at: turn.at,
-            what: PastWhat::Alarm(turn),
+            what: RecordedKind::Alarm(turn),
             who: "recorder".into(),
             why: String::new(),
         };
-        let told = |event: &Event| PastEvent {
+        let told = |event: &Event| RecordedEvent {
             at: event.into(),
-            what: PastWhat::Happening(event.happening().unwrap()),
+            what: RecordedKind::Happening(event.happening().unwrap()),
             who: event.who.as_str().into(),
             why: event.why.as_str().into(),
         };
@@ -117,9 +117,9 @@ impl Past for Session {
         if missing > 0 { vec![format!("{missing} steps are missing")] } else { Vec::new() }
     }
 
-    fn at_tau(&mut self, tau: f64) -> Result<u64, OutsideError> {
+    fn at_tau(&mut self, tau: f64) -> Result<u64, ExternalError> {
         let found = self.states.iter().rev().find(|state| state.tau() <= tau);
-        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| OutsideError::new("empty"))
+        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| ExternalError::new("empty"))
     }
 }
 
@@ -233,7 +233,7 @@ impl Long {
     }
 }
 
-impl Past for Long {
+impl RecordingSource for Long {
     fn name(&self) -> String {
         "long".into()
     }
@@ -242,7 +242,7 @@ impl Past for Long {
         Some([0, 1_999_999].map(|seq| Moment { seq, ..Moment::default() }))
     }
 
-    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
         let first = self.0.states[0];
         let made = |seq: u64| first.with_word(Channel::Seq, seq).with(Channel::Tau, 0, (seq + 1) as f64 * 0.01);
         (range.start..range.end.min(2_000_000)).for_each(|seq| each(&made(seq)));
@@ -257,7 +257,7 @@ impl Past for Long {
         vec![0]
     }
 
-    fn events(&self) -> Vec<PastEvent> {
+    fn events(&self) -> Vec<RecordedEvent> {
         Vec::new()
     }
 
@@ -277,7 +277,7 @@ impl Past for Long {
         Vec::new()
     }
 
-    fn at_tau(&mut self, _: f64) -> Result<u64, OutsideError> {
+    fn at_tau(&mut self, _: f64) -> Result<u64, ExternalError> {
         Ok(0)
     }
 }

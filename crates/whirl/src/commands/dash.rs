@@ -31,7 +31,7 @@ pub(crate) struct DashArgs {
     after: u32,
     /// Keys to press before it is taken: letters, names in brackets as <enter> or <ctrl-r>, and <3s> to wait
     #[arg(long, value_name = "KEYS", default_value = "", hide_default_value = true, requires = "picture")]
-    press: dashboard::Presses,
+    press: dashboard::KeyPresses,
 }
 
 /// Reads `120x40`.
@@ -77,7 +77,7 @@ impl ScreenArgs {
     pub(crate) fn options_with(&self, layout: Option<&str>) -> Result<dashboard::Options, Failure> {
         let config = config::read()?;
         let theme = self.theme.or(config.theme).unwrap_or_default();
-        let wishes = dashboard::Wishes { theme, ascii: self.ascii || config.ascii };
+        let wishes = dashboard::AppearanceOptions { theme, ascii: self.ascii || config.ascii };
         let (layouts, layout) = layouts::choose(self.layout.as_deref().or(layout).or(config.layout.as_deref()))?;
         Ok(dashboard::Options {
             history: self.history as usize * 1_000_000,
@@ -95,13 +95,13 @@ impl ScreenArgs {
     }
 }
 
-impl From<dashboard::DashError> for Failure {
-    fn from(error: dashboard::DashError) -> Self {
+impl From<dashboard::DashboardError> for Failure {
+    fn from(error: dashboard::DashboardError) -> Self {
         match error {
-            dashboard::DashError::NoTerminal => Self::Usage(error.to_string()),
-            dashboard::DashError::Terminal(_) | dashboard::DashError::Past(_) | dashboard::DashError::Panicked => {
-                Self::Work(error.to_string())
-            }
+            dashboard::DashboardError::NoTerminal => Self::Usage(error.to_string()),
+            dashboard::DashboardError::Terminal(_)
+            | dashboard::DashboardError::Recording(_)
+            | dashboard::DashboardError::Panicked => Self::Work(error.to_string()),
         }
     }
 }
@@ -134,9 +134,9 @@ pub(crate) fn run(args: &DashArgs) -> Result<(), Failure> {
     if let Some(file) = &args.picture {
         return picture(args, file, carrier, &bench, &options);
     }
-    let mut scribe = Recordings::of(bench.clone());
-    let shown = dashboard::run(carrier, &bench, None, Some(&mut scribe), &options);
-    let recorded = scribe.finish();
+    let mut recorder = Recordings::of(bench.clone());
+    let shown = dashboard::run(carrier, &bench, None, Some(&mut recorder), &options);
+    let recorded = recorder.finish();
     ended(shown?)?;
     recorded
 }
@@ -155,7 +155,7 @@ fn picture<C: wire::Carrier>(
         return Err(Failure::Usage(format!("--picture {found}: expected a file that ends in .svg or .txt")));
     };
     let after = Duration::from_secs(args.after.into());
-    let still = dashboard::portrait(carrier, bench, options, args.size, after, &args.press)?;
+    let still = dashboard::take_screenshot(carrier, bench, options, args.size, after, &args.press)?;
     let still = still.ok_or_else(|| Failure::Bench(format!("bench '{bench}' sent nothing in {} s", args.after)))?;
     let content = if kind == "svg" { still.svg } else { still.text };
     args.force.write(file, content)

@@ -5,8 +5,8 @@ use std::path::PathBuf;
 
 use alarms::{Limits, Turn};
 use tape::{Gap, Recording, What};
-use telemetry::processes::OutsideError;
-use telemetry::replay::{Past, PastEvent, PastWhat};
+use telemetry::processes::ExternalError;
+use telemetry::replay::{RecordedEvent, RecordedKind, RecordingSource};
 use wire::{BenchStatus, Moment, State};
 
 use crate::commands::dash::{ScreenArgs, ended};
@@ -38,34 +38,34 @@ pub(crate) fn run(args: &ReplayArgs) -> Result<(), Failure> {
 /// A recording as the player takes it.
 struct Tape {
     recording: Recording,
-    events: Vec<PastEvent>,
+    events: Vec<RecordedEvent>,
 }
 
 impl Tape {
     fn new(recording: Recording) -> Self {
-        let of_bench = recording.events().iter().map(|event| PastEvent {
+        let of_bench = recording.events().iter().map(|event| RecordedEvent {
             at: event.at,
-            what: PastWhat::Happening(event.happening.clone()),
+            what: RecordedKind::Happening(event.happening.clone()),
             who: event.who.clone(),
             why: event.why.clone(),
         });
         // What the recorder had to say stands among what happened.
-        let of_recorder = recording.remarks().iter().map(|remark| PastEvent {
+        let of_recorder = recording.remarks().iter().map(|remark| RecordedEvent {
             at: remark.at,
             what: match &remark.what {
-                What::Alarm(turn) => PastWhat::Alarm(turn.clone()),
-                _ => PastWhat::Remark(remark.text()),
+                What::Alarm(turn) => RecordedKind::Alarm(turn.clone()),
+                _ => RecordedKind::Remark(remark.text()),
             },
             who: "recorder".to_owned(),
             why: String::new(),
         });
-        let mut events: Vec<PastEvent> = of_bench.chain(of_recorder).collect();
+        let mut events: Vec<RecordedEvent> = of_bench.chain(of_recorder).collect();
         events.sort_by_key(|event| event.at.seq);
         Self { recording, events }
     }
 }
 
-impl Past for Tape {
+impl RecordingSource for Tape {
     fn name(&self) -> String {
         let path = self.recording.path();
         let name =
@@ -80,12 +80,12 @@ impl Past for Tape {
         self.recording.span().map(|span| [span.first, span.last])
     }
 
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
         let visited = self.recording.visit(range, 1, |state| {
             each(state);
             ControlFlow::Continue(())
         });
-        visited.map_err(OutsideError::new)
+        visited.map_err(ExternalError::new)
     }
 
     fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus> {
@@ -96,7 +96,7 @@ impl Past for Tape {
         self.recording.revisions().iter().map(|revision| revision.from).collect()
     }
 
-    fn events(&self) -> Vec<PastEvent> {
+    fn events(&self) -> Vec<RecordedEvent> {
         self.events.clone()
     }
 
@@ -116,8 +116,8 @@ impl Past for Tape {
         self.recording.notices()
     }
 
-    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, OutsideError> {
-        let snapshot = self.recording.snapshot_before(seq).map_err(OutsideError::new)?;
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, ExternalError> {
+        let snapshot = self.recording.snapshot_before(seq).map_err(ExternalError::new)?;
         Ok(snapshot.map(|snapshot| (snapshot.next, snapshot.words)))
     }
 
@@ -125,7 +125,7 @@ impl Past for Tape {
         self.recording.paces()
     }
 
-    fn at_tau(&mut self, tau: f64) -> Result<u64, OutsideError> {
-        self.recording.seq_at_tau(tau).map_err(OutsideError::new)
+    fn at_tau(&mut self, tau: f64) -> Result<u64, ExternalError> {
+        self.recording.seq_at_tau(tau).map_err(ExternalError::new)
     }
 }

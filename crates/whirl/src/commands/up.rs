@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use telemetry::processes::{Keeper, OutsideError};
+use telemetry::processes::{ExternalError, SimulationProcess};
 
 use crate::attach;
 use crate::child_process::ChildProcess;
@@ -48,17 +48,17 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
     }
     let carrier = attach::dashboard_carrier()?;
     let mut simulation = Simulation(ChildProcess::start("simulation", FAREWELL, live.to_arguments())?);
-    let mut scribe = Recordings::of(bench.clone());
+    let mut recorder = Recordings::of(bench.clone());
     if let Some(path) = &args.record
-        && let Err(failure) = scribe.begin(path, args.force)
+        && let Err(failure) = recorder.begin(path, args.force)
     {
         simulation.0.end()?;
         return Err(failure);
     }
-    let shown = dashboard::run(carrier, &bench, Some(&mut simulation), Some(&mut scribe), &screen);
+    let shown = dashboard::run(carrier, &bench, Some(&mut simulation), Some(&mut recorder), &screen);
     // The simulation first, so that its end is in the recording.
     simulation.0.end()?;
-    let recorded = scribe.finish();
+    let recorded = recorder.finish();
     ended(shown?)?;
     recorded
 }
@@ -66,13 +66,13 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
 /// The simulation that the dashboard shows, and can start again.
 struct Simulation(ChildProcess);
 
-impl Keeper for Simulation {
+impl SimulationProcess for Simulation {
     fn ended(&mut self) -> Option<String> {
         self.0.has_ended().then(|| self.0.words())
     }
 
-    fn revive(&mut self) -> Result<(), OutsideError> {
-        self.0 = self.0.start_again().map_err(OutsideError::new)?;
+    fn restart(&mut self) -> Result<(), ExternalError> {
+        self.0 = self.0.start_again().map_err(ExternalError::new)?;
         Ok(())
     }
 }

@@ -4,7 +4,7 @@ use rotor::C64;
 
 /// What is pointed at.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Pointed {
+pub(crate) struct Selection {
     /// The plot whose scale keys change, by its row in the table of panels.
     pub(crate) plot: Option<usize>,
     /// The pole of a mode.
@@ -17,29 +17,29 @@ pub(crate) struct Pointed {
 
 /// One of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Point {
+pub(crate) enum SelectedItem {
     Mode(C64),
     Frequency(f64),
     Speed(f64),
 }
 
-impl Pointed {
+impl Selection {
     /// Points at something; at the same again, at nothing of that kind.
-    pub(crate) fn at(&mut self, point: Point) {
-        let is_there = match point {
-            Point::Mode(pole) => self.mode == Some(pole),
-            Point::Frequency(frequency) => self.frequency == Some(frequency),
-            Point::Speed(speed) => self.speed == Some(speed),
+    pub(crate) fn toggle(&mut self, item: SelectedItem) {
+        let is_there = match item {
+            SelectedItem::Mode(pole) => self.mode == Some(pole),
+            SelectedItem::Frequency(frequency) => self.frequency == Some(frequency),
+            SelectedItem::Speed(speed) => self.speed == Some(speed),
         };
-        self.put(point, !is_there);
+        self.set(item, !is_there);
     }
 
     /// Points at something, or at nothing of that kind.
-    pub(crate) fn put(&mut self, point: Point, at_it: bool) {
-        match point {
-            Point::Mode(pole) => self.mode = at_it.then_some(pole),
-            Point::Frequency(frequency) => self.frequency = at_it.then_some(frequency),
-            Point::Speed(speed) => self.speed = at_it.then_some(speed),
+    pub(crate) fn set(&mut self, item: SelectedItem, at_it: bool) {
+        match item {
+            SelectedItem::Mode(pole) => self.mode = at_it.then_some(pole),
+            SelectedItem::Frequency(frequency) => self.frequency = at_it.then_some(frequency),
+            SelectedItem::Speed(speed) => self.speed = at_it.then_some(speed),
         }
     }
 
@@ -64,16 +64,16 @@ mod tests {
 
     #[test]
     fn a_mode_is_followed_and_the_same_again_is_nothing() {
-        let mut pointed = Pointed::default();
-        pointed.at(Point::Mode(C64::new(-0.1, 2.0)));
-        pointed.follow(&[C64::new(-0.2, -2.0), C64::new(-0.15, 2.1)]);
-        assert_eq!(pointed.mode, Some(C64::new(-0.15, 2.1)));
-        pointed.follow(&[]);
-        pointed.at(Point::Mode(C64::new(-0.15, 2.1)));
-        assert_eq!(pointed.mode, None);
-        pointed.at(Point::Speed(2.0));
-        pointed.at(Point::Frequency(-1.0));
-        assert_eq!((pointed.speed, pointed.frequency), (Some(2.0), Some(-1.0)));
-        assert!(pointed.clear() && !pointed.clear());
+        let mut selection = Selection::default();
+        selection.toggle(SelectedItem::Mode(C64::new(-0.1, 2.0)));
+        selection.follow(&[C64::new(-0.2, -2.0), C64::new(-0.15, 2.1)]);
+        assert_eq!(selection.mode, Some(C64::new(-0.15, 2.1)));
+        selection.follow(&[]);
+        selection.toggle(SelectedItem::Mode(C64::new(-0.15, 2.1)));
+        assert_eq!(selection.mode, None);
+        selection.toggle(SelectedItem::Speed(2.0));
+        selection.toggle(SelectedItem::Frequency(-1.0));
+        assert_eq!((selection.speed, selection.frequency), (Some(2.0), Some(-1.0)));
+        assert!(selection.clear() && !selection.clear());
     }
 }

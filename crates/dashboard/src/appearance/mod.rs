@@ -5,7 +5,6 @@
 
 mod ascii;
 mod palette;
-pub(crate) mod still;
 
 use std::fmt;
 use std::str::FromStr;
@@ -17,7 +16,7 @@ use palette::{Palette, THEMES, Theme};
 
 /// What a person asks of the looks of the dashboard; what is left open, the environment decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wishes {
+pub struct AppearanceOptions {
     /// The theme.
     pub theme: ThemeName,
     /// Nothing but ASCII on the screen, whatever the locale says.
@@ -76,7 +75,7 @@ pub(crate) struct Look {
 
 impl Look {
     /// The look for `wishes` in an environment.
-    pub(crate) fn choose(wishes: Wishes, variable: impl Fn(&str) -> Option<String>) -> Self {
+    pub(crate) fn choose(wishes: AppearanceOptions, variable: impl Fn(&str) -> Option<String>) -> Self {
         let set = |name: &str| variable(name).filter(|value| !value.is_empty());
         let theme = wishes.theme.theme();
         let full = set("COLORTERM").is_some_and(|value| matches!(&*value, "truecolor" | "24bit"));
@@ -89,13 +88,13 @@ impl Look {
         Self { palette: set("NO_COLOR").is_none().then_some(palette), ascii: wishes.ascii || simple || foreign }
     }
 
-    /// The look of a picture, which can have all colours and glyphs.
-    pub(crate) fn of_picture(wishes: Wishes) -> Self {
+    /// The look of a screenshot, which can have all colours and glyphs.
+    pub(crate) fn of_screenshot(wishes: AppearanceOptions) -> Self {
         Self::choose(wishes, |name| (name == "COLORTERM").then(|| "truecolor".to_owned()))
     }
 
     /// The look of this process's environment.
-    pub(crate) fn of_environment(wishes: Wishes) -> Self {
+    pub(crate) fn of_environment(wishes: AppearanceOptions) -> Self {
         Self::choose(wishes, |name| std::env::var(name).ok())
     }
 
@@ -130,7 +129,7 @@ mod tests {
     use super::*;
     use crate::theme;
 
-    fn look(wishes: Wishes, environment: &[(&str, &str)]) -> Look {
+    fn look(wishes: AppearanceOptions, environment: &[(&str, &str)]) -> Look {
         let find = |name: &str| environment.iter().find(|(n, _)| *n == name).map(|(_, value)| (*value).to_owned());
         Look::choose(wishes, find)
     }
@@ -146,12 +145,12 @@ mod tests {
 
     #[test]
     fn roles_become_the_sixteen_colours_unless_told_otherwise() {
-        let wishes = Wishes::default();
+        let wishes = AppearanceOptions::default();
         for environment in [&[][..], &[("COLORTERM", "truecolor")], &[("NO_COLOR", "")]] {
             let cell = finished(look(wishes, environment), "⠿", Style::new().fg(theme::BAD));
             assert_eq!(cell, ("⠿".into(), Color::Red, Color::Reset), "{environment:?}");
         }
-        let full = Wishes { theme: "full".parse().unwrap(), ..wishes };
+        let full = AppearanceOptions { theme: "full".parse().unwrap(), ..wishes };
         let fg = |environment| finished(look(full, environment), "x", Style::new().fg(theme::BAD)).1;
         assert!(matches!(fg(&[("COLORTERM", "truecolor")]), Color::Rgb(..)));
         assert_eq!(fg(&[("COLORTERM", "no")]), Color::Red, "a terminal that does not say so gets no true colours");
@@ -160,7 +159,7 @@ mod tests {
     #[test]
     fn no_color_leaves_none() {
         for (theme, _) in ThemeName::all() {
-            let wishes = Wishes { theme, ascii: false };
+            let wishes = AppearanceOptions { theme, ascii: false };
             let look = look(wishes, &[("NO_COLOR", "1"), ("COLORTERM", "truecolor")]);
             let style = Style::new().fg(theme::GOOD).bg(theme::FORCE);
             assert_eq!(finished(look, "x", style), ("x".into(), Color::Reset, Color::Reset));
@@ -169,7 +168,7 @@ mod tests {
 
     #[test]
     fn the_locale_and_the_terminal_decide_on_ascii() {
-        let is_ascii = |environment: &[(&str, &str)]| look(Wishes::default(), environment).ascii;
+        let is_ascii = |environment: &[(&str, &str)]| look(AppearanceOptions::default(), environment).ascii;
         assert!(!is_ascii(&[]));
         assert!(!is_ascii(&[("LANG", "en_GB.UTF-8")]));
         assert!(!is_ascii(&[("LC_ALL", ""), ("LANG", "C.utf8")]));
@@ -177,7 +176,9 @@ mod tests {
         assert!(is_ascii(&[("LC_ALL", "POSIX"), ("LANG", "en_GB.UTF-8")]));
         assert!(is_ascii(&[("LC_CTYPE", "de_DE.ISO-8859-1"), ("LANG", "en_GB.UTF-8")]));
         assert!(is_ascii(&[("TERM", "linux"), ("LANG", "en_GB.UTF-8")]));
-        assert!(look(Wishes { ascii: true, ..Wishes::default() }, &[("LANG", "en_GB.UTF-8")]).ascii);
+        assert!(
+            look(AppearanceOptions { ascii: true, ..AppearanceOptions::default() }, &[("LANG", "en_GB.UTF-8")]).ascii
+        );
     }
 
     #[test]
@@ -191,7 +192,7 @@ mod tests {
 
     #[test]
     fn ascii_means_ascii() {
-        let look = look(Wishes { ascii: true, ..Wishes::default() }, &[]);
+        let look = look(AppearanceOptions { ascii: true, ..AppearanceOptions::default() }, &[]);
         for (symbol, twin) in [("◆", "*"), ("│", "|"), ("⠤", "-"), ("x", "x"), ("²", "2")] {
             assert_eq!(finished(look, symbol, Style::new()).0, twin);
         }

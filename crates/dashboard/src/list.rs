@@ -5,7 +5,7 @@ use std::ops::Range;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
 
-use super::write_right;
+use crate::drawing::write_right;
 use crate::theme;
 
 /// Where a list stands: so many rows from where it would by itself.
@@ -44,12 +44,12 @@ pub(crate) fn passes(filter: &str, row: &str) -> bool {
 }
 
 /// The filter as a title tells it, with how many of how many rows pass; nothing if there is none.
-pub(crate) fn told(filter: &str, passed: usize, of: usize) -> String {
+pub(crate) fn filter_title(filter: &str, passed: usize, of: usize) -> String {
     if filter.trim().is_empty() { String::new() } else { format!(" /{} {passed} of {of} ", filter.trim()) }
 }
 
 /// Says how much there is beyond the rows in view, on the frame around `area`, where it covers nothing.
-pub(crate) fn mark(rows: &Range<usize>, count: usize, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw_overflow(rows: &Range<usize>, count: usize, area: Rect, buffer: &mut Buffer) {
     if area.width < 4 || area.height < 2 || rows.is_empty() {
         return;
     }
@@ -88,6 +88,6 @@ mod tests {
     fn a_filter_is_words_in_any_order_and_case() {
         assert!(passes("", "x") && passes("kd SET", "set kd = 1") && passes(" trip ", "Tripped"));
         assert!(!passes("kd cd", "kd"));
-        assert_eq!((told("kd", 3, 12), told(" ", 3, 12)), (" /kd 3 of 12 ".into(), String::new()));
+        assert_eq!((filter_title("kd", 3, 12), filter_title(" ", 3, 12)), (" /kd 3 of 12 ".into(), String::new()));
     }
 }

@@ -1,5 +1,8 @@
 //! A picture of a running bench without a terminal: what a dashboard shows after some keys.
 
+pub(crate) mod file;
+pub(crate) mod image;
+
 use std::io;
 use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -13,13 +16,13 @@ use wire::{BenchName, Carrier};
 
 use crate::app::App;
 use crate::keymap::Chord;
-use crate::looks::still::Still;
 use crate::options::Options;
+use crate::screenshot::image::Screenshot;
 use crate::session::{EDITS_WAITING, NEWS_WAITING};
 use telemetry::edits;
 use telemetry::feed::Feed;
-use telemetry::jobs::Desk;
-use telemetry::reader::{self, Shared, Wires, lock};
+use telemetry::jobs::Jobs;
+use telemetry::reader::{self, ReaderChannels, SharedFeed, lock};
 
 /// How often what has come in is held against the alarms' limits.
 const LOOK: Duration = Duration::from_millis(100);
@@ -36,9 +39,9 @@ enum Step {
 /// Keys to press before a picture is taken: letters as they are, others by name in angle brackets (`<enter>`, `<ctrl-r>`,
 /// `<<>`), and `<3s>` for three seconds of waiting.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Presses(Vec<Step>);
+pub struct KeyPresses(Vec<Step>);
 
-impl FromStr for Presses {
+impl FromStr for KeyPresses {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -75,26 +78,26 @@ impl FromStr for Presses {
 ///
 /// # Errors
 /// A thread cannot be started.
-pub fn portrait<C: Carrier>(
+pub fn take_screenshot<C: Carrier>(
     carrier: C,
     bench: &BenchName,
     options: &Options,
     (width, height): (u16, u16),
     after: Duration,
-    presses: &Presses,
-) -> io::Result<Option<Still>> {
-    let feed: Shared = Arc::new(Mutex::new(Feed::with_bound("waiting", options.history)));
+    presses: &KeyPresses,
+) -> io::Result<Option<Screenshot>> {
+    let feed: SharedFeed = Arc::new(Mutex::new(Feed::with_bound("waiting", options.history)));
     let stop = Arc::new(AtomicBool::new(false));
     let (send_news, news) = channel::bounded(NEWS_WAITING);
     let (wake, _never) = channel::bounded(1);
     let (send_edit, wanted) = channel::bounded(EDITS_WAITING);
     let (carry, edits) = channel::bounded(1);
     let (send_outcome, outcomes) = channel::unbounded();
-    let wires = Wires { news: send_news, wake, idle: Arc::default(), stop: stop.clone() };
+    let wires = ReaderChannels { news: send_news, wake, idle: Arc::default(), stop: stop.clone() };
     let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
     let editor = edits::spawn(carrier, bench.clone(), edits, news, send_outcome)?;
     let area = Rect::new(0, 0, width, height);
-    let mut app = App::new(bench.to_string(), feed.clone(), send_edit, None, Desk::at_once(), Arc::default(), options);
+    let mut app = App::new(bench.to_string(), feed.clone(), send_edit, None, Jobs::inline(), Arc::default(), options);
     let wait = |app: &mut App<'_>, time: Duration| {
         let start = Instant::now();
         while start.elapsed() < time {
@@ -113,18 +116,18 @@ pub fn portrait<C: Carrier>(
             if carry.send(edit).is_ok()
                 && let Ok(outcome) = outcomes.recv_timeout(ANSWER)
             {
-                app.learn(outcome);
+                app.take_outcome(outcome);
             }
         }
     }
-    let heard = lock(&feed).heard().is_some();
-    let still = heard.then(|| app.still(area));
+    let heard = lock(&feed).last_step_at().is_some();
+    let screenshot = heard.then(|| app.screenshot(area));
     stop.store(true, Ordering::Relaxed);
     drop((app, carry));
     // Both hold shared memory: they must have let go before we report that we are done.
     let _ = reader.join();
     let _ = editor.join();
-    Ok(still)
+    Ok(screenshot)
 }
 
 #[cfg(test)]
@@ -135,7 +138,7 @@ mod tests {
 
     #[test]
     fn presses_are_letters_names_and_times() {
-        let Presses(steps) = ":kd <enter><<><ctrl-r>ü<3s>s".parse().unwrap();
+        let KeyPresses(steps) = ":kd <enter><<><ctrl-r>ü<3s>s".parse().unwrap();
         let press = |code, held| Step::Press(KeyEvent::new(code, held));
         let letter = |letter| press(KeyCode::Char(letter), KeyModifiers::NONE);
         assert_eq!(
@@ -153,7 +156,7 @@ mod tests {
                 letter('s'),
             ]
         );
-        assert_eq!("x<enter".parse::<Presses>(), Err("'<enter': expected a name and '>' after '<'".into()));
-        assert!("<nokey>".parse::<Presses>().unwrap_err().contains("expected a key such as"));
+        assert_eq!("x<enter".parse::<KeyPresses>(), Err("'<enter': expected a name and '>' after '<'".into()));
+        assert!("<nokey>".parse::<KeyPresses>().unwrap_err().contains("expected a key such as"));
     }
 }

@@ -16,7 +16,7 @@ const LEAST_TOP: f64 = 8.0;
 
 /// What is asked: everything that the answer depends on.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Question {
+pub struct PoleTraceRequest {
     /// The rotor.
     pub rotor: Arc<Rotor>,
     /// The gains, which may depend on speed.
@@ -25,7 +25,7 @@ pub struct Question {
     pub top: f64,
 }
 
-impl Question {
+impl PoleTraceRequest {
     /// What to ask at a present `speed`. The range follows the speed only in steps, so that it rarely asks anew.
     pub fn at(rotor: Arc<Rotor>, feedback: Feedback, speed: f64) -> Self {
         let top = crate::numbers::nice_ceiling(1.25 * speed.max(0.0)).max(LEAST_TOP);
@@ -73,8 +73,8 @@ impl Question {
 
 /// Poles and damping over speed.
 #[derive(Clone, Debug)]
-pub struct OverSpeed {
-    question: Question,
+pub struct PoleTrace {
+    request: PoleTraceRequest,
     /// The speeds, rising from 0, in units of `w0`.
     pub speeds: Vec<f64>,
     /// Continuous branches of poles over the speeds; empty where modes cannot be told apart.
@@ -85,28 +85,28 @@ pub struct OverSpeed {
     pub stable: Vec<[f64; 2]>,
 }
 
-impl OverSpeed {
+impl PoleTrace {
     /// Computes the answer: some milliseconds for three masses.
-    pub fn of(question: &Question) -> Self {
-        let speeds: Vec<f64> = (0..POINTS).map(|i| question.top * i as f64 / (POINTS - 1) as f64).collect();
-        let each = || speeds.iter().map(|speed| question.min_damping(*speed)).collect();
-        let (branches, min_damping) = question.trace(&speeds).unwrap_or_else(|| (Vec::new(), each()));
-        let stable = stable_ranges(question, &speeds, &min_damping);
-        Self { question: question.clone(), speeds, branches, min_damping, stable }
+    pub fn of(request: &PoleTraceRequest) -> Self {
+        let speeds: Vec<f64> = (0..POINTS).map(|i| request.top * i as f64 / (POINTS - 1) as f64).collect();
+        let each = || speeds.iter().map(|speed| request.min_damping(*speed)).collect();
+        let (branches, min_damping) = request.trace(&speeds).unwrap_or_else(|| (Vec::new(), each()));
+        let stable = stable_ranges(request, &speeds, &min_damping);
+        Self { request: request.clone(), speeds, branches, min_damping, stable }
     }
 
     /// The highest speed.
     pub fn top(&self) -> f64 {
-        self.question.top
+        self.request.top
     }
 
     /// The smallest damping ratio at any speed in the range, exactly.
-    pub fn at(&self, speed: f64) -> f64 {
-        self.question.min_damping(speed)
+    pub fn min_damping_at(&self, speed: f64) -> f64 {
+        self.request.min_damping(speed)
     }
 
     /// The same, between the speeds that were looked at: good enough for a dot.
-    pub fn near(&self, speed: f64) -> f64 {
+    pub fn min_damping_near(&self, speed: f64) -> f64 {
         let at = speed / self.top() * (self.speeds.len() - 1) as f64;
         let from = (at.max(0.0) as usize).min(self.speeds.len() - 2);
         let (low, high) = (self.min_damping[from], self.min_damping[from + 1]);
@@ -121,15 +121,15 @@ impl OverSpeed {
 }
 
 /// The ranges in which the rotor is stable, between changes of stability.
-fn stable_ranges(question: &Question, speeds: &[f64], min_damping: &[f64]) -> Vec<[f64; 2]> {
-    let mut edges = question.thresholds().unwrap_or_default();
+fn stable_ranges(request: &PoleTraceRequest, speeds: &[f64], min_damping: &[f64]) -> Vec<[f64; 2]> {
+    let mut edges = request.thresholds().unwrap_or_default();
     // What no threshold marks: where a mode comes to rest on zero, and all where the exact method gave up.
-    edges.extend(sign_changes(question, speeds, min_damping, &edges));
-    edges.extend([0.0, question.top]);
+    edges.extend(sign_changes(request, speeds, min_damping, &edges));
+    edges.extend([0.0, request.top]);
     edges.sort_by(f64::total_cmp);
     let mut ranges: Vec<[f64; 2]> = Vec::new();
     for pair in edges.windows(2).filter(|pair| pair[0] < pair[1]) {
-        if question.min_damping(0.5 * (pair[0] + pair[1])) > 0.0 {
+        if request.min_damping(0.5 * (pair[0] + pair[1])) > 0.0 {
             match ranges.last_mut() {
                 // A mode became stable while all others were: the range goes on.
                 Some(last) if last[1] == pair[0] => last[1] = pair[1],
@@ -141,7 +141,7 @@ fn stable_ranges(question: &Question, speeds: &[f64], min_damping: &[f64]) -> Ve
 }
 
 /// Speeds at which the smallest damping begins or ends to be positive, between samples that have none of `known` between them.
-fn sign_changes(question: &Question, speeds: &[f64], min_damping: &[f64], known: &[f64]) -> Vec<f64> {
+fn sign_changes(request: &PoleTraceRequest, speeds: &[f64], min_damping: &[f64], known: &[f64]) -> Vec<f64> {
     let mut found = Vec::new();
     for (speed, damping) in speeds.windows(2).zip(min_damping.windows(2)) {
         let was = damping[0] > 0.0;
@@ -152,7 +152,7 @@ fn sign_changes(question: &Question, speeds: &[f64], min_damping: &[f64], known:
         let (mut low, mut high) = (speed[0], speed[1]);
         for _ in 0..BISECTIONS {
             let middle = 0.5 * (low + high);
-            if (question.min_damping(middle) > 0.0) == was {
+            if (request.min_damping(middle) > 0.0) == was {
                 low = middle;
             } else {
                 high = middle;
@@ -172,7 +172,7 @@ mod tests {
     use crate::test_support::question;
 
     fn edges(rotor: &str, feedback: &str) -> Vec<[f64; 2]> {
-        OverSpeed::of(&question(rotor, feedback, 2.5)).stable
+        PoleTrace::of(&question(rotor, feedback, 2.5)).stable
     }
 
     fn assert_near(found: &[[f64; 2]], expected: &[[f64; 2]], within: f64) {
@@ -197,11 +197,11 @@ mod tests {
     #[test]
     fn bisection_finds_what_the_exact_method_finds() {
         for (rotor, feedback) in [("jeffcott", "off"), ("three-mass", "off"), ("three-mass", "composite")] {
-            let question = question(rotor, feedback, 2.5);
-            let over_speed = OverSpeed::of(&question);
-            let found = sign_changes(&question, &over_speed.speeds, &over_speed.min_damping, &[]);
+            let request = question(rotor, feedback, 2.5);
+            let pole_trace = PoleTrace::of(&request);
+            let found = sign_changes(&request, &pole_trace.speeds, &pole_trace.min_damping, &[]);
             let exact: Vec<f64> =
-                over_speed.stable.iter().flatten().copied().filter(|edge| *edge > 0.0 && *edge < 8.0).collect();
+                pole_trace.stable.iter().flatten().copied().filter(|edge| *edge > 0.0 && *edge < 8.0).collect();
             assert_eq!(found.len(), exact.len(), "{rotor} {feedback}");
             for (a, b) in found.iter().zip(&exact) {
                 assert!((a - b).abs() < 1e-5, "{a} and {b}");
@@ -219,7 +219,7 @@ mod tests {
         let stable = [1.0, -1.0].map(|sign| {
             signal.gains[1] = rotor::Gain::Table(fades(sign));
             let feedback = Feedback::new(0, vec![signal.clone()]);
-            OverSpeed::of(&Question::at(Arc::new(rotor.clone()), feedback, 1.0)).stable
+            PoleTrace::of(&PoleTraceRequest::at(Arc::new(rotor.clone()), feedback, 1.0)).stable
         });
         // Whichever sign damps, it does so up to 2 and the other from 4 on.
         let [damps, drives] = if stable[0].first().is_some_and(|range| range[0] == 0.0) { [0, 1] } else { [1, 0] };
@@ -248,17 +248,17 @@ mod tests {
             let rotor = builtin::rotor("three-mass").unwrap();
             let mut feedback = builtin::feedback(&rotor, "composite").unwrap();
             feedback.signals = vec![rotor::Signal::composite(&weights, gains)];
-            let question = Question::at(Arc::new(rotor), feedback, 1.0);
-            let over_speed = OverSpeed::of(&question);
-            let speed = over_speed.speeds[at];
-            let damping = over_speed.at(speed);
-            prop_assert!((damping - over_speed.min_damping[at]).abs() < 1e-9);
+            let request = PoleTraceRequest::at(Arc::new(rotor), feedback, 1.0);
+            let pole_trace = PoleTrace::of(&request);
+            let speed = pole_trace.speeds[at];
+            let damping = pole_trace.min_damping_at(speed);
+            prop_assert!((damping - pole_trace.min_damping[at]).abs() < 1e-9);
             if damping.abs() > 1e-9 {
-                prop_assert_eq!(over_speed.is_stable(speed), damping > 0.0, "{} at {}", damping, speed);
+                prop_assert_eq!(pole_trace.is_stable(speed), damping > 0.0, "{} at {}", damping, speed);
             }
-            let closed_loop = rotor::ClosedLoop::new(&question.rotor, &question.feedback, speed, &[]);
+            let closed_loop = rotor::ClosedLoop::new(&request.rotor, &request.feedback, speed, &[]);
             let mut rest = rotor::poles(&closed_loop).unwrap();
-            for branch in &over_speed.branches {
+            for branch in &pole_trace.branches {
                 let near = rest.iter().position(|pole| (pole - branch[at]).norm() < 1e-7);
                 prop_assert!(near.is_some(), "{} is no pole at {speed}", branch[at]);
                 rest.swap_remove(near.unwrap());

@@ -9,9 +9,9 @@ use rotor::{C64, Rotor, Settings, builtin};
 use wire::message::Flags;
 use wire::{BenchStatus, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Step};
 
-use crate::processes::OutsideError;
+use crate::processes::ExternalError;
 
-use super::{Past, PastEvent, PastWhat, Player};
+use super::{Player, RecordedEvent, RecordedKind, RecordingSource};
 use crate::edits::Edit;
 use crate::feed::Feed;
 use crate::view_time::ViewTime;
@@ -35,7 +35,7 @@ struct Recorded {
     rotor: Rotor,
     revisions: Vec<(u64, Settings, u32)>,
     states: Vec<State>,
-    events: Vec<PastEvent>,
+    events: Vec<RecordedEvent>,
     snapshots: Vec<(u64, Vec<u64>)>,
 }
 
@@ -106,8 +106,8 @@ fn run(rotor: Rotor, begun: Settings, script: &[(u64, Done)]) -> Recorded {
                     Happening::Restarted
                 }
             };
-            let what = PastWhat::Happening(happening);
-            events.push(PastEvent { at, what, who: "test".into(), why: String::new() });
+            let what = RecordedKind::Happening(happening);
+            events.push(RecordedEvent { at, what, who: "test".into(), why: String::new() });
         }
         if changed {
             let mut words = Words::default();
@@ -120,7 +120,7 @@ fn run(rotor: Rotor, begun: Settings, script: &[(u64, Done)]) -> Recorded {
     Recorded { rotor, revisions, states, events, snapshots }
 }
 
-impl Past for Recorded {
+impl RecordingSource for Recorded {
     fn name(&self) -> String {
         "recorded".into()
     }
@@ -129,7 +129,7 @@ impl Past for Recorded {
         Some([self.states.first()?.into(), self.states.last()?.into()])
     }
 
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError> {
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
         self.states.iter().filter(|state| range.contains(&state.seq())).for_each(each);
         Ok(())
     }
@@ -149,7 +149,7 @@ impl Past for Recorded {
         self.revisions.iter().map(|(from, ..)| *from).collect()
     }
 
-    fn events(&self) -> Vec<PastEvent> {
+    fn events(&self) -> Vec<RecordedEvent> {
         self.events.clone()
     }
 
@@ -169,11 +169,11 @@ impl Past for Recorded {
         Vec::new()
     }
 
-    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, OutsideError> {
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, ExternalError> {
         Ok(self.snapshots.iter().rfind(|(next, _)| *next <= seq).cloned())
     }
 
-    fn at_tau(&mut self, _: f64) -> Result<u64, OutsideError> {
+    fn at_tau(&mut self, _: f64) -> Result<u64, ExternalError> {
         Ok(0)
     }
 }
@@ -192,7 +192,7 @@ fn differs(past: &Recorded) -> Vec<u64> {
             let seq = state.seq();
             let is_there = state.points().enumerate().all(|(mass, point)| {
                 let bits = |place: [f64; 2]| place.map(f64::to_bits);
-                branch.place(seq, mass).map(bits) == Some(bits([point.y, point.z]))
+                branch.displacement(seq, mass).map(bits) == Some(bits([point.y, point.z]))
             });
             !(is_there && branch.force(seq) == Some(state.force_delivered()))
         };

@@ -5,28 +5,28 @@ use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use crate::looks::still::Still;
+use crate::screenshot::image::Screenshot;
 
 /// Keeps a picture in `folder`: as `name`, which ends in `.svg` or `.txt`, or as both under the name of the bench and the
 /// present time. Returns where.
 ///
 /// # Errors
 /// In words: another kind of file, one that is there already, or one that cannot be written.
-pub(crate) fn keep(still: &Still, folder: &Path, bench: &str, name: &str) -> Result<String, String> {
+pub(crate) fn keep(screenshot: &Screenshot, folder: &Path, bench: &str, name: &str) -> Result<String, String> {
     if name.is_empty() {
         let seconds = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default().as_secs();
         // A recording is named by its file.
         let bench: String = bench.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
         let stem = folder.join(format!("{bench}-{}", stamp(seconds)));
         let [svg, txt] = ["svg", "txt"].map(|kind| stem.with_added_extension(kind));
-        write(&svg, &still.svg)?;
-        write(&txt, &still.text)?;
+        write(&svg, &screenshot.svg)?;
+        write(&txt, &screenshot.text)?;
         return Ok(format!("{} and .txt", svg.display()));
     }
     let file = folder.join(name);
     let content = match file.extension().and_then(|kind| kind.to_str()) {
-        Some("svg") => &still.svg,
-        Some("txt") => &still.text,
+        Some("svg") => &screenshot.svg,
+        Some("txt") => &screenshot.text,
         _ => return Err(format!("'{name}': expected a file that ends in .svg or .txt")),
     };
     write(&file, content)?;
@@ -72,8 +72,8 @@ mod tests {
     #[test]
     fn pictures_are_kept_and_replace_nothing() {
         let folder = tempfile::tempdir().unwrap();
-        let still = Still { text: "a\n".into(), svg: "<svg/>".into() };
-        let keep = |name: &str| keep(&still, folder.path(), "a/be", name);
+        let screenshot = Screenshot { text: "a\n".into(), svg: "<svg/>".into() };
+        let keep = |name: &str| keep(&screenshot, folder.path(), "a/be", name);
         let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
         assert!(keep("a.txt").unwrap().ends_with("a.txt") && read("a.txt") == "a\n");
         assert!(keep("a.svg").is_ok() && read("a.svg") == "<svg/>");

@@ -7,7 +7,7 @@ use std::time::{Duration, Instant};
 
 /// A function, computed elsewhere, and its newest answer.
 #[derive(Debug)]
-pub struct Latest<Q, A> {
+pub struct LatestAnswer<Q, A> {
     place: Arc<Place<Q, A>>,
     work: fn(&Q) -> A,
     thread: Option<JoinHandle<()>>,
@@ -38,7 +38,7 @@ impl<Q, A> Place<Q, A> {
     }
 }
 
-impl<Q: Clone + PartialEq, A> Latest<Q, A> {
+impl<Q: Clone + PartialEq, A> LatestAnswer<Q, A> {
     /// Answers on the thread that asks.
     pub fn inline(work: fn(&Q) -> A) -> Self {
         let slots = Slots { asked: None, waits: false, answer: None, closed: false };
@@ -82,7 +82,7 @@ impl<Q: Clone + PartialEq, A> Latest<Q, A> {
     }
 }
 
-impl<Q: Clone + Send + 'static, A: Send + Sync + 'static> Latest<Q, A> {
+impl<Q: Clone + Send + 'static, A: Send + Sync + 'static> LatestAnswer<Q, A> {
     /// Answers on a thread of its own, which calls `wake` after each answer and ends when this is dropped.
     ///
     /// # Errors
@@ -118,7 +118,7 @@ fn next<Q: Clone, A>(place: &Place<Q, A>) -> Option<Q> {
     }
 }
 
-impl<Q, A> Drop for Latest<Q, A> {
+impl<Q, A> Drop for LatestAnswer<Q, A> {
     fn drop(&mut self) {
         self.place.slots().closed = true;
         self.place.news.notify_one();
@@ -157,7 +157,7 @@ mod tests {
         let (open, gate) = channel::unbounded();
         let (woke, wakes) = channel::unbounded();
         let question = |number| Gated(number, begun.clone(), gate.clone());
-        let latest = Latest::spawn("test", work, move || woke.send(()).unwrap()).unwrap();
+        let latest = LatestAnswer::spawn("test", work, move || woke.send(()).unwrap()).unwrap();
         assert_eq!(latest.ask(&question(1)), None);
         assert_eq!(begins.recv(), Ok(1));
         for number in 2..=9 {
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn inline_answers_at_once_and_once() {
-        let latest = Latest::inline(|number: &u32| number * 2);
+        let latest = LatestAnswer::inline(|number: &u32| number * 2);
         assert_eq!(latest.ask(&3).as_deref(), Some(&6));
         let (first, second) = (latest.ask(&4).unwrap(), latest.ask(&4).unwrap());
         assert!(Arc::ptr_eq(&first, &second));

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use ratatui::buffer::{Buffer, Cell};
 use ratatui::style::{Color, Modifier};
 
-use crate::fit::width;
+use crate::fit_text::width;
 
 /// Width and height of a cell, in the units of the picture.
 const CELL: (f64, f64) = (8.0, 16.0);
@@ -25,14 +25,14 @@ const SIXTEEN: [&str; 16] = [
 
 /// A picture of the screen.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Still {
+pub struct Screenshot {
     /// Its characters, a line each row.
     pub text: String,
     /// The same as SVG.
     pub svg: String,
 }
 
-impl Still {
+impl Screenshot {
     /// A picture of a finished frame.
     pub(crate) fn of(buffer: &Buffer) -> Self {
         Self { text: text(buffer), svg: svg(buffer) }
@@ -258,7 +258,7 @@ mod tests {
 
     use super::*;
 
-    fn picture(rows: &[&str], style: Style) -> Buffer {
+    fn frame_data(rows: &[&str], style: Style) -> Buffer {
         let mut buffer = Buffer::empty(Rect::new(0, 0, 6, rows.len() as u16));
         for (y, row) in (0..).zip(rows) {
             buffer.set_string(0, y, row, style);
@@ -268,12 +268,12 @@ mod tests {
 
     #[test]
     fn text_is_what_is_on_the_screen() {
-        assert_eq!(text(&picture(&["ab  c ", "", "⠿"], Style::new())), "ab  c\n\n⠿\n");
+        assert_eq!(text(&frame_data(&["ab  c ", "", "⠿"], Style::new())), "ab  c\n\n⠿\n");
     }
 
     #[test]
     fn wide_characters_have_no_blank_behind_them() {
-        let wide = picture(&["漢字x"], Style::new());
+        let wide = frame_data(&["漢字x"], Style::new());
         assert_eq!(text(&wide), "漢字x\n");
         assert!(svg(&wide).contains("textLength=\"40\" fill=\"#d0d0d0\">漢字x</text>"), "{}", svg(&wide));
     }
@@ -282,24 +282,24 @@ mod tests {
     fn braille_is_drawn_dot_by_dot() {
         for bits in 0..=255_u32 {
             let glyph = char::from_u32(0x2800 + bits).unwrap().to_string();
-            let drawn = svg(&picture(&[&glyph], Style::new()));
+            let drawn = svg(&frame_data(&[&glyph], Style::new()));
             let dots = drawn.split(" d=\"").nth(1).map_or(0, |path| path.matches('z').count());
             assert_eq!(dots, bits.count_ones() as usize, "{glyph}");
             assert!(!drawn.contains(&glyph));
         }
         // The lowest right dot of the second cell.
-        let drawn = svg(&picture(&[" ⢀"], Style::new()));
+        let drawn = svg(&frame_data(&[" ⢀"], Style::new()));
         assert!(drawn.contains("M12.8 12.72H15.2V15.28H12.8z"), "{drawn}");
     }
 
     #[test]
     fn looks_and_letters_survive() {
         let style = Style::new().fg(Color::Red).add_modifier(Modifier::BOLD);
-        let drawn = svg(&picture(&["a<b&c>"], style));
+        let drawn = svg(&frame_data(&["a<b&c>"], style));
         assert!(drawn.contains("fill=\"#cd3131\" font-weight=\"bold\">a&lt;b&amp;c&gt;</text>"), "{drawn}");
-        let bar = svg(&picture(&["ALARM"], style.add_modifier(Modifier::REVERSED)));
+        let bar = svg(&frame_data(&["ALARM"], style.add_modifier(Modifier::REVERSED)));
         assert!(bar.contains("width=\"40\" height=\"16\" fill=\"#cd3131\"/>"), "{bar}");
-        let full = svg(&picture(&["x"], Style::new().fg(Color::Rgb(1, 2, 255))));
+        let full = svg(&frame_data(&["x"], Style::new().fg(Color::Rgb(1, 2, 255))));
         assert!(full.contains("fill=\"#0102ff\""), "{full}");
     }
 
@@ -314,7 +314,7 @@ mod tests {
 
     #[test]
     fn the_document_is_whole() {
-        let drawn = svg(&picture(&["│⠿ █x", "°∠"], Style::new()));
+        let drawn = svg(&frame_data(&["│⠿ █x", "°∠"], Style::new()));
         assert!(drawn.starts_with("<svg") && drawn.ends_with("</svg>\n"));
         assert_eq!(drawn.matches("<g ").count(), drawn.matches("</g>").count());
         let empty = svg(&Buffer::empty(Rect::new(0, 0, 0, 0)));

@@ -7,9 +7,9 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, Clear, Paragraph, Widget};
 use rotor::PARAMETERS;
 
-use super::list::passes;
 use crate::actions::{ACTIONS, MOUSE};
-use crate::fit::{cut_line, padded};
+use crate::fit_text::{cut_line, padded};
+use crate::list::passes;
 use crate::theme;
 use crate::view::View;
 
@@ -78,12 +78,12 @@ fn lines<'a>(view: &'a View<'_>) -> Vec<Line<'a>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::panels::tests::drawn;
+    use crate::drawing::tests::drawn;
 
     #[test]
     fn every_key_command_sign_and_setting_is_explained() {
-        let picture = telemetry::test_support::picture();
-        let view = crate::view::tests::view(&picture);
+        let data = telemetry::test_support::frame_data();
+        let view = crate::view::tests::view(&data);
         let frame = drawn(120, 140, |area, buffer| draw(&view, 0, area, buffer));
         for row in ACTIONS {
             for keys in row.keys {
@@ -105,8 +105,8 @@ mod tests {
 
     #[test]
     fn a_small_screen_shows_a_part_and_how_to_see_the_rest() {
-        let picture = telemetry::test_support::picture();
-        let view = crate::view::tests::view(&picture);
+        let data = telemetry::test_support::frame_data();
+        let view = crate::view::tests::view(&data);
         let first = drawn(80, 20, |area, buffer| draw(&view, 0, area, buffer));
         assert!(first.contains("up and down move it") && first.contains("this help"), "{first}");
         let last = drawn(80, 20, |area, buffer| draw(&view, 1000, area, buffer));

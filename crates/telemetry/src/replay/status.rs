@@ -1,16 +1,16 @@
-//! What is shown of a player beside the picture, and the machine beside the recorded one, by the steps of the picture.
+//! What is shown of a player beside the data of the frame, and the machine run beside the recorded one, by the steps of that data.
 
 use wire::message::{Flags, Trip};
 
-use super::PastEvent;
+use super::RecordedEvent;
 use super::branch::Branch;
-use super::loaded::Loaded;
-use super::player::{Player, Repeat};
-use crate::frame_data::Picture;
+use super::loaded_steps::LoadedSteps;
+use super::player::{LoopRange, Player};
+use crate::frame_data::FrameData;
 
-/// What is shown of a player beside the picture.
+/// What is shown of a player beside the data of the frame.
 #[derive(Clone, Debug)]
-pub struct Show<'a> {
+pub struct ReplayStatus<'a> {
     /// What it is called.
     pub name: String,
     /// The number of the step we stand at.
@@ -24,9 +24,9 @@ pub struct Show<'a> {
     /// How fast, in times the speed at which it was recorded.
     pub speed: f64,
     /// The part that is played over and over.
-    pub repeat: Repeat,
+    pub repeat: LoopRange,
     /// What happened, in order.
-    pub events: &'a [PastEvent],
+    pub events: &'a [RecordedEvent],
     /// Steps that are not on file.
     pub missing: &'a [std::ops::Range<u64>],
     /// What is to be told about the recording.
@@ -34,30 +34,30 @@ pub struct Show<'a> {
     /// Whether alarms were judged while it was made.
     pub judged: bool,
     /// The machine that is run on beside it, if there is one.
-    pub beside: Option<Beside<'a>>,
+    pub beside: Option<WhatIfRun<'a>>,
 }
 
-/// The machine that is run on beside the recorded one, by the steps of the picture's track.
+/// The machine that is run on beside the recorded one, by the steps of the frame's track.
 #[derive(Clone, Copy)]
-pub struct Beside<'a> {
+pub struct WhatIfRun<'a> {
     branch: &'a Branch,
-    loaded: &'a Loaded,
+    loaded: &'a LoadedSteps,
     /// Place of the track's first step.
     first: u64,
     /// The step we stand at.
     seq: u64,
 }
 
-impl std::fmt::Debug for Beside<'_> {
+impl std::fmt::Debug for WhatIfRun<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Beside").field("from", &self.branch.from()).finish_non_exhaustive()
+        f.debug_struct("WhatIfRun").field("from", &self.branch.from()).finish_non_exhaustive()
     }
 }
 
-impl Beside<'_> {
+impl WhatIfRun<'_> {
     /// Displacement `[y, z]` of a mass at step `step` of the track; none before it begins.
-    pub fn place(&self, step: usize, mass: usize) -> Option<[f64; 2]> {
-        self.branch.place(self.loaded.seq_of(self.first + step as u64), mass)
+    pub fn displacement(&self, step: usize, mass: usize) -> Option<[f64; 2]> {
+        self.branch.displacement(self.loaded.seq_of(self.first + step as u64), mass)
     }
 
     /// Control `[y, z]` at step `step` of the track.
@@ -76,7 +76,7 @@ impl Beside<'_> {
     }
 
     /// How many steps there are from there to the step we stand at.
-    pub fn way(&self) -> u64 {
+    pub fn length(&self) -> u64 {
         self.seq - self.branch.from()
     }
 
@@ -97,18 +97,18 @@ impl Beside<'_> {
 }
 
 impl Player {
-    /// Makes a picture of the feed one of the moment we stand at: what is live elsewhere is of that moment here.
-    pub fn finish(&self, picture: &mut Picture) {
-        picture.tripped = picture.now.is_some_and(|now| picture.track.flags(now).has(Flags::TRIPPED));
-        picture.lost = self.missing.iter().map(|gap| self.seq().min(gap.end).saturating_sub(gap.start)).sum();
-        picture.rate = if self.is_playing() { self.rate() * self.speed() } else { 0.0 };
-        picture.age = None;
+    /// Adapts the data of a frame to a recording: what is of the present on a live bench is of the moment we stand at here.
+    pub fn adapt(&self, data: &mut FrameData) {
+        data.tripped = data.now.is_some_and(|now| data.track.flags(now).has(Flags::TRIPPED));
+        data.lost = self.missing.iter().map(|gap| self.seq().min(gap.end).saturating_sub(gap.start)).sum();
+        data.rate = if self.is_playing() { self.rate() * self.speed() } else { 0.0 };
+        data.age = None;
     }
 
-    /// What is shown of it beside the picture.
-    pub fn shown(&self, picture: &Picture) -> Show<'_> {
-        let beside = |branch| Beside { branch, loaded: &self.loaded, first: picture.track.first(), seq: self.seq() };
-        Show {
+    /// What is shown of it beside the data of the frame.
+    pub fn status(&self, data: &FrameData) -> ReplayStatus<'_> {
+        let beside = |branch| WhatIfRun { branch, loaded: &self.loaded, first: data.track.first(), seq: self.seq() };
+        ReplayStatus {
             name: self.name(),
             seq: self.seq(),
             ends: self.ends(),

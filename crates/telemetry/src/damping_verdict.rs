@@ -2,7 +2,7 @@
 
 /// What a smallest damping ratio means.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stability {
+pub enum DampingVerdict {
     /// A mode grows.
     Unstable,
     /// A mode neither grows nor decays: zero but for rounding, which `rotor` tells as exactly zero.
@@ -13,7 +13,7 @@ pub enum Stability {
     Stable,
 }
 
-impl Stability {
+impl DampingVerdict {
     /// Of a smallest damping ratio.
     #[must_use]
     pub fn of(min_damping: f64) -> Self {

@@ -13,12 +13,12 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::Widget;
 use wire::Happening;
 
-use super::status::draw_alarms;
+use crate::status_line::draw_alarms;
 use crate::theme;
 use crate::view::View;
-use telemetry::frame_data::Picture;
+use telemetry::frame_data::FrameData;
 use telemetry::numbers::short;
-use telemetry::replay::{Beside, PastWhat, Repeat, Show};
+use telemetry::replay::{LoopRange, RecordedKind, ReplayStatus, WhatIfRun};
 
 /// `12:34.567`, or with hours.
 fn clock(seconds: f64) -> String {
@@ -29,34 +29,34 @@ fn clock(seconds: f64) -> String {
 }
 
 /// The line at the top.
-pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let mut line = vec![Span::styled(" REPLAY ", theme::badge(theme::KEY))];
+pub(crate) fn draw_top(show: &ReplayStatus<'_>, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+    let data = view.data;
+    let mut line = vec![Span::styled(" REPLAY ", theme::badge(theme::KEYPHASOR))];
     let mut add = |text: String, style: Style| line.push(Span::styled(text, style));
     let plain = Style::new();
     let sign = if show.playing { "▶" } else { "■" };
     add(format!(" {sign} {}x  ", show.speed), plain.bold());
-    if picture.tripped {
-        let why = picture.trip().map_or_else(String::new, |trip| format!(": {}", picture.units().trip(&trip)));
+    if data.tripped {
+        let why = data.trip().map_or_else(String::new, |trip| format!(": {}", data.units().trip(&trip)));
         add(format!("TRIPPED{why}  "), theme::loud(theme::BAD));
     }
     if let Some(beside) = &show.beside {
-        add(what_if(beside, picture), theme::loud(theme::CANDIDATE));
+        add(what_if(beside, data), theme::loud(theme::CANDIDATE));
     }
     add(show.name.clone(), plain.bold());
     let at = |seq: u64| clock((seq - show.ends[0].min(seq)) as f64 / show.rate);
     add(format!("  {} of {}", at(show.seq), at(show.ends[1])), plain);
-    if let Some(now) = picture.now {
-        add(format!("  tau {}", short(picture.track.tau(now), 6)), plain);
+    if let Some(now) = data.now {
+        add(format!("  tau {}", short(data.track.tau(now), 6)), plain);
     }
     add(format!("  step {}", show.seq), plain);
     match show.repeat {
-        Repeat::Off => {}
-        Repeat::From(from) => add(format!("  loop from {}", at(from)), theme::loud(theme::KEY)),
-        Repeat::Over(from, to) => add(format!("  loop {}..{}", at(from), at(to)), theme::loud(theme::KEY)),
+        LoopRange::Off => {}
+        LoopRange::From(from) => add(format!("  loop from {}", at(from)), theme::loud(theme::KEYPHASOR)),
+        LoopRange::Over(from, to) => add(format!("  loop {}..{}", at(from), at(to)), theme::loud(theme::KEYPHASOR)),
     }
-    if let (Some(bench_status), Some(settings)) = (&picture.bench_status, &picture.settings) {
-        let speed = picture.units().speed_told(settings.speed);
+    if let (Some(bench_status), Some(settings)) = (&data.bench_status, &data.settings) {
+        let speed = data.units().speed_told(settings.speed);
         add(format!("  {}  {speed}", bench_status.rotor_name.as_str()), plain);
     }
     Line::from(line).render(area, buffer);
@@ -64,24 +64,24 @@ pub(crate) fn draw_top(show: &Show<'_>, view: &View<'_>, area: Rect, buffer: &mu
 }
 
 /// `WHAT IF from tau 120.00: min damping 0.0120 beside -0.0030`.
-fn what_if(beside: &Beside<'_>, picture: &Picture) -> String {
+fn what_if(beside: &WhatIfRun<'_>, data: &FrameData) -> String {
     let from = short(beside.tau(), 5);
     let lag = beside.lag();
     if lag > 0 {
-        let way = beside.way();
+        let way = beside.length();
         let gone = way - lag;
         return format!("WHAT IF from tau {from}: running on, {} % of the way  ", 100 * gone / way.max(1));
     }
     let damping =
         |damping: Option<f64>| damping.map_or_else(|| "unknown".to_owned(), |damping| format!("{damping:.4}"));
     let here = damping(beside.min_damping());
-    let recorded = damping(picture.poles().map(|(least, _)| least));
+    let recorded = damping(data.poles().map(|(least, _)| least));
     let trip = if beside.trip().is_some() { ", TRIPS" } else { "" };
     format!("WHAT IF from tau {from}: min damping {here} beside {recorded}{trip}  ")
 }
 
 /// The line of time: what happened where, and where we stand.
-pub(crate) fn draw_time(show: &Show<'_>, area: Rect, buffer: &mut Buffer) {
+pub(crate) fn draw_time(show: &ReplayStatus<'_>, area: Rect, buffer: &mut Buffer) {
     if area.height == 0 || area.width < 4 {
         return;
     }
@@ -101,8 +101,8 @@ pub(crate) fn draw_time(show: &Show<'_>, area: Rect, buffer: &mut Buffer) {
     (bar.left()..bar.right()).for_each(|x| put(x, "─", theme::quiet()));
     put(bar.left(), "├", theme::quiet());
     put(bar.right() - 1, "┤", theme::quiet());
-    if let Repeat::Over(from, to) = show.repeat {
-        (column(from)..=column(to)).for_each(|x| put(x, "━", theme::loud(theme::KEY)));
+    if let LoopRange::Over(from, to) = show.repeat {
+        (column(from)..=column(to)).for_each(|x| put(x, "━", theme::loud(theme::KEYPHASOR)));
     }
     for gap in show.missing {
         (column(gap.start)..=column(gap.end)).for_each(|x| put(x, "░", theme::loud(theme::WARN)));
@@ -119,21 +119,21 @@ pub(crate) fn draw_time(show: &Show<'_>, area: Rect, buffer: &mut Buffer) {
     if let Some(beside) = &show.beside {
         put(column(beside.from()), "◆", theme::loud(theme::CANDIDATE));
     }
-    put(column(show.seq), "█", theme::loud(theme::KEY));
+    put(column(show.seq), "█", theme::loud(theme::KEYPHASOR));
     let rest = Rect { x: bar.right(), width: told, ..area };
     Line::styled(format!(" {notice}"), theme::loud(theme::WARN)).render(rest, buffer);
 }
 
 /// How important an event is, and how it is drawn.
-fn sign_of(what: &PastWhat) -> (u8, &'static str, Color) {
+fn sign_of(what: &RecordedKind) -> (u8, &'static str, Color) {
     let happening = match what {
-        PastWhat::Happening(happening) => happening,
-        PastWhat::Alarm(turn) => match turn.level {
+        RecordedKind::Happening(happening) => happening,
+        RecordedKind::Alarm(turn) => match turn.level {
             Level::Alarm => return (2, "!", theme::BAD),
             Level::Warning => return (1, "!", theme::WARN),
             Level::Fine => return (0, "╎", theme::GRID),
         },
-        PastWhat::Remark(_) => return (0, "╎", theme::GRID),
+        RecordedKind::Remark(_) => return (0, "╎", theme::GRID),
     };
     match happening {
         Happening::Tripped(_) => (2, "✗", theme::BAD),

@@ -10,7 +10,7 @@ use std::thread::JoinHandle;
 use rotor::{Feedback, Gain, Rotor, Settings};
 use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
 
-use crate::comparison::{self, Deeds};
+use crate::comparison::{self, GainEffects};
 use crate::units::Units;
 
 /// Clearances for which a robust search is a matter of seconds: each doubles its work.
@@ -18,7 +18,7 @@ const FEW: usize = 4;
 
 /// What is searched for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Wish {
+pub struct SearchGoal {
     /// The lowest spin speed at which the gains are to hold.
     pub from: f64,
     /// The highest; the same for one speed.
@@ -27,7 +27,7 @@ pub struct Wish {
     pub robust: bool,
 }
 
-impl Wish {
+impl SearchGoal {
     /// Reads what follows `:search`. `A..B` is a range in the machine's unit of speed; without one it is the speeds that
     /// matter, from rest to a tenth past the present one. `robust` asks for gains that hold for any stiffness that its clearance leaves
     /// each support bearing, `full` for the full stiffness of all; without either it is `robust` where a clearance is set
@@ -39,16 +39,16 @@ impl Wish {
         // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
         let past = ((1.1 * present.speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
         let robust = comparison::has_deadband(present) && present.deadband.len() <= FEW;
-        let mut wish = Self { from: 0.0, to: past, robust };
+        let mut goal = Self { from: 0.0, to: past, robust };
         let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
             let is_range = match rotor::typed::range(word) {
                 _ if word == "robust" || word == "full" => {
-                    wish.robust = word == "robust";
+                    goal.robust = word == "robust";
                     false
                 }
                 Ok([from, to]) if from >= 0.0 => {
-                    (wish.from, wish.to) = (from / units.speed.factor, to / units.speed.factor);
+                    (goal.from, goal.to) = (from / units.speed.factor, to / units.speed.factor);
                     true
                 }
                 _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, robust, or full")),
@@ -58,7 +58,7 @@ impl Wish {
             }
             read.push(is_range);
         }
-        Ok(wish)
+        Ok(goal)
     }
 
     /// In a few words: `at R 5`, `over R 0..6, any deadband`, `over 0..20000 rpm`.
@@ -77,7 +77,7 @@ impl Wish {
 
 /// What was found.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundGains {
     /// The settings as they were when the search began.
     pub before: Settings,
     /// The same with the gains that were found.
@@ -91,31 +91,31 @@ pub struct Found {
     /// Whether it was stopped before its end.
     pub stopped: bool,
     /// What the gains in force do, and those that were found.
-    pub deeds: Box<[Deeds; 2]>,
+    pub effects: Box<[GainEffects; 2]>,
 }
 
 #[derive(Debug, Default)]
 struct Slot {
     progress: Option<Progress>,
-    ended: Option<Result<Found, String>>,
+    ended: Option<Result<FoundGains, String>>,
 }
 
 /// A search under way. Dropping it ends it.
 #[derive(Debug)]
-pub struct Search {
-    wish: Wish,
+pub struct GainSearch {
+    goal: SearchGoal,
     stop: Arc<AtomicBool>,
     slot: Arc<Mutex<Slot>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Search {
+impl GainSearch {
     /// Begins a search from `settings` for `rotor`.
     ///
     /// # Errors
-    /// A wish that makes no sense for this rotor, or no thread to be had.
-    pub fn begin(rotor: &Rotor, settings: &Settings, wish: Wish) -> Result<Self, String> {
-        let problem = problem(rotor, &settings.feedback, &wish)?;
+    /// A goal that makes no sense for this rotor, or no thread to be had.
+    pub fn begin(rotor: &Rotor, settings: &Settings, goal: SearchGoal) -> Result<Self, String> {
+        let problem = problem(rotor, &settings.feedback, &goal)?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut options = Options::for_problem(&problem);
         options.threads = Some(cores.saturating_sub(1).max(1));
@@ -124,16 +124,16 @@ impl Search {
         options.starts += 1;
         let (stop, slot) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Slot::default())));
         let (flag, place, settings) = (stop.clone(), slot.clone(), settings.clone());
-        let (rotor, speeds) = (Arc::new(rotor.clone()), [wish.from, wish.to]);
+        let (rotor, speeds) = (Arc::new(rotor.clone()), [goal.from, goal.to]);
         let fill = move |change: &dyn Fn(&mut Slot)| change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
         let work = move || {
             let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
             let tuned = tune(&problem, &options, &say, Stop::when(&flag));
-            let found = tuned.map_err(|error| error.to_string()).map(|tuned| Found {
+            let found = tuned.map_err(|error| error.to_string()).map(|tuned| FoundGains {
                 before: settings.clone(),
                 settings: Settings { feedback: tuned.feedback.clone(), ..settings.clone() },
-                deeds: Box::new([settings.feedback.clone(), tuned.feedback].map(|feedback| {
-                    Deeds::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds, Stop::when(&flag))
+                effects: Box::new([settings.feedback.clone(), tuned.feedback].map(|feedback| {
+                    GainEffects::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds, Stop::when(&flag))
                 })),
                 min_damping: tuned.worst.value,
                 worst_speed: tuned.worst.point[0],
@@ -144,20 +144,20 @@ impl Search {
         };
         let thread = std::thread::Builder::new().name("search".into()).spawn(work);
         let thread = thread.map_err(|error| format!("no thread for the search: {error}"))?;
-        Ok(Self { wish, stop, slot, thread: Some(thread) })
+        Ok(Self { goal, stop, slot, thread: Some(thread) })
     }
 
     /// What it is for.
     #[must_use]
-    pub fn wish(&self) -> &Wish {
-        &self.wish
+    pub fn goal(&self) -> &SearchGoal {
+        &self.goal
     }
 
     /// How it goes, in words for the status line.
     #[must_use]
     pub fn words(&self, units: &Units) -> String {
         let progress = self.slot.lock().unwrap_or_else(PoisonError::into_inner).progress.clone();
-        let what = self.wish.words(units);
+        let what = self.goal.words(units);
         let Some(Progress { done, starts, best, .. }) = progress else { return format!("searching {what}") };
         format!("searching {what}: {done} of {starts}, best {best:.4}")
     }
@@ -168,12 +168,12 @@ impl Search {
     }
 
     /// What came of it, once.
-    pub fn ended(&self) -> Option<Result<Found, String>> {
+    pub fn ended(&self) -> Option<Result<FoundGains, String>> {
         self.slot.lock().unwrap_or_else(PoisonError::into_inner).ended.take()
     }
 }
 
-impl Drop for Search {
+impl Drop for GainSearch {
     fn drop(&mut self) {
         self.stop();
         if let Some(thread) = self.thread.take() {
@@ -185,9 +185,9 @@ impl Drop for Search {
 
 /// The question: the bearing and signals of the present feedback, their gains constant and no larger than twenty, or than
 /// what they are now.
-fn problem(rotor: &Rotor, feedback: &Feedback, wish: &Wish) -> Result<Problem, String> {
-    let mut family = Family::new(rotor, wish.from, wish.to).map_err(|error| error.to_string())?;
-    if wish.robust {
+fn problem(rotor: &Rotor, feedback: &Feedback, goal: &SearchGoal) -> Result<Problem, String> {
+    let mut family = Family::new(rotor, goal.from, goal.to).map_err(|error| error.to_string())?;
+    if goal.robust {
         family.any_deadband(true).map_err(|error| error.to_string())?;
     }
     let structure = Structure::new(rotor, feedback, Schedule::Fixed).map_err(|error| error.to_string())?;
@@ -212,7 +212,7 @@ mod tests {
         (rotor, settings)
     }
 
-    fn result(search: &Search) -> Result<Found, String> {
+    fn result(search: &GainSearch) -> Result<FoundGains, String> {
         let begun = Instant::now();
         loop {
             if let Some(ended) = search.ended() {
@@ -226,8 +226,8 @@ mod tests {
     #[test]
     fn finds_better_gains_for_the_present_structure() {
         let (rotor, settings) = bench();
-        let wish = Wish { from: 6.0, to: 6.0, robust: false };
-        let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
+        let goal = SearchGoal { from: 6.0, to: 6.0, robust: false };
+        let found = result(&GainSearch::begin(&rotor, &settings, goal).unwrap()).unwrap();
         assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
         assert_eq!(found.worst_speed, 6.0);
         let damping = |feedback: &Feedback| {
@@ -248,10 +248,10 @@ mod tests {
         // The search of one speed offered gains that held 2.226 to 2.901 in place of gains that held 0 to 7.07.
         let (rotor, mut settings) = bench();
         settings.speed = 2.5;
-        let wish = Wish::read("full", &settings, &Units::DIMENSIONLESS).unwrap();
-        assert_eq!((wish.from, wish.to), (0.0, 2.8));
-        let found = result(&Search::begin(&rotor, &settings, wish).unwrap()).unwrap();
-        let [now, new] = &*found.deeds;
+        let goal = SearchGoal::read("full", &settings, &Units::DIMENSIONLESS).unwrap();
+        assert_eq!((goal.from, goal.to), (0.0, 2.8));
+        let found = result(&GainSearch::begin(&rotor, &settings, goal).unwrap()).unwrap();
+        let [now, new] = &*found.effects;
         assert!(new.min_damping > now.min_damping && new.stable[0][0] == 0.0 && new.stable[0][1] >= 2.8, "{found:?}");
         assert_eq!(now.stable[0][0], 0.0);
     }
@@ -259,8 +259,8 @@ mod tests {
     #[test]
     fn a_search_that_is_stopped_gives_what_it_has() {
         let (rotor, settings) = bench();
-        let wish = Wish::read("0..6 robust", &settings, &Units::DIMENSIONLESS).unwrap();
-        let search = Search::begin(&rotor, &settings, wish).unwrap();
+        let goal = SearchGoal::read("0..6 robust", &settings, &Units::DIMENSIONLESS).unwrap();
+        let search = GainSearch::begin(&rotor, &settings, goal).unwrap();
         search.stop();
         assert!(result(&search).unwrap().stopped);
         drop(search);
@@ -271,11 +271,11 @@ mod tests {
         let units = Units::of(Some(crate::test_support::SI), Some(1.0));
         let (_, mut settings) = bench();
         (settings.speed, settings.deadband) = (2.5, vec![0.0; 3]);
-        let wish = Wish::read("0..19098.593171027442", &settings, &units).unwrap();
+        let goal = SearchGoal::read("0..19098.593171027442", &settings, &units).unwrap();
         // 1000 rad/s are 9549.3 rpm.
-        assert!((wish.to - 2.0).abs() < 1e-12, "{wish:?}");
-        assert_eq!(wish.words(&units), "over 0..19099 rpm");
-        assert_eq!(Wish::read("", &settings, &units).unwrap().words(&units), "over 0..26738 rpm");
+        assert!((goal.to - 2.0).abs() < 1e-12, "{goal:?}");
+        assert_eq!(goal.words(&units), "over 0..19099 rpm");
+        assert_eq!(SearchGoal::read("", &settings, &units).unwrap().words(&units), "over 0..26738 rpm");
     }
 
     #[test]
@@ -285,17 +285,17 @@ mod tests {
         (settings.speed, settings.deadband) = (5.0, vec![1.0; 3]);
         let clearances = settings.clone();
         settings.deadband.fill(0.0);
-        let wish = |words| Wish::read(words, &settings, &units);
-        assert_eq!(wish("").unwrap().words(&units), "over R 0..5.5");
+        let goal = |words| SearchGoal::read(words, &settings, &units);
+        assert_eq!(goal("").unwrap().words(&units), "over R 0..5.5");
         // Where a clearance is set, gains that hold for the full stiffness alone are no answer unless asked for.
-        let with_clearance = |words| Wish::read(words, &clearances, &units).unwrap().words(&units);
+        let with_clearance = |words| SearchGoal::read(words, &clearances, &units).unwrap().words(&units);
         assert_eq!(with_clearance(""), "over R 0..5.5, any deadband");
         assert_eq!(with_clearance("0..6 full"), "over R 0..6");
-        assert!(wish("robust full").unwrap_err().contains("once"));
-        assert_eq!(wish("0..6").unwrap().words(&units), "over R 0..6");
-        assert_eq!(wish("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
+        assert!(goal("robust full").unwrap_err().contains("once"));
+        assert_eq!(goal("0..6").unwrap().words(&units), "over R 0..6");
+        assert_eq!(goal("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
         for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {
-            assert!(wish(wrong).unwrap_err().contains("expected a range of speeds"), "{wrong}");
+            assert!(goal(wrong).unwrap_err().contains("expected a range of speeds"), "{wrong}");
         }
     }
 }

@@ -31,7 +31,7 @@ impl App<'_> {
     }
 
     /// An action on a recording. Returns whether it was one that means something else there than on a bench.
-    pub(super) fn act_on_past(&mut self, action: &Action) -> bool {
+    pub(super) fn act_on_recording(&mut self, action: &Action) -> bool {
         if self.player.is_none() {
             if matches!(action, Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_)) {
                 self.tell(Message::Bad("only a recording can be played: `whirl replay FILE.rrd`".into()));
@@ -79,8 +79,8 @@ mod tests {
 
     use super::*;
     use crate::options::Options;
-    use telemetry::jobs::Desk;
-    use telemetry::replay::Past as _;
+    use telemetry::jobs::Jobs;
+    use telemetry::replay::RecordingSource as _;
     use telemetry::test_support::session;
     use wire::Step;
 
@@ -90,9 +90,8 @@ mod tests {
         let player = Player::new(Box::new(session()), &mut feed, &mut time).unwrap();
         let (edits, taken) = channel::bounded(8);
         let feed = Arc::new(Mutex::new(feed));
-        let mut app =
-            App::new("memory".into(), feed, edits, None, Desk::at_once(), Arc::default(), &Options::default())
-                .playing(player, time);
+        let mut app = App::new("memory".into(), feed, edits, None, Jobs::inline(), Arc::default(), &Options::default())
+            .playing(player, time);
         for code in keys {
             app.press(KeyEvent::new(*code, KeyModifiers::NONE));
         }
@@ -155,10 +154,9 @@ mod tests {
         let player = Player::new(Box::new(session()), &mut feed, &mut time).unwrap();
         let (edits, _taken) = channel::bounded(8);
         let feed = Arc::new(Mutex::new(feed));
-        let mut app =
-            App::new("memory".into(), feed, edits, None, Desk::at_once(), Arc::default(), &Options::default())
-                .playing(player, time);
-        let first = lock(&app.feed).history().places().start;
+        let mut app = App::new("memory".into(), feed, edits, None, Jobs::inline(), Arc::default(), &Options::default())
+            .playing(player, time);
+        let first = lock(&app.feed).history().kept().start;
         app.look_at(first + 100);
         assert_eq!(app.player.as_ref().unwrap().seq(), 100);
         app.press(KeyEvent::new(Char('>'), KeyModifiers::NONE));

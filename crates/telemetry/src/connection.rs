@@ -2,7 +2,7 @@
 
 /// How things stand between us and the simulation.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Contact {
+pub enum Connection {
     /// No bench of that name yet, or a reason why we cannot attach.
     Waiting(String),
     /// States arrive.

@@ -14,32 +14,32 @@ use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use wire::{Keeping, RecorderState, RecorderStatus};
 
-use super::write_line;
 use crate::actions::ACTIONS;
+use crate::drawing::write_line;
 use crate::layers::Layer;
+use crate::line_editor::LineEditor;
 use crate::theme;
-use crate::typing::Typing;
 use crate::view::{Message, View};
-use telemetry::contact::Contact;
-use telemetry::frame_data::Picture;
+use telemetry::connection::Connection;
+use telemetry::frame_data::FrameData;
 use telemetry::numbers::short;
 use telemetry::units::Units;
 
 /// How things stand, in one word and its colour.
-pub(crate) fn run_state(picture: &Picture, paused: bool) -> (&'static str, Color) {
-    match picture.contact {
-        Contact::Waiting(_) => ("WAITING", theme::WARN),
-        Contact::Gone => ("SIMULATION GONE", theme::BAD),
-        Contact::Stalled => ("STALLED", theme::BAD),
-        Contact::Live if picture.tripped => ("TRIPPED", theme::BAD),
-        Contact::Live if paused => ("PAUSED", theme::WARN),
-        Contact::Live => ("RUNNING", theme::GOOD),
+pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color) {
+    match data.connection {
+        Connection::Waiting(_) => ("WAITING", theme::WARN),
+        Connection::Gone => ("SIMULATION GONE", theme::BAD),
+        Connection::Stalled => ("STALLED", theme::BAD),
+        Connection::Live if data.tripped => ("TRIPPED", theme::BAD),
+        Connection::Live if paused => ("PAUSED", theme::WARN),
+        Connection::Live => ("RUNNING", theme::GOOD),
     }
 }
 
 pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let picture = view.picture;
-    let (word, color) = run_state(picture, !view.time.is_live());
+    let data = view.data;
+    let (word, color) = run_state(data, !view.time.is_live());
     // Each with how soon it goes where there is no room for all: the largest first, whole.
     let mut line = vec![(0, Span::styled(format!(" {word} "), theme::badge(color)))];
     let mut soon = 1;
@@ -49,35 +49,35 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     };
     let plain = Style::new();
     // A machine that stands still is first told why.
-    if let Some(trip) = picture.trip().filter(|_| picture.contact == Contact::Live) {
-        add(format!("{}: R restarts", picture.units().trip(&trip)), theme::loud(theme::BAD));
+    if let Some(trip) = data.trip().filter(|_| data.connection == Connection::Live) {
+        add(format!("{}: R restarts", data.units().trip(&trip)), theme::loud(theme::BAD));
     }
     let starts = || ("● REC starting".to_owned(), theme::loud(theme::BAD));
-    let told = picture.recorder.as_deref().filter(|status| status.is_recording() || !picture.recorder_starts);
-    let sign = told.and_then(recording).or_else(|| picture.recorder_starts.then(starts));
+    let told = data.recorder.as_deref().filter(|status| status.is_recording() || !data.recorder_starts);
+    let sign = told.and_then(recording).or_else(|| data.recorder_starts.then(starts));
     if let Some((sign, style)) = sign {
         add(sign, style);
     }
-    if let Contact::Waiting(why) = &picture.contact {
+    if let Connection::Waiting(why) = &data.connection {
         add(why.clone(), theme::loud(theme::WARN));
     }
     if !view.time.is_live()
-        && let Some(now) = picture.now
+        && let Some(now) = data.now
     {
-        let (ago, tau) = (picture.ago().as_secs_f64(), picture.track.tau(now));
+        let (ago, tau) = (data.ago().as_secs_f64(), data.track.tau(now));
         add(format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
     }
     if view.read_only {
         add("read-only".to_owned(), theme::loud(theme::WARN));
     }
     add(view.bench.to_owned(), plain.bold());
-    if let (Some(bench_status), Some(settings)) = (&picture.bench_status, &picture.settings) {
+    if let (Some(bench_status), Some(settings)) = (&data.bench_status, &data.settings) {
         add(bench_status.rotor_name.as_str().to_owned(), plain);
         // Old recordings, and benches that have told no poles yet, know of no other speed.
-        let told = picture.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
+        let told = data.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
         let is_there = |speed: f64| (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
         let on_its_way = told.map(|era| era.speed).filter(|speed| !is_there(*speed));
-        let speed = match picture.units() {
+        let speed = match data.units() {
             units @ Units { scales: Some(_), .. } => match on_its_way {
                 Some(now) => format!("{} to {}", units.speed(now), units.speed_told(settings.speed)),
                 None => units.speed_told(settings.speed),
@@ -88,7 +88,7 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             },
         };
         add(speed, plain);
-        add(format!("{:.0}/s", picture.rate), plain);
+        add(format!("{:.0}/s", data.rate), plain);
         if bench_status.substeps > 1 {
             add(format!("{} substeps", bench_status.substeps), plain);
         }
@@ -98,10 +98,10 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         if health.missed > 0 {
             add(format!("missed {}", health.missed), theme::loud(theme::WARN));
         }
-        add(format!("lost {}", picture.lost), if picture.lost > 0 { theme::loud(theme::WARN) } else { plain });
+        add(format!("lost {}", data.lost), if data.lost > 0 { theme::loud(theme::WARN) } else { plain });
     }
-    if let Some(age) = picture.age {
-        let stale = matches!(picture.contact, Contact::Gone | Contact::Stalled);
+    if let Some(age) = data.age {
+        let stale = matches!(data.connection, Connection::Gone | Connection::Stalled);
         let style = if stale { theme::loud(theme::BAD) } else { plain };
         let text = if stale {
             format!("last step {:.1} s ago", age.as_secs_f64())
@@ -152,30 +152,12 @@ fn alarms_told(alarms: &Alarms) -> impl Iterator<Item = Span<'static>> {
                 .filter(|(_, standing, _)| (standing.unseen == level) == unseen)
                 .map(|(watch, ..)| watch.name())
                 .collect();
-            let text = format!(" {} {} ", level_words(level), names.join(", "));
-            let color = level_color(level);
+            let text = format!(" {} {} ", theme::level_words(level), names.join(", "));
+            let color = theme::level_color(level);
             let style = if unseen { theme::badge(color) } else { theme::loud(color) };
             (!names.is_empty()).then(|| Span::styled(text, style))
         })
     })
-}
-
-/// A level as a sign and a word.
-pub(crate) fn level_words(level: Level) -> &'static str {
-    match level {
-        Level::Fine => "ok",
-        Level::Warning => "! WARNING",
-        Level::Alarm => "!! ALARM",
-    }
-}
-
-/// The colour of a level.
-pub(crate) fn level_color(level: Level) -> Color {
-    match level {
-        Level::Fine => theme::GOOD,
-        Level::Warning => theme::WARN,
-        Level::Alarm => theme::BAD,
-    }
 }
 
 /// Silence of a living recorder that is worth a word: it shall speak at least once a second.
@@ -207,7 +189,7 @@ fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
 
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
 pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-    let prompt = |sign: &str, line: &Typing| {
+    let prompt = |sign: &str, line: &LineEditor| {
         let bold = Style::new().bold();
         let mut spans = vec![Span::styled(format!(" {sign}"), bold)];
         spans.extend(line.spans(bold));
@@ -216,17 +198,17 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let line = match view.layers.last() {
         Some(Layer::Command(text)) => prompt(":", text),
         Some(Layer::Filter(text)) => prompt("/", text),
-        Some(Layer::Ask(_, _, why)) => Line::from(vec![
+        Some(Layer::AskUnstable(_, _, why)) => Line::from(vec![
             Span::styled(format!(" {why} "), theme::badge(theme::BAD)),
             Span::styled(" y ", Style::new().bold()),
             Span::styled("does it all the same, any other key forgets it", theme::quiet()),
         ]),
-        Some(Layer::Confirm(_, why)) => Line::from(vec![
+        Some(Layer::AskPreset(_, why)) => Line::from(vec![
             Span::styled(format!(" {why} "), theme::badge(theme::WARN)),
             Span::styled(" y ", Style::new().bold()),
             Span::styled("does it, any other key forgets it", theme::quiet()),
         ]),
-        Some(Layer::Offer(_, why)) => Line::from(vec![
+        Some(Layer::AskFound(_, why)) => Line::from(vec![
             Span::styled(format!(" {why} "), theme::badge(theme::GOOD)),
             Span::styled(" y ", Style::new().bold()),
             Span::styled("applies it, any other key forgets it", theme::quiet()),
@@ -268,33 +250,29 @@ mod tests {
     use wire::message::Trip;
 
     use super::*;
+    use crate::drawing::tests::drawn;
     use crate::panels::alarms::tests::damping;
-    use crate::panels::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support as tests;
     use telemetry::view_time::ViewTime;
 
-    fn top(picture: &Picture, paused: bool) -> String {
+    fn top(data: &FrameData, paused: bool) -> String {
         let mut time = ViewTime::LIVE;
         if paused {
             time.pause(&(0..3000));
         }
-        drawn(120, 1, |area, buffer| draw_top(&View { time: &time, ..view(picture) }, area, buffer))
+        drawn(120, 1, |area, buffer| draw_top(&View { time: &time, ..view(data) }, area, buffer))
     }
 
     #[test]
     fn a_running_bench_tells_its_pace() {
-        let mut picture = tests::picture();
-        (picture.rate, picture.age) = (1000.2, Some(Duration::from_millis(3)));
+        let mut data = tests::frame_data();
+        (data.rate, data.age) = (1000.2, Some(Duration::from_millis(3)));
         assert_eq!(
-            top(&picture, false),
+            top(&data, false),
             " RUNNING   default  three-mass  R 2.5  1000/s  late 50/120 us  lost 0  age 3 ms\n"
         );
-        assert!(
-            top(&picture, true).starts_with(" PAUSED   -0.000 s  tau 29.9900  default "),
-            "{}",
-            top(&picture, true)
-        );
+        assert!(top(&data, true).starts_with(" PAUSED   -0.000 s  tau 29.9900  default "), "{}", top(&data, true));
     }
 
     #[test]
@@ -305,9 +283,9 @@ mod tests {
         let mut sign = |state, wall_ns: Option<u64>| {
             status.set_state(state);
             status.wall_ns = wall_ns.unwrap_or(status.wall_ns);
-            let mut picture = tests::picture();
-            picture.recorder = Some(Box::new(status));
-            top(&picture, false)
+            let mut data = tests::frame_data();
+            data.recorder = Some(Box::new(status));
+            top(&data, false)
         };
         assert!(sign(RecorderState::Recording, None).contains("● REC 01:12 3.4 MB lost 2"));
         assert!(sign(RecorderState::Died, None).contains("REC DIED"));
@@ -315,28 +293,28 @@ mod tests {
         assert!(sign(RecorderState::Recording, Some(now - 9_500_000_000)).contains("● REC hangs for "));
         status.error = wire::Text::new("disk full");
         status.set_state(RecorderState::Failed);
-        let mut picture = tests::picture();
-        picture.recorder = Some(Box::new(status));
-        assert!(top(&picture, false).contains("REC FAILED: disk full"));
+        let mut data = tests::frame_data();
+        data.recorder = Some(Box::new(status));
+        assert!(top(&data, false).contains("REC FAILED: disk full"));
     }
 
     #[test]
     fn death_stall_and_trip_are_told_first_and_in_words() {
-        let mut picture = tests::picture();
-        picture.age = Some(Duration::from_millis(1500));
-        picture.contact = Contact::Gone;
-        assert!(top(&picture, false).starts_with(" SIMULATION GONE "));
-        assert!(top(&picture, false).contains("last step 1.5 s ago"));
-        picture.contact = Contact::Stalled;
-        assert!(top(&picture, true).starts_with(" STALLED "));
-        picture.contact = Contact::Waiting("waiting for bench 'x'".into());
-        assert!(top(&picture, false).starts_with(" WAITING   waiting for bench 'x'"));
-        picture.contact = Contact::Live;
-        picture.tripped = true;
+        let mut data = tests::frame_data();
+        data.age = Some(Duration::from_millis(1500));
+        data.connection = Connection::Gone;
+        assert!(top(&data, false).starts_with(" SIMULATION GONE "));
+        assert!(top(&data, false).contains("last step 1.5 s ago"));
+        data.connection = Connection::Stalled;
+        assert!(top(&data, true).starts_with(" STALLED "));
+        data.connection = Connection::Waiting("waiting for bench 'x'".into());
+        assert!(top(&data, false).starts_with(" WAITING   waiting for bench 'x'"));
+        data.connection = Connection::Live;
+        data.tripped = true;
         let mut bench_status = tests::bench_status("three-mass", "off");
         bench_status.trip = Trip { cause: 1, mass: 2, step: 9, radius: 1000.5, limit: 1000.0 };
-        picture.bench_status = Some(std::sync::Arc::from(bench_status));
-        let line = top(&picture, false);
+        data.bench_status = Some(std::sync::Arc::from(bench_status));
+        let line = top(&data, false);
         assert!(
             line.starts_with(
                 " TRIPPED   orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t: R restarts"
@@ -347,10 +325,10 @@ mod tests {
 
     #[test]
     fn alarms_are_told_at_the_right_edge_by_sign_and_word_until_they_are_acknowledged() {
-        let picture = tests::picture();
+        let data = tests::frame_data();
         let mut alarms = Alarms::default();
         let told = |alarms: &Alarms| {
-            let frame = drawn(90, 1, |area, buffer| draw_top(&View { alarms, ..view(&picture) }, area, buffer));
+            let frame = drawn(90, 1, |area, buffer| draw_top(&View { alarms, ..view(&data) }, area, buffer));
             frame.trim_end().to_owned()
         };
         alarms.read(&damping(1, 0.3));
@@ -366,11 +344,11 @@ mod tests {
 
     #[test]
     fn the_foot_hints_at_the_keys_or_tells_the_last_message() {
-        let picture = tests::picture();
-        let hints = drawn(120, 1, |area, buffer| draw_foot(&view(&picture), area, buffer));
+        let data = tests::frame_data();
+        let hints = drawn(120, 1, |area, buffer| draw_foot(&view(&data), area, buffer));
         assert!(hints.contains("? help") && hints.contains("q quit") && hints.contains("left right nudge"), "{hints}");
         let bad = Message::Bad("speed = -1: expected a number from 0 to 1000".into());
-        let told = drawn(60, 1, |area, buffer| draw_foot(&View { message: &bad, ..view(&picture) }, area, buffer));
+        let told = drawn(60, 1, |area, buffer| draw_foot(&View { message: &bad, ..view(&data) }, area, buffer));
         assert_eq!(told, " speed = -1: expected a number from 0 to 1000\n");
     }
 }

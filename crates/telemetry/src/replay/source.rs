@@ -5,23 +5,23 @@ use std::ops::Range;
 use alarms::{Limits, Turn};
 use wire::{BenchStatus, Happening, Moment, State};
 
-use crate::processes::OutsideError;
+use crate::processes::ExternalError;
 use crate::units::Units;
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PastEvent {
+pub struct RecordedEvent {
     /// When; its step is the first made with it.
     pub at: Moment,
     /// What.
-    pub what: PastWhat,
+    pub what: RecordedKind,
     /// Who did it.
     pub who: String,
     /// Why; may be empty.
     pub why: String,
 }
 
-impl PastEvent {
+impl RecordedEvent {
     /// In a line, in the machine's `units`: what, by whom, why.
     pub(super) fn words(&self, units: &Units) -> String {
         let Self { what, who, why, .. } = self;
@@ -33,7 +33,7 @@ impl PastEvent {
 
 /// What happened.
 #[derive(Clone, Debug, PartialEq)]
-pub enum PastWhat {
+pub enum RecordedKind {
     /// On the bench, as [`wire::Event`] tells it.
     Happening(Happening),
     /// Something went past its limit, or came back.
@@ -42,14 +42,14 @@ pub enum PastWhat {
     Remark(String),
 }
 
-impl PastEvent {
+impl RecordedEvent {
     /// What happened on the bench, if that is what it tells of.
     pub fn happening(&self) -> Option<&Happening> {
-        if let PastWhat::Happening(happening) = &self.what { Some(happening) } else { None }
+        if let RecordedKind::Happening(happening) = &self.what { Some(happening) } else { None }
     }
 }
 
-impl std::fmt::Display for PastWhat {
+impl std::fmt::Display for RecordedKind {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
             Self::Happening(happening) => happening.fmt(f),
@@ -60,7 +60,7 @@ impl std::fmt::Display for PastWhat {
 }
 
 /// Steps of one run, and what is known about them. Errors are in words, for the person at the terminal.
-pub trait Past {
+pub trait RecordingSource {
     /// What it is called: a file's name.
     fn name(&self) -> String;
 
@@ -71,16 +71,16 @@ pub trait Past {
     ///
     /// # Errors
     /// It cannot be read.
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OutsideError>;
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError>;
 
-    /// The whole slow picture as it stood at step `seq`: rotor, settings, poles, trip, rate.
+    /// The bench status as it stood at step `seq`: rotor, settings, poles, trip, rate.
     fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus>;
 
     /// The first step made with each of the settings, ascending; the first may lie before the span.
     fn changes(&self) -> Vec<u64>;
 
     /// What happened, ascending in step; alarms among it, but for trips.
-    fn events(&self) -> Vec<PastEvent>;
+    fn events(&self) -> Vec<RecordedEvent>;
 
     /// Every turn of an alarm, trips among them, ascending in step.
     fn turns(&self) -> Vec<Turn>;
@@ -99,7 +99,7 @@ pub trait Past {
     ///
     /// # Errors
     /// It cannot be read.
-    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, OutsideError> {
+    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, ExternalError> {
         Ok(None)
     }
 
@@ -112,5 +112,5 @@ pub trait Past {
     ///
     /// # Errors
     /// It cannot be read.
-    fn at_tau(&mut self, tau: f64) -> Result<u64, OutsideError>;
+    fn at_tau(&mut self, tau: f64) -> Result<u64, ExternalError>;
 }

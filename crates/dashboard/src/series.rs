@@ -9,8 +9,8 @@ use ratatui::style::Color;
 use wire::{CHANNELS, Dimension, PAIRS, Scope};
 
 use crate::theme;
-use telemetry::frame_data::Picture;
-use telemetry::history::Channel;
+use telemetry::frame_data::FrameData;
+use telemetry::history::StepQuantity;
 use telemetry::units::{Unit, Units};
 
 /// Where the values of a series come from: every number of the table of channels and the size of every pair of them is a
@@ -71,10 +71,10 @@ impl Source {
     }
 
     /// What it shows of a mass, or at all.
-    fn channel(self, mass: usize) -> Option<Channel> {
+    fn channel(self, mass: usize) -> Option<StepQuantity> {
         match self {
-            Self::Told(channel) => Some(Channel::Of(channel, mass)),
-            Self::Size(pair) => Some(Channel::Size(pair, mass)),
+            Self::Told(channel) => Some(StepQuantity::Of(channel, mass)),
+            Self::Size(pair) => Some(StepQuantity::Size(pair, mass)),
             Self::Damping | Self::Control => None,
         }
     }
@@ -103,23 +103,23 @@ pub(crate) struct Trace {
     pub(crate) mark: char,
     pub(crate) color: Color,
     /// What it shows; the minimum damping if that is none.
-    pub(crate) channel: Option<Channel>,
+    pub(crate) channel: Option<StepQuantity>,
 }
 
 impl Trace {
     /// The least and the greatest value over some steps, dimensionless.
-    pub(crate) fn range(&self, picture: &Picture, steps: Range<usize>) -> Option<[f64; 2]> {
+    pub(crate) fn range(&self, data: &FrameData, steps: Range<usize>) -> Option<[f64; 2]> {
         match self.channel {
-            Some(channel) => picture.track.range(channel, steps),
-            None => picture.least_damping(&steps).map(|least| [least, least]),
+            Some(channel) => data.track.range(channel, steps),
+            None => data.least_damping(&steps).map(|least| [least, least]),
         }
     }
 
     /// The value at a step, dimensionless.
-    pub(crate) fn value(&self, picture: &Picture, step: usize) -> Option<f64> {
+    pub(crate) fn value(&self, data: &FrameData, step: usize) -> Option<f64> {
         match self.channel {
-            Some(channel) => Some(picture.track.value(channel, step)),
-            None => picture.least_damping(&(step..step + 1)),
+            Some(channel) => Some(data.track.value(channel, step)),
+            None => data.least_damping(&(step..step + 1)),
         }
     }
 }
@@ -193,8 +193,8 @@ impl Strip {
                     }));
                 }
                 Source::Control => {
-                    traces.push(alone("u.y", theme::FORCE, Some(Channel::FORCE_Y)));
-                    traces.push(alone("u.z", theme::BACKWARD, Some(Channel::FORCE_Z)));
+                    traces.push(alone("u.y", theme::FORCE, Some(StepQuantity::FORCE_Y)));
+                    traces.push(alone("u.z", theme::BACKWARD, Some(StepQuantity::FORCE_Z)));
                 }
                 Source::Damping => traces.push(alone(name, theme::GOOD, None)),
                 source => {
@@ -214,7 +214,7 @@ fn tell_apart(traces: &mut [Trace]) {
         (1..traces.len()).all(|at| traces[..at].iter().all(|other| !of(other, &traces[at])))
     };
     if !distinct(|a, b| a.color == b.color, traces) {
-        let colors = theme::TRACES.into_iter().chain([theme::FORCE, theme::BACKWARD, theme::KEY]).cycle();
+        let colors = theme::TRACES.into_iter().chain([theme::FORCE, theme::BACKWARD, theme::KEYPHASOR]).cycle();
         traces.iter_mut().zip(colors).for_each(|(trace, color)| trace.color = color);
     }
     if !distinct(|a, b| a.mark == b.mark, traces) {

@@ -15,7 +15,7 @@ const LONGEST_VALUE: usize = 16;
 
 /// What a key did to a line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Typed {
+pub(crate) enum LineEvent {
     /// It is part of it, or means nothing here.
     Taken,
     /// The line is complete.
@@ -25,51 +25,51 @@ pub(crate) enum Typed {
     /// Whatever can follow is asked for.
     Complete,
     /// An earlier line is asked for (-1), or a later one (1).
-    Recall(isize),
+    Earlier(isize),
     /// It is no key for a line.
     Else,
 }
 
 /// A line with a cursor in it.
 #[derive(Clone, Default)]
-pub(crate) struct Typing(Input);
+pub(crate) struct LineEditor(Input);
 
-impl Typing {
+impl LineEditor {
     /// What has been typed.
     pub(crate) fn text(&self) -> &str {
         self.0.value()
     }
 
     /// A key for a text.
-    pub(crate) fn press(&mut self, key: KeyEvent) -> Typed {
+    pub(crate) fn press(&mut self, key: KeyEvent) -> LineEvent {
         // Nothing left to take away: leave.
         if key.code == KeyCode::Backspace && self.text().is_empty() {
-            return Typed::Dropped;
+            return LineEvent::Dropped;
         }
         self.edit(key, LONGEST, |letter| !letter.is_control())
     }
 
     /// A key for a number.
-    pub(crate) fn press_number(&mut self, key: KeyEvent) -> Typed {
+    pub(crate) fn press_number(&mut self, key: KeyEvent) -> LineEvent {
         self.edit(key, LONGEST_VALUE, |letter| matches!(letter, '0'..='9' | '.' | '-' | '+' | 'e' | 'E'))
     }
 
-    fn edit(&mut self, key: KeyEvent, longest: usize, fits: impl Fn(char) -> bool) -> Typed {
+    fn edit(&mut self, key: KeyEvent, longest: usize, fits: impl Fn(char) -> bool) -> LineEvent {
         match key.code {
-            KeyCode::Esc => return Typed::Dropped,
-            KeyCode::Enter => return Typed::Done,
-            KeyCode::Tab => return Typed::Complete,
-            KeyCode::Up => return Typed::Recall(-1),
-            KeyCode::Down => return Typed::Recall(1),
+            KeyCode::Esc => return LineEvent::Dropped,
+            KeyCode::Enter => return LineEvent::Done,
+            KeyCode::Tab => return LineEvent::Complete,
+            KeyCode::Up => return LineEvent::Earlier(-1),
+            KeyCode::Down => return LineEvent::Earlier(1),
             _ => {}
         }
-        let Some(request) = to_input_request(&Event::Key(key)) else { return Typed::Else };
+        let Some(request) = to_input_request(&Event::Key(key)) else { return LineEvent::Else };
         if let InputRequest::InsertChar(letter) = request {
             if !fits(letter) {
-                return Typed::Else;
+                return LineEvent::Else;
             }
             if self.text().len() + letter.len_utf8() > longest {
-                return Typed::Taken;
+                return LineEvent::Taken;
             }
         }
         let before = self.0.clone();
@@ -78,7 +78,7 @@ impl Typing {
             // What was cut elsewhere does not fit here.
             self.0 = before;
         }
-        Typed::Taken
+        LineEvent::Taken
     }
 
     /// The line as it is shown: what is under the cursor is turned over, and a bar stands for the end.
@@ -103,20 +103,20 @@ impl Typing {
     }
 }
 
-impl From<&str> for Typing {
+impl From<&str> for LineEditor {
     /// The line with the cursor at its end.
     fn from(text: &str) -> Self {
         Self(Input::from(text))
     }
 }
 
-impl PartialEq for Typing {
+impl PartialEq for LineEditor {
     fn eq(&self, other: &Self) -> bool {
         (self.text(), self.0.cursor()) == (other.text(), other.0.cursor())
     }
 }
 
-impl fmt::Debug for Typing {
+impl fmt::Debug for LineEditor {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{:?} at {}", self.text(), self.0.cursor())
     }
@@ -135,8 +135,8 @@ mod tests {
     const NONE: KeyModifiers = KeyModifiers::NONE;
     const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 
-    fn typed(text: &str, keys: &[(KeyCode, KeyModifiers)]) -> Typing {
-        let mut line = Typing::from(text);
+    fn typed(text: &str, keys: &[(KeyCode, KeyModifiers)]) -> LineEditor {
+        let mut line = LineEditor::from(text);
         for (code, held) in keys {
             line.press(KeyEvent::new(*code, *held));
         }
@@ -161,15 +161,15 @@ mod tests {
 
     #[test]
     fn other_keys_are_told_and_length_is_bounded() {
-        let mut line = Typing::default();
+        let mut line = LineEditor::default();
         let mut press = |code, held| line.press(KeyEvent::new(code, held));
-        assert_eq!((press(Up, NONE), press(Down, NONE)), (Typed::Recall(-1), Typed::Recall(1)));
-        assert_eq!((press(KeyCode::Tab, NONE), press(Char('c'), CTRL)), (Typed::Complete, Typed::Else));
-        assert_eq!(press(Backspace, NONE), Typed::Dropped);
+        assert_eq!((press(Up, NONE), press(Down, NONE)), (LineEvent::Earlier(-1), LineEvent::Earlier(1)));
+        assert_eq!((press(KeyCode::Tab, NONE), press(Char('c'), CTRL)), (LineEvent::Complete, LineEvent::Else));
+        assert_eq!(press(Backspace, NONE), LineEvent::Dropped);
         for _ in 0..1000 {
             press(Char('ü'), NONE);
         }
-        assert_eq!(press(Char('u'), CTRL), Typed::Taken);
+        assert_eq!(press(Char('u'), CTRL), LineEvent::Taken);
         // What was cut comes back, no more often than there is room for.
         for _ in 0..10 {
             press(Char('y'), CTRL);
@@ -179,19 +179,20 @@ mod tests {
 
     #[test]
     fn a_number_takes_nothing_else() {
-        let mut line = Typing::default();
+        let mut line = LineEditor::default();
         for letter in "3x.5 q1e-99999999999999".chars() {
             line.press_number(KeyEvent::new(Char(letter), NONE));
         }
         assert_eq!(line.text(), "3.51e-9999999999");
-        assert_eq!(line.press_number(KeyEvent::new(Char('q'), NONE)), Typed::Else);
+        assert_eq!(line.press_number(KeyEvent::new(Char('q'), NONE)), LineEvent::Else);
     }
 
     #[test]
     fn the_cursor_is_seen_without_colours() {
-        let shown =
-            |line: &Typing| line.spans(Style::new()).iter().map(|span| span.content.to_string()).collect::<Vec<_>>();
-        assert_eq!(shown(&Typing::from("abc")), ["abc", "_"]);
+        let shown = |line: &LineEditor| {
+            line.spans(Style::new()).iter().map(|span| span.content.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(shown(&LineEditor::from("abc")), ["abc", "_"]);
         let inside = typed("abc", &[(Left, NONE)]);
         assert_eq!(shown(&inside), ["ab", "c", ""]);
         let reversed = |style| inside.spans(style)[1].style.add_modifier.contains(Modifier::REVERSED);
