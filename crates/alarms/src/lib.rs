@@ -4,6 +4,18 @@
 //! the bench sends, [`Alarms`] hold it against [`Limits`], and every crossing comes out as a [`Turn`]. Pure: no clock, no
 //! files, no screen.
 //!
+//! ```
+//! use alarms::{Alarms, Level, Limits, Reading, Watch};
+//! use wire::Moment;
+//!
+//! let mut limits = Limits::default();
+//! limits.set(Watch::Orbit, Some([5.0, 15.0]))?;
+//! let mut alarms = Alarms::new(limits);
+//! let turns = alarms.read(&Reading::new(Moment::default()).with(Watch::Orbit, 16.0));
+//! assert_eq!((turns[0].watch, turns[0].level), (Watch::Orbit, Level::Alarm));
+//! # Ok::<(), alarms::LimitsError>(())
+//! ```
+//!
 //! Not its job: showing alarms, ringing bells, or writing them down.
 
 mod limits;
@@ -13,7 +25,7 @@ mod sampler;
 mod turn;
 mod watch;
 
-pub use limits::{LOW_DAMPING, Limit, Limits};
+pub use limits::{LOW_DAMPING, Limit, Limits, LimitsError};
 pub use machine::{Alarms, Entry, Standing};
 pub use reading::{Reading, Sample};
 pub use sampler::Sampler;

@@ -56,6 +56,23 @@ impl Limit {
     }
 }
 
+/// Why limits are none. In words it is what was expected instead.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum LimitsError {
+    /// There is nothing to limit.
+    #[error("something that has limits: a trip is always an alarm")]
+    None,
+    /// A limit is infinite or no number.
+    #[error("finite numbers")]
+    NotFinite,
+    /// What is to be large would rise to an alarm before it warns.
+    #[error("the alarm at or below the warning")]
+    AlarmAbove,
+    /// What is to be small would warn after it has risen to an alarm.
+    #[error("the alarm at or above the warning")]
+    AlarmBelow,
+}
+
 /// The limits of everything that is watched. What has none is never alarmed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits([Option<Limit>; Watch::COUNT]);
@@ -103,17 +120,17 @@ impl Limits {
     /// Sets the limits of something, warning and alarm, or takes them away.
     ///
     /// # Errors
-    /// What was expected instead: something that has limits, or numbers in order.
-    pub fn set(&mut self, watch: Watch, limits: Option<[f64; 2]>) -> Result<(), &'static str> {
+    /// Something that has no limits, or numbers that are not in order.
+    pub fn set(&mut self, watch: Watch, limits: Option<[f64; 2]>) -> Result<(), LimitsError> {
         let below = watch == Watch::Damping;
         self.0[watch as usize] = match limits {
-            _ if !watch.has_limits() => return Err("something that has limits: a trip is always an alarm"),
+            _ if !watch.has_limits() => return Err(LimitsError::None),
             None => None,
-            Some(pair) if !pair.iter().all(|limit| limit.is_finite()) => return Err("finite numbers"),
+            Some(pair) if !pair.iter().all(|limit| limit.is_finite()) => return Err(LimitsError::NotFinite),
             Some([warning, alarm]) if below && warning >= alarm => Some(Limit::below(warning, alarm, DAMPING_MARGIN)),
             Some([warning, alarm]) if !below && warning <= alarm => Some(Limit::above(warning, alarm)),
-            Some(_) if below => return Err("the alarm at or below the warning"),
-            Some(_) => return Err("the alarm at or above the warning"),
+            Some(_) if below => return Err(LimitsError::AlarmAbove),
+            Some(_) => return Err(LimitsError::AlarmBelow),
         };
         Ok(())
     }

@@ -7,6 +7,21 @@
 //! Parts that are absent are not there: the ideal loop is the law alone. Everything is pure: no I/O, no clock, no threads;
 //! and a [`Controller`] at work allocates nothing.
 //!
+//! ```
+//! use control::{Controller, Feedback, Gain, GainKind, Signal};
+//!
+//! // The bearing at mass 1, one signal of masses 1 and 2, gains kd cd kc cc; kd falls with speed.
+//! let mut feedback = Feedback::new(0, vec![Signal::composite(&[1.0, 1.0, 0.0], [0.0, 0.5, -0.5, 0.6])]);
+//! *feedback.signals[0].gain_mut(GainKind::Kd) = Gain::Linear { at_zero: -0.1, slope: -0.2 };
+//! assert_eq!(feedback.at(2.0).displacement[0], control::C64::new(-0.5, 0.5), "kd - j kc");
+//!
+//! // The same through a loop that takes time, for a rotor of three masses at R = 2 in steps of 0.01.
+//! feedback.parts.delay = 0.05;
+//! let controller = Controller::new(&feedback, 3, 2.0, 0.01)?;
+//! assert!(controller.remembers());
+//! # Ok::<(), control::LoopError>(())
+//! ```
+//!
 //! * [`Feedback`], [`Signal`], [`Gain`]: the law. [`Filter`]: what shapes a signal. [`Parts`]: the numbers of the rest.
 //! * [`Controller`]: all of it in motion, to be integrated with the plant it holds; its states are saved and restored.
 //! * [`LinearLoop`]: the same as matrices, for poles and margins.

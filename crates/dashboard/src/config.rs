@@ -98,10 +98,12 @@ impl Config {
                                     config.bell = *bell;
                                     Ok(())
                                 }
-                                _ => Err("true or false"),
+                                _ => Err("true or false".into()),
                             },
-                            (_, Some(watch), Some(limits)) => config.limits.set(watch, limits),
-                            (_, Some(_), None) => Err("[warning, alarm], two numbers, or \"off\""),
+                            (_, Some(watch), Some(limits)) => {
+                                config.limits.set(watch, limits).map_err(|error| error.to_string())
+                            }
+                            (_, Some(_), None) => Err("[warning, alarm], two numbers, or \"off\"".into()),
                             (_, None, _) => {
                                 let expected = "bell, damping, orbit, force, saturation, lateness or losses";
                                 problem(key.span().start, &format!("'{name}'"), expected);
@@ -109,7 +111,7 @@ impl Config {
                             }
                         };
                         if let Err(expected) = read {
-                            problem(value.span().start, written, expected);
+                            problem(value.span().start, written, &expected);
                         }
                     }
                 }

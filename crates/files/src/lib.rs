@@ -5,6 +5,20 @@
 //! finds what was there before, and two that write the same name do not replace each other. What must be on disk while it
 //! is written, as a recording, is made with [`make`].
 //!
+//! ```
+//! use files::{Draft, Existing, FileError, check};
+//! use std::io::Write;
+//!
+//! let folder = tempfile::tempdir()?;
+//! let path = folder.path().join("gains.toml");
+//! let mut draft = Draft::begin(&path, Existing::Keep)?;
+//! draft.write_all(b"bearing = 1\n")?;
+//! assert!(!path.exists());
+//! draft.finish()?;
+//! assert!(matches!(check(&path, Existing::Keep), Err(FileError::Exists(_))));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Not its job: what is in a file, and files that a program keeps for itself.
 
 use std::fs::{File, OpenOptions};

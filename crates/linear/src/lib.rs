@@ -13,6 +13,19 @@
 //! * what they *are* comes from Newton's method on the equation itself ([`roots`]);
 //! * that there are *no more* is counted by the argument principle, with steps that cannot lose a turn ([`count`]).
 //!
+//! ```
+//! use linear::{C64, DelaySystem};
+//! use nalgebra::DMatrix;
+//!
+//! // x' = -x(t - T) is stable up to T = pi / 2.
+//! let of = |number: f64| DMatrix::from_element(1, 1, C64::from(number));
+//! let system = DelaySystem::new(of(0.0), of(-1.0), of(1.0), 1.0)?;
+//! assert_eq!(system.count_right_of(0.0)?, 0);
+//! let margin = system.delay_margin()?.ok_or("some delay makes it unstable")?;
+//! assert!((margin.delay - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! A [`LoopGain`] is the gain of one loop over frequency, sampled or not; [`LoopGain::margins`] are its margins and peaks.
 //!
 //! No part of it knows what the matrices describe. No files, no terminal, no threads.

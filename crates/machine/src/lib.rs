@@ -4,6 +4,25 @@
 //! an ideal loop at a steady speed takes the fused path of crate `rotor`; everything else is integrated together with the
 //! loop's own states.
 //!
+//! ```
+//! use machine::{Machine, MachinePoles, Pace, Program};
+//! use rotor::{C64, Settings, builtin};
+//!
+//! let rotor = builtin::rotor("three-mass").ok_or("built in")?;
+//! let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").ok_or("built in")?);
+//! let slowest = MachinePoles::of(&rotor, &settings)?.modes[0].pole;
+//!
+//! // Struck at mass 1, it comes to rest as its poles say.
+//! let program = Program::compile(&rotor, &settings, settings.speed, Pace { dtau: 0.01, rate_hz: 0.0 })?;
+//! let mut machine = Machine::new(program);
+//! machine.kick(0, C64::new(0.0, -2.5));
+//! while machine.tau() < 20.0 {
+//!     assert!(machine.step().is_none(), "it does not trip");
+//! }
+//! assert!(slowest.re < 0.0 && machine.motion().displacement[0].norm() < 2.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Not its business: real time, messages, and what settings may be.
 
 mod frequency;

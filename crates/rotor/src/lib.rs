@@ -7,6 +7,21 @@
 //! are told apart. The real state vectors and matrices of the NASA report live in [`report_form`],
 //! for checking and for those who expect them.
 //!
+//! ```
+//! use rotor::{Settings, Spectrum, builtin, thresholds};
+//!
+//! // A rotor of your own: `rotor::file::read_rotor`.
+//! let rotor = builtin::rotor("three-mass").ok_or("built in")?;
+//! let off = builtin::feedback(&rotor, "off").ok_or("built in")?;
+//! // The report prints 1.776 for the speed at which it turns unstable without control.
+//! assert!((thresholds(&rotor, &off, 0.0, 6.0)?[0].speed - 1.776).abs() < 1e-3);
+//!
+//! let composite = builtin::feedback(&rotor, "composite").ok_or("built in")?;
+//! let held = Spectrum::of(&Settings::new(&rotor, 2.5, composite).closed_loop(&rotor))?;
+//! assert!(held.is_stable() && held.modes.len() == 2 * rotor.len());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! * [`Rotor`], [`Mass`]: the parameters. [`builtin`]: the report's two rotors and their feedback.
 //! * [`Scales`]: what an SI rotor keeps of its units. [`mod@file`]: rotors and feedback as TOML text.
 //! * [`Plant`]: the rotor without control, independent of speed: a chain, or dense matrices.

@@ -5,6 +5,25 @@
 //! **request thread** ([`request_thread`]) checks requests, hands them over through a bounded queue, computes poles, keeps the
 //! statistics and publishes bench statuses.
 //!
+//! ```
+//! use sim::Options;
+//! use std::sync::atomic::{AtomicBool, Ordering};
+//! use wire::{Carrier, Memory};
+//!
+//! let rotor = rotor::builtin::rotor("jeffcott").ok_or("built in")?;
+//! let gains = rotor::builtin::feedback(&rotor, "cancel").ok_or("built in")?;
+//! let settings = rotor::Settings::new(&rotor, 3.0, gains);
+//! let options = Options { bench: "demo".parse()?, rate_hz: 1000.0, dtau: 0.01, profile: None };
+//! // Readers find it under its name once it is ready; this one ends it at once.
+//! let (carrier, stop) = (Memory::default(), AtomicBool::new(false));
+//! let summary = sim::run(&carrier, &rotor, settings, &options, &stop, || {
+//!     assert!(carrier.glance(&options.bench).is_ok());
+//!     stop.store(true, Ordering::Relaxed);
+//! })?;
+//! assert!(!summary.trip.is_tripped());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Catch-up policy: deadlines are absolute. After a stall the steps that are due run at once, back to back, and count
 //! as late; a stall of more than [`pacer::CATCH_UP_LIMIT`] is not caught up: its deadlines are given up and counted as
 //! missed. Steps themselves are never skipped, so `tau` falls behind the wall clock by what was missed.

@@ -4,6 +4,17 @@
 //! and without detrending, so that an offset of the orbit shows at zero. Positive frequencies whirl forward, negative
 //! ones backward. The density is per radian per unit of `tau`: its integral over frequency is the mean of `|p|^2`.
 //!
+//! ```
+//! use rotor::C64;
+//!
+//! // Half an e_t of forward whirl at the spin speed, R = 2, a sample every 0.1.
+//! let orbit: Vec<C64> = (0..4096).map(|i| C64::from_polar(0.5, 2.0 * 0.1 * f64::from(i))).collect();
+//! let spectrum = spectrum::welch(&orbit, 0.1, spectrum::segment_length(orbit.len()))?;
+//! let line = &spectrum.peaks(2.0)[0];
+//! assert!(line.name == "1X" && (line.radius - 0.5).abs() < 1e-2);
+//! # Ok::<(), spectrum::SpectrumError>(())
+//! ```
+//!
 //! Offline work and the live dashboard both read it. It knows neither: samples in, density and named lines out.
 
 use std::f64::consts::TAU;

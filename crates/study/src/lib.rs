@@ -7,6 +7,19 @@
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
 //! * [`report`]: every figure and every printed number of the NASA report again, drawn by [`plot`].
 //!
+//! ```
+//! use std::sync::atomic::AtomicBool;
+//! use study::run::{Plan, Settle, run};
+//!
+//! let rotor = rotor::builtin::rotor("three-mass").ok_or("built in")?;
+//! let gains = rotor::builtin::feedback(&rotor, "composite").ok_or("built in")?;
+//! // At R = 3 with a clearance of 1 e_t at mass 1, for 500 tau, the first 400 of which are not looked at.
+//! let plan = Plan::steady(&rotor, &gains, 3.0, &[1.0], 500.0, Settle::From(400.0))?;
+//! let outcome = run(&plan, &mut [], &AtomicBool::new(false))?;
+//! assert!(outcome.diverged_at.is_none() && outcome.max_force > 0.0);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
 pub mod csv;

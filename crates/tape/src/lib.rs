@@ -6,6 +6,18 @@
 //! made of a recording ([`Info`]). Nothing of rerun shows in the public interface: a [`Recording`] speaks in
 //! `wire` and `rotor` types, and without the feature opening one says how to get it.
 //!
+//! ```
+//! use std::path::Path;
+//! use tape::{Info, Recording, TapeError};
+//!
+//! match Recording::open(Path::new("../../recordings/run-up.rrd")) {
+//!     Ok(mut recording) => assert_eq!(Info::of(&mut recording)?.trips.len(), 1),
+//!     Err(TapeError::NoRerun) => {} // a build without the cargo feature
+//!     Err(error) => return Err(error),
+//! }
+//! # Ok::<(), TapeError>(())
+//! ```
+//!
 //! Not its job: showing recordings (that is the dashboard's), and simulating.
 
 #![cfg_attr(not(feature = "rerun"), allow(dead_code, reason = "much of it serves the encoder and the reader"))]

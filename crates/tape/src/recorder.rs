@@ -292,24 +292,45 @@ pub fn check(order: &Order) -> Result<(), TapeError> {
     order.rotation().map(drop)
 }
 
+/// Why what is kept cannot be kept.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum WindowError {
+    /// A stretch of no sensible length.
+    #[error("{option} = {seconds} s: expected from 1 s to 1e7 s")]
+    Length {
+        /// The option that asks for it.
+        option: &'static str,
+        /// How long it would be.
+        seconds: f64,
+    },
+    /// More steps before a trip than memory should hold.
+    #[error(
+        "pretrigger = {seconds} s: {:.0} steps at {rate_hz} a second are too many to hold in memory, at most {MOST_HELD:.0}",
+        seconds * rate_hz
+    )]
+    Memory {
+        /// How long before the trip.
+        seconds: f64,
+        /// Steps a second.
+        rate_hz: f64,
+    },
+}
+
 /// Whether what is kept can be kept: how much memory, or how short a stretch.
 ///
 /// # Errors
 /// A window shorter than a second, or too long to be held in memory at `rate_hz` steps a second.
-pub fn check_window(keep: &Keep, rate_hz: f64) -> Result<(), String> {
-    let (what, seconds) = match keep.keeping {
+pub fn check_window(keep: &Keep, rate_hz: f64) -> Result<(), WindowError> {
+    let (option, seconds) = match keep.keeping {
         Keeping::All => return Ok(()),
         Keeping::Last(seconds) => ("keep", seconds),
         Keeping::Pretrigger(seconds) => ("pretrigger", seconds),
     };
     if !(1.0..=1e7).contains(&seconds) {
-        return Err(format!("{what} = {seconds} s: expected from 1 s to 1e7 s"));
+        return Err(WindowError::Length { option, seconds });
     }
-    let steps = seconds * rate_hz;
-    if matches!(keep.keeping, Keeping::Pretrigger(_)) && steps > MOST_HELD {
-        return Err(format!(
-            "pretrigger = {seconds} s: {steps:.0} steps at {rate_hz} a second are too many to hold in memory, at most {MOST_HELD:.0}"
-        ));
+    if matches!(keep.keeping, Keeping::Pretrigger(_)) && seconds * rate_hz > MOST_HELD {
+        return Err(WindowError::Memory { seconds, rate_hz });
     }
     Ok(())
 }

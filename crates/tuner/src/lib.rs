@@ -13,6 +13,19 @@
 //! * [`track()`] follows gains over speed, [`pareto()`] trades damping for force or gain, [`rank()`] compares places for
 //!   bearing and sensors.
 //!
+//! ```
+//! use rotor::builtin;
+//! use tuner::{Family, Options, Problem, Schedule, Stop, Structure, tune};
+//!
+//! let rotor = builtin::rotor("three-mass").ok_or("built in")?;
+//! // Bearing at mass 1, sensors at masses 1 and 2, one set of gains of at most 5 for R = 4.
+//! let structure = Structure::new(&rotor, &Structure::composite(3, 0, &[0, 1]), Schedule::Fixed)?;
+//! let problem = Problem::new(Family::new(&rotor, 4.0, 4.0)?, structure, 5.0);
+//! let found = tune(&problem, &Options::for_problem(&problem), &|_| (), Stop::NEVER)?;
+//! assert!((found.worst.value - 0.065409).abs() < 1e-5 && found.worst.proven);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! Pure but for a thread pool: no files, no terminal.
 
 mod around;

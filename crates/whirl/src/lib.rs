@@ -1,4 +1,28 @@
-//! The command line of Whirl: one file a command, each a few lines of glue over the other crates.
+//! Whirl, a terminal workbench for stabilising rotors with magnetic bearings: this page leads to the crate that you want.
+//!
+//! | you want | crate | to begin with |
+//! |---|---|---|
+//! | a rotor, built in or from a file; its poles under ideal feedback; exact whirl with deadband | [`rotor`] | [`rotor::builtin`], [`rotor::file`], [`rotor::Spectrum`], [`rotor::circular`] |
+//! | feedback: gains over speed, filters, sensors, sampling, delay, actuator | [`control`] | [`control::Feedback`], [`control::Controller`] |
+//! | rotor and loop as one: stepped, or as poles, margins and responses | [`machine`] | [`machine::Machine`], [`machine::MachinePoles`]; `crates/machine/examples/poles.rs` |
+//! | all roots of a loop with a delay, for any matrices | [`linear`] | [`linear::DelaySystem`] |
+//! | gains | [`tuner`] | [`tuner::tune()`]; `crates/tuner/examples/search.rs` |
+//! | runs, forces over speed, run-ups, charts, the NASA report | [`study`] | [`study::run`] |
+//! | to read a running bench, or to change it | [`wire`] | [`wire::SharedMemory`], [`wire::Carrier`]; `crates/wire/examples/watch.rs` |
+//! | to run one | [`sim`] | [`sim::run()`] |
+//! | to judge what it sends | [`alarms`] | [`alarms::Alarms`] |
+//! | the full spectrum of an orbit | `spectrum` | `spectrum::welch` |
+//! | to read a recording | [`tape`], with its cargo feature `rerun` | [`tape::Recording`]; `crates/tape/examples/read_back.rs` |
+//! | what a console knows and asks, for a screen of your own | [`telemetry`] | `telemetry::feed` |
+//! | the console | [`dashboard`] | |
+//! | to read TOML files and tell every fault at its place | [`text`] | [`text::Reader`] |
+//! | to write files whole or not at all | [`files`] | [`files::Draft`] |
+//!
+//! Quantities are dimensionless unless a name says otherwise: displacements in `e_t`, time `tau = w0 t`, speed `R = w / w0`,
+//! forces in `m_b w0^2 e_t`; [`rotor::Scales`] has an SI rotor's units. Errors are types of their own, one an operation. Every crate's
+//! front page has an example that runs.
+//!
+//! This crate itself is the command line, and no library: one file a command, each a few lines of glue over the others. Inside of it,
 //!
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.

@@ -9,7 +9,7 @@ use rustix::process::{Pid, test_kill_process};
 
 use crate::iceoryx::Ipc;
 use crate::shared_memory::HOST_ROLE;
-use crate::{BenchName, SharedMemory, WireError};
+use crate::{BenchName, SharedMemory, Topic, WireError};
 
 /// A bench, and who has it open.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -46,7 +46,8 @@ impl SharedMemory {
         let mut found: BTreeMap<BenchName, Vec<AttachedProcess>> = BTreeMap::new();
         let listed = Ipc::list(self.config(), |service| {
             let name = service.static_details.name().as_str().to_owned();
-            let bench = name.strip_prefix("whirl/").and_then(|rest| rest.strip_suffix("/state"));
+            let bench =
+                name.strip_suffix(Topic::State.name()).and_then(|rest| rest.strip_prefix("whirl/")?.strip_suffix('/'));
             if let Some(bench) = bench.and_then(|bench| bench.parse::<BenchName>().ok()) {
                 let processes = found.entry(bench).or_default();
                 for node in service.dynamic_details.iter().flat_map(|details| &details.nodes) {

@@ -8,7 +8,7 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::builder::Builder;
 
 use crate::faults::{Fault, Refusal};
-use crate::{BenchName, WireError};
+use crate::{BenchName, Topic, WireError};
 
 /// The flavour of iceoryx2: between processes, ports bound to their thread, no locks.
 pub(crate) type Ipc = ipc::Service;
@@ -51,7 +51,7 @@ pub(crate) fn config(folder: &Path, prefix: &str) -> Result<Config, ConfigError>
 }
 
 /// The builder of one of a bench's services.
-pub(crate) fn service(node: &Node<Ipc>, bench: &BenchName, topic: &str) -> Result<Builder<Ipc>, WireError> {
+pub(crate) fn service(node: &Node<Ipc>, bench: &BenchName, topic: Topic) -> Result<Builder<Ipc>, WireError> {
     let name = ServiceName::new(&format!("whirl/{bench}/{topic}")).map_err(internal)?;
     Ok(node.service_builder(&name))
 }

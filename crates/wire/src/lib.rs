@@ -4,7 +4,24 @@
 //! field by field in [`message`]; the ports are traits ([`Carrier`] and its family) with two implementations under one
 //! contract suite: [`SharedMemory`], which is iceoryx2, and [`Memory`], which is a map of queues for tests.
 //!
-//! A bench called `NAME` is eight iceoryx2 services:
+//! ```
+//! use wire::{BenchName, Carrier, Host, Layout, Listener, Memory, Point, StateSender, Step};
+//!
+//! let bench: BenchName = "demo".parse()?;
+//! // Between processes: `SharedMemory::new(&Root::from_environment()?, "reader")?`.
+//! let carrier = Memory::default();
+//! let rotor = rotor::builtin::rotor("three-mass").ok_or("built in")?;
+//! let mut states = carrier.host(&bench)?.states(Layout::of(&rotor))?;
+//!
+//! let mut listener = carrier.listen(&bench)?;
+//! states.send(1, |_, row| row.set_point(0, Point { y: 0.5, ..Point::default() }))?;
+//! let mut widest = 0.0;
+//! listener.drain(|step| widest = step.largest_radius())?;
+//! assert_eq!(widest, 0.5);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! A bench called `NAME` is eight iceoryx2 services ([`Topic`]):
 //!
 //! | service | pattern | what |
 //! |---|---|---|
@@ -45,6 +62,7 @@ mod short_path;
 mod snapshot;
 mod step;
 mod text;
+mod topic;
 mod wire_struct;
 
 pub use bench_name::BenchName;
@@ -73,4 +91,5 @@ pub use shared_news::{SharedNews, SharedRecorder};
 pub use snapshot::{MAX_SNAPSHOT, SnapshotHead};
 pub use step::{Point, Row, RowMut, State, Step};
 pub use text::Text;
+pub use topic::Topic;
 pub use wire_struct::{Field, Message, MessageTable};

@@ -13,7 +13,7 @@ use crate::document::MAX_DOCUMENT;
 use crate::iceoryx::{Ipc, MAX_NODES, MAX_PARTIES, full, internal, opened, service};
 use crate::message::RequestMessage;
 use crate::name_lock::NameLock;
-use crate::{Answer, BenchName, Commander, Inbox, Request, Root, WireError};
+use crate::{Answer, BenchName, Commander, Inbox, Request, Root, Topic, WireError};
 
 /// The two services of a bench that carry requests.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ impl CommandServices {
     /// Opens them, or makes them.
     pub(crate) fn open(node: &Node<Ipc>, bench: &BenchName) -> Result<Self, WireError> {
         let commands = opened(bench, || {
-            Ok(service(node, bench, "command")?
+            Ok(service(node, bench, Topic::Command)?
                 .request_response::<[u8], Answer>()
                 .request_user_header::<RequestMessage>()
                 .max_servers(1)
@@ -39,7 +39,7 @@ impl CommandServices {
                 .open_or_create())
         })?;
         let wake = opened(bench, || {
-            Ok(service(node, bench, "wake")?
+            Ok(service(node, bench, Topic::Wake)?
                 .event()
                 .max_listeners(1)
                 .max_notifiers(MAX_PARTIES)

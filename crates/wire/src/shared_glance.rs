@@ -8,7 +8,7 @@ use crate::document::DocumentHead;
 use crate::iceoryx::{Ipc, MAX_PARTIES, full, internal, opened, service};
 use crate::message::BenchStatusMessage;
 use crate::shared_news::{self, BenchStatusService, RecorderService};
-use crate::{BenchName, BenchStatus, Glance, RecorderStatus, Root, WireError};
+use crate::{BenchName, BenchStatus, Glance, RecorderStatus, Root, Topic, WireError};
 
 /// See [`Glance`].
 #[derive(Debug)]
@@ -27,8 +27,9 @@ pub struct SharedGlance {
 impl SharedGlance {
     pub(crate) fn new(node: &Node<Ipc>, bench: &BenchName, root: &Root) -> Result<Self, WireError> {
         // Not made: without it the simulation has only begun, or ended.
-        let bench_statuses: BenchStatusService =
-            opened(bench, || Ok(service(node, bench, "status")?.publish_subscribe::<BenchStatusMessage>().open()))?;
+        let bench_statuses: BenchStatusService = opened(bench, || {
+            Ok(service(node, bench, Topic::Status)?.publish_subscribe::<BenchStatusMessage>().open())
+        })?;
         let recorder_service = shared_news::recorder_service(node, bench)?;
         let refused = |error| full(bench, "processes that look at it", MAX_PARTIES, &error);
         // before the bench statuses: whose documents are then never later than they are.

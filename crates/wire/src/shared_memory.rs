@@ -21,7 +21,7 @@ use crate::shared_glance::SharedGlance;
 use crate::shared_news::{self, NewsServices, RECORDER_ROLE, SharedNews, SharedRecorder};
 use crate::{
     BenchName, BenchStatus, Carrier, Event, EventMessage, Glance, Host, HostState, Layout, Listener, MAX_BURST,
-    RecorderStatus, Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, WireError,
+    RecorderStatus, Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, Topic, WireError,
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
@@ -75,7 +75,9 @@ impl SharedMemory {
     fn attach(&self, bench: &BenchName) -> Result<(Node<Ipc>, StateService), WireError> {
         let node = self.node(&self.role)?;
         let states: StateService = opened(bench, || {
-            Ok(service(&node, bench, "state")?.publish_subscribe::<[u64]>().open_with_attributes(&required_schema()?))
+            Ok(service(&node, bench, Topic::State)?
+                .publish_subscribe::<[u64]>()
+                .open_with_attributes(&required_schema()?))
         })?;
         if host_of(&states) == HostState::Gone {
             return Err(WireError::NoBench(bench.clone()));
@@ -123,7 +125,7 @@ impl Carrier for SharedMemory {
         // Creating a node also clears away what dead ones left.
         let node = self.node(HOST_ROLE)?;
         let states: StateService = opened(bench, || {
-            Ok(service(&node, bench, "state")?
+            Ok(service(&node, bench, Topic::State)?
                 .publish_subscribe::<[u64]>()
                 .enable_safe_overflow(true)
                 .history_size(0)

@@ -17,7 +17,7 @@ use crate::name_lock::NameLock;
 use crate::ports::{check_document, check_snapshot};
 use crate::snapshot::{MAX_SNAPSHOT, SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
-    BenchName, BenchStatus, EVENTS_KEPT, Event, EventMessage, NewsSender, RecorderSender, RecorderStatus, Root,
+    BenchName, BenchStatus, EVENTS_KEPT, Event, EventMessage, NewsSender, RecorderSender, RecorderStatus, Root, Topic,
     WireError,
 };
 
@@ -37,7 +37,7 @@ pub(crate) type RecorderService = publish_subscribe::PortFactory<Ipc, RecorderSt
 
 pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<EventService, WireError> {
     opened(bench, || {
-        Ok(service(node, bench, "event")?
+        Ok(service(node, bench, Topic::Event)?
             .publish_subscribe::<EventMessage>()
             .enable_safe_overflow(true)
             .history_size(EVENTS_KEPT)
@@ -52,7 +52,7 @@ pub(crate) fn event_service(node: &Node<Ipc>, bench: &BenchName) -> Result<Event
 
 pub(crate) fn document_service(node: &Node<Ipc>, bench: &BenchName) -> Result<DocumentService, WireError> {
     opened(bench, || {
-        Ok(service(node, bench, "document")?
+        Ok(service(node, bench, Topic::Document)?
             .publish_subscribe::<[u8]>()
             .user_header::<DocumentHead>()
             .enable_safe_overflow(true)
@@ -68,7 +68,7 @@ pub(crate) fn document_service(node: &Node<Ipc>, bench: &BenchName) -> Result<Do
 
 pub(crate) fn snapshot_service(node: &Node<Ipc>, bench: &BenchName) -> Result<SnapshotService, WireError> {
     opened(bench, || {
-        Ok(service(node, bench, "snapshot")?
+        Ok(service(node, bench, Topic::Snapshot)?
             .publish_subscribe::<[u64]>()
             .user_header::<SnapshotHead>()
             .enable_safe_overflow(true)
@@ -84,7 +84,7 @@ pub(crate) fn snapshot_service(node: &Node<Ipc>, bench: &BenchName) -> Result<Sn
 
 pub(crate) fn bench_status_service(node: &Node<Ipc>, bench: &BenchName) -> Result<BenchStatusService, WireError> {
     opened(bench, || {
-        Ok(service(node, bench, "status")?
+        Ok(service(node, bench, Topic::Status)?
             .publish_subscribe::<BenchStatusMessage>()
             .enable_safe_overflow(true)
             .history_size(1)
@@ -100,7 +100,7 @@ pub(crate) fn bench_status_service(node: &Node<Ipc>, bench: &BenchName) -> Resul
 /// Made by whoever needs it first: readers wait for recorders, and recorders for readers.
 pub(crate) fn recorder_service(node: &Node<Ipc>, bench: &BenchName) -> Result<RecorderService, WireError> {
     opened(bench, || {
-        Ok(service(node, bench, "recorder")?
+        Ok(service(node, bench, Topic::Recorder)?
             .publish_subscribe::<RecorderStatus>()
             .enable_safe_overflow(true)
             .history_size(1)

@@ -12,7 +12,7 @@ use rotor::{C64, Settings, builtin};
 use wire::{
     Answer, BenchName, BenchStatus, Carrier, Change, Channel, Commander, EVENTS_KEPT, Glance, Happening, Host,
     HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT, NewsSender, RecorderSender,
-    RecorderState, RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead, StateSender, Step, WireError,
+    RecorderState, RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead, StateSender, Step, Topic, WireError,
 };
 
 /// A rotor of three masses.
@@ -610,6 +610,29 @@ fn a_bench_of_another_version_is_told_so_in_words() {
         let words = refusal.unwrap().to_string();
         assert!(words.starts_with("bench 'other' was started by another version of whirl"), "{words}");
     }
+}
+
+/// Every service that a bench makes is one of the list, and every one of the list is made.
+#[test]
+fn the_services_of_a_bench_are_those_of_the_list() {
+    use iceoryx2::prelude::*;
+
+    let dir = tempfile::tempdir().unwrap();
+    let root = wire::Root::at(dir.path()).unwrap();
+    let carrier = wire::SharedMemory::new(&root, "test").unwrap();
+    let host = carrier.host(&bench("all")).unwrap();
+    let _ports = (host.states(LAYOUT).unwrap(), host.news().unwrap(), host.inbox().unwrap());
+    let _recorder = carrier.recorder(&bench("all")).unwrap();
+    let mut found = Vec::new();
+    ipc::Service::list(&foreign(&root), |service| {
+        found.push(service.static_details.name().as_str().to_owned());
+        CallbackProgression::Continue
+    })
+    .unwrap();
+    found.sort();
+    let mut listed = Topic::ALL.map(|topic| format!("whirl/all/{topic}"));
+    listed.sort();
+    assert_eq!(found, listed);
 }
 
 #[test]

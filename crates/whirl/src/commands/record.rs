@@ -75,7 +75,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     let carrier = attach::carrier("record")?;
     let mut listener = attach::listen(&carrier, &order.bench)?;
     let rate_hz = attach::first_bench_status(&mut listener, &order.bench)?.rate_hz;
-    recorder::check_window(&order.keep, rate_hz).map_err(Failure::Usage)?;
+    recorder::check_window(&order.keep, rate_hz).map_err(|error| Failure::Usage(error.to_string()))?;
     let mut line = Line::new();
     let mut ready = args.as_child;
     let summary = recorder::record(&carrier, listener, &order, &stop, |progress| {
