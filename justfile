@@ -7,7 +7,7 @@ _default:
 run *ARGS:
     cargo run --release -- {{ARGS}}
 
-# All tests, as the README promises them
+# All tests but those of recordings and Parquet files, which `just ci` has too
 test *ARGS:
     cargo test --workspace {{ARGS}}
 
@@ -16,6 +16,11 @@ lint:
     cargo fmt --all --check
     cargo clippy --workspace --all-targets -- -D warnings
     RUSTDOCFLAGS="-D warnings" cargo doc --workspace --no-deps
+
+# The crates as libraries, on the page that leads to each
+docs:
+    cargo doc --workspace --no-deps
+    cargo doc --no-deps --open -p whirl
 
 # Files by the thousand that no reader may stumble over: SECONDS for each kind of file, from SEED on (recordings need rerun: minutes to build)
 fuzz SECONDS="60" SEED="1000":
@@ -30,7 +35,7 @@ shake TIMES="30" *ARGS:
 ci:
     .ci/run
 
-# What the README promises of the live bench, measured on this machine (2 minutes; Linux)
+# What docs/measurements.md promises of the live bench, measured on this machine (2 minutes; Linux)
 measure:
     cargo bench -p promises --bench measure
 
@@ -76,7 +81,7 @@ manual:
 header:
     cargo run -p wire --example header -- crates/wire/whirl.h
 
-# The README's pictures, of a real bench, into docs/pictures
+# The documents' pictures, of a real bench, into docs/pictures
 screenshots:
     docs/pictures/make
 

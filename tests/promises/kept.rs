@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
 
-use std::collections::BTreeSet;
 use std::path::Path;
 
 use promises::run;
@@ -75,33 +74,4 @@ fn what_is_to_be_replaced_is_replaced_and_force_alone_is_nothing() {
     {
         assert_eq!(run(arguments).code, Some(2), "{arguments:?}");
     }
-}
-
-/// Its block about recordings named one file six times: run from top to bottom it destroyed the session it began with.
-#[test]
-fn regress_the_readme_writes_no_file_twice() {
-    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../README.md")).unwrap();
-    let (mut is_shell, mut written) = (false, BTreeSet::new());
-    for line in readme.lines() {
-        if line.starts_with("```") {
-            is_shell = line == "```sh";
-            continue;
-        }
-        let command = line.split('#').next().unwrap_or_default();
-        let words: Vec<&str> = command.split_whitespace().collect();
-        if !is_shell || words.first() != Some(&"whirl") {
-            continue;
-        }
-        for pair in words.windows(2) {
-            if matches!(pair[0], "--out" | "--plot" | "--record" | "--picture" | "--page" | "record" | ">") {
-                assert!(written.insert(pair[1].to_owned()), "{} is written twice: {line}", pair[1]);
-            }
-        }
-        if words.get(1) == Some(&"export") {
-            let kind = if words.contains(&"--parquet") { "parquet" } else { "csv" };
-            assert!(written.insert(words[2].replace(".rrd", &format!(".{kind}"))), "{line}");
-            assert!(written.contains(words[2]), "nothing has written {}: {line}", words[2]);
-        }
-    }
-    assert!(written.len() > 8, "{written:?}");
 }

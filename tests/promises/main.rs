@@ -2,8 +2,10 @@
 
 mod circular;
 mod console;
+mod documents;
 mod endings;
 mod events;
+mod examples;
 mod files;
 mod kept;
 mod linear;

@@ -1,37 +1,73 @@
 //! The papers at the top of the repository tell of what is there.
 
+use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
+use promises::paper::{paper, top};
 use promises::run;
+use wire::Topic;
 
-/// The repository.
-fn top() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests stand in the repository").to_owned()
-}
-
-fn paper(name: &str) -> String {
-    fs::read_to_string(top().join(name)).expect("the paper is there")
+/// What stands between backticks in a text and begins with `prefix`.
+fn quoted<'a>(text: &'a str, prefix: &str) -> BTreeSet<&'a str> {
+    text.split('`').skip(1).step_by(2).filter(|word| word.starts_with(prefix)).collect()
 }
 
 #[test]
-fn the_architecture_names_every_crate() {
+fn the_architecture_has_a_row_for_every_crate_and_for_no_other() {
     let architecture = paper("ARCHITECTURE.md");
-    for entry in fs::read_dir(top().join("crates")).expect("crates").flatten() {
-        let name = format!("`crates/{}`", entry.file_name().to_string_lossy());
-        assert!(architecture.contains(&name), "ARCHITECTURE.md does not name {name}");
+    let rows: BTreeSet<String> = architecture
+        .lines()
+        .filter_map(|line| line.strip_prefix("| `crates/")?.split_once('`'))
+        .map(|(name, _)| name.to_owned())
+        .collect();
+    let crates = fs::read_dir(top().join("crates")).expect("crates").flatten();
+    let crates: BTreeSet<String> = crates
+        .filter(|entry| entry.path().join("Cargo.toml").exists())
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
+    assert_eq!(rows, crates, "the first table of rooms, and the folder `crates`");
+}
+
+#[test]
+fn the_architecture_and_the_crate_that_has_them_name_every_service_and_no_other() {
+    let services: BTreeSet<String> = Topic::ALL.iter().map(|topic| format!("whirl/NAME/{topic}")).collect();
+    assert_eq!(services.len(), Topic::ALL.len());
+    for document in ["ARCHITECTURE.md", "crates/wire/src/lib.rs"] {
+        let text = paper(document);
+        // A row of a table each.
+        let rows = text.lines().filter_map(|line| line.trim_start_matches("//! ").strip_prefix("| `whirl/NAME/"));
+        let named: BTreeSet<String> =
+            rows.map(|row| format!("whirl/NAME/{}", row.split('`').next().unwrap_or(""))).collect();
+        assert_eq!(named, services, "{document}");
+        let quoted: BTreeSet<String> = quoted(&text, "whirl/NAME/").into_iter().map(str::to_owned).collect();
+        assert!(quoted.is_subset(&services), "{document}: {quoted:?}");
     }
 }
 
 #[test]
-fn the_readme_and_the_changelog_show_every_command() {
+fn the_architecture_leads_to_files_that_are_there() {
+    let architecture = paper("ARCHITECTURE.md");
+    let paths = quoted(&architecture, "crates/");
+    assert!(paths.len() > 30, "{paths:?}");
+    for path in paths {
+        assert!(top().join(path).exists(), "ARCHITECTURE.md leads to {path}, which is not there");
+    }
+}
+
+#[test]
+fn the_documents_and_the_changelog_show_every_command() {
     let help = run(&["--help"]).stdout;
     let commands = help.split("Commands:").nth(1).and_then(|rest| rest.split("Options:").next()).expect("commands");
     let names: Vec<&str> = commands.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert!(names.contains(&"up") && names.len() > 8, "{help}");
-    let (readme, changelog) = (paper("README.md"), paper("CHANGELOG.md"));
+    let shown: String =
+        ["README.md", "docs/analysis.md", "docs/bench.md", "docs/console.md", "docs/recordings.md", "docs/search.md"]
+            .map(paper)
+            .concat();
+    let changelog = paper("CHANGELOG.md");
     for name in names {
-        assert!(readme.contains(&format!("whirl {name}")), "README.md does not show `whirl {name}`");
+        assert!(shown.contains(&format!("\nwhirl {name} ")), "no document shows `whirl {name}`");
         assert!(
             changelog.contains(&format!("`{name}`")) || changelog.contains(&format!("whirl {name}`")),
             "CHANGELOG.md does not name `{name}`"

@@ -1,8 +1,10 @@
 //! What every end-to-end test needs: the program, a root of its own, and what it printed.
 
 pub mod manual;
+pub mod paper;
 mod screen;
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -143,8 +145,14 @@ impl Root {
     /// `whirl` under this root, ready for arguments.
     #[must_use]
     pub fn whirl(&self) -> Command {
-        let mut command = whirl();
-        command.env("WHIRL_ROOT", self.path());
+        self.command(program())
+    }
+
+    /// Any program under this root, ready for arguments.
+    #[must_use]
+    pub fn command(&self, program: impl AsRef<OsStr>) -> Command {
+        let mut command = Command::new(program);
+        command.stdin(Stdio::null()).env("WHIRL_ROOT", self.path());
         // Not the configuration of whoever runs the tests.
         command.env("XDG_CONFIG_HOME", self.path().join("config")).env("XDG_DATA_HOME", self.path().join("data"));
         command.env("XDG_STATE_HOME", self.path().join("state"));

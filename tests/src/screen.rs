@@ -48,10 +48,19 @@ impl Screen {
     /// # Panics
     /// As [`Screen::start`].
     #[must_use]
-    pub fn start_in(folder: &Path, root: &Path, arguments: &[&str], (columns, rows): (u16, u16)) -> Self {
-        let mut command = CommandBuilder::new(crate::program());
+    pub fn start_in(folder: &Path, root: &Path, arguments: &[&str], size: (u16, u16)) -> Self {
+        Self::of_program(&crate::program(), folder, root, arguments, size)
+    }
+
+    /// The same with any program.
+    ///
+    /// # Panics
+    /// As [`Screen::start`].
+    #[must_use]
+    pub fn of_program(program: &Path, folder: &Path, root: &Path, arguments: &[&str], size: (u16, u16)) -> Self {
+        let mut command = CommandBuilder::new(program);
         command.args(arguments);
-        Self::of(command, folder, root, (columns, rows))
+        Self::of(command, folder, root, size)
     }
 
     /// Starts a shell that controls jobs, in which the program is called `whirl`.

@@ -191,13 +191,13 @@ mod tests {
     const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 
     #[test]
-    fn the_readme_has_the_same_table() {
-        let readme = include_str!("../../../README.md");
+    fn the_documents_have_the_same_table() {
+        let console = include_str!("../../../docs/console.md");
         let keymap = Keymap::default();
         let rows = ACTIONS.iter().flat_map(|row| row.keys.iter().map(move |keys| (row, keys)));
         let table: String =
             rows.map(|(row, keys)| format!("| {} | {} |\n", keymap.shown(row, keys), keys.meaning)).collect();
-        assert!(readme.contains(&table), "README.md should have these lines:\n{table}");
+        assert!(console.contains(&table), "docs/console.md should have these lines:\n{table}");
     }
 
     #[test]

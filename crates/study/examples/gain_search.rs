@@ -41,7 +41,7 @@ const HEAD: &str = "# The gain search: evidence
 
 The three-mass rotor, control bearing at mass 1, sensors at masses 1 and 2. Made by
 `cargo run --release -p study --example gain_search -- docs`, which computes every number here anew; times are those of the machine it
-ran on. *Proven* means over every condition of the family, between grid points too, within 1e-4 (README says how).
+ran on. *Proven* means over every condition of the family, between grid points too, within 1e-4 ([search.md](search.md) says how).
 
 ";
 

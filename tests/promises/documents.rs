@@ -1,0 +1,161 @@
+//! Every command in the documents does what it says: each block of commands of README.md and its kind is run, line by line
+//! and in order, as its reader would.
+//!
+//! The word behind the three backticks says what a block is ([`fence`]); [`reader`] is who types the lines.
+
+mod fence;
+mod five_minutes;
+mod reader;
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use fence::{Block, Fence, fences};
+use promises::paper::{paper, top};
+use reader::Reader;
+
+/// A test a document: one reader, one folder, one root of shared memory for all its blocks.
+macro_rules! documents {
+    ($($name:ident: $path:literal),* $(,)?) => {
+        const TRIED: &[&str] = &[$($path),*];
+        $(
+            #[test]
+            fn $name() {
+                follow($path);
+            }
+        )*
+    };
+}
+
+documents! {
+    commands_of_the_readme: "README.md",
+    commands_of_analysis: "docs/analysis.md",
+    commands_of_bench: "docs/bench.md",
+    commands_of_console: "docs/console.md",
+    commands_of_files: "docs/files.md",
+    commands_of_loop: "docs/loop.md",
+    commands_of_search: "docs/search.md",
+    commands_of_recordings: "docs/recordings.md",
+    commands_of_the_sample_recordings: "recordings/README.md",
+}
+
+/// Blocks that no test runs, of all documents. Each says why.
+const NOT_RUN: usize = 4;
+
+fn follow(path: &str) {
+    let reader = Reader::new();
+    let (mut reader, mut run) = (reader, 0);
+    for Fence { line, block, text } in fences(path) {
+        let place = format!("{path}:{line}");
+        match block {
+            Block::Commands => run += reader.types(&place, &text),
+            Block::Recordings if cfg!(feature = "rerun") => run += reader.types(&place, &text),
+            Block::Printed => reader.has_seen(&place, &text),
+            Block::File(name) => reader.writes(&name, &text),
+            Block::Recordings | Block::NotRun(_) | Block::Other => {}
+        }
+    }
+    assert!(run > 0 || path.contains("recordings"), "{path} has no commands");
+    reader.leaves();
+}
+
+#[test]
+fn every_document_with_commands_is_tried_and_what_is_not_run_says_why() {
+    let mut documents: BTreeSet<String> = BTreeSet::new();
+    for folder in [".", "docs", "recordings"] {
+        for entry in fs::read_dir(top().join(folder)).expect("a folder").flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.ends_with(".md") {
+                documents.insert(if folder == "." { name } else { format!("{folder}/{name}") });
+            }
+        }
+    }
+    assert!(documents.len() > 10, "{documents:?}");
+    let mut not_run = 0;
+    for document in &documents {
+        let blocks: Vec<Block> = fences(document).into_iter().map(|fence| fence.block).collect();
+        let has_commands = blocks.iter().any(|block| matches!(block, Block::Commands | Block::Recordings));
+        assert_eq!(has_commands, TRIED.contains(&&**document), "{document}: has commands, and is tried");
+        for block in blocks {
+            if let Block::NotRun(why) = block {
+                assert!(why.len() > 10, "{document}: a block that is not run says why");
+                not_run += 1;
+            }
+        }
+    }
+    assert_eq!(not_run, NOT_RUN, "blocks that are not run");
+}
+
+/// Its block about recordings named one file six times: run from top to bottom it destroyed the session it began with.
+#[test]
+fn regress_no_document_writes_a_file_twice() {
+    let mut all = 0;
+    for document in TRIED {
+        let mut written = BTreeSet::new();
+        for fence in fences(document) {
+            if !matches!(fence.block, Block::Commands | Block::Recordings) {
+                continue;
+            }
+            for line in fence.text.lines() {
+                let words: Vec<&str> = reader::command(line).split_whitespace().collect();
+                for pair in words.windows(2) {
+                    if matches!(pair[0], "--out" | "--plot" | "--record" | "--picture" | "--page" | "record" | ">") {
+                        assert!(written.insert(pair[1].to_owned()), "{document}: {} is written twice: {line}", pair[1]);
+                    }
+                }
+                if words.get(1) == Some(&"export") {
+                    let kind = if words.contains(&"--parquet") { "parquet" } else { "csv" };
+                    assert!(written.insert(words[2].replace(".rrd", &format!(".{kind}"))), "{line}");
+                    assert!(written.contains(words[2]), "nothing has written {}: {line}", words[2]);
+                }
+            }
+        }
+        all += written.len();
+    }
+    assert!(all > 15, "{all} files");
+}
+
+#[test]
+fn the_readme_is_short_and_every_document_begins_with_what_it_is_for() {
+    let readme = paper("README.md");
+    assert!(readme.len() <= 8192, "README.md has {} bytes: what is not for a first visit goes to docs/", readme.len());
+    for entry in fs::read_dir(top().join("docs")).expect("docs").flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        if name.ends_with(".md") {
+            assert!(readme.contains(&format!("docs/{name}")), "README.md does not lead to docs/{name}");
+        }
+    }
+}
+
+#[test]
+fn every_link_of_the_documents_leads_somewhere() {
+    let mut followed = 0;
+    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].iter().chain(TRIED) {
+        let folder = top().join(document).parent().expect("a document is in a folder").to_owned();
+        let text = paper(document);
+        for link in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
+            if link.contains("://") || link.contains(char::is_whitespace) {
+                continue;
+            }
+            let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+            let target = if file.is_empty() { top().join(document) } else { folder.join(file) };
+            assert!(target.exists(), "{document}: nothing is at {link}");
+            if !anchor.is_empty() {
+                let target = fs::read_to_string(&target).expect("a text");
+                assert!(anchors(&target).contains(anchor), "{document}: no heading for {link}");
+            }
+            followed += 1;
+        }
+    }
+    assert!(followed > 50, "only {followed} links");
+}
+
+/// What a Markdown viewer calls the headings of a text.
+fn anchors(text: &str) -> BTreeSet<String> {
+    let headings = text.lines().filter(|line| line.starts_with('#'));
+    let named = headings.map(|line| {
+        let kept = line.trim_start_matches('#').trim().to_lowercase();
+        kept.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-')).collect::<String>().replace(' ', "-")
+    });
+    named.collect()
+}
