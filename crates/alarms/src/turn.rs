@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use text::number::trimmed;
 use wire::Moment;
 
 use crate::{Level, Watch};
@@ -39,7 +40,7 @@ impl fmt::Display for Turn {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { watch, level, value, limit, worst, cause, .. } = self;
         let unit = if *watch == Watch::Orbit { " e_t" } else { "" };
-        let (value, limit, worst) = (rounded(*value), rounded(*limit), rounded(*worst));
+        let (value, limit, worst) = (trimmed(*value, 4), trimmed(*limit, 4), trimmed(*worst, 4));
         match (level, self.rises()) {
             (Level::Fine, _) => write!(f, "{watch} within its limits again: {value}{unit}, at worst {worst}"),
             (_, true) if !cause.is_empty() => write!(f, "{}: {watch}, {cause}", level.name()),
@@ -47,14 +48,6 @@ impl fmt::Display for Turn {
             (_, false) => write!(f, "{watch} back to a {}: {value}{unit}, limit {limit}", level.name()),
         }
     }
-}
-
-/// Four digits that say something, without zeros that do not.
-fn rounded(value: f64) -> String {
-    let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
-    let decimals = (3.0 - magnitude).clamp(0.0, 12.0) as usize;
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 #[cfg(test)]

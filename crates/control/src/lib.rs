@@ -42,7 +42,7 @@ pub use controller::{Controller, LoopError, Output, Stage};
 pub use filter::{FILTERS, Filter, FilterError};
 pub use law::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
 pub use linear::{Law, LinearLoop};
-pub use parts::{PARTS, Part, PartError, Parts, Quantity};
+pub use parts::{PARTS, Part, PartError, Parts};
 pub use words::Words;
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.

@@ -2,6 +2,8 @@
 //!
 //! Not the parts at work: those are in [`crate::Controller`].
 
+use units::Dimension;
+
 /// One number of a loop: a row of [`PARTS`].
 #[derive(Clone, Copy, Debug)]
 pub struct Part {
@@ -9,10 +11,8 @@ pub struct Part {
     pub name: &'static str,
     /// What it is, in a few words.
     pub meaning: &'static str,
-    /// Its unit.
-    pub unit: &'static str,
-    /// What the unit measures, for those who show it in other units.
-    pub quantity: Quantity,
+    /// What it measures, and so its unit.
+    pub dimension: Dimension,
     /// The least allowed value where the part is there.
     pub min: f64,
     /// The greatest allowed value where the part is there.
@@ -25,21 +25,6 @@ pub struct Part {
     pub get: fn(&Parts) -> f64,
     /// Puts it there.
     pub set: fn(&mut Parts, f64),
-}
-
-/// What a number of the loop measures.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// A time, in `tau`.
-    Time,
-    /// A displacement, in `e_t`.
-    Displacement,
-    /// A control acceleration, in `w0^2 e_t`.
-    Force,
-    /// A rate of it, in `w0^3 e_t`.
-    ForceRate,
-    /// A pure number.
-    Number,
 }
 
 /// The loop around the law. The default is the ideal loop: exact, immediate, unlimited.
@@ -102,12 +87,11 @@ impl Default for Parts {
 }
 
 macro_rules! part {
-    ($field:ident, $meaning:literal, $unit:literal, $quantity:ident, $min:expr, $max:expr, $step:expr, $absent:expr) => {
+    ($field:ident, $meaning:literal, $dimension:ident, $min:expr, $max:expr, $step:expr, $absent:expr) => {
         Part {
             name: stringify!($field),
             meaning: $meaning,
-            unit: $unit,
-            quantity: Quantity::$quantity,
+            dimension: Dimension::$dimension,
             min: $min,
             max: $max,
             step: $step,
@@ -120,16 +104,16 @@ macro_rules! part {
 
 /// Every number of the loop, in the order in which a signal passes them.
 pub const PARTS: [Part; 10] = [
-    part!(sensor_lag, "time constant of the sensors", "tau", Time, 1e-6, 1e6, 0.01, 0.0),
-    part!(noise, "sensor noise, standard deviation per sample", "e_t", Displacement, 1e-12, 1e6, 0.001, 0.0),
-    part!(quantum, "resolution of the sensors", "e_t", Displacement, 1e-12, 1e6, 0.001, 0.0),
-    part!(seed, "which noise", "", Number, 0.0, 9_007_199_254_740_991.0, 1.0, 1.0),
-    part!(sample, "sampling and hold period", "tau", Time, 1e-6, 1e6, 0.01, 0.0),
-    part!(delay, "delay of measurement and computation", "tau", Time, 1e-9, 1e6, 0.01, 0.0),
-    part!(lag, "time constant of the actuator", "tau", Time, 1e-6, 1e6, 0.01, 0.0),
-    part!(lag_damping, "damping ratio of an actuator of second order", "", Number, 0.01, 100.0, 0.05, 0.0),
-    part!(limit, "largest force |u|", "w0^2 e_t", Force, 1e-9, 1e12, 1.0, f64::INFINITY),
-    part!(slew, "largest rate of force |du/dtau|", "w0^3 e_t", ForceRate, 1e-9, 1e12, 10.0, f64::INFINITY),
+    part!(sensor_lag, "time constant of the sensors", Time, 1e-6, 1e6, 0.01, 0.0),
+    part!(noise, "sensor noise, standard deviation per sample", Length, 1e-12, 1e6, 0.001, 0.0),
+    part!(quantum, "resolution of the sensors", Length, 1e-12, 1e6, 0.001, 0.0),
+    part!(seed, "which noise", Number, 0.0, 9_007_199_254_740_991.0, 1.0, 1.0),
+    part!(sample, "sampling and hold period", Time, 1e-6, 1e6, 0.01, 0.0),
+    part!(delay, "delay of measurement and computation", Time, 1e-9, 1e6, 0.01, 0.0),
+    part!(lag, "time constant of the actuator", Time, 1e-6, 1e6, 0.01, 0.0),
+    part!(lag_damping, "damping ratio of an actuator of second order", Number, 0.01, 100.0, 0.05, 0.0),
+    part!(limit, "largest force |u|", Force, 1e-9, 1e12, 1.0, f64::INFINITY),
+    part!(slew, "largest rate of force |du/dtau|", ForceRate, 1e-9, 1e12, 10.0, f64::INFINITY),
 ];
 
 impl Part {

@@ -6,7 +6,8 @@ use std::ops::Range;
 
 use ratatui::style::Color;
 
-use wire::{CHANNELS, Dimension, PAIRS, Scope};
+use units::Dimension;
+use wire::{CHANNELS, PAIRS, Scope};
 
 use crate::theme;
 use telemetry::frame_data::FrameData;

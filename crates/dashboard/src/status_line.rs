@@ -22,8 +22,8 @@ use crate::theme;
 use crate::view::{Message, View};
 use telemetry::connection::Connection;
 use telemetry::frame_data::FrameData;
-use telemetry::numbers::short;
 use telemetry::units::Units;
+use text::number::short;
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color) {

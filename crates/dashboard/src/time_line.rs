@@ -17,8 +17,8 @@ use crate::status_line::draw_alarms;
 use crate::theme;
 use crate::view::View;
 use telemetry::frame_data::FrameData;
-use telemetry::numbers::short;
 use telemetry::replay::{LoopRange, RecordedKind, ReplayStatus, WhatIfRun};
+use text::number::short;
 
 /// `12:34.567`, or with hours.
 fn clock(seconds: f64) -> String {

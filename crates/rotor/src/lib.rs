@@ -79,10 +79,12 @@ pub use params::{FIELDS, Field, Mass, Rotor, RotorError};
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};
 pub use quadratic::Quadratic;
 pub use settings::{Key, PARAMETERS, Parameter, Scope, Settings, SettingsError};
-pub use si::{Physical, PhysicalMass, Scales};
+pub use si::{Physical, PhysicalMass};
 pub use stepper::{Motion, Stepper, stepper};
 pub use thresholds::{Threshold, thresholds};
 pub use trace::{Branch, CriticalSpeed, Trace, critical_speeds, trace};
+
+pub use units::Scales;
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.
 pub type C64 = control::C64;

@@ -2,6 +2,9 @@
 //!
 //! The drive is taken to hold it, whatever torque that needs: the rotor's motion does not act back on the speed.
 
+use text::number::significant;
+use units::{Dimension, Units};
+
 use crate::Scales;
 
 /// The most legs that a profile has.
@@ -88,20 +91,18 @@ impl Profile {
     /// from 0.02 on`.
     #[must_use]
     pub fn told(&self, scales: Option<Scales>) -> String {
-        let units = ProfileUnits::of(scales);
-        let number = |value: f64| {
-            // What conversion leaves behind nine digits is not part of what was typed.
-            format!("{value:.8e}").parse().unwrap_or(value).to_string()
-        };
+        let units = Units::of(scales, 1.0);
+        // What conversion leaves behind nine digits is not part of what was typed.
+        let told = |dimension, value| significant(units.shown(dimension, value), 9);
+        let [speed, rate, time] =
+            [Dimension::Speed, Dimension::SpeedRate, Dimension::Time].map(|d| move |value| told(d, value));
         let legs = self.legs.iter().map(|leg| match *leg {
-            Leg::To { speed, rate } => format!("to {} at {}", number(speed / units.speed), number(rate / units.rate)),
-            Leg::Decay { speed, rate } => {
-                format!("to {} from {} on", number(speed / units.speed), number(rate / units.rate))
-            }
-            Leg::Dwell { duration } => format!("for {}", number(duration / units.time)),
+            Leg::To { speed: to, rate: at } => format!("to {} at {}", speed(to), rate(at)),
+            Leg::Decay { speed: to, rate: from } => format!("to {} from {} on", speed(to), rate(from)),
+            Leg::Dwell { duration } => format!("for {}", time(duration)),
         });
         let legs = legs.collect::<Vec<_>>().join(", ");
-        format!("the speed follows a profile: from {} {legs}", number(self.from / units.speed))
+        format!("the speed follows a profile: from {} {legs}", speed(self.from))
     }
 
     /// The speed that it ends at.
@@ -134,23 +135,6 @@ impl Profile {
             None | Some(0) => format!("leg {}", leg + 1),
             Some(line) => format!("leg {} (line {line})", leg + 1),
         }
-    }
-}
-
-/// What one unit of a profile's file is in dimensionless units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct ProfileUnits {
-    pub(crate) speed: f64,
-    pub(crate) rate: f64,
-    pub(crate) time: f64,
-}
-
-impl ProfileUnits {
-    /// `R` and `tau`; of a rotor with scales rpm, rpm/s and seconds.
-    pub(crate) fn of(scales: Option<Scales>) -> Self {
-        let Some(scales) = scales else { return Self { speed: 1.0, rate: 1.0, time: 1.0 } };
-        let speed = scales.speed(1.0);
-        Self { speed, rate: speed / scales.w0, time: scales.tau(1.0) }
     }
 }
 

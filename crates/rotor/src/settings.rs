@@ -7,6 +7,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use control::{PARTS, Part};
+use units::Dimension;
 
 use crate::{ClosedLoop, Feedback, FeedbackError, Gain, GainKind, Rotor};
 
@@ -28,8 +29,8 @@ pub struct Parameter {
     pub name: &'static str,
     /// What it is, in a few words.
     pub meaning: &'static str,
-    /// Its unit; empty if it is a ratio.
-    pub unit: &'static str,
+    /// What it measures, and so its unit.
+    pub dimension: Dimension,
     /// The least allowed value.
     pub min: f64,
     /// The greatest allowed value.
@@ -61,6 +62,15 @@ impl Parameter {
         (self.min..=self.max).contains(&value) || self.off == Some(value)
     }
 
+    /// The name of its unit where a rotor has no scales; empty if it is a ratio. Times are told by their symbol, `tau`.
+    #[must_use]
+    pub const fn unit(&self) -> &'static str {
+        match self.dimension {
+            Dimension::Time => "tau",
+            dimension => dimension.unit(),
+        }
+    }
+
     /// A number as typed; `off` is one where that means something.
     #[must_use]
     pub fn parse(&self, typed: &str) -> Option<f64> {
@@ -81,7 +91,7 @@ const fn gain(
     Parameter {
         name,
         meaning,
-        unit: "",
+        dimension: Dimension::Number,
         min: -1e6,
         max: 1e6,
         step: 0.01,
@@ -122,7 +132,7 @@ macro_rules! part {
         Parameter {
             name: PART.name,
             meaning: PART.meaning,
-            unit: PART.unit,
+            dimension: PART.dimension,
             min: PART.min,
             max: PART.max,
             step: PART.step,
@@ -138,12 +148,12 @@ macro_rules! part {
 const fn machine(
     name: &'static str,
     meaning: &'static str,
-    unit: &'static str,
+    dimension: Dimension,
     [min, max, step]: [f64; 3],
     get: fn(&Settings, usize) -> f64,
     set: fn(&mut Settings, usize, f64),
 ) -> Parameter {
-    Parameter { name, meaning, unit, min, max, step, scope: Scope::Machine, off: None, gain: None, get, set }
+    Parameter { name, meaning, dimension, min, max, step, scope: Scope::Machine, off: None, gain: None, get, set }
 }
 
 /// Every numeric setting, in the order in which panels show them.
@@ -151,7 +161,7 @@ pub const PARAMETERS: [Parameter; 18] = [
     machine(
         "speed",
         "spin speed R = w / w0; with a ramp, where it goes",
-        "w0",
+        Dimension::Speed,
         [0.0, 1000.0, 0.05],
         |settings, _| settings.speed,
         |settings, _, value| settings.speed = value,
@@ -161,7 +171,7 @@ pub const PARAMETERS: [Parameter; 18] = [
         ..machine(
             "ramp",
             "greatest rate of change of the speed; off: it jumps",
-            "w0^2",
+            Dimension::SpeedRate,
             [1e-9, 1e6, 0.01],
             |settings, _| settings.ramp,
             |settings, _, value| settings.ramp = value,
@@ -172,7 +182,7 @@ pub const PARAMETERS: [Parameter; 18] = [
         ..machine(
             "deadband",
             "radial clearance of the support bearings, g / e_t",
-            "e_t",
+            Dimension::Length,
             [0.0, 1e6, 0.1],
             |settings, mass| settings.deadband[mass],
             |settings, mass, value| settings.deadband[mass] = value,
@@ -185,7 +195,7 @@ pub const PARAMETERS: [Parameter; 18] = [
     machine(
         "trip",
         "orbit radius at which the machine trips",
-        "e_t",
+        Dimension::Length,
         [1e-3, 1e9, 10.0],
         |settings, _| settings.trip,
         |settings, _, value| settings.trip = value,

@@ -1,4 +1,4 @@
-//! Rotors given in SI units, and the scales between them and the dimensionless form that everything computes in.
+//! Rotors given in SI units, and the scales ([`Scales`]) between them and the dimensionless form that everything computes in.
 //!
 //! ```text
 //! M_t = sum m_i    K_t = sum (K_i + Ks_i)    w0 = sqrt(K_t / M_t)    e_t = sum e_i, or a reference length
@@ -7,6 +7,8 @@
 //! ```
 //!
 //! A rotor keeps the physical numbers that it was made of, so that writing it out again loses nothing to rounding.
+
+use units::Scales;
 
 use crate::params::check;
 use crate::params::parameters_in_order;
@@ -70,128 +72,46 @@ impl Physical {
     }
 }
 
-/// What one dimensionless unit is in SI units. All finite and greater than 0.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Scales {
-    /// Speed `R = 1` and inverse time: `w0 = sqrt(K_t / M_t)` in rad/s.
-    pub w0: f64,
-    /// `K_t = sum (K + Ks)` in N/m.
-    pub k_t: f64,
-    /// `M_t = sum m` in kg.
-    pub m_t: f64,
-    /// Displacement: `e_t = sum e`, or the reference length, in m.
-    pub e_t: f64,
+/// The scales of a set of physical parameters.
+fn scales_of(masses: &[PhysicalMass], reference_length: Option<f64>) -> Result<Scales, RotorError> {
+    let positive = |what, found: f64, expected| match found.is_finite() && found > 0.0 {
+        true => Ok(found),
+        false => Err(RotorError::Scale { what, found, expected }),
+    };
+    let sum = |of: fn(&PhysicalMass) -> f64| masses.iter().map(of).sum::<f64>();
+    let m_t = positive("the sum of mass", sum(|m| m.mass), "a finite number of kg greater than 0")?;
+    let k_t = positive(
+        "the sum of bearing_stiffness and seal_stiffness",
+        sum(|m| m.bearing_stiffness + m.seal_stiffness),
+        "a finite number of N/m greater than 0, because w0 = sqrt(K_t / M_t)",
+    )?;
+    let w0 = positive("w0 = sqrt(K_t / M_t)", (k_t / m_t).sqrt(), "a finite number of rad/s greater than 0")?;
+    let e_t = match reference_length {
+        Some(length) => positive("reference_length", length, "a finite number of m greater than 0")?,
+        None => {
+            // Opposite unbalances leave only rounding of their sum: no length to measure by.
+            let (sum, size) = (sum(|m| m.unbalance), sum(|m| m.unbalance.abs()));
+            positive(
+                "the sum of unbalance",
+                if sum.abs() <= size * 1e-12 { 0.0 } else { sum },
+                "a finite number of m greater than 0, or a reference_length in m to measure displacements by",
+            )?
+        }
+    };
+    Ok(Scales { w0, k_t, m_t, e_t })
 }
 
-/// Radians per second in one revolution per minute.
-const RPM: f64 = std::f64::consts::TAU / 60.0;
-
-impl Scales {
-    /// Spin speed in rpm of the dimensionless speed `R = w / w0`.
-    #[must_use]
-    pub fn rpm(&self, speed: f64) -> f64 {
-        speed * self.w0 / RPM
-    }
-
-    /// Dimensionless spin speed `R` of a speed in rpm.
-    #[must_use]
-    pub fn speed(&self, rpm: f64) -> f64 {
-        rpm * RPM / self.w0
-    }
-
-    /// Length in m of a length in `e_t`.
-    #[must_use]
-    pub fn metres(&self, length: f64) -> f64 {
-        length * self.e_t
-    }
-
-    /// Length in `e_t` of a length in m.
-    #[must_use]
-    pub fn length(&self, metres: f64) -> f64 {
-        metres / self.e_t
-    }
-
-    /// Time in s of a dimensionless time `tau = w0 t`.
-    #[must_use]
-    pub fn seconds(&self, tau: f64) -> f64 {
-        tau / self.w0
-    }
-
-    /// Dimensionless time `tau` of a time in s.
-    #[must_use]
-    pub fn tau(&self, seconds: f64) -> f64 {
-        seconds * self.w0
-    }
-
-    /// Force in N of a control acceleration `u` on a mass of ratio `mass_ratio` (`Rm`, dimensionless):
-    /// `u Rm M_t w0^2 e_t`.
-    #[must_use]
-    pub fn newtons(&self, acceleration: f64, mass_ratio: f64) -> f64 {
-        // M_t w0^2 is K_t, without the rounding of the square root.
-        acceleration * mass_ratio * self.k_t * self.e_t
-    }
-
-    /// Control acceleration `u` in `w0^2 e_t` of a force in N on a mass of ratio `mass_ratio`.
-    #[must_use]
-    pub fn acceleration(&self, newtons: f64, mass_ratio: f64) -> f64 {
-        newtons / (mass_ratio * self.k_t * self.e_t)
-    }
-
-    /// What one unit of a setting, as its row in [`crate::PARAMETERS`] has it, is in SI units, and their name; `mass_ratio` is
-    /// that of the mass that carries the control bearing. A unit that is none of the rotor's stays as it is.
-    #[must_use]
-    pub fn setting(&self, unit: &'static str, mass_ratio: f64) -> (f64, &'static str) {
-        match unit {
-            "w0" => (self.rpm(1.0), "rpm"),
-            "w0^2" => (self.rpm(1.0) * self.w0, "rpm/s"),
-            "e_t" => (self.e_t, "m"),
-            "tau" => (self.seconds(1.0), "s"),
-            "w0^2 e_t" => (self.newtons(1.0, mass_ratio), "N"),
-            "w0^3 e_t" => (self.newtons(1.0, mass_ratio) * self.w0, "N/s"),
-            unit => (1.0, unit),
-        }
-    }
-
-    /// The scales of a set of physical parameters.
-    fn of(masses: &[PhysicalMass], reference_length: Option<f64>) -> Result<Self, RotorError> {
-        let positive = |what, found: f64, expected| match found.is_finite() && found > 0.0 {
-            true => Ok(found),
-            false => Err(RotorError::Scale { what, found, expected }),
-        };
-        let sum = |of: fn(&PhysicalMass) -> f64| masses.iter().map(of).sum::<f64>();
-        let m_t = positive("the sum of mass", sum(|m| m.mass), "a finite number of kg greater than 0")?;
-        let k_t = positive(
-            "the sum of bearing_stiffness and seal_stiffness",
-            sum(|m| m.bearing_stiffness + m.seal_stiffness),
-            "a finite number of N/m greater than 0, because w0 = sqrt(K_t / M_t)",
-        )?;
-        let w0 = positive("w0 = sqrt(K_t / M_t)", (k_t / m_t).sqrt(), "a finite number of rad/s greater than 0")?;
-        let e_t = match reference_length {
-            Some(length) => positive("reference_length", length, "a finite number of m greater than 0")?,
-            None => {
-                // Opposite unbalances leave only rounding of their sum: no length to measure by.
-                let (sum, size) = (sum(|m| m.unbalance), sum(|m| m.unbalance.abs()));
-                positive(
-                    "the sum of unbalance",
-                    if sum.abs() <= size * 1e-12 { 0.0 } else { sum },
-                    "a finite number of m greater than 0, or a reference_length in m to measure displacements by",
-                )?
-            }
-        };
-        Ok(Self { w0, k_t, m_t, e_t })
-    }
-
-    fn mass(&self, m: &PhysicalMass) -> Mass {
-        let twice_critical = 2.0 * m.mass * self.w0;
-        Mass {
-            mass: m.mass / self.m_t,
-            damping: m.damping / twice_critical,
-            cross_damping: m.cross_damping / twice_critical,
-            bearing_stiffness: m.bearing_stiffness / self.k_t,
-            seal_stiffness: m.seal_stiffness / self.k_t,
-            unbalance: m.unbalance / self.e_t,
-            deadband: m.deadband / self.e_t,
-        }
+/// The dimensionless ratios of a mass.
+fn ratios(scales: &Scales, m: &PhysicalMass) -> Mass {
+    let twice_critical = 2.0 * m.mass * scales.w0;
+    Mass {
+        mass: m.mass / scales.m_t,
+        damping: m.damping / twice_critical,
+        cross_damping: m.cross_damping / twice_critical,
+        bearing_stiffness: m.bearing_stiffness / scales.k_t,
+        seal_stiffness: m.seal_stiffness / scales.k_t,
+        unbalance: m.unbalance / scales.e_t,
+        deadband: m.deadband / scales.e_t,
     }
 }
 
@@ -213,9 +133,9 @@ impl Rotor {
     ) -> Result<Self, RotorError> {
         let name = name.into();
         check(&name, masses.iter().map(PhysicalMass::values), &shafts)?;
-        let scales = Scales::of(&masses, reference_length)?;
-        let ratios = shafts.iter().map(|stiffness| stiffness / scales.k_t).collect();
-        let mut rotor = Self::new(name, masses.iter().map(|m| scales.mass(m)).collect(), ratios)?;
+        let scales = scales_of(&masses, reference_length)?;
+        let shaft_ratios = shafts.iter().map(|stiffness| stiffness / scales.k_t).collect();
+        let mut rotor = Self::new(name, masses.iter().map(|m| ratios(&scales, m)).collect(), shaft_ratios)?;
         rotor.physical = Some(Physical { masses, shafts, reference_length, scales });
         Ok(rotor)
     }

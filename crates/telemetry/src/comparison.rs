@@ -3,10 +3,11 @@
 use std::sync::Arc;
 
 use rotor::{GainKind, Rotor, Settings, circular};
+use text::number::significant;
 use tuner::{Family, Options, Problem, Schedule, Stop, Structure};
 
 use crate::jobs::pole_trace::{PoleTrace, PoleTraceRequest};
-use crate::units::{Units, rounded};
+use crate::units::Units;
 
 /// What one set of gains does.
 #[derive(Clone, Debug, PartialEq)]
@@ -143,7 +144,7 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
             } else {
                 kind.name().to_owned()
             };
-            let at = |signal: &rotor::Signal| rounded(signal.gain(kind).at(now.settings.speed), 4).to_string();
+            let at = |signal: &rotor::Signal| significant(signal.gain(kind).at(now.settings.speed), 4).to_string();
             rows.push(row(&name, [at(before), at(after)]));
         }
     }

@@ -17,7 +17,6 @@ pub mod frame_data;
 pub mod gain_search;
 pub mod history;
 pub mod jobs;
-pub mod numbers;
 pub mod presets;
 pub mod processes;
 pub mod reader;

@@ -1,41 +1,14 @@
 //! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
 //! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
 
-use std::f64::consts::TAU;
-
 use rotor::{Difference, Key, Scales, Settings, SettingsError};
-use wire::Dimension;
+use text::number::{nice_ceiling, significant};
+use units::Dimension;
 
-use crate::numbers::{nice_ceiling, short};
-
-/// What one dimensionless unit of a quantity is on the screen, and what that is called.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Unit {
-    /// How many of it one dimensionless unit is.
-    pub factor: f64,
-    /// What it is called; may be empty.
-    pub name: &'static str,
-}
-
-impl Unit {
-    /// A value as a number in about `digits` characters.
-    pub fn short(&self, value: f64, digits: usize) -> String {
-        short(value * self.factor, digits)
-    }
-
-    /// The same with the unit.
-    pub fn told(&self, value: f64, digits: usize) -> String {
-        format!("{} {}", self.short(value, digits), self.name).trim_end().to_owned()
-    }
-}
+pub use units::Unit;
 
 /// Significant digits of a value in a message.
 const DIGITS: usize = 7;
-
-/// A value of so many significant digits. What a search or a product of factors leaves behind them is for files, not for people.
-pub fn rounded(value: f64, digits: usize) -> f64 {
-    format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
-}
 
 /// The units of a bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,44 +50,49 @@ impl Units {
             ..1.0 => (1e3, "mm", "mm/s"),
             _ => (1.0, "m", "m/s"),
         };
+        let si = |dimension: Dimension| dimension.si(&scales, mass);
+        let with_prefix = |dimension, name| Unit { factor: si(dimension).factor * per_metre, name };
         Self {
             scales: Some(scales),
-            length: Unit { factor: scales.metres(per_metre), name: length },
-            velocity: Unit { factor: scales.metres(per_metre) * scales.w0, name: velocity },
-            force: Unit { factor: scales.newtons(1.0, mass), name: "N" },
-            frequency: Unit { factor: scales.w0 / TAU, name: "Hz" },
-            rate: Unit { factor: scales.w0, name: "1/s" },
-            speed: Unit { factor: scales.rpm(1.0), name: "rpm" },
+            length: with_prefix(Dimension::Length, length),
+            velocity: with_prefix(Dimension::Velocity, velocity),
+            force: si(Dimension::Force),
+            frequency: si(Dimension::Frequency),
+            rate: si(Dimension::Rate),
+            speed: si(Dimension::Speed),
         }
     }
 
     /// What a quantity of a step is counted in.
     pub fn of_dimension(&self, dimension: Dimension) -> Unit {
         match dimension {
-            Dimension::Whole | Dimension::Time => Unit { factor: 1.0, name: "" },
+            // `tau` stays `tau`.
+            Dimension::Whole | Dimension::Number | Dimension::Time => Unit { factor: 1.0, name: "" },
             Dimension::Angle => Unit { factor: 1.0, name: "rad" },
             Dimension::Speed => self.speed,
-            Dimension::Acceleration => match self.scales {
-                Some(scales) => Unit { factor: self.speed.factor * scales.w0, name: "rpm/s" },
+            Dimension::SpeedRate => match self.scales {
+                Some(scales) => dimension.si(&scales, 1.0),
                 None => Unit { factor: 1.0, name: "w0 R" },
             },
             Dimension::Length => self.length,
             Dimension::Velocity => self.velocity,
-            Dimension::Control => self.force,
+            Dimension::Force => self.force,
+            Dimension::ForceRate => match self.scales {
+                Some(scales) => Unit { factor: self.force.factor * scales.w0, name: "N/s" },
+                None => Unit { factor: 1.0, name: "m_b w0³ e_t" },
+            },
+            Dimension::Frequency => self.frequency,
+            Dimension::Rate => self.rate,
         }
     }
 
     /// What a setting is counted in where it is typed and shown: the same as for `whirl set`, so in metres, not micrometres.
     pub fn setting(&self, key: Key) -> Unit {
-        match (self.scales, key.parameter.unit) {
-            (Some(_), "w0") => self.speed,
-            (Some(_), "w0^2 e_t") => self.force,
-            (Some(scales), "w0^3 e_t") => Unit { factor: self.force.factor * scales.w0, name: "N/s" },
-            (Some(scales), unit) => {
-                let (factor, name) = scales.setting(unit, 1.0);
-                Unit { factor, name }
-            }
-            (None, name) => Unit { factor: 1.0, name },
+        match (self.scales, key.parameter.dimension) {
+            (None, _) => Unit { factor: 1.0, name: key.parameter.unit() },
+            (Some(_), Dimension::Force) => self.force,
+            (Some(_), dimension @ Dimension::ForceRate) => self.of_dimension(dimension),
+            (Some(scales), dimension) => dimension.si(&scales, 1.0),
         }
     }
 
@@ -123,10 +101,7 @@ impl Units {
         match self.setting(key).factor {
             1.0 => key.parameter.step,
             // What the product of round numbers leaves behind their digits is not part of them.
-            factor => {
-                let step = nice_ceiling(key.parameter.step * factor);
-                format!("{step:.3e}").parse().unwrap_or(step)
-            }
+            factor => significant(nice_ceiling(key.parameter.step * factor), 4),
         }
     }
 
@@ -145,13 +120,13 @@ impl Units {
             return "off".to_owned();
         }
         let unit = self.setting(key);
-        let told = rounded(value * unit.factor, digits).to_string();
+        let told = significant(value * unit.factor, digits).to_string();
         if unit.factor == 1.0 { told } else { format!("{told} {}", unit.name) }
     }
 
     /// A number without a unit as people read it.
     pub fn value_digits(&self, value: f64) -> f64 {
-        rounded(value, DIGITS)
+        significant(value, DIGITS)
     }
 
     /// What is wrong with a change, in the units that it was typed in.

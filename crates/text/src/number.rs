@@ -37,15 +37,50 @@ pub fn in_digits(value: f64, digits: usize) -> String {
 /// whole number are never cut, and no more than twelve follow the point.
 ///
 /// ```
-/// use text::number::short;
-/// assert_eq!([-0.030_561, 0.0, 12_345.6, 1e-20].map(|value| short(value, 4)), ["-0.03056", "0", "12346", "0"]);
+/// use text::number::trimmed;
+/// assert_eq!([-0.030_561, 0.0, 12_345.6, 1e-20].map(|value| trimmed(value, 4)), ["-0.03056", "0", "12346", "0"]);
 /// ```
 #[must_use]
-pub fn short(value: f64, digits: usize) -> String {
+pub fn trimmed(value: f64, digits: usize) -> String {
     let magnitude = if value == 0.0 { 0.0 } else { value.abs().log10().floor() };
     let decimals = (digits as f64 - 1.0 - magnitude).clamp(0.0, 12.0) as usize;
     let text = format!("{value:.decimals$}");
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+/// The least round number that is not below `value`: scales that move rarely and read well.
+#[must_use]
+pub fn nice_ceiling(value: f64) -> f64 {
+    if !(value.is_finite() && value > 1e-12) {
+        return 1.0;
+    }
+    let decade = 10_f64.powf(value.log10().floor());
+    [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0]
+        .into_iter()
+        .map(|digit| digit * decade)
+        .find(|nice| *nice >= value * (1.0 - 1e-12))
+        .unwrap_or(10.0 * decade)
+}
+
+/// A round number as short as it can be told, for scales: 4, 0.06, 1.5.
+#[must_use]
+pub fn neat(value: f64) -> String {
+    let rounded: f64 = format!("{value:.2e}").parse().unwrap_or(value);
+    if rounded == 0.0 || (1e-3..1e5).contains(&rounded.abs()) { format!("{}", rounded + 0.0) } else { short(value, 3) }
+}
+
+/// A number in about `digits` characters, for labels.
+#[must_use]
+pub fn short(value: f64, digits: usize) -> String {
+    if !value.is_finite() {
+        return "-".into();
+    }
+    let size = value.abs();
+    if size >= 1e5 || (size != 0.0 && size < 1e-3) {
+        return format!("{value:.1e}");
+    }
+    let whole = if size >= 1.0 { size.log10().floor() as usize + 1 } else { 1 };
+    format!("{value:.*}", digits.saturating_sub(whole))
 }
 
 /// `value` as a TOML float that reads back to the last bit: `2.0`, `inf`, `nan`.
@@ -88,6 +123,33 @@ mod tests {
             (f64::INFINITY, "inf"),
         ] {
             assert_eq!(in_digits(number, 6), text);
+        }
+    }
+
+    #[test]
+    fn scales_are_round_numbers() {
+        for (value, nice) in [
+            (0.0, 1.0),
+            (f64::NAN, 1.0),
+            (1.0, 1.0),
+            (1.01, 1.5),
+            (2.1, 3.0),
+            (8.1, 10.0),
+            (0.031, 0.04),
+            (999.0, 1000.0),
+        ] {
+            assert!((nice_ceiling(value) - nice).abs() < 1e-9 * nice, "{value}");
+        }
+        for (value, text) in
+            [(4.0, "4"), (0.06, "0.06"), (-1.5, "-1.5"), (0.1 + 0.2, "0.3"), (150.0, "150"), (0.0, "0")]
+        {
+            assert_eq!(neat(value), text);
+        }
+        assert_eq!((neat(2e6), neat(f64::NAN)), ("2.0e6".into(), "-".into()));
+        for (value, text) in
+            [(0.0, "0.000"), (12.345, "12.35"), (-0.5, "-0.500"), (1234.5, "1234"), (2e6, "2.0e6"), (f64::NAN, "-")]
+        {
+            assert_eq!(short(value, 4), text);
         }
     }
 

@@ -3,6 +3,8 @@
 use std::f64::consts::TAU;
 use std::fmt;
 
+use text::number::short;
+
 use crate::Scales;
 
 /// What a quantity measures.
@@ -41,6 +43,20 @@ pub struct Unit {
     pub factor: f64,
     /// Its name; empty for a pure number.
     pub name: &'static str,
+}
+
+impl Unit {
+    /// A dimensionless value in this unit, in about `digits` characters.
+    #[must_use]
+    pub fn short(&self, value: f64, digits: usize) -> String {
+        short(value * self.factor, digits)
+    }
+
+    /// The same with the unit: `10.00 N`.
+    #[must_use]
+    pub fn told(&self, value: f64, digits: usize) -> String {
+        format!("{} {}", self.short(value, digits), self.name).trim_end().to_owned()
+    }
 }
 
 impl fmt::Display for Unit {

@@ -79,19 +79,10 @@ impl Table {
     }
 }
 
-/// Six significant digits, plain where that reads well.
+/// Six significant digits, as every table has them.
 #[must_use]
 pub(crate) fn rounded(number: f64) -> String {
-    if !number.is_finite() {
-        return number.to_string();
-    }
-    let size = number.abs();
-    if size != 0.0 && !(1e-4..1e7).contains(&size) {
-        return format!("{number:.5e}");
-    }
-    // Digits before the point, or less the zeros behind it: what SI lengths need to keep theirs.
-    let leading = if size == 0.0 { 0 } else { size.log10().floor() as i32 + 1 };
-    format!("{number:.*}", usize::try_from(6 - leading).unwrap_or(0))
+    text::number::in_digits(number, 6)
 }
 
 /// `text` with blanks behind it up to `wide` cells of a terminal, in which a Chinese character takes two.
@@ -163,21 +154,6 @@ pub(crate) fn warn(text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn numbers_keep_six_significant_digits() {
-        for (number, text) in [
-            (0.0, "0.000000"),
-            (0.496_714_3, "0.496714"),
-            (-12.345_678, "-12.3457"),
-            (123_456.7, "123457"),
-            (0.000_265_123_4, "0.000265123"),
-            (2.5e-7, "2.50000e-7"),
-            (3e9, "3.00000e9"),
-        ] {
-            assert_eq!(rounded(number), text);
-        }
-    }
 
     #[test]
     fn wide_characters_keep_columns_below_each_other() {

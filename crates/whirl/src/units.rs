@@ -1,9 +1,10 @@
 //! What numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
 //!
-//! The one place where a command converts. Everything inside, and all JSON, is dimensionless.
+//! The one place where a command converts, by the table of [`units`]. Everything inside, and all JSON, is dimensionless.
 
 use rotor::{Key, Rotor, Scales, Settings, SettingsError};
 use serde::Serialize;
+use units::Dimension;
 
 use crate::failure::Failure;
 use crate::output::rounded;
@@ -35,6 +36,11 @@ impl Units {
         Self(scales)
     }
 
+    /// The table of units, with the mass ratio `Rm` of the mass that carries the control bearing, by which control is a force.
+    fn table(self, mass_ratio: f64) -> units::Units {
+        units::Units::of(self.0, mass_ratio)
+    }
+
     /// The scales of a machine in SI units.
     #[must_use]
     pub(crate) fn scales(self) -> Option<Scales> {
@@ -50,79 +56,79 @@ impl Units {
     /// The unit of displacements, clearances and the trip limit.
     #[must_use]
     pub(crate) fn length_unit(self) -> &'static str {
-        self.pick("e_t", "m")
+        self.table(1.0).unit(Dimension::Length).name
     }
 
     /// The unit of forces.
     #[must_use]
     pub(crate) fn force_unit(self) -> &'static str {
-        self.pick("w0^2 e_t", "N")
+        self.table(1.0).unit(Dimension::Force).name
     }
 
     /// Spin speed `R` of a speed as typed.
     #[must_use]
     pub(crate) fn speed_from_typed(self, typed: f64) -> f64 {
-        self.0.map_or(typed, |scales| scales.speed(typed))
+        self.table(1.0).typed(Dimension::Speed, typed)
     }
 
     /// Spin speed as shown of a speed `R`.
     #[must_use]
     pub(crate) fn speed(self, speed: f64) -> f64 {
-        self.0.map_or(speed, |scales| scales.rpm(speed))
+        self.table(1.0).shown(Dimension::Speed, speed)
     }
 
     /// Length in `e_t` of a length as typed.
     #[must_use]
     pub(crate) fn length_from_typed(self, typed: f64) -> f64 {
-        self.0.map_or(typed, |scales| scales.length(typed))
+        self.table(1.0).typed(Dimension::Length, typed)
     }
 
     /// Length as shown of a length in `e_t`.
     #[must_use]
     pub(crate) fn length(self, length: f64) -> f64 {
-        self.0.map_or(length, |scales| scales.metres(length))
+        self.table(1.0).shown(Dimension::Length, length)
     }
 
     /// Velocity in `e_t` per unit of `tau` of a velocity as typed.
     #[must_use]
     pub(crate) fn velocity_from_typed(self, typed: f64) -> f64 {
-        self.0.map_or(typed, |scales| scales.length(typed) / scales.w0)
+        self.table(1.0).typed(Dimension::Velocity, typed)
     }
 
     /// Velocity as shown of a velocity in `e_t` per unit of `tau`.
     #[must_use]
     pub(crate) fn velocity(self, velocity: f64) -> f64 {
-        self.0.map_or(velocity, |scales| scales.metres(velocity) * scales.w0)
+        self.table(1.0).shown(Dimension::Velocity, velocity)
     }
 
     /// Control force as shown of a control acceleration `u` on a mass of ratio `Rm`.
     #[must_use]
     pub(crate) fn force(self, acceleration: f64, mass_ratio: f64) -> f64 {
-        self.0.map_or(acceleration, |scales| scales.newtons(acceleration, mass_ratio))
+        self.table(mass_ratio).shown(Dimension::Force, acceleration)
     }
 
     /// Rate of change of the spin speed, in `R` per unit of `tau`, of one as typed: SI rotors have rpm per second.
     #[must_use]
     pub(crate) fn speed_rate_from_typed(self, typed: f64) -> f64 {
-        self.0.map_or(typed, |scales| scales.speed(typed) / scales.w0)
+        self.table(1.0).typed(Dimension::SpeedRate, typed)
     }
 
     /// A time as shown: in `tau`, or in seconds.
     #[must_use]
     pub(crate) fn time(self, tau: f64) -> f64 {
-        self.0.map_or(tau, |scales| scales.seconds(tau))
+        self.table(1.0).shown(Dimension::Time, tau)
     }
 
     /// Part of a pole as shown: per unit of `tau`, or per second.
     #[must_use]
     pub(crate) fn rate(self, rate: f64) -> f64 {
-        self.0.map_or(rate, |scales| rate * scales.w0)
+        self.table(1.0).shown(Dimension::Rate, rate)
     }
 
     /// A frequency as shown: in radians per unit of `tau`, or in Hz.
     #[must_use]
     pub(crate) fn frequency(self, frequency: f64) -> f64 {
-        self.0.map_or(frequency, |scales| frequency * scales.w0 / std::f64::consts::TAU)
+        self.table(1.0).shown(Dimension::Frequency, frequency)
     }
 
     /// `R = 2.5`, or `7161.97 rpm (R = 2.5)`.
@@ -159,14 +165,10 @@ impl Units {
         UnitsDocument { units: self.0.map(|_| "si"), scales: self.0 }
     }
 
-    /// A setting as shown, of the unit that its row in [`rotor::PARAMETERS`] has; forces on a mass of ratio `Rm`.
+    /// A setting as shown; forces on a mass of ratio `Rm`.
     #[must_use]
-    pub(crate) fn value(self, unit: &'static str, mass_ratio: f64, value: f64) -> f64 {
-        match unit {
-            "w0" => self.speed(value),
-            "e_t" => self.length(value),
-            unit => self.0.map_or(value, |scales| value * scales.setting(unit, mass_ratio).0),
-        }
+    pub(crate) fn value(self, dimension: Dimension, mass_ratio: f64, value: f64) -> f64 {
+        self.table(mass_ratio).shown(dimension, value)
     }
 
     /// Sets `key` to a number as typed: rpm and m for an SI rotor, gains as they are.
@@ -175,15 +177,14 @@ impl Units {
     /// Out of range, told in the units it was typed in; or a mass or signal that does not exist.
     pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
         let mass = rotor.masses().get(settings.feedback.bearing).map_or(1.0, |m| m.mass);
-        let (factor, unit) = self.0.map_or((1.0, ""), |scales| scales.setting(key.parameter.unit, mass));
-        let value = match key.parameter.unit {
-            "w0" => self.speed_from_typed(typed),
-            "e_t" => self.length_from_typed(typed),
-            _ => typed / factor,
-        };
+        let (units, dimension) = (self.table(mass), key.parameter.dimension);
+        let value = units.typed(dimension, typed);
         settings.set(key, value).map_err(|error| match error {
-            SettingsError::OutOfRange { key, min, max, or_off, .. } if self.0.is_some() && !unit.is_empty() => {
-                let [min, max] = [min, max].map(|end| rounded(end * factor));
+            SettingsError::OutOfRange { key, min, max, or_off, .. }
+                if self.0.is_some() && dimension != Dimension::Number =>
+            {
+                let unit = units.unit(dimension);
+                let [min, max] = [min, max].map(|end| rounded(units.shown(dimension, end)));
                 let or_off = if or_off { ", or off" } else { "" };
                 Failure::Usage(format!("{key} = {typed} {unit}: expected a number from {min} to {max} {unit}{or_off}"))
             }

@@ -5,7 +5,7 @@
 //! Dimensionless units of the model throughout: displacement in `e_t`, velocity in `w0 e_t`, control in `w0^2 e_t` (the force
 //! on the bearing's mass, divided by that mass).
 
-use rotor::Scales;
+use units::Dimension;
 
 /// How often a channel occurs in a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,59 +16,6 @@ pub enum Scope {
     Mass,
     /// For every sensor: there is one at every mass.
     Sensor,
-}
-
-/// What a channel counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Dimension {
-    /// A whole number, or bits: 64 of them, no double.
-    Whole,
-    /// Time.
-    Time,
-    /// Angle.
-    Angle,
-    /// Spin speed.
-    Speed,
-    /// Rate of change of the spin speed.
-    Acceleration,
-    /// Displacement.
-    Length,
-    /// Velocity of a mass.
-    Velocity,
-    /// Control.
-    Control,
-}
-
-impl Dimension {
-    /// The unit in which it travels; empty for a pure number.
-    #[must_use]
-    pub const fn unit(self) -> &'static str {
-        match self {
-            Self::Whole => "",
-            Self::Time => "1/w0",
-            Self::Angle => "rad",
-            Self::Speed => "w0",
-            Self::Acceleration => "w0^2",
-            Self::Length => "e_t",
-            Self::Velocity => "w0 e_t",
-            Self::Control => "w0^2 e_t",
-        }
-    }
-
-    /// What one such unit is in SI units, and their name; `mass_ratio` is that of the mass that carries the control bearing.
-    #[must_use]
-    pub fn si(self, scales: &Scales, mass_ratio: f64) -> (f64, &'static str) {
-        match self {
-            Self::Whole => (1.0, ""),
-            Self::Time => (scales.seconds(1.0), "s"),
-            Self::Angle => (1.0, "rad"),
-            Self::Speed => (scales.rpm(1.0), "rpm"),
-            Self::Acceleration => (scales.rpm(1.0) * scales.w0, "rpm/s"),
-            Self::Length => (scales.metres(1.0), "m"),
-            Self::Velocity => (scales.metres(1.0) * scales.w0, "m/s"),
-            Self::Control => (scales.newtons(1.0, mass_ratio), "N"),
-        }
-    }
 }
 
 /// A row of the table.
@@ -120,11 +67,11 @@ channels! {
     Tau "tau" "tau" Once Time "time since the rotor was last at rest; stands still while tripped";
     Angle "angle" "angle" Once Angle "spin angle, unwrapped: the unbalance points along it";
     Speed "speed" "speed" Once Speed "spin speed R";
-    SpeedRate "speed_rate" "rate" Once Acceleration "rate of change of the spin speed";
-    CommandY "uy_commanded" "command.y" Once Control "control that the feedback asks for, y";
-    CommandZ "uz_commanded" "command.z" Once Control "control that the feedback asks for, z";
-    ForceY "uy" "u.y" Once Control "control that the bearing delivers, y";
-    ForceZ "uz" "u.z" Once Control "control that the bearing delivers, z";
+    SpeedRate "speed_rate" "rate" Once SpeedRate "rate of change of the spin speed";
+    CommandY "uy_commanded" "command.y" Once Force "control that the feedback asks for, y";
+    CommandZ "uz_commanded" "command.z" Once Force "control that the feedback asks for, z";
+    ForceY "uy" "u.y" Once Force "control that the bearing delivers, y";
+    ForceZ "uz" "u.z" Once Force "control that the bearing delivers, z";
     Y "y" "y" Mass Length "displacement, y";
     Z "z" "z" Mass Length "displacement, z";
     Vy "vy" "vy" Mass Velocity "velocity, y";
@@ -258,20 +205,5 @@ mod tests {
             assert_eq!((y.scope, y.dimension), (z.scope, z.dimension), "{}", pair.label);
             assert!(CHANNELS.iter().all(|row| row.label != pair.label));
         }
-    }
-
-    fn rotor() -> rotor::Rotor {
-        let mass = rotor::PhysicalMass { mass: 2.0, bearing_stiffness: 5e5, unbalance: 1e-5, ..Default::default() };
-        rotor::Rotor::from_si("si", vec![mass; 2], vec![1e6], None).unwrap()
-    }
-
-    #[test]
-    fn units_are_those_of_the_settings_of_the_same_kind() {
-        let rotor = rotor();
-        let scales = rotor.scales().unwrap();
-        for dimension in [Dimension::Speed, Dimension::Acceleration, Dimension::Length, Dimension::Control] {
-            assert_eq!(dimension.si(scales, 0.25), scales.setting(dimension.unit(), 0.25));
-        }
-        assert_eq!(Dimension::Velocity.si(scales, 0.25).0, scales.metres(1.0) / scales.seconds(1.0));
     }
 }

@@ -14,6 +14,7 @@ use std::sync::Arc;
 use rotor::file::{read_feedback, read_rotor, write_feedback, write_rotor};
 use rotor::{Feedback, Rotor, Settings};
 use text::as_number;
+use text::number::toml as number;
 use toml::de::DeTable;
 
 /// Bytes of the largest document.
@@ -191,11 +192,6 @@ impl Content for Settings {
             feedback: read_feedback(feedback, Some(masses)).map_err(DocumentError::Faults)?,
         })
     }
-}
-
-/// A number as TOML has it, to the last bit.
-fn number(number: f64) -> String {
-    if number.is_nan() { "nan".to_owned() } else { format!("{number:?}") }
 }
 
 /// FNV-1a, 64 bits: stable over versions and machines, unlike the standard hasher, and a few lines in any language.

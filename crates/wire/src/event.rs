@@ -7,6 +7,8 @@ use std::fmt;
 use std::ops::{Deref, DerefMut};
 
 use rotor::{C64, Scales};
+use text::number::significant;
+use units::{Dimension, Units};
 
 use crate::document::SettingsDocument;
 use crate::message::Trip;
@@ -220,10 +222,9 @@ impl Happening {
         match (self, scales) {
             (Self::Tripped(trip), scales) => format!("tripped: {}", trip.told(scales)),
             (Self::Impulse { mass, velocity }, Some(scales)) => {
-                let [vy, vz] = [velocity.re, velocity.im].map(|part| {
-                    let part = scales.metres(part) * scales.w0;
-                    format!("{part:.5e}").parse().unwrap_or(part)
-                });
+                let units = Units::of(Some(scales), 1.0);
+                let [vy, vz] =
+                    [velocity.re, velocity.im].map(|part| significant(units.shown(Dimension::Velocity, part), 6));
                 format!("impulse on mass {}: vy {vy} m/s, vz {vz} m/s", mass + 1)
             }
             _ => self.to_string(),

@@ -68,7 +68,7 @@ mod wire_struct;
 pub use bench_name::BenchName;
 pub use bench_status::BenchStatus;
 pub use benches::{AttachedProcess, BenchEntry, clean};
-pub use channels::{CHANNELS, Channel, ChannelRow, Dimension, PAIRS, Pair, Scope, Substitute, WHOLES, channels_of};
+pub use channels::{CHANNELS, Channel, ChannelRow, PAIRS, Pair, Scope, Substitute, WHOLES, channels_of};
 pub use document::{
     Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, MAX_DOCUMENT, RotorDocument, SettingsDocument,
 };

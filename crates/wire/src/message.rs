@@ -7,6 +7,7 @@
 use std::fmt;
 
 use rotor::{C64, MAX_MASSES, Scales};
+use text::number::significant;
 
 use crate::Text;
 use iceoryx2::prelude::ZeroCopySend;
@@ -215,10 +216,7 @@ impl Trip {
     #[must_use]
     pub fn told(&self, scales: Option<Scales>) -> String {
         // What the product of factors leaves behind six digits is not part of a length.
-        let metres = |scales: Scales, length: f64| {
-            let metres = scales.metres(length);
-            format!("{} m", format!("{metres:.5e}").parse().unwrap_or(metres))
-        };
+        let metres = |scales: Scales, length: f64| format!("{} m", significant(scales.metres(length), 6));
         let radius = scales.map_or_else(|| format!("{:.4} e_t", self.radius), |scales| metres(scales, self.radius));
         let limit = scales.map_or_else(|| format!("{} e_t", self.limit), |scales| metres(scales, self.limit));
         self.words(&radius, &limit)

@@ -27,7 +27,7 @@ use crate::drawing::{framed, write, write_right};
 use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;
-use telemetry::numbers::{nice_ceiling, short};
+use text::number::{nice_ceiling, short};
 
 /// Height of the large digits, and width of each, in cells.
 const DIGITS: (u16, u16) = (4, 4);

@@ -27,8 +27,8 @@ use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
 use telemetry::jobs::{PoleTrace, PoleTraceRequest};
-use telemetry::numbers::{nice_ceiling, short};
 use telemetry::units::Units;
+use text::number::{nice_ceiling, short};
 
 /// What the panel shows.
 #[derive(Clone, Copy, Debug)]

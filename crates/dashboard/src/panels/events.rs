@@ -22,7 +22,7 @@ use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
 use crate::view::View;
 use telemetry::event_log::LoggedEvent;
-use telemetry::numbers::short;
+use text::number::short;
 
 /// The list; a click looks at the moment of an event.
 #[derive(Debug, Default)]

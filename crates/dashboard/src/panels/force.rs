@@ -17,7 +17,7 @@ use crate::drawing::{framed, write, write_right};
 use crate::fit_text::longest;
 use crate::theme;
 use crate::view::View;
-use telemetry::numbers::short;
+use text::number::short;
 
 /// Width of a label and its number.
 const HEAD: u16 = 13;

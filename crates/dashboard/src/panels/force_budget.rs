@@ -27,7 +27,7 @@ use crate::fit_text::longest;
 use crate::theme;
 use crate::view::View;
 use telemetry::history::{StepQuantity, Track};
-use telemetry::numbers::short;
+use text::number::short;
 
 /// Width of a label and its number.
 const HEAD: u16 = 16;

@@ -24,8 +24,8 @@ use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
 use telemetry::history::Era;
-use telemetry::numbers::short;
 use telemetry::units::Units;
+use text::number::short;
 
 /// Columns before the shape: heading, and width in cells.
 const COLUMNS: [(&str, u16); 5] = [("damping", 9), ("log dec", 9), ("frequency", 11), ("/R", 8), ("whirl", 10)];

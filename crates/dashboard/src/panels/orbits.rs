@@ -23,9 +23,9 @@ use crate::theme;
 use crate::view::View;
 use telemetry::frame_data::FrameData;
 use telemetry::history::{StepQuantity, Track};
-use telemetry::numbers::{nice_ceiling, short};
 use telemetry::replay::WhatIfRun;
 use telemetry::units::Unit;
+use text::number::{nice_ceiling, short};
 
 /// Turns of the rotor that an orbit shows.
 const TURNS: f64 = 8.0;

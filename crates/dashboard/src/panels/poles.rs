@@ -27,8 +27,8 @@ use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
 use telemetry::jobs::PoleTraceRequest;
-use telemetry::numbers::{neat, nice_ceiling, short};
 use telemetry::units::Units;
+use text::number::{neat, nice_ceiling, short};
 
 /// Damping ratios that get a ray.
 const RAYS: [f64; 4] = [0.05, 0.1, 0.2, 0.5];

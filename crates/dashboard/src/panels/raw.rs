@@ -17,7 +17,8 @@ use ratatui::layout::Rect;
 use ratatui::style::Style;
 use ratatui::text::Line;
 
-use wire::{Channel, Dimension};
+use units::Dimension;
+use wire::Channel;
 
 use super::panel::Panel;
 use crate::drawing::{framed, write};
@@ -25,7 +26,7 @@ use crate::list::{List, draw_overflow, filter_title, passes};
 use crate::theme;
 use crate::view::View;
 use telemetry::history::StepQuantity;
-use telemetry::numbers::short;
+use text::number::short;
 
 /// Digits of a number, and the width of its column.
 const DIGITS: usize = 6;
@@ -62,7 +63,7 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         None => format!("R {}", short(track.speed(now), DIGITS)),
     };
     let rate = track.value(StepQuantity::Of(Channel::SpeedRate, 0), now);
-    let rate = units.of_dimension(Dimension::Acceleration).told(rate, DIGITS);
+    let rate = units.of_dimension(Dimension::SpeedRate).told(rate, DIGITS);
     // Words go before numbers.
     let is_wide = usize::from(area.width.saturating_sub(2)) >= NAME + 5 * WIDTH;
     let widths = if is_wide { (NAME, WIDTH) } else { NARROW };

@@ -12,8 +12,8 @@ use crate::axis::{PlotAxis, Scaling};
 use crate::selection::SelectedItem;
 use crate::view::View;
 use telemetry::frame_data::FrameData;
-use telemetry::numbers::{nice_ceiling, short};
 use telemetry::units::Units;
+use text::number::{nice_ceiling, short};
 
 /// Draws spectra along their axes.
 type Draw = fn(&View<'_>, &mut Spectral, Rect, &mut Buffer);

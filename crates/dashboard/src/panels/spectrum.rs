@@ -22,7 +22,7 @@ use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;
 use telemetry::jobs::{OrbitSpectrum, SpectrumRequest};
-use telemetry::numbers::short;
+use text::number::short;
 
 /// Orders that are marked, on both sides, the most important first.
 const ORDERS: [(f64, &str); 3] = [(1.0, "1X"), (0.5, ".5X"), (2.0, "2X")];

@@ -27,9 +27,9 @@ use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;
 use telemetry::history::{Mark, StepQuantity};
-use telemetry::numbers::{neat, nice_ceiling, short};
 use telemetry::replay::WhatIfRun;
 use telemetry::units::Unit;
+use text::number::{neat, nice_ceiling, short};
 
 /// What strips show if neither a person nor the layout says otherwise.
 const USUAL: &str = "y z u";

@@ -21,7 +21,7 @@ use crate::drawing::{framed, write, write_right};
 use crate::theme;
 use crate::view::View;
 use telemetry::jobs::{SpectrumRequest, Waterfall, WaterfallOrder, WaterfallRequest, WaterfallRow};
-use telemetry::numbers::short;
+use text::number::short;
 
 /// Decades of density from the first sign of ink to the most: amplitudes down to a thousandth.
 const DECADES: f64 = 6.0;

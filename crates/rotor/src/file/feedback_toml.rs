@@ -4,8 +4,9 @@ use std::ops::Range as Span;
 
 use text::{Domain, Faults, Reader, Table, Value, as_number};
 use toml::de::DeValue;
+use units::Units;
 
-use super::loop_toml::{self, FileUnits};
+use super::loop_toml;
 use super::write::{Lines, number, numbers};
 use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
 
@@ -50,12 +51,12 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
 }
 
 /// What the numbers of the loop count in.
-fn units(reader: &mut Reader<'_>, file: &Table<'_>, rotor: Option<&Rotor>, bearing: usize) -> FileUnits {
+fn units(reader: &mut Reader<'_>, file: &Table<'_>, rotor: Option<&Rotor>, bearing: usize) -> Units {
     let chosen = reader.choice(file, "units", &["dimensionless", "si"]);
-    let (Some("si"), Some(value)) = (chosen, file.get("units")) else { return FileUnits::DIMENSIONLESS };
-    rotor.and_then(|rotor| FileUnits::si(rotor, bearing)).unwrap_or_else(|| {
+    let (Some("si"), Some(value)) = (chosen, file.get("units")) else { return Units::DIMENSIONLESS };
+    rotor.and_then(|rotor| loop_toml::si_units(rotor, bearing)).unwrap_or_else(|| {
         reader.wrong("units", value, "\"dimensionless\": \"si\" needs a rotor in SI units, whose scales it takes");
-        FileUnits::DIMENSIONLESS
+        Units::DIMENSIONLESS
     })
 }
 

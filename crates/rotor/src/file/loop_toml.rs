@@ -3,65 +3,32 @@
 //! In SI files times are seconds, displacements metres, forces newtons, and the frequencies of filters hertz; what is read is
 //! always dimensionless. A transfer function is then one in `s` of 1/s.
 
-use control::{FILTERS, Filter, PARTS, Part, Parts, Quantity};
+use control::{FILTERS, Filter, PARTS, Part, Parts};
 use text::{Domain, Reader, Table, Value, as_number};
 use toml::de::DeValue;
+use units::{Dimension, Units};
 
 use super::write::{Lines, number, numbers};
 use crate::Rotor;
 
-/// What one unit of a file is in dimensionless units.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FileUnits {
-    time: f64,
-    displacement: f64,
-    force: f64,
-    /// Radians per `tau` in one unit of frequency.
-    frequency: f64,
-    /// `s` of the file in one `s` of ours.
-    inverse_time: f64,
-}
-
-impl FileUnits {
-    pub(super) const DIMENSIONLESS: Self =
-        Self { time: 1.0, displacement: 1.0, force: 1.0, frequency: 1.0, inverse_time: 1.0 };
-
-    /// Seconds, metres, newtons on the mass that carries the bearing, and hertz; `None` for a rotor without scales.
-    pub(super) fn si(rotor: &Rotor, bearing: usize) -> Option<Self> {
-        let scales = rotor.scales()?;
-        let mass = rotor.masses().get(bearing).map_or(1.0, |m| m.mass);
-        Some(Self {
-            time: scales.tau(1.0),
-            displacement: scales.length(1.0),
-            force: scales.acceleration(1.0, mass),
-            frequency: std::f64::consts::TAU / scales.w0,
-            inverse_time: 1.0 / scales.w0,
-        })
-    }
-
-    fn of(&self, quantity: Quantity) -> f64 {
-        match quantity {
-            Quantity::Time => self.time,
-            Quantity::Displacement => self.displacement,
-            Quantity::Force => self.force,
-            Quantity::ForceRate => self.force / self.time,
-            Quantity::Number => 1.0,
-        }
-    }
+/// What an SI file for `rotor` counts in: seconds, metres, newtons on the mass that carries the bearing, and hertz; `None` for
+/// a rotor without scales.
+pub(super) fn si_units(rotor: &Rotor, bearing: usize) -> Option<Units> {
+    let mass = rotor.masses().get(bearing).map_or(1.0, |m| m.mass);
+    rotor.scales().map(|scales| Units::of(Some(*scales), mass))
 }
 
 /// Reads `[loop]`; absent keys are absent parts.
-pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &FileUnits) -> Parts {
+pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &Units) -> Parts {
     let mut parts = Parts::default();
     let Some(table) = reader.table(file, "loop") else { return parts };
     let known: Vec<&str> = PARTS.iter().map(|part| part.name).collect();
     reader.only(table, &known);
     for part in &PARTS {
         let Some(value) = table.get(part.name) else { continue };
-        let unit = units.of(part.quantity);
-        match as_number(value).map(|typed| typed * unit) {
+        match as_number(value).map(|typed| units.typed(part.dimension, typed)) {
             Some(number) if part.admits(number) => (part.set)(&mut parts, number),
-            _ => reader.wrong(part.name, value, allowed(part, unit)),
+            _ => reader.wrong(part.name, value, allowed(part, units)),
         }
     }
     if parts.lag_damping > 0.0
@@ -73,13 +40,14 @@ pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &FileUnits
     parts
 }
 
-fn allowed(part: &Part, unit: f64) -> String {
+fn allowed(part: &Part, units: &Units) -> String {
     let absent = if part.absent.is_finite() { format!("{} or ", part.absent) } else { String::new() };
-    format!("{absent}a number from {} to {}", part.min / unit, part.max / unit)
+    let [min, max] = [part.min, part.max].map(|end| units.shown(part.dimension, end));
+    format!("{absent}a number from {min} to {max}")
 }
 
 /// Reads `filter = [..]` of a signal or of the bearing; there need not be any.
-pub(super) fn filters(reader: &mut Reader<'_>, table: &Table<'_>, units: &FileUnits) -> Vec<Filter> {
+pub(super) fn filters(reader: &mut Reader<'_>, table: &Table<'_>, units: &Units) -> Vec<Filter> {
     let Some(value) = table.get("filter") else { return vec![] };
     let DeValue::Array(list) = value.get_ref() else {
         reader.wrong("filter", value, "a list of filters: [{ kind = \"lowpass\", corner = 8.0, order = 2 }]");
@@ -88,7 +56,7 @@ pub(super) fn filters(reader: &mut Reader<'_>, table: &Table<'_>, units: &FileUn
     list.iter().filter_map(|item| filter(reader, item, units)).collect()
 }
 
-fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Option<Filter> {
+fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &Units) -> Option<Filter> {
     let DeValue::Table(table) = item.get_ref() else {
         reader.wrong("filter", item, "a filter: { kind = .. }");
         return None;
@@ -102,7 +70,10 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Optio
     let known: Vec<&str> = std::iter::once("kind").chain(keys.iter().copied()).collect();
     reader.only(table, &known);
     let within = (*kind, item.span());
-    let mut hertz = |key| reader.required(table, within.clone(), key, Domain::Positive) * units.frequency;
+    let mut hertz = |key| {
+        let typed = reader.required(table, within.clone(), key, Domain::Positive);
+        units.typed(Dimension::Frequency, typed)
+    };
     let made = match *kind {
         "lowpass" => {
             let corner = hertz("corner");
@@ -114,14 +85,15 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &FileUnits) -> Optio
         "synchronous-notch" => Filter::SynchronousNotch { width: hertz("width") },
         "integrator" => {
             let rate = reader.required(table, within, "rate", Domain::Positive);
-            Filter::Integrator { rate: rate * units.inverse_time }
+            Filter::Integrator { rate: units.typed(Dimension::Rate, rate) }
         }
         "derivative" => Filter::Derivative { corner: hertz("corner") },
         _ => {
             let mut polynomial = |key: &str| {
                 let list = reader.numbers(table, key, "coefficients in falling powers of s").unwrap_or_default();
                 // s of the file is s of ours times what one of ours is in theirs.
-                let scaled = |(power, (c, _)): (usize, (f64, _))| c * units.inverse_time.powi(-(power as i32));
+                let rate = units.typed(Dimension::Rate, 1.0);
+                let scaled = |(power, (c, _)): (usize, (f64, _))| c * rate.powi(-(power as i32));
                 let mut rising: Vec<f64> = list.into_iter().rev().enumerate().map(scaled).collect();
                 rising.reverse();
                 rising

@@ -1,8 +1,9 @@
 //! Profiles of speed: `[[leg]]` one after the other, dimensionless or, of a rotor in SI units, in rpm, rpm/s and seconds.
 
 use text::{Domain, Faults, Reader, Table};
+use units::{Dimension, Units};
 
-use crate::profile::{Leg, MAX_LEGS, Profile, ProfileUnits};
+use crate::profile::{Leg, MAX_LEGS, Profile};
 use crate::{PARAMETERS, Rotor};
 
 /// What a leg is, for a message.
@@ -16,7 +17,7 @@ const LEG: &str = "to = SPEED and rate = RATE, or dwell = TIME";
 /// that the setting `speed` may have.
 pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
-    let units = ProfileUnits::of(rotor.scales().copied());
+    let units = Units::of(rotor.scales().copied(), 1.0);
     reader.only(&file, &["from", "leg"]);
     let from = speed(&mut reader, &file, "from", &units).unwrap_or(0.0);
     let (mut now, mut legs, mut lines) = (from, Vec::new(), Vec::new());
@@ -34,12 +35,14 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
             for key in ["rate", "decay"].into_iter().filter(|key| has(key)) {
                 reader.fault(at.clone(), format!("{within}: {key} beside dwell"), LEG);
             }
-            let duration = reader.required(table, (&within, at), "dwell", Domain::Positive) * units.time;
+            let typed = reader.required(table, (&within, at), "dwell", Domain::Positive);
+            let duration = units.typed(Dimension::Time, typed);
             legs.push(Leg::Dwell { duration });
             continue;
         }
         let to = speed(&mut reader, table, "to", &units).unwrap_or(f64::NAN);
-        let rate = reader.required(table, (&within, at), "rate", Domain::Positive) * units.rate;
+        let typed = reader.required(table, (&within, at), "rate", Domain::Positive);
+        let rate = units.typed(Dimension::SpeedRate, typed);
         if let (true, Some(value)) = (to == now, table.get("to")) {
             reader.wrong("to", value, "another speed than that before it: this leg goes nowhere");
         }
@@ -54,15 +57,16 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
 }
 
 /// A speed under `key`, in the range of the setting.
-fn speed(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, units: &ProfileUnits) -> Option<f64> {
+fn speed(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, units: &Units) -> Option<f64> {
     let value = table.get(key)?;
     let typed = reader.number(table, key, Domain::Finite)?;
-    let speed = typed * units.speed;
+    let speed = units.typed(Dimension::Speed, typed);
     if let Some(row) = PARAMETERS.iter().find(|row| row.name == "speed")
         && !(row.min..=row.max).contains(&speed)
         && typed.is_finite()
     {
-        reader.wrong(key, value, format!("a speed from {} to {}", row.min / units.speed, row.max / units.speed));
+        let [min, max] = [row.min, row.max].map(|end| units.shown(Dimension::Speed, end));
+        reader.wrong(key, value, format!("a speed from {min} to {max}"));
     }
     Some(speed)
 }

@@ -1,5 +1,6 @@
 //! Rotor files.
 
+use text::number::counted;
 use text::{Domain, Fault, Faults, Reader, Table};
 use toml::de::DeValue;
 
@@ -37,8 +38,8 @@ pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Faults> {
     let needed = masses.len().saturating_sub(1);
     if shafts.len() != needed && !masses.is_empty() {
         let at = shafts.get(needed).or(shafts.last()).or(tables.last()).map_or(0..0, |(_, at)| at.clone());
-        let (found, needed) = (plural(shafts.len(), "shaft", "shafts"), plural(needed, "[[shaft]]", "[[shaft]]"));
-        let masses = plural(masses.len(), "mass", "masses");
+        let (found, needed) = (counted(shafts.len(), "shaft", "shafts"), counted(needed, "[[shaft]]", "[[shaft]]"));
+        let masses = counted(masses.len(), "mass", "masses");
         reader.fault(at, format!("{masses} and {found}"), format!("{needed}, one between each two masses"));
     }
     let stiffness: Vec<f64> = (shafts.iter().enumerate())
@@ -77,14 +78,6 @@ fn fitting(name: &str) -> String {
     let mut fitting: String = name.chars().filter(|c| !c.is_control()).collect();
     fitting.truncate(fitting.floor_char_boundary(MAX_NAME));
     if fitting.is_empty() { "rotor".into() } else { fitting }
-}
-
-fn plural(count: usize, one: &str, many: &str) -> String {
-    match count {
-        0 => format!("no {many}"),
-        1 => format!("1 {one}"),
-        _ => format!("{count} {many}"),
-    }
 }
 
 /// What only the whole file has wrong, such as a sum, is told where it says that it is in SI units.

@@ -40,10 +40,7 @@ impl Lines {
     }
 }
 
-/// A number with all its digits, as a TOML float.
-pub(super) fn number(number: f64) -> String {
-    format!("{number:?}")
-}
+pub(super) use text::number::toml as number;
 
 /// A list of numbers.
 pub(super) fn numbers(numbers: impl IntoIterator<Item = f64>) -> String {

@@ -1,5 +1,7 @@
 //! What a figure shows, as a table of numbers.
 
+use text::number::significant;
+
 use crate::csv::{Field, Lines};
 
 /// Columns with names and units, row by row.
@@ -23,18 +25,10 @@ impl Data {
     pub fn csv(&self) -> String {
         let mut lines = Lines::new(&self.header);
         for row in &self.rows {
-            lines.row(row.iter().map(|value| Field::Number(significant(*value))));
+            lines.row(row.iter().map(|value| Field::Number(significant(*value, 10))));
         }
         lines.finish()
     }
-}
-
-/// Ten significant digits, as the shortest number that has them.
-fn significant(value: f64) -> f64 {
-    if !value.is_finite() {
-        return value;
-    }
-    format!("{value:.9e}").parse().unwrap_or(value)
 }
 
 #[cfg(test)]

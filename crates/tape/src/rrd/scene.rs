@@ -95,7 +95,7 @@ impl Scene {
         let Revision { settings, poles, min_damping, .. } = revision;
         self.fastest = poles.iter().map(|p| p.im.abs()).fold(settings.speed.abs().max(0.1), f64::max);
         let mut chunks = Chunks::new();
-        let titled = |key: &rotor::Key| match key.parameter.unit {
+        let titled = |key: &rotor::Key| match key.parameter.unit() {
             "" => key.to_string(),
             unit => format!("{key} ({unit})"),
         };

@@ -28,7 +28,7 @@ pub struct PoleTraceRequest {
 impl PoleTraceRequest {
     /// What to ask at a present `speed`. The range follows the speed only in steps, so that it rarely asks anew.
     pub fn at(rotor: Arc<Rotor>, feedback: Feedback, speed: f64) -> Self {
-        let top = crate::numbers::nice_ceiling(1.25 * speed.max(0.0)).max(LEAST_TOP);
+        let top = text::number::nice_ceiling(1.25 * speed.max(0.0)).max(LEAST_TOP);
         Self { rotor, feedback, top }
     }
 

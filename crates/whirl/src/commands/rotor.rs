@@ -4,6 +4,7 @@ use rotor::file::{FeedbackDocument, Kind, kind_of, write_feedback, write_rotor};
 use rotor::{Feedback, Mass, Physical, Rotor, builtin};
 use serde::Serialize;
 use text::Fault;
+use text::number::counted;
 
 use crate::catalog::{self, FileError};
 use crate::failure::Failure;
@@ -223,7 +224,6 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
 
 /// What a sound file holds, in a few words.
 fn describe(content: &Content) -> String {
-    let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
     match content {
         Content::Rotor(rotor) => {
             let masses = counted(rotor.len(), "mass", "masses");

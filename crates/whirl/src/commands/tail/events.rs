@@ -82,7 +82,7 @@ impl Teller {
 fn words(difference: &Difference, (units, mass): (Units, f64)) -> Vec<String> {
     let values = difference.values.iter();
     let values = values.map(|(key, was, is)| {
-        let [was, is] = [*was, *is].map(|value| units.value(key.parameter.unit, mass, value));
+        let [was, is] = [*was, *is].map(|value| units.value(key.parameter.dimension, mass, value));
         format!("{key} {} -> {}", plain(was), plain(is))
     });
     values.chain(difference.law.then(|| "another feedback".to_owned())).collect()
