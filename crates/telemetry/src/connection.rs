@@ -1,6 +1,6 @@
-//! Whether there is somebody to hear.
+//! Whether the simulation is there and sends.
 
-/// How things stand between us and the simulation.
+/// Whether the simulation is there and sends.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Connection {
     /// No bench of that name yet, or a reason why we cannot attach.

@@ -1,5 +1,5 @@
-//! What has been heard from the simulation: the history, how things stand, and all of it that one frame is
-//! drawn from.
+//! Everything that is known of a bench, or of a recording around one moment: the history of its steps, the last bench status, the
+//! connection, a recorder, the events; and the part of it that one frame is drawn from ([`FrameData`]).
 
 use std::sync::Arc;
 use std::time::Instant;
@@ -21,7 +21,8 @@ const BEFORE: u64 = 10_240;
 /// Seconds that an overview shows at least.
 const OVERVIEW: f64 = 60.0;
 
-/// All that has been heard, in bounded memory. The reader thread writes it, the drawing thread takes the data of one frame at a time.
+/// See the module. Its memory is bounded. The reader thread (or the player of a recording) writes it, the drawing thread takes the data of
+/// one frame at a time.
 #[derive(Debug)]
 pub struct Feed {
     history: History,
@@ -37,14 +38,14 @@ pub struct Feed {
 }
 
 impl Feed {
-    /// A feed that has heard nothing, and why.
+    /// An empty feed, and why it is empty.
     #[cfg(any(test, feature = "test-support"))]
     #[must_use]
     pub fn new(why: &str) -> Self {
         Self::with_bound(why, crate::history::BOUND)
     }
 
-    /// A feed that has heard nothing, and why; its steps take at most `bound` bytes.
+    /// An empty feed, and why it is empty; its steps take at most `bound` bytes.
     pub fn with_bound(why: &str, bound: usize) -> Self {
         Self {
             history: History::new(bound),
@@ -60,7 +61,7 @@ impl Feed {
         }
     }
 
-    /// Takes in one state.
+    /// Adds the newest step of a bench, which came at `now`.
     pub fn push_step(&mut self, state: &impl Step, now: Instant) {
         self.history.push(state);
         self.sampler.hear(state);
@@ -70,7 +71,7 @@ impl Feed {
         self.changes += 1;
     }
 
-    /// Takes in one bench status.
+    /// Adds the newest bench status, with the settings and poles that hold from its step on.
     pub fn push_bench_status(&mut self, bench_status: Box<BenchStatus>) {
         self.history.note_bench_status(&bench_status);
         self.sampler.learn(&bench_status, self.history.lost());
@@ -81,24 +82,24 @@ impl Feed {
         self.changes += 1;
     }
 
-    /// Takes in one step of the past: nobody is heard, and no time passes.
+    /// Adds a step of a recording: no sign of life, no pace, no alarm comes of it.
     pub fn push_past_step(&mut self, state: &impl Step) {
         self.history.push(state);
         self.changes += 1;
     }
 
-    /// Takes in settings of the past, for the steps that were made with them.
+    /// Adds settings of a recording, for the steps that were made with them.
     pub fn note_past_settings(&mut self, bench_status: &BenchStatus) {
         self.history.note_bench_status(bench_status);
     }
 
-    /// Forgets every step; the next one gets the place `first`.
+    /// Forgets every step; the next one gets the index `first`.
     pub fn clear_steps(&mut self, first: u64) {
         self.history = self.history.emptied(first);
         self.changes += 1;
     }
 
-    /// What is in force at the moment that is looked at, which then stands for the present.
+    /// Sets what is in force at the moment of a recording that is looked at, in place of the present.
     pub fn set_present(&mut self, bench_status: Box<BenchStatus>) {
         if self.rotor.is_none() {
             self.rotor = bench_status.rotor().ok().map(Arc::new);
@@ -108,7 +109,7 @@ impl Feed {
         self.changes += 1;
     }
 
-    /// Takes in what is known of a recorder.
+    /// Sets what is known of a recorder.
     pub fn set_recorder(&mut self, status: Option<Box<RecorderStatus>>) {
         if self.recorder != status {
             self.recorder = status;
@@ -121,7 +122,7 @@ impl Feed {
         self.recorder.as_deref()
     }
 
-    /// Takes in an event.
+    /// Adds an event, if it is news.
     pub fn push_event(&mut self, event: &Event) {
         let is_news = self.event_log.push(event, &self.units());
         self.sampler.happen(event);
@@ -131,13 +132,13 @@ impl Feed {
         self.changes += u64::from(is_news);
     }
 
-    /// Takes in an event of a recording.
+    /// Adds an event of a recording.
     pub fn push_past_event(&mut self, event: &RecordedEvent) {
         let units = self.units();
         self.event_log.push_past(event, &units);
     }
 
-    /// Notes how things stand; what has been heard stays.
+    /// Sets whether the simulation is there and sends; what has come from it stays.
     pub fn set_connection(&mut self, connection: Connection) {
         if self.connection != connection {
             self.connection = connection;
@@ -145,7 +146,7 @@ impl Feed {
         }
     }
 
-    /// What is to be held against the alarms' limits: all that has come in since this was last asked.
+    /// Takes what is to be held against the alarms' limits: the worst of all that has come since this was last asked.
     pub fn take_alarm_reading(&mut self) -> Reading {
         self.sampler.take()
     }
@@ -155,7 +156,7 @@ impl Feed {
         self.last_step_at
     }
 
-    /// How things stand.
+    /// Whether the simulation is there and sends.
     pub fn connection(&self) -> &Connection {
         &self.connection
     }
@@ -175,7 +176,7 @@ impl Feed {
         Units::of(self.bench_status.as_ref().and_then(|bench_status| bench_status.scales()), Some(1.0))
     }
 
-    /// What has happened.
+    /// The steps that are kept, with the settings they were made under.
     pub fn history(&self) -> &History {
         &self.history
     }
@@ -189,7 +190,7 @@ impl Feed {
             .map_or(0.0, f64::recip)
     }
 
-    /// Rises with everything that is taken in: a frame of the same count shows nothing new.
+    /// Rises with everything that is added: a frame of the same count shows nothing new.
     pub fn changes(&self) -> u64 {
         self.changes
     }

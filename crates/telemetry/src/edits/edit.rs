@@ -1,10 +1,10 @@
-//! What a person wants changed, and what that makes of settings.
+//! A change of the machine that a person asks for, and what it makes of settings.
 
 use rotor::{C64, Key, Settings, SettingsError};
 
 use crate::units::Units;
 
-/// What a person wants changed.
+/// A change of the machine that a person asks for.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Edit {
     /// Raise a setting.

@@ -2,7 +2,7 @@
 //!
 //! An edit is applied to the newest settings known, whoever made them, and sent whole with the revision it is based on.
 //! If somebody else's change came between, the simulation refuses and the edit is applied anew. A change that would make a
-//! stable rotor unstable is not sent, whatever makes it: a person is asked first. [`edit`] is what can be wanted,
+//! stable rotor unstable is not sent, whatever makes it: a person is asked first. [`edit`] is what can be asked for,
 //! [`undo`] what can be taken back.
 
 mod edit;
@@ -34,10 +34,10 @@ const NUDGED: &str = "nudged";
 const UNDO: &str = "undo";
 const REDO: &str = "redo";
 
-/// What the reader tells the edit thread.
+/// What the reader passes on to the edit thread.
 #[derive(Clone, Debug)]
-pub enum News {
-    /// How things stand.
+pub enum BenchNews {
+    /// The newest bench status.
     BenchStatus(Arc<BenchStatus>),
     /// Something has happened.
     Event(Box<Event>),
@@ -67,7 +67,7 @@ pub fn spawn<C: Carrier>(
     carrier: C,
     bench: BenchName,
     edits: Receiver<Edit>,
-    news: Receiver<News>,
+    news: Receiver<BenchNews>,
     outcomes: Sender<EditOutcome>,
 ) -> std::io::Result<JoinHandle<()>> {
     std::thread::Builder::new().name("edits".into()).spawn(move || {
@@ -92,7 +92,7 @@ pub fn spawn<C: Carrier>(
                 },
                 recv(edits) -> edit => {
                     let Ok(edit) = edit else { return };
-                    let outcome = edit_thread.carry(&edit);
+                    let outcome = edit_thread.carry_out(&edit);
                     tracing::debug!(?edit, ?outcome);
                     if outcomes.send(outcome).is_err() {
                         return;
@@ -105,7 +105,7 @@ pub fn spawn<C: Carrier>(
 
 /// The newest settings.
 #[derive(Clone, Debug)]
-struct Known {
+struct KnownSettings {
     run: u64,
     revision: u64,
     settings: Settings,
@@ -113,7 +113,7 @@ struct Known {
 }
 
 /// A change that has been accepted.
-struct Applied {
+struct AppliedChange {
     before: Settings,
     after: Settings,
     answer: Answer,
@@ -123,19 +123,19 @@ struct EditThread<C: Carrier> {
     carrier: C,
     bench: BenchName,
     who: String,
-    news: Receiver<News>,
+    news: Receiver<BenchNews>,
     commander: Option<C::Commander>,
     rotor: Option<Rotor>,
-    known: Option<Known>,
-    /// Spin speed that was told of last.
+    known: Option<KnownSettings>,
+    /// The last spin speed that a bench status or an event had.
     present_speed: f64,
     undo_history: UndoHistory,
 }
 
 impl<C: Carrier> EditThread<C> {
-    fn learn(&mut self, news: News) {
+    fn learn(&mut self, news: BenchNews) {
         match news {
-            News::Event(event) => {
+            BenchNews::Event(event) => {
                 self.undo_history.push_event(&event);
                 // It may come before the bench status that tells the same.
                 if let Some(known) = &mut self.known
@@ -146,7 +146,7 @@ impl<C: Carrier> EditThread<C> {
                     known.by = event.who.as_str().to_owned();
                 }
             }
-            News::BenchStatus(bench_status) => {
+            BenchNews::BenchStatus(bench_status) => {
                 let (run, revision) = (bench_status.run_id, bench_status.revision);
                 self.present_speed = bench_status.present_speed();
                 if self.known.as_ref().is_none_or(|known| known.run != run) {
@@ -155,12 +155,12 @@ impl<C: Carrier> EditThread<C> {
                     return;
                 }
                 let by = bench_status.changed_by.as_str().to_owned();
-                self.known = Some(Known { run, revision, settings: bench_status.settings.get().clone(), by });
+                self.known = Some(KnownSettings { run, revision, settings: bench_status.settings.get().clone(), by });
             }
         }
     }
 
-    fn carry(&mut self, edit: &Edit) -> EditOutcome {
+    fn carry_out(&mut self, edit: &Edit) -> EditOutcome {
         while let Ok(news) = self.news.try_recv() {
             self.learn(news);
         }
@@ -230,10 +230,10 @@ impl<C: Carrier> EditThread<C> {
         edit: &Edit,
         agreed: Option<&Settings>,
         change: impl Fn(&mut Settings) -> Result<(), String>,
-    ) -> Result<Applied, EditOutcome> {
+    ) -> Result<AppliedChange, EditOutcome> {
         let mut refusal = String::from("no settings are known yet");
         for _ in 0..TRIES {
-            let Some(Known { run, revision, settings: before, .. }) = self.known.clone() else { break };
+            let Some(KnownSettings { run, revision, settings: before, .. }) = self.known.clone() else { break };
             let mut after = before.clone();
             change(&mut after)?;
             if agreed != Some(&after)
@@ -245,8 +245,8 @@ impl<C: Carrier> EditThread<C> {
             let answer = self.ask(&request, &edit.reason())?;
             if answer.is_accepted() {
                 let by = self.who.clone();
-                self.known = Some(Known { run, revision: answer.revision, settings: after.clone(), by });
-                return Ok(Applied { before, after, answer });
+                self.known = Some(KnownSettings { run, revision: answer.revision, settings: after.clone(), by });
+                return Ok(AppliedChange { before, after, answer });
             }
             refusal = answer.reason.as_str().to_owned();
             if answer.outdated == 0 {
@@ -262,7 +262,7 @@ impl<C: Carrier> EditThread<C> {
         StabilityLoss::between(self.rotor.as_ref()?, before, after, self.present_speed).map(|loss| loss.then)
     }
 
-    /// Waits until every change that led to the newest settings has been told. Those that are not told in time are one.
+    /// Waits until every change that led to the newest settings has come as an event. Those that have not come in time count as one.
     fn catch_up(&mut self) {
         let is_told = |edit_thread: &Self| {
             let reaches = edit_thread.undo_history.known_up_to();

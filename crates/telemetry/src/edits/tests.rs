@@ -26,9 +26,9 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<EditOutcome>, Setti
         event.settings = current.settings.clone();
         (event.who, event.why) = (Text::new(who), Text::new(why));
         event.wall_ns = 1_000_000_000;
-        News::Event(event)
+        BenchNews::Event(event)
     };
-    tell.send(News::BenchStatus(Arc::new((*current).clone()))).unwrap();
+    tell.send(BenchNews::BenchStatus(Arc::new((*current).clone()))).unwrap();
     tell.send(event(&current, Happening::Started, "sim", "")).unwrap();
     spawn(carrier.clone(), bench, edit, news, outcome).unwrap();
     let mut told = Vec::new();
@@ -52,7 +52,7 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<EditOutcome>, Setti
                     Change::Settings { base_revision, .. } if base_revision != current.revision => {
                         // The news that another console has been at work comes after the refusal.
                         untold.drain(..).for_each(|event| tell.send(event).unwrap());
-                        tell.send(News::BenchStatus(Arc::new((*current).clone()))).unwrap();
+                        tell.send(BenchNews::BenchStatus(Arc::new((*current).clone()))).unwrap();
                         Answer { outdated: 1, ..Answer::refused(current.revision, "changed meanwhile") }
                     }
                     Change::Settings { settings, .. } => {

@@ -1,7 +1,8 @@
 //! The changes of settings that can be taken back and made again, by whomever.
 //!
-//! A pure function of the events of one run: dashboards that have heard the same events hold the same undo history, so that what
-//! one undoes another can redo. An event tells who, why and the settings after it; why tells undo and redo from changes.
+//! A pure function of the events of one run: dashboards with the same events hold the same undo history, so that what
+//! one undoes another can redo. An event has who, why and the settings after it; its why
+//! tells undo and redo from changes.
 
 use rotor::{Difference, Key, Settings};
 use wire::{Event, Happening};
@@ -37,7 +38,7 @@ pub(crate) struct UndoHistory {
 }
 
 impl UndoHistory {
-    /// Run and revision up to which changes have been told.
+    /// Run and revision up to which changes are known.
     pub(crate) fn known_up_to(&self) -> (u64, u64) {
         (self.run, self.revision)
     }
@@ -70,7 +71,7 @@ impl UndoHistory {
     fn note(&mut self, (run, revision, wall_ns): (u64, u64, u64), who: &str, why: &str, settings: &Settings) {
         let before = self.settings.take().filter(|_| run == self.run);
         let Some(before) = before else {
-            // What came before another run, or before the first event that we have heard, cannot be taken back.
+            // What came before another run, or before the first event that has come, cannot be taken back.
             *self = Self { run, revision, settings: Some(settings.clone()), ..Self::default() };
             return;
         };

@@ -217,7 +217,7 @@ impl History {
         self.eras.push_back(Arc::new(era));
     }
 
-    /// The settings and poles in force at a step, if they are known; of a revision that was not told of, the one before.
+    /// The settings and poles in force at a step, if they are known; of a revision whose bench status never came, the one before.
     pub fn era_at(&self, place: u64) -> Option<&Arc<Era>> {
         let passed = self.passages.partition_point(|(from, ..)| *from <= place).checked_sub(1)?;
         let (_, run, revision) = self.passages[passed];

@@ -1,5 +1,6 @@
 //! What is shown of a player beside the data of the frame, and the machine run beside the recorded one, by the steps of that data.
 
+use wire::Channel;
 use wire::message::{Flags, Trip};
 
 use super::RecordedEvent;
@@ -7,6 +8,7 @@ use super::branch::Branch;
 use super::loaded_steps::LoadedSteps;
 use super::player::{LoopRange, Player};
 use crate::frame_data::FrameData;
+use crate::history::StepQuantity;
 
 /// What is shown of a player beside the data of the frame.
 #[derive(Clone, Debug)]
@@ -63,6 +65,22 @@ impl WhatIfRun<'_> {
     /// Control `[y, z]` at step `step` of the track.
     pub fn force(&self, step: usize) -> Option<[f64; 2]> {
         self.branch.force(self.loaded.seq_of(self.first + step as u64))
+    }
+
+    /// A quantity at step `step` of the track: of displacements and of the control; nothing of any other.
+    pub fn value(&self, quantity: StepQuantity, step: usize) -> Option<f64> {
+        let size = |[y, z]: [f64; 2]| y.hypot(z);
+        match quantity {
+            StepQuantity::Of(Channel::Y, mass) => self.displacement(step, mass).map(|[y, _]| y),
+            StepQuantity::Of(Channel::Z, mass) => self.displacement(step, mass).map(|[_, z]| z),
+            StepQuantity::FORCE_Y => self.force(step).map(|[y, _]| y),
+            StepQuantity::FORCE_Z => self.force(step).map(|[_, z]| z),
+            StepQuantity::FORCE => self.force(step).map(size),
+            StepQuantity::Size(_, mass) if quantity == StepQuantity::radius(mass) => {
+                self.displacement(step, mass).map(size)
+            }
+            _ => None,
+        }
     }
 
     /// The step from which it runs on.
