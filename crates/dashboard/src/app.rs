@@ -1,9 +1,12 @@
 //! The loop: input first, then answers, then the clock. What an action does is [`act`]'s.
 
 mod act;
+mod edits;
 #[cfg(test)]
 mod fuzz;
 mod keys;
+mod mouse;
+mod pacing;
 mod playback;
 mod plots;
 mod recording;
@@ -29,10 +32,10 @@ use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::layout::Layout;
 use crate::options::{DashboardError, Ended, Options};
-use crate::panels::panel::{Mouse, PanelRequest};
 use crate::panels::registry::Panels;
 use crate::screen;
 use crate::selection::Selection;
+use crate::signals;
 use crate::terminal::{self, Screen};
 use crate::view::{Message, SettingsCursor, View};
 use telemetry::command_history::CommandHistory;
@@ -48,12 +51,8 @@ use telemetry::replay::Player;
 use telemetry::view_time::ViewTime;
 use telemetry::what_if::WhatIf;
 
-/// Time between two frames while everything moves: 30 a second.
-const FRAME: Duration = Duration::from_millis(33);
-/// Time between two looks while the view is paused.
-const PAUSED_FRAME: Duration = Duration::from_millis(250);
-/// How often the age of silent data is drawn anew.
-const SILENT_FRAME: Duration = Duration::from_millis(200);
+use pacing::{FeedState, Pacing};
+
 /// How long a message stays at the foot.
 const MESSAGE: Duration = Duration::from_secs(6);
 
@@ -118,7 +117,7 @@ pub(crate) struct App<'a> {
     /// A gain search under way.
     search: Option<GainSearch>,
     /// What the gains in force do and what those do that a search found, while that waits for an answer.
-    beside: Vec<crate::view::PopupRow>,
+    compared: Vec<crate::view::PopupRow>,
     /// What is pointed at beside a moment.
     selection: Selection,
 }
@@ -168,24 +167,24 @@ impl<'a> App<'a> {
             player: None,
             recorder_process: None,
             search: None,
-            beside: Vec::new(),
+            compared: Vec::new(),
             selection: Selection::default(),
         }
     }
 
     /// Shows the bench until a person, a signal or a failure ends it.
     pub(crate) fn run(&mut self, mut screen: Screen, streams: &Streams) -> Result<Ended, DashboardError> {
-        let mut drawn = Drawn::default();
+        let mut pacing = Pacing::default();
         loop {
             if let Some(ended) = self.quit {
                 return Ok(ended);
             }
-            match self.attend(&mut screen, &mut drawn) {
+            match self.attend(&mut screen, &mut pacing) {
                 Err(error) if terminal::is_gone(&error) => return Ok(Ended::Interrupted),
                 done => done?,
             }
             let moving = self.player.as_ref().map_or_else(|| self.time.is_live(), Player::is_busy);
-            let tick = channel::after(if moving { FRAME } else { PAUSED_FRAME });
+            let tick = channel::after(pacing.patience(moving, Instant::now()));
             select_biased! {
                 recv(streams.inputs) -> input => {
                     self.take(input.unwrap_or(Input::Closed));
@@ -193,17 +192,25 @@ impl<'a> App<'a> {
                     while let Ok(input) = streams.inputs.try_recv() {
                         self.take(input);
                     }
-                    drawn.stale = true;
+                    pacing.ask();
                 }
                 recv(streams.outcomes) -> outcome => {
                     if let Ok(outcome) = outcome {
                         self.take_outcome(outcome);
                     }
-                    drawn.stale = true;
+                    pacing.ask();
                 }
                 // A reader that has ended wakes nobody: then only the clock does.
-                recv(streams.wakes) -> wake => drawn.stale |= wake.is_ok(),
-                recv(tick) -> _ => drawn.stale |= self.tick(),
+                recv(streams.wakes) -> wake => {
+                    if wake.is_ok() {
+                        pacing.ask();
+                    }
+                }
+                recv(tick) -> _ => {
+                    if self.tick() {
+                        pacing.ask();
+                    }
+                }
             }
             if Screen::is_broken() {
                 return Err(DashboardError::Panicked);
@@ -212,41 +219,32 @@ impl<'a> App<'a> {
     }
 
     /// What the terminal is asked for: to be given away and taken back, to ring, and to show a frame.
-    fn attend(&mut self, screen: &mut Screen, drawn: &mut Drawn) -> io::Result<()> {
+    fn attend(&mut self, screen: &mut Screen, pacing: &mut Pacing) -> io::Result<()> {
         if std::mem::take(&mut self.suspend) {
-            screen.suspend()?;
-            drawn.stale = true;
+            screen.suspend(signals::stop)?;
+            pacing.ask();
         }
         if std::mem::take(&mut self.continued) {
             screen.take_again()?;
-            drawn.stale = true;
+            pacing.ask();
         }
         self.watch_alarms();
         if std::mem::take(&mut self.rings) {
             screen.ring();
         }
-        let now = Instant::now();
-        if self.is_due(drawn, now) {
-            let changes = lock(&self.feed).changes();
+        let (now, feed) = (Instant::now(), self.feed_state());
+        if pacing.is_due(feed, now) {
             screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))?;
-            *drawn = Drawn { at: Some(now), changes, stale: false };
+            pacing.drawn(feed.changes, now);
         }
         Ok(())
     }
 
-    /// Whether a frame would show something new.
-    fn is_due(&self, drawn: &Drawn, now: Instant) -> bool {
-        let Some(at) = drawn.at else { return true };
-        if drawn.stale {
-            return true;
-        }
-        if !self.time.is_live() {
-            return false;
-        }
-        let age = now.saturating_duration_since(at);
+    /// What a frame would be drawn from now.
+    fn feed_state(&self) -> FeedState {
         let feed = lock(&self.feed);
-        (feed.changes() != drawn.changes && age >= FRAME.mul_f64(0.9))
-            || (feed.last_step_at().is_some() && age >= SILENT_FRAME)
+        let has_steps = feed.last_step_at().is_some();
+        FeedState { changes: feed.changes(), has_steps, is_live: self.time.is_live() }
     }
 
     /// Draws a frame, in roles: the last pass makes colours of them. Drawing does nothing else: what has come in is heeded between frames.
@@ -275,7 +273,7 @@ impl<'a> App<'a> {
         });
         let popup = match self.layers.last() {
             Some(Layer::Command(line)) => self.popup(line.text(), &data),
-            Some(Layer::AskFound(..) | Layer::AskUnstable(..)) => self.beside.clone(),
+            Some(Layer::AskFound(..) | Layer::AskUnstable(..)) => self.compared.clone(),
             _ => Vec::new(),
         };
         let view = View {
@@ -387,13 +385,4 @@ impl<'a> App<'a> {
             Input::Mouse(event) => self.mouse(event),
         }
     }
-}
-
-/// What was last drawn.
-#[derive(Debug, Default)]
-struct Drawn {
-    at: Option<Instant>,
-    changes: u64,
-    /// Something other than the feed has changed since.
-    stale: bool,
 }

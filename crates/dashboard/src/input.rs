@@ -1,4 +1,4 @@
-//! The keyboard thread: keys, the mouse and resizes as messages. Signals are [`crate::signals`]'.
+//! The keyboard thread: keys, the mouse and resizes as messages. Signals are the module `signals`'.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -29,6 +29,17 @@ pub(crate) enum Input {
     Continued,
     /// The terminal is gone.
     Closed,
+}
+
+/// What the mouse does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Mouse {
+    /// The left button goes down.
+    Click,
+    /// The mouse moves so many cells to the right with the left button down.
+    Drag(i32),
+    /// The wheel turns so many notches towards us.
+    Wheel(i32),
 }
 
 /// Reads the terminal until `stop` becomes true.

@@ -7,7 +7,10 @@ use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 
 use crate::actions::{ACTIONS, Action, ActionRow, KeyBinding, parse};
 
-/// A key with what is held down.
+/// A key with what is held down, spelled as in configuration files.
+///
+/// Read here and not by a library: crokey 1.5 reads `X` as `x` and shows `-` as `Hyphen`, so keys that people have in their
+/// files would come to mean others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Chord(KeyCode, KeyModifiers);
 
@@ -185,6 +188,7 @@ impl Keymap {
 mod tests {
     use super::*;
     use KeyCode::{Char, Left, Right};
+    use telemetry::edits::Edit;
 
     const NONE: KeyModifiers = KeyModifiers::NONE;
     const SHIFT: KeyModifiers = KeyModifiers::SHIFT;
@@ -220,10 +224,10 @@ mod tests {
         assert_eq!(does(Char('c'), CTRL), Some(Action::Quit));
         assert_eq!(does(Char('c'), NONE), None);
         assert_eq!(does(KeyCode::BackTab, SHIFT), Some(Action::Choose("-1".into())));
-        assert_eq!(does(Char('R'), SHIFT), Some(Action::Restart));
-        assert_eq!(does(Char('r'), CTRL), Some(Action::Redo));
-        assert_eq!(does(Right, SHIFT), Some(Action::Nudge(10.0)));
-        assert_eq!(does(Left, CTRL), Some(Action::Nudge(-0.1)));
+        assert_eq!(does(Char('R'), SHIFT), Some(Action::Edit(Edit::Restart)));
+        assert_eq!(does(Char('r'), CTRL), Some(Action::Edit(Edit::Redo)));
+        assert_eq!(does(Right, SHIFT), Some(Action::NudgeSelected(10.0)));
+        assert_eq!(does(Left, CTRL), Some(Action::NudgeSelected(-0.1)));
         assert_eq!(does(Char('s'), NONE), Some(Action::Command("save ".into())));
         assert_eq!(does(Char('3'), NONE), Some(Action::Layout("3".into())));
     }
@@ -235,8 +239,8 @@ mod tests {
         keymap.bind("u", "").unwrap();
         keymap.bind("f5", "undo").unwrap();
         let does = |code| keymap.action(KeyEvent::new(code, NONE));
-        assert!(matches!(does(Char('x')), Some(Action::Set(_))));
-        assert_eq!((does(Char('u')), does(KeyCode::F(5))), (None, Some(Action::Undo)));
+        assert!(matches!(does(Char('x')), Some(Action::SetTyped(_))));
+        assert_eq!((does(Char('u')), does(KeyCode::F(5))), (None, Some(Action::Edit(Edit::Undo))));
         assert_eq!(keymap.own().collect::<Vec<_>>(), [("x".to_owned(), "speed 3")]);
         for (key, command, complaint) in [
             ("q", "undo", "'q': expected another key: this one always quits"),

@@ -6,12 +6,19 @@
 //! ([`signals`]). The loop in [`app`] takes input first, then answers, then the clock, and draws a
 //! [`FrameData`](telemetry::frame_data::FrameData): pausing stops the view, never the data.
 //!
+//! Modules name each other one way: what can be said of a plot ([`axis`], [`series`], [`selection`]) knows nobody; [`actions`] are
+//! made of it, [`keymap`] and [`layers`] of them; a [`view`] is all that [`panels`] see; [`screen`] puts panels, lines and layers
+//! together, and [`app`] alone carries actions out.
+//!
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
 
 mod actions;
 mod app;
 mod appearance;
+#[cfg(test)]
+mod arrows;
 mod axis;
+mod capture;
 mod complete;
 mod config;
 mod drawing;
@@ -43,6 +50,7 @@ mod time_line;
 mod view;
 
 pub use appearance::{AppearanceOptions, ThemeName, UnknownTheme};
+pub use capture::{KeyPresses, take_screenshot};
 pub use config::Config;
 pub use headless::{Frames, Headless};
 pub use keymap::Keymap;
@@ -53,6 +61,5 @@ pub use panels::registry::panels;
 pub use replay::replay;
 pub use screenshot::file::stamp;
 pub use screenshot::image::Screenshot;
-pub use screenshot::{KeyPresses, take_screenshot};
 pub use session::run;
 pub use terminal::restore_on_panic;

@@ -58,6 +58,17 @@ impl Selection {
     }
 }
 
+/// Where the read-out of a plot shall stand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum ReadoutMove {
+    /// So many columns, or modes, further on.
+    Move(i32),
+    /// At a value as it stands on the axis.
+    At(f64),
+    /// Nowhere.
+    Off,
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -50,8 +50,8 @@ pub fn run<'a, C: Carrier>(
     let (wake, wakes) = channel::bounded(1);
     let idle = Arc::new(AtomicBool::new(false));
     let jobs = Jobs::start(&wake)?;
-    let wires = ReaderChannels { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
-    let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), wires)?;
+    let channels = ReaderChannels { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
+    let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), channels)?;
     let editor = edits::spawn(carrier, bench.clone(), take_edits, news, send_outcome)?;
     let screen = Screen::take(Look::of_environment(options.wishes))?;
     input::keyboard(send_input, stop.clone())?;

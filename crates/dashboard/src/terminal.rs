@@ -20,7 +20,6 @@ use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 
 use crate::appearance::Look;
-use crate::signals;
 
 /// Whether the screen is ours at the moment.
 static TAKEN: AtomicBool = AtomicBool::new(false);
@@ -53,14 +52,14 @@ impl Screen {
         taken
     }
 
-    /// Gives the terminal back, stops this process as the shell's ctrl-z would, and takes the terminal over again when
+    /// Gives the terminal back, stops this process as the shell's ctrl-z would (with `stop`), and takes the terminal over again when
     /// it is continued. Where no shell waits for it, it is not stopped.
     ///
     /// # Errors
     /// The terminal fails, or is gone by then.
-    pub(crate) fn suspend(&mut self) -> io::Result<()> {
+    pub(crate) fn suspend(&mut self, stop: impl FnOnce()) -> io::Result<()> {
         give_back();
-        signals::stop();
+        stop();
         self.terminal = take_over()?;
         Ok(())
     }

@@ -1,5 +1,5 @@
 //! Colours by meaning. Panels paint in *roles*: palette numbers that are never sent to a terminal. The last pass over a
-//! frame, [`Look::finish`](crate::appearance::Look::finish), puts the chosen theme's colours in their place. Nothing is told
+//! frame, `appearance::Look::finish`, puts the chosen theme's colours in their place. Nothing is told
 //! by colour alone: words and signs say it too.
 
 use alarms::Level;

@@ -1,8 +1,10 @@
 //! What can be asked of the dashboard.
 
 use rotor::Key;
+use telemetry::edits::Edit;
 
 use crate::axis::Scaling;
+use crate::selection::ReadoutMove;
 use crate::series::Strip;
 
 /// What a person asks of the dashboard.
@@ -10,12 +12,14 @@ use crate::series::Strip;
 pub(crate) enum Action {
     /// Select the setting so many rows further down.
     Select(isize),
+    /// Change the machine in a way that needs nothing filled in: undo, redo, control off, a note, a restart.
+    Edit(Edit),
     /// Raise the selected setting by so many of its steps.
-    Nudge(f64),
+    NudgeSelected(f64),
     /// Start to type a value; enter takes it, esc drops it.
     Type,
-    /// Set these, all at once.
-    Set(Vec<(Key, f64)>),
+    /// Set these, all at once, as they were typed: in the units of the bench.
+    SetTyped(Vec<(Key, f64)>),
     /// The speed goes from one (the present one if there is none) to another at a rate, all as typed.
     RunUp {
         /// The speed that it is to have now.
@@ -27,30 +31,20 @@ pub(crate) enum Action {
     },
     /// The speed stays where it is on its way.
     Stay,
-    /// Take back the last change, whoever made it.
-    Undo,
-    /// Make it again.
-    Redo,
-    /// All gains to zero.
-    Off,
     /// Search gains; this says for what.
     Search(String),
-    /// Strike the rotor.
-    Impulse,
-    /// Restart from rest, or bring back a simulation that has ended.
-    Restart,
+    /// Strike the mass with the control bearing.
+    StrikeBearing,
     /// Hold the present settings to compare with.
     Hold,
     /// Change places between the held settings and the present ones.
-    Swap,
+    SwapHeld,
     /// Keep the gains under a name.
     Save(String),
     /// Take gains kept under a name.
     Load(String),
     /// Delete gains kept under a name.
     Delete(String),
-    /// Put a note on the record.
-    Note(String),
     /// Stop and go on with the picture.
     Pause,
     /// Move the cursor by so many seconds.
@@ -105,15 +99,4 @@ pub(crate) enum Action {
     Suspend,
     /// End.
     Quit,
-}
-
-/// Where the read-out of a plot shall stand.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum ReadoutMove {
-    /// So many columns, or modes, further on.
-    Move(i32),
-    /// At a value as it stands on the axis.
-    At(f64),
-    /// Nowhere.
-    Off,
 }

@@ -112,5 +112,5 @@ pub(super) fn assignments(text: &str) -> Result<Action, String> {
         };
         set.push((key, number.map_err(|error| format!("{key} = {error}"))?));
     }
-    Ok(Action::Set(set))
+    Ok(Action::SetTyped(set))
 }

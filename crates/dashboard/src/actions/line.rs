@@ -38,8 +38,9 @@ pub(crate) fn parse(line: &str) -> Result<Action, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::actions::ReadoutMove;
     use crate::axis::Scaling;
+    use crate::selection::ReadoutMove;
+    use telemetry::edits::Edit;
 
     #[test]
     fn every_row_and_every_key_is_a_command_that_parses() {
@@ -59,10 +60,10 @@ mod tests {
     fn commands_are_parsed_and_mistakes_told() {
         let key = |name: &str| name.parse::<Key>().unwrap();
         assert_eq!(parse("seek -30"), Ok(Action::Seek(-30.0)));
-        assert_eq!(parse("  note two words "), Ok(Action::Note("two words".into())));
-        assert_eq!(parse("speed 6"), Ok(Action::Set(vec![(key("speed"), 6.0)])));
-        assert_eq!(parse("kd.2=-1e-3"), Ok(Action::Set(vec![(key("kd.2"), -1e-3)])));
-        assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::Set(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
+        assert_eq!(parse("  note two words "), Ok(Action::Edit(Edit::Note("two words".into()))));
+        assert_eq!(parse("speed 6"), Ok(Action::SetTyped(vec![(key("speed"), 6.0)])));
+        assert_eq!(parse("kd.2=-1e-3"), Ok(Action::SetTyped(vec![(key("kd.2"), -1e-3)])));
+        assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::SetTyped(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
         assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
         let fix = |low, high| Scaling::Fix([low, high]);
         assert_eq!(parse("scale 0.5"), Ok(Action::Scale(None, vec![Scaling::Times(0.5)])));

@@ -6,8 +6,10 @@
 mod action;
 mod argument;
 mod line;
+mod row;
 mod table;
 
-pub(crate) use action::{Action, ReadoutMove};
+pub(crate) use action::Action;
 pub(crate) use line::parse;
-pub(crate) use table::{ACTIONS, ActionRow, KeyBinding, MOUSE};
+pub(crate) use row::{ActionRow, KeyBinding};
+pub(crate) use table::{ACTIONS, MOUSE};

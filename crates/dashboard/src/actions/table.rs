@@ -1,41 +1,12 @@
 //! The table itself.
 
-use super::action::{Action, ReadoutMove};
+use super::action::Action;
 use super::argument::{assignments, moves, number, run_up, scale, spectra, times, whole, within};
+use super::row::{ActionRow, keys};
+use crate::selection::ReadoutMove;
 use crate::series::Strip;
+use telemetry::edits::Edit;
 use telemetry::view_time::SPANS;
-
-/// One action.
-pub(crate) struct ActionRow {
-    /// Its name, as typed after `:` and in the configuration.
-    pub(crate) name: &'static str,
-    /// What must follow the name, in capitals; in brackets what may; empty if nothing does.
-    pub(crate) argument: &'static str,
-    /// What it does, as the command line tells it.
-    pub(crate) meaning: &'static str,
-    /// Its keys.
-    pub(crate) keys: &'static [KeyBinding],
-    /// What it makes of its argument.
-    pub(super) make: fn(&str) -> Result<Action, String>,
-}
-
-/// Keys that do the same, more or less.
-pub(crate) struct KeyBinding {
-    /// Each with what follows the name of the action.
-    pub(crate) chords: &'static [(&'static str, &'static str)],
-    /// What they do.
-    pub(crate) meaning: &'static str,
-    /// The same in a word or two, if it is hinted at the foot of the screen.
-    pub(crate) hint: Option<&'static str>,
-}
-
-const fn keys(
-    chords: &'static [(&'static str, &'static str)],
-    meaning: &'static str,
-    hint: Option<&'static str>,
-) -> KeyBinding {
-    KeyBinding { chords, meaning, hint }
-}
 
 /// Every action, in the order of the help screen.
 pub(crate) const ACTIONS: &[ActionRow] = &[
@@ -84,7 +55,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
             keys(&[("shift-left", "-10"), ("shift-right", "10"), ("H", "-10"), ("L", "10")], "by ten steps", None),
             keys(&[("ctrl-left", "-0.1"), ("ctrl-right", "0.1")], "by a tenth of a step", None),
         ],
-        make: |steps| number(steps).and_then(moves).map(Action::Nudge),
+        make: |steps| number(steps).and_then(moves).map(Action::NudgeSelected),
     },
     ActionRow {
         name: "type",
@@ -105,21 +76,21 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         argument: "",
         meaning: "take back the last change of settings, whoever made it",
         keys: &[keys(&[("u", "")], "undo the last change, whoever made it", Some("undo"))],
-        make: |_| Ok(Action::Undo),
+        make: |_| Ok(Action::Edit(Edit::Undo)),
     },
     ActionRow {
         name: "redo",
         argument: "",
         meaning: "make it again",
         keys: &[keys(&[("ctrl-r", "")], "redo it", None)],
-        make: |_| Ok(Action::Redo),
+        make: |_| Ok(Action::Edit(Edit::Redo)),
     },
     ActionRow {
         name: "off",
         argument: "",
         meaning: "control off: all gains to zero",
         keys: &[keys(&[("0", "")], "control off: all gains to zero", Some("off"))],
-        make: |_| Ok(Action::Off),
+        make: |_| Ok(Action::Edit(Edit::Off)),
     },
     ActionRow {
         name: "hold",
@@ -133,7 +104,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         argument: "",
         meaning: "switch between the held settings and the present ones",
         keys: &[keys(&[("b", "")], "switch between the held settings and the present ones", None)],
-        make: |_| Ok(Action::Swap),
+        make: |_| Ok(Action::SwapHeld),
     },
     ActionRow {
         name: "save",
@@ -168,7 +139,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         argument: "",
         meaning: "an impulse on the mass with the control bearing",
         keys: &[keys(&[("i", "")], "an impulse on the mass with the control bearing", Some("impulse"))],
-        make: |_| Ok(Action::Impulse),
+        make: |_| Ok(Action::StrikeBearing),
     },
     ActionRow {
         name: "run-up",
@@ -189,14 +160,14 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         argument: "",
         meaning: "restart from rest, after a trip too",
         keys: &[keys(&[("R", "")], "restart from rest; after a trip too", Some("restart"))],
-        make: |_| Ok(Action::Restart),
+        make: |_| Ok(Action::Edit(Edit::Restart)),
     },
     ActionRow {
         name: "note",
         argument: "TEXT",
         meaning: "put a note on the record, for everybody",
         keys: &[keys(&[("w", "")], "write a note on the record", None)],
-        make: |text| Ok(Action::Note(text.to_owned())),
+        make: |text| Ok(Action::Edit(Edit::Note(text.to_owned()))),
     },
     ActionRow {
         name: "pause",

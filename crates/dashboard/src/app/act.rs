@@ -1,49 +1,25 @@
-//! What actions and the mouse do. What keys do is [`super::keys`]'s.
+//! What actions do. What keys and the mouse do is [`super::keys`]'s and [`super::mouse`]'s, and changes of the machine are [`super::edits`]'s.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-use crossterm::event::{MouseButton, MouseEvent, MouseEventKind};
-use ratatui::layout::Position;
-use rotor::{C64, Key, Rotor, Settings};
+use rotor::{Key, Rotor, Settings};
 
-use super::{App, Message, Mouse, PanelRequest, lock};
+use super::{App, Message, lock};
 use crate::actions::Action;
 use crate::layers::{Layer, PresetChange};
 use crate::line_editor::LineEditor;
 use crate::options::Ended;
-use crate::panels::registry::PANELS;
 use crate::panels::settings::{rows, shown_rows};
 use crate::screen;
 use crate::screenshot::image::Screenshot;
 use telemetry::edits::Edit;
 use telemetry::units::Units;
 
-/// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
-const IMPULSE: f64 = -2.5;
-
 impl App<'_> {
-    pub(super) fn take_typed(&mut self) {
-        let Some(Layer::Value(typed)) = self.layers.pop() else { return };
-        let Some(key) = self.selected() else { return };
-        match key.parameter.parse(typed.text()) {
-            Some(value) => self.send(Edit::Set(self.units().settings_of_typed(&[(key, value)]))),
-            None => {
-                let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
-                self.tell(Message::Bad(format!("{key} = '{}': expected a number{or_off}", typed.text())));
-            }
-        }
-    }
-
     /// The units that settings are typed and shown in.
     pub(super) fn units(&self) -> Units {
         lock(&self.feed).units()
-    }
-
-    /// A setting raised by so many of its steps.
-    pub(super) fn nudge(&self, key: Key, steps: f64) -> Edit {
-        let units = self.units();
-        Edit::Nudge(key, steps * units.step(key) / units.setting(key).factor)
     }
 
     /// The selected setting, if there is any yet.
@@ -66,37 +42,6 @@ impl App<'_> {
         (track.len() > 0).then(|| track.speed(0))
     }
 
-    /// The change that sends the speed on its way, of speeds and a rate as typed.
-    fn run_up(&self, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
-        let keys = ["speed", "ramp"].map(|key| key.parse().map_err(|error: rotor::SettingsError| error.to_string()));
-        let [speed, ramp] = keys;
-        let values = self.units().settings_of_typed(&[(speed?, to), (ramp?, rate)]);
-        let units = self.units();
-        if let (Some(from), Some(now)) = (from, self.present_speed()) {
-            let typed = now * units.speed.factor;
-            if (typed - from).abs() > 1e-3 * from.abs().max(units.speed.factor) {
-                let now = units.speed_told(now);
-                return Err(format!("it spins at {now}, not at {from}: `:run-up {from} {rate}` goes there first"));
-            }
-        }
-        Ok(Edit::Set(values))
-    }
-
-    /// The change that keeps the speed where it is; nothing if it is not on its way.
-    fn stay(&self) -> Option<Edit> {
-        let now = self.present_speed()?;
-        let key = "speed".parse().ok()?;
-        (self.settings()?.speed != now).then(|| Edit::Set(vec![(key, now)]))
-    }
-
-    /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
-    fn overridden(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
-        let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
-        let mut assigned = rotor::typed::Assigned::new(masses);
-        let noted = values.iter().try_for_each(|(key, value)| assigned.key(*key, &format!("{key}={value}")));
-        noted.err().map(|undone| undone.to_string())
-    }
-
     /// What is known of the bench: its settings and rotor. Says so if that is nothing yet.
     pub(super) fn machine(&mut self) -> Option<(Settings, Arc<Rotor>)> {
         let known = {
@@ -107,23 +52,6 @@ impl App<'_> {
             self.tell(Message::Bad("no settings are known yet".into()));
         }
         known
-    }
-
-    /// Has something done. On a bench the edit thread does it, and asks first if it would make a stable rotor unstable.
-    pub(super) fn send(&mut self, edit: Edit) {
-        if self.player.is_some() {
-            let before = self.settings();
-            if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
-                if matches!(edit, Edit::Swap(_)) {
-                    self.held = before;
-                }
-                self.tell(Message::Good(words));
-            }
-        } else if self.read_only {
-            self.tell(Message::Bad("read-only: this dashboard changes nothing".into()));
-        } else if self.edits.try_send(edit).is_err() {
-            self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
-        }
     }
 
     pub(super) fn act(&mut self, action: Action) {
@@ -149,42 +77,24 @@ impl App<'_> {
                 let to = at.saturating_add_signed(rows_down).min(shown.len().saturating_sub(1));
                 self.row = shown.get(to).copied().unwrap_or(0);
             }
-            Action::Nudge(steps) => match self.selected() {
-                Some(key) => self.send(self.nudge(key, steps)),
-                None => self.tell(Message::Bad("no settings are known yet".into())),
-            },
             Action::Type => self.layers.push(Layer::Value(LineEditor::default())),
-            Action::Set(values) => match self.overridden(&values) {
-                Some(why) => self.tell(Message::Bad(why)),
-                None => self.send(Edit::Set(self.units().settings_of_typed(&values))),
-            },
-            Action::Undo => self.send(Edit::Undo),
-            Action::Redo => self.send(Edit::Redo),
-            Action::Off => self.send(Edit::Off),
-            Action::Impulse => {
-                let bearing = self.settings().map(|s| s.feedback.bearing);
-                if let Some(mass) = bearing {
-                    self.send(Edit::Impulse(mass, C64::new(IMPULSE, 0.0)));
-                }
-            }
-            Action::Note(text) => self.send(Edit::Note(text)),
+            Action::Edit(Edit::Restart) => self.restart(),
+            Action::Edit(edit) => self.send(edit),
+            Action::NudgeSelected(_)
+            | Action::SetTyped(_)
+            | Action::RunUp { .. }
+            | Action::Stay
+            | Action::StrikeBearing
+            | Action::SwapHeld
+            | Action::Load(_) => self.change(&action),
             Action::Acknowledge => match self.alarms.acknowledge() {
                 0 => self.tell(Message::Good("no alarm waits to be acknowledged".into())),
                 1 => self.tell(Message::Good("1 alarm acknowledged".into())),
                 count => self.tell(Message::Good(format!("{count} alarms acknowledged"))),
             },
-            Action::RunUp { from, to, rate } => match self.run_up(from, to, rate) {
-                Ok(edit) => self.send(edit),
-                Err(why) => self.tell(Message::Bad(why)),
-            },
-            Action::Stay => match self.stay() {
-                Some(edit) => self.send(edit),
-                None => self.tell(Message::Bad("the speed is not on its way".into())),
-            },
-            Action::Restart => self.restart(),
             Action::Record => self.record(),
             Action::Search(words) => self.search(&words),
-            Action::Hold | Action::Swap | Action::Save(_) | Action::Load(_) | Action::Delete(_) => self.compare(action),
+            Action::Hold | Action::Save(_) | Action::Delete(_) => self.keep(action),
             Action::Pause if self.time.is_live() => self.look(|time, kept, _| time.pause(kept)),
             Action::Pause => self.look(|time, _, _| time.resume()),
             Action::Seek(by) => self.look(|time, kept, seconds| time.seek(by, kept, seconds)),
@@ -205,8 +115,8 @@ impl App<'_> {
         }
     }
 
-    /// What compares settings: holding some, keeping some, and going back to them.
-    fn compare(&mut self, action: Action) {
+    /// Keeps the settings in force to compare with, for the moment or under a name; or does away with what is kept.
+    fn keep(&mut self, action: Action) {
         let Some(settings) = self.settings() else {
             self.tell(Message::Bad("no settings are known yet".into()));
             return;
@@ -216,10 +126,6 @@ impl App<'_> {
                 self.held = Some(settings);
                 self.tell(Message::Good("held: change the settings, then swap switches between the two".into()));
             }
-            Action::Swap => match self.held.clone() {
-                Some(held) => self.send(Edit::Swap(Box::new(held))),
-                None => self.tell(Message::Bad("nothing is held to switch to: hold the settings first".into())),
-            },
             Action::Save(name) if self.presets.has(&name) => {
                 let why = format!("'{name}' is kept already{}: replace?", self.effect_of(&name));
                 self.layers.push(Layer::AskPreset(PresetChange::Replace(name), why));
@@ -230,13 +136,6 @@ impl App<'_> {
                 self.layers.push(Layer::AskPreset(PresetChange::Delete(name), why));
             }
             Action::Delete(name) => self.tell(Message::Bad(self.presets.not_found(&name))),
-            Action::Load(name) => match self.presets.load(&name, settings.deadband.len()) {
-                Ok(feedback) => {
-                    let wanted = Settings { feedback, ..settings.clone() };
-                    self.send(Edit::Become(Box::new((settings, wanted)), format!("gains '{name}'")));
-                }
-                Err(why) => self.tell(Message::Bad(why)),
-            },
             _ => {}
         }
     }
@@ -257,8 +156,8 @@ impl App<'_> {
     }
 
     /// Does to files what a person has said yes to.
-    pub(super) fn confirmed(&mut self, deed: PresetChange) {
-        match deed {
+    pub(super) fn confirmed(&mut self, change: PresetChange) {
+        match change {
             PresetChange::Replace(name) => {
                 if let Some((settings, _)) = self.machine() {
                     self.save(&name, &settings);
@@ -328,75 +227,5 @@ impl App<'_> {
         };
         change(&mut self.time, &kept, seconds);
         self.idle.store(!self.time.is_live(), Ordering::Relaxed);
-    }
-
-    /// Restarts the rotor; or the simulation, if that has ended and was ours.
-    fn restart(&mut self) {
-        if let Some(simulation) = &mut self.simulation
-            && simulation.ended().is_some()
-        {
-            let revived = simulation.restart();
-            self.told_end = false;
-            self.tell(match revived {
-                Ok(()) => Message::Good("the simulation was started again".into()),
-                Err(why) => Message::Bad(why.to_string()),
-            });
-        } else {
-            self.send(Edit::Restart);
-        }
-    }
-
-    /// The mouse: what lies on top first, then the panel under it.
-    pub(super) fn mouse(&mut self, event: MouseEvent) {
-        let at = (event.column, event.row);
-        let mouse = match event.kind {
-            MouseEventKind::ScrollUp => Mouse::Wheel(-1),
-            MouseEventKind::ScrollDown => Mouse::Wheel(1),
-            MouseEventKind::Down(MouseButton::Left) => {
-                self.dragged = Some(at);
-                Mouse::Click
-            }
-            MouseEventKind::Drag(MouseButton::Left) => {
-                let Some(before) = self.dragged.replace(at) else { return };
-                Mouse::Drag(i32::from(at.0) - i32::from(before.0))
-            }
-            MouseEventKind::Up(_) => {
-                self.dragged = None;
-                return;
-            }
-            _ => return,
-        };
-        match (self.layers.last_mut(), mouse) {
-            (Some(Layer::Help(from)), Mouse::Wheel(lines)) => {
-                *from = from.saturating_add_signed(3 * lines as isize).min(1000);
-                return;
-            }
-            (Some(Layer::Help(_) | Layer::AskUnstable(..) | Layer::AskFound(..) | Layer::AskPreset(..)), _) => return,
-            _ => {}
-        }
-        let (area, position) = (self.area, Position::new(at.0, at.1));
-        let hit = self.with_view(|view, layout, panels| {
-            let places = screen::panels(view, layout, area);
-            let (kind, place) = places.into_iter().find(|(_, place)| place.contains(position))?;
-            Some((kind, panels.mouse(kind, view, place, mouse, position)))
-        });
-        let Some((kind, intent)) = hit else { return };
-        if mouse == Mouse::Click && PANELS[kind].is_plot {
-            self.selection.plot = Some(kind);
-        }
-        match intent {
-            Some(PanelRequest::SelectSetting(row)) => {
-                self.layers.clear();
-                self.row = row;
-            }
-            // A click on the same again takes it back; a drag within one cell does not.
-            Some(PanelRequest::Select(point)) if mouse == Mouse::Click => self.selection.toggle(point),
-            Some(PanelRequest::Select(point)) => self.selection.set(point, true),
-            Some(PanelRequest::LookAtStep(place)) => self.look_at(place),
-            Some(PanelRequest::LookAtTime { wall_ns, tau }) => self.look_when(wall_ns, tau),
-            Some(PanelRequest::ZoomTime(times)) => self.look(|time, _, seconds| time.zoom(times, seconds)),
-            Some(PanelRequest::Do(action)) => self.act(action),
-            None => {}
-        }
     }
 }

@@ -1,23 +1,22 @@
 //! What keys do: the topmost layer gets them, and what is typed there becomes actions.
 
-use crossterm::event::{KeyCode, KeyEvent};
+use crossterm::event::KeyEvent;
 use rotor::Settings;
 
 use super::{App, Message};
 use crate::actions::{self, Action};
 use crate::complete;
-use crate::layers::Layer;
-use crate::line_editor::{LineEditor, LineEvent, is_letter};
+use crate::layers::{Confirmed, Layer, LayerEvent};
+use crate::line_editor::{LineEditor, is_letter};
 use crate::options::Ended;
 use crate::view::PopupRow;
-use telemetry::edits::Edit;
 use telemetry::frame_data::FrameData;
 
 impl App<'_> {
     pub(crate) fn press(&mut self, key: KeyEvent) {
         let action = self.keymap.action(key);
         // These work whatever lies on top, unless they are a letter of a text.
-        let is_text = matches!(self.layers.last(), Some(Layer::Command(_) | Layer::Filter(_))) && is_letter(key);
+        let is_text = self.layers.last().is_some_and(Layer::takes_letters) && is_letter(key);
         match action {
             Some(Action::Quit) if !is_text => {
                 self.quit = Some(Ended::Quit);
@@ -29,74 +28,45 @@ impl App<'_> {
             }
             _ => {}
         }
-        match self.layers.last_mut() {
-            None => {
-                if let Some(action) = action {
-                    self.act(action);
+        let Some(layer) = self.layers.last_mut() else {
+            if let Some(action) = action {
+                self.act(action);
+            }
+            return;
+        };
+        let event = layer.press(key, action);
+        if event.closes() {
+            self.layers.pop();
+        }
+        match event {
+            LayerEvent::Kept | LayerEvent::Closed => {}
+            LayerEvent::Act(action) | LayerEvent::ClosedToAct(action) => self.act(action),
+            LayerEvent::Value(text) => self.take_value(&text),
+            LayerEvent::Command(line) => {
+                self.command_history.push(&line);
+                self.command(&line);
+            }
+            LayerEvent::CommandDropped => self.command_history.stop_browsing(),
+            LayerEvent::Complete => self.complete(),
+            LayerEvent::Earlier(by) => {
+                if let Some(Layer::Command(line)) = self.layers.last_mut()
+                    && let Some(earlier) = self.command_history.browse(by, line.text())
+                {
+                    *line = LineEditor::from(&*earlier);
                 }
             }
-            Some(Layer::Help(from)) => match action {
-                Some(Action::Select(rows)) => *from = from.saturating_add_signed(rows).min(1000),
-                Some(Action::Filter) => self.act(Action::Filter),
-                Some(Action::Help | Action::Escape | Action::Type) => drop(self.layers.pop()),
-                _ => match key.code {
-                    KeyCode::PageDown | KeyCode::Char(' ') => *from = (*from + 10).min(1000),
-                    KeyCode::PageUp => *from = from.saturating_sub(10),
-                    _ => {}
-                },
-            },
-            Some(Layer::Value(line)) => match line.press_number(key) {
-                LineEvent::Done => self.take_typed(),
-                LineEvent::Dropped => drop(self.layers.pop()),
-                // Another row drops what was typed; other keys neither type nor act by accident.
-                LineEvent::Earlier(_) | LineEvent::Else => {
-                    if let Some(action @ (Action::Select(_) | Action::Help)) = action {
-                        self.layers.pop();
-                        self.act(action);
-                    }
+            LayerEvent::Filter(words) => self.filter = words,
+            LayerEvent::FilterDropped => self.filter.clear(),
+            LayerEvent::Yes(confirmed) => {
+                self.compared.clear();
+                match confirmed {
+                    Confirmed::Edit(edit) => self.send(edit),
+                    Confirmed::Preset(change) => self.confirmed(change),
                 }
-                LineEvent::Taken | LineEvent::Complete => {}
-            },
-            Some(Layer::Command(line)) => match line.press(key) {
-                LineEvent::Done => {
-                    let line = std::mem::take(line);
-                    self.layers.pop();
-                    self.command_history.push(line.text());
-                    self.command(line.text());
-                }
-                LineEvent::Dropped => {
-                    self.layers.pop();
-                    self.command_history.stop_browsing();
-                }
-                LineEvent::Complete => self.complete(),
-                LineEvent::Earlier(by) => {
-                    if let Some(earlier) = self.command_history.browse(by, line.text()) {
-                        *line = LineEditor::from(&*earlier);
-                    }
-                }
-                LineEvent::Taken | LineEvent::Else => {}
-            },
-            Some(Layer::Filter(line)) => match line.press(key) {
-                LineEvent::Done => drop(self.layers.pop()),
-                LineEvent::Dropped => {
-                    self.layers.pop();
-                    self.filter.clear();
-                }
-                LineEvent::Taken => line.text().clone_into(&mut self.filter),
-                LineEvent::Complete | LineEvent::Earlier(_) | LineEvent::Else => {}
-            },
-            Some(Layer::AskUnstable(..) | Layer::AskFound(..) | Layer::AskPreset(..)) => {
-                let asked = self.layers.pop();
-                self.beside.clear();
-                let yes = matches!(key.code, KeyCode::Char('y' | 'Y'));
-                match asked {
-                    Some(Layer::AskUnstable(edit, settings, _)) if yes => {
-                        self.send(Edit::Sure(Box::new(edit), settings))
-                    }
-                    Some(Layer::AskFound(edit, _)) if yes => self.send(edit),
-                    Some(Layer::AskPreset(deed, _)) if yes => self.confirmed(deed),
-                    _ => self.tell(Message::Hints),
-                }
+            }
+            LayerEvent::No => {
+                self.compared.clear();
+                self.tell(Message::Hints);
             }
         }
     }
@@ -146,23 +116,13 @@ impl App<'_> {
         popup.filter(|offer| known.is_some() || !line.ends_with(&*offer.word)).collect()
     }
 
-    /// The settings that an action would lead to.
+    /// The settings that an action would lead to, as they are shown while it is typed.
     pub(super) fn candidate(&self, action: &Action, present: &Settings) -> Option<Settings> {
-        let edit = match action {
-            Action::Set(values) => Edit::Set(self.units().settings_of_typed(values)),
-            Action::Off => Edit::Off,
-            Action::Nudge(steps) => {
-                let key = self.selected()?;
-                self.nudge(key, *steps)
-            }
-            Action::Swap => Edit::Swap(Box::new(self.held.clone()?)),
-            Action::Load(name) => {
-                let feedback = self.presets.load(name, present.deadband.len()).ok()?;
-                return Some(Settings { feedback, ..present.clone() });
-            }
-            _ => return None,
-        };
-        edit.applied(present)
+        match action {
+            // Where the speed is on its way to is no moment to judge the gains at.
+            Action::RunUp { .. } | Action::Stay => None,
+            _ => self.edit_of(action, present)?.ok()?.applied(present),
+        }
     }
 }
 

@@ -1,11 +1,12 @@
 //! The chosen plot: its scale and its read-out.
 
 use super::App;
-use crate::actions::{Action, ReadoutMove};
+use crate::actions::Action;
 use crate::axis::Scaling;
 use crate::panels::panel::PanelCommand;
 use crate::panels::registry::{PANELS, plots};
 use crate::screen;
+use crate::selection::ReadoutMove;
 use crate::series::Strip;
 use crate::view::Message;
 use telemetry::reader::lock;

@@ -63,7 +63,7 @@ impl App<'_> {
                     worse => format!(", but, beside now, {}", worse.join(", ")),
                 };
                 let compared = telemetry::comparison::rows(now, new, &units).into_iter();
-                self.beside = compared.map(|row| PopupRow { word: row.quantity, detail: row.told }).collect();
+                self.compared = compared.map(|row| PopupRow { word: row.quantity, detail: row.told }).collect();
                 let what = format!(
                     "found {goal}{early}: min damping {:.4} at {} ({proven}){worse}",
                     found.min_damping,

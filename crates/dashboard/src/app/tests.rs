@@ -1,6 +1,10 @@
+mod mouse;
+mod scenarios;
+mod search;
+
 use std::sync::Mutex;
 
-use crossterm::event::{KeyCode, KeyEvent, KeyModifiers, MouseButton, MouseEvent, MouseEventKind};
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use rotor::{C64, Key};
 
 use super::*;
@@ -244,20 +248,11 @@ fn gains_of_a_name_that_is_taken_are_replaced_and_deleted_only_after_a_yes() {
 }
 
 #[test]
-fn a_command_shows_what_it_would_do_while_it_is_typed() {
+fn gains_that_are_kept_are_shown_while_their_name_is_typed() {
     let folder = tempfile::tempdir().unwrap();
     let options = Options { presets: Some(folder.path().to_owned()), ..Options::default() };
     let (mut app, taken) = dashboard(&options);
-    app.layout = 2;
-    for (line, then) in [(":kd=-0.2", "0."), (":set speed=9 kd=0", "-0."), (":off", "-0."), (":speed 9", "-0.")] {
-        type_in(&mut app, line);
-        let shown = frame(&mut app);
-        assert!(shown.contains(&format!("then {then}")) && shown.contains("│? "), "{line}:\n{shown}");
-        press(&mut app, &[Esc]);
-        assert!(!frame(&mut app).contains("then "), "{line}");
-    }
-    type_in(&mut app, ":save mine");
-    press(&mut app, &[Enter]);
+    command(&mut app, "save mine");
     type_in(&mut app, ":load mine");
     assert!(frame(&mut app).contains("then 0.0535"));
     assert!(taken.is_empty());
@@ -283,42 +278,11 @@ fn a_key_keeps_a_picture_of_the_screen_and_says_where() {
 }
 
 #[test]
-fn a_filter_holds_for_all_lists_and_the_selected_setting_is_never_hidden() {
+fn the_setting_that_a_filter_leaves_is_nudged() {
     let (mut app, taken) = dashboard(&Options::default());
-    app.layout = 2;
     type_in(&mut app, "/kc");
-    press(&mut app, &[Enter]);
-    let shown = frame(&mut app);
-    assert!(shown.contains("▶ speed") && shown.contains("  kc ") && !shown.contains("  deadband "), "{shown}");
-    assert!(shown.contains("/kc 0 of 6"), "no mode has that in its row:\n{shown}");
-    press(&mut app, &[Down]);
-    let shown = frame(&mut app);
-    assert!(shown.contains("▶ kc") && !shown.contains("  speed "), "{shown}");
-    press(&mut app, &[Right]);
+    press(&mut app, &[Enter, Down, Right]);
     assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kc"), 0.01)]);
-    press(&mut app, &[Esc]);
-    assert!(frame(&mut app).contains("  speed "));
-}
-
-#[test]
-fn lists_scroll_by_key_and_wheel() {
-    let (mut app, _taken) = dashboard(&Options::default());
-    let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
-    for number in 1..=90 {
-        let note = wire::Happening::Note(format!("no. {number}."));
-        lock(&app.feed).push_event(&telemetry::test_support::event(number, &note, &settings));
-    }
-    app.layout = 5;
-    assert!(frame(&mut app).contains("no. 90."));
-    press(&mut app, &[KeyCode::PageDown]);
-    let shown = frame(&mut app);
-    assert!(!shown.contains("no. 86.") && shown.contains("no. 85.") && shown.contains("5 more ▲"), "{shown}");
-    press(&mut app, &[KeyCode::PageUp, KeyCode::PageUp]);
-    assert!(frame(&mut app).contains("no. 90."));
-    let shown = frame(&mut app);
-    let row = shown.lines().position(|line| line.contains("no. 88.")).unwrap() as u16;
-    app.mouse(MouseEvent { kind: MouseEventKind::ScrollDown, column: 5, row, modifiers: KeyModifiers::NONE });
-    assert!(frame(&mut app).contains("3 more ▲"));
 }
 
 #[test]
@@ -351,114 +315,16 @@ fn a_read_only_dashboard_changes_nothing() {
 }
 
 #[test]
-fn the_mouse_selects_nudges_and_zooms() {
+fn the_speed_is_sent_on_its_way() {
     let (mut app, taken) = dashboard(&Options::default());
-    let shown = frame(&mut app);
-    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("  kd ")).unwrap();
-    let column = line.chars().collect::<Vec<_>>().windows(4).position(|four| four == [' ', 'k', 'd', ' ']).unwrap();
-    let event = |kind, column: usize, row: usize| MouseEvent {
-        kind,
-        column: column as u16,
-        row: row as u16,
-        modifiers: KeyModifiers::NONE,
-    };
-    app.mouse(event(MouseEventKind::Down(MouseButton::Left), column, row));
-    assert_eq!(app.row, 3);
-    app.mouse(event(MouseEventKind::Drag(MouseButton::Left), column + 2, row));
-    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Nudge(key("kd"), 0.02)]);
-    app.mouse(event(MouseEventKind::Up(MouseButton::Left), column + 2, row));
-    app.mouse(event(MouseEventKind::ScrollUp, column, row));
-    assert_eq!(app.row, 2);
-    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains("│z")).unwrap();
-    let column = line.chars().position(|c| c == 'z').unwrap() + 10;
-    let before = app.time;
-    app.mouse(event(MouseEventKind::ScrollUp, column, row));
-    assert_ne!(app.time, before);
-    app.mouse(event(MouseEventKind::Down(MouseButton::Left), column, row));
-    assert!(!app.time.is_live());
-}
-
-/// Lets the dashboard live on until it asks something.
-fn wait_for_a_question(app: &mut App<'_>) {
-    let begun = Instant::now();
-    while app.layers.is_empty() {
-        assert!(begun.elapsed() < std::time::Duration::from_secs(600), "{:?}", app.message.0);
-        app.tick();
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-}
-
-#[test]
-fn a_search_shows_what_it_found_and_applies_it_when_told_so() {
-    let (mut app, taken) = dashboard(&Options::default());
-    press(&mut app, &[Char(':')]);
-    type_in(&mut app, "search 0..5 full");
-    press(&mut app, &[Enter]);
-    assert!(app.search.is_some(), "{:?}", app.message.0);
-    type_in(&mut app, "S");
-    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("`:search stop` ends it")));
-    wait_for_a_question(&mut app);
-    // Seen before it applies: the panels show the candidate beside the present gains.
-    let screen = frame(&mut app);
-    assert!(screen.contains("found over R 0..5: min damping 0.0388"), "{screen}");
-    // What both sets of gains do stands above the question, gone with the answer.
-    for words in [
-        " in force, and found ",
-        "min damping  ",
-        "any deadband  ",
-        "R 0 to 7.07",
-        "self-excited whirl  ",
-        "force ",
-        "kd  ",
-    ] {
-        assert!(screen.contains(words), "{words}: {screen}");
-    }
-    assert!(taken.is_empty() && app.search.is_none());
-    press(&mut app, &[Char('y')]);
-    assert!(!frame(&mut app).contains(" in force, and found "));
-    let edits: Vec<Edit> = taken.try_iter().collect();
-    let [Edit::Become(change, why)] = &edits[..] else { panic!("{edits:?}") };
-    assert_eq!(why, "gains searched over R 0..5");
-    assert_eq!(change.0.speed, change.1.speed);
-    assert_ne!(change.0.feedback, change.1.feedback);
-}
-
-#[test]
-fn where_a_clearance_is_set_gains_are_searched_for_any_deadband_or_said_not_to_be_there() {
-    // One weighted signal cannot hold the three masses in every deadband state from rest to R = 5.
-    let (mut app, taken) = dashboard(&Options::default());
-    press(&mut app, &[Char(':')]);
-    type_in(&mut app, "search 0..5");
-    press(&mut app, &[Enter]);
-    wait_for_a_question(&mut app);
-    let screen = frame(&mut app);
-    assert!(screen.contains("no such gains hold for any deadband, see `:search full`"), "{screen}");
-    let rows = app.beside.iter().map(|row| format!("{}: {}", row.word, row.detail));
-    insta::assert_snapshot!(rows.collect::<Vec<_>>().join("\n"));
-    press(&mut app, &[Esc]);
-    assert!(taken.is_empty(), "nothing was changed");
-}
-
-#[test]
-fn the_speed_is_sent_on_its_way_and_stopped_there() {
-    let (mut app, taken) = dashboard(&Options::default());
-    command(&mut app, "run-up 2.5..6 0.01");
     let set =
         |pairs: &[(&str, f64)]| Edit::Set(pairs.iter().map(|(key, value)| (key.parse().unwrap(), *value)).collect());
-    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", 6.0), ("ramp", 0.01)])]);
-    command(&mut app, "run-up 0 0.02");
-    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", 0.0), ("ramp", 0.02)])]);
     // It spins at 2.5.
-    for (line, told) in [
-        ("run-up 0..6 0.01", "it spins at R 2.5, not at 0"),
-        ("run-up 6", "expected where the speed goes and how fast"),
-        ("run-up 6 0", "expected a number above 0"),
-        ("run-up 6 -1", "expected a number above 0"),
-        ("stay", "the speed is not on its way"),
-    ] {
+    for (line, speed, ramp) in [("run-up 2.5..6 0.01", 6.0, 0.01), ("run-up 0 0.02", 0.0, 0.02)] {
         command(&mut app, line);
-        assert!(matches!(&app.message.0, Message::Bad(words) if words.contains(told)), "{line}: {:?}", app.message.0);
+        assert_eq!(taken.try_iter().collect::<Vec<_>>(), [set(&[("speed", speed), ("ramp", ramp)])]);
     }
+    command(&mut app, "run-up 0..6 0.01");
     assert!(taken.is_empty());
 }
 
@@ -472,38 +338,6 @@ fn settings_of_which_nothing_is_left_on_this_rotor_are_refused() {
     assert_eq!(taken.try_iter().count(), 1);
 }
 
-#[test]
-fn a_search_is_dropped_stopped_or_refused() {
-    let (mut app, taken) = dashboard(&Options::default());
-    let command = |app: &mut App<'_>, line: &str| {
-        press(app, &[Char(':')]);
-        type_in(app, line);
-        press(app, &[Enter]);
-    };
-    command(&mut app, "search stop");
-    assert_eq!(app.message.0, Message::Bad("no search is under way".into()));
-    command(&mut app, "search 6..1");
-    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("expected a range of speeds")));
-    command(&mut app, "search 0..7 robust");
-    command(&mut app, "search stop");
-    while app.layers.is_empty() {
-        app.tick();
-        std::thread::sleep(std::time::Duration::from_millis(2));
-    }
-    assert!(frame(&mut app).contains("stopped early"));
-    press(&mut app, &[Esc]);
-    assert!(app.layers.is_empty() && taken.is_empty(), "nothing was changed");
-}
-
-/// Clicks on the first place of the frame where `text` stands, or so many cells further right and down.
-fn click(app: &mut App<'_>, text: &str, (right, down): (u16, u16)) {
-    let shown = frame(app);
-    let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains(text)).expect(text);
-    let column = line[..line.find(text).unwrap()].chars().count() as u16;
-    let kind = MouseEventKind::Down(MouseButton::Left);
-    app.mouse(MouseEvent { kind, column: column + right, row: row as u16 + down, modifiers: KeyModifiers::NONE });
-}
-
 fn command(app: &mut App<'_>, line: &str) {
     press(app, &[Char(':')]);
     type_in(app, line);
@@ -511,43 +345,7 @@ fn command(app: &mut App<'_>, line: &str) {
 }
 
 #[test]
-fn a_plot_is_chosen_and_its_scale_stands_still_until_it_is_let_go() {
-    let (mut app, _) = dashboard(&Options::default());
-    press(&mut app, &[Char('z')]);
-    assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot is chosen")));
-    click(&mut app, " orbits ", (0, 2));
-    assert!(frame(&mut app).contains("┏ orbits  ±4.0 e_t  ◉"), "{}", frame(&mut app));
-    press(&mut app, &[Char('z')]);
-    assert!(frame(&mut app).contains("┏ orbits  ±2.0 e_t fixed  ◉"), "{}", frame(&mut app));
-    press(&mut app, &[Char('=')]);
-    assert!(frame(&mut app).contains("┏ orbits  ±4.0 e_t  ◉"));
-    press(&mut app, &[Esc]);
-    assert!(!frame(&mut app).contains('┏'));
-    command(&mut app, "scale orbits -8..8");
-    assert!(frame(&mut app).contains(" orbits  ±8.0 e_t fixed "));
-    command(&mut app, "scale y -5..5");
-    assert!(frame(&mut app).contains("=±5"), "{}", frame(&mut app));
-    command(&mut app, "scale nothing 1..2");
-    assert!(matches!(&app.message.0, Message::Bad(words) if words.starts_with("no plot or strip 'nothing'")));
-    command(&mut app, "scale orbits 3..1");
-    assert_eq!(
-        app.message.0,
-        Message::Bad("scale '3..1': expected auto, TIMES above 0 and other than 1, or LOW..HIGH".into())
-    );
-    // Around the screen and back.
-    let mut seen = Vec::new();
-    for _ in 0..6 {
-        press(&mut app, &[Tab]);
-        seen.push(app.selection.plot.unwrap());
-    }
-    let around = seen[1..].iter().position(|plot| *plot == seen[0]).unwrap() + 1;
-    assert!(around >= 5, "{seen:?}");
-    app.press(KeyEvent::new(KeyCode::BackTab, KeyModifiers::SHIFT));
-    assert_eq!(app.selection.plot, Some(seen[4]));
-}
-
-#[test]
-fn a_mode_a_frequency_and_a_speed_are_pointed_at_and_read_everywhere() {
+fn the_mode_that_is_pointed_at_is_told_of_beside_its_pole() {
     let (mut app, _) = dashboard(&Options::default());
     command(&mut app, "layout tuning");
     command(&mut app, "choose poles");
@@ -559,79 +357,18 @@ fn a_mode_a_frequency_and_a_speed_are_pointed_at_and_read_everywhere() {
     assert!(shown.matches('◈').count() >= 2, "the pole and its label:\n{shown}");
     command(&mut app, "choose damping-over-speed");
     command(&mut app, "read 4");
-    let shown = frame(&mut app);
-    assert!(shown.contains("┆ R 4  0."), "{shown}");
     let before = app.time;
     press(&mut app, &[Char('+')]);
-    assert!(app.time == before && frame(&mut app).contains("┆ R 4"), "speeds are zoomed, not time");
-    command(&mut app, "read off");
-    assert_eq!(app.selection.speed, None);
-    command(&mut app, "layout whirl");
-    command(&mut app, "choose spectrum");
-    frame(&mut app);
-    command(&mut app, "read 1.25");
-    let shown = frame(&mut app);
-    assert!(shown.contains("┆ 1.2") && shown.contains("1.5"), "the masses whirl at 1.25:\n{shown}");
-    command(&mut app, "spectrum 2 -3..3");
-    assert!(frame(&mut app).contains("full spectrum  mass 2  30.0 tau fixed"), "{}", frame(&mut app));
-    command(&mut app, "spectrum 9");
-    assert_eq!(app.message.0, Message::Bad("spectrum 9: expected a mass from 1 to 3".into()));
-    command(&mut app, "spectrum auto");
-    assert!(frame(&mut app).contains("full spectrum  mass 1  30.0 tau "));
-    command(&mut app, "choose orbits");
-    press(&mut app, &[Char(',')]);
-    assert!(matches!(&app.message.0, Message::Bad(words) if words.contains("the moment under the cursor")));
+    assert_eq!(app.time, before, "speeds are zoomed, not time");
 }
 
 #[test]
-fn strips_show_what_was_chosen() {
+fn strips_are_what_the_layout_says() {
     let (mut app, _) = dashboard(&Options::default());
-    app.layout = 4;
-    command(&mut app, "strips radius.2 y.1+z.1 damping speed");
-    let shown = frame(&mut app);
-    for label in ["│radius.2", "│y.1 z.1 ", "│damping ", "│speed "] {
-        assert!(shown.contains(label), "{label}:\n{shown}");
-    }
-    command(&mut app, "scale damping 0..0.08");
-    assert!(frame(&mut app).contains("=0 to 0.08│"), "a strip may have the name of a panel:\n{}", frame(&mut app));
-    command(&mut app, "strips y.9");
-    assert_eq!(app.message.0, Message::Bad("strips 'y.9': expected a mass from 1 to 3".into()));
-    command(&mut app, "strips auto");
-    assert!(frame(&mut app).contains("│u"));
     let text = "[[screen]]\nstrips = \"force\"\npicture = \"strips\"";
     app.layouts.push(crate::layout::Layout::read("mine", text).unwrap());
     command(&mut app, "layout mine");
     assert!(frame(&mut app).contains("│force"), "{}", frame(&mut app));
-}
-
-#[test]
-fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
-    let (mut app, _) = dashboard(&Options::default());
-    {
-        let mut feed = lock(&app.feed);
-        let settings = feed.settings().unwrap();
-        (3000..6000).for_each(|seq| {
-            // The event below is at 50 602 s.
-            let wall_ns = 50_600_000_000_000 + (seq - 3000) * 1_000_000;
-            feed.push_step(&tests::state(3, seq).with_word(wire::Channel::WallNs, wall_ns), Instant::now());
-        });
-        let note = wire::Happening::Note("here it hums".into());
-        feed.push_event(&telemetry::test_support::event(2, &note, &settings));
-    }
-    app.layouts
-        .push(crate::layout::Layout::read("mine", "[[screen]]\npicture = \"\"\"\nevents\nalarms\n\"\"\"").unwrap());
-    command(&mut app, "layout mine");
-    click(&mut app, "here it hums", (0, 0));
-    assert!(!app.time.is_live());
-    let at = app.with_view(|view, _, _| view.data.now.map(|now| view.data.track.wall_ns(now)));
-    assert_eq!(at, Some(50_602_000_000_000));
-    press(&mut app, &[Char(' ')]);
-    app.alarms.read(&crate::panels::alarms::tests::damping(50_601, -0.03));
-    click(&mut app, "!! ALARM  damping", (0, 0));
-    assert_eq!(app.alarms.unseen(), 0);
-    click(&mut app, "!! ALARM  damping", (0, 0));
-    let at = app.with_view(|view, _, _| view.data.now.map(|now| view.data.track.wall_ns(now)));
-    assert_eq!(at, Some(50_601_000_000_000));
 }
 
 #[test]

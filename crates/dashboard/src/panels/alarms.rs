@@ -16,9 +16,9 @@ use ratatui::layout::{Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
-use super::panel::{Mouse, Panel, PanelRequest};
-use crate::actions::Action;
+use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
+use crate::input::Mouse;
 use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
 use crate::view::View;
@@ -47,7 +47,7 @@ impl Panel for AlarmList {
             Mouse::Wheel(notches) => self.scroll(3 * notches as isize),
             // What the frame says is of all of them.
             Mouse::Click if at.y == area.y && view.alarms.unseen() > 0 && view.replay.is_none() => {
-                return Some(PanelRequest::Do(Action::Acknowledge));
+                return Some(PanelRequest::Acknowledge);
             }
             Mouse::Click => {
                 let (first, intents) = &self.drawn;
@@ -62,7 +62,7 @@ impl Panel for AlarmList {
 /// What a click on an entry asks for. Those of a recording were for others to acknowledge.
 fn intent(entry: &Entry, is_recorded: bool) -> PanelRequest {
     match entry.seen_ns {
-        None if !is_recorded => PanelRequest::Do(Action::Acknowledge),
+        None if !is_recorded => PanelRequest::Acknowledge,
         _ => PanelRequest::LookAtTime { wall_ns: entry.rose.wall_ns, tau: entry.rose.tau },
     }
 }

@@ -20,10 +20,11 @@ use tui_big_text::{BigText, PixelSize};
 
 use telemetry::jobs::pole_trace::PoleTraceRequest;
 
-use super::panel::{Mouse, Panel, PanelRequest};
+use super::panel::{Panel, PanelRequest};
 use super::{look_at, wheel_times};
 use crate::axis::PlotAxis;
 use crate::drawing::{framed, write, write_right};
+use crate::input::Mouse;
 use crate::plot::{Plot, Window};
 use crate::theme;
 use crate::view::View;

@@ -16,13 +16,14 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 
-use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
-use crate::actions::ReadoutMove;
 use crate::axis::PlotAxis;
 use crate::drawing::{framed, write, write_right};
 use crate::fit_text::{longest, width};
+use crate::input::Mouse;
 use crate::plot::{Plot, Window};
+use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;

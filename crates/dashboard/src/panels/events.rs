@@ -16,8 +16,9 @@ use ratatui::text::Line;
 use wire::Happening;
 
 use super::alarms::clock;
-use super::panel::{Mouse, Panel, PanelRequest};
+use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
+use crate::input::Mouse;
 use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
 use crate::view::View;

@@ -17,8 +17,9 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{C64, Mode, Whirl};
 
-use super::panel::{Mouse, Panel, PanelRequest};
+use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
+use crate::input::Mouse;
 use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::selection::SelectedItem;
 use crate::theme;

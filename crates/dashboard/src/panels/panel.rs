@@ -4,9 +4,9 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 
 use super::wheel_times;
-use crate::actions::{Action, ReadoutMove};
 use crate::axis::{PlotAxis, Scaling};
-use crate::selection::{SelectedItem, Selection};
+use crate::input::Mouse;
+use crate::selection::{ReadoutMove, SelectedItem, Selection};
 use crate::series::Strip;
 use crate::view::View;
 
@@ -65,17 +65,6 @@ pub(crate) enum PanelCommand<'a> {
     Frequencies(Scaling),
 }
 
-/// What the mouse does.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Mouse {
-    /// The left button goes down.
-    Click,
-    /// The mouse moves so many cells to the right with the left button down.
-    Drag(i32),
-    /// The wheel turns so many notches towards us.
-    Wheel(i32),
-}
-
 /// What a panel asks of the dashboard.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum PanelRequest {
@@ -89,8 +78,12 @@ pub(crate) enum PanelRequest {
     LookAtTime { wall_ns: u64, tau: f64 },
     /// Show so many times as much time.
     ZoomTime(f64),
-    /// The same as a key.
-    Do(Action),
+    /// Select the setting so many rows further down.
+    SelectRows(isize),
+    /// Raise the selected setting by so many of its steps.
+    Nudge(f64),
+    /// Every alarm has been seen.
+    Acknowledge,
 }
 
 /// A panel without a state of its own is just its drawing.

@@ -16,13 +16,14 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::text::Line;
 use rotor::{C64, Whirl, damping_ratio};
 
-use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
-use crate::actions::ReadoutMove;
 use crate::axis::{PlotAxis, Scaling};
 use crate::drawing::{framed, write, write_free, write_right};
 use crate::fit_text::width;
+use crate::input::Mouse;
 use crate::plot::{Plot, Window};
+use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;

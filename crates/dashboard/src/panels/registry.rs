@@ -11,11 +11,12 @@ use super::force::Force;
 use super::force_budget::ForceBudget;
 use super::modes::Modes;
 use super::orbits::Orbits;
-use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::poles::Poles;
 use super::strips::Strips;
 use super::{raw, settings, spectrum, waterfall};
-use crate::actions::ReadoutMove;
+use crate::input::Mouse;
+use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::view::View;
 

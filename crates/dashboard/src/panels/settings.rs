@@ -15,10 +15,10 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Scope, Settings};
 
-use super::panel::{Mouse, Panel, PanelRequest};
-use crate::actions::Action;
+use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write, write_line};
 use crate::fit_text::width;
+use crate::input::Mouse;
 use crate::list::{draw_overflow, filter_title, passes};
 use crate::theme;
 use crate::view::{SettingsCursor, View};
@@ -58,9 +58,9 @@ impl Panel for SettingsPanel {
         let selected = view.cursor.row;
         let shown = shown_rows(&rows(view.data.settings.as_ref()?), view.filter, selected);
         match mouse {
-            Mouse::Wheel(notches) => Some(PanelRequest::Do(Action::Select(notches as isize))),
+            Mouse::Wheel(notches) => Some(PanelRequest::SelectRows(notches as isize)),
             Mouse::Drag(0) => None,
-            Mouse::Drag(cells) => Some(PanelRequest::Do(Action::Nudge(f64::from(cells)))),
+            Mouse::Drag(cells) => Some(PanelRequest::Nudge(f64::from(cells))),
             Mouse::Click => {
                 let first = first_row(&shown, selected, inner.height);
                 let row = shown.get(first + usize::from(at.y.checked_sub(inner.y)?))?;

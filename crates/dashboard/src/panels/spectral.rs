@@ -5,10 +5,11 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use spectrum::Peak;
 
-use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
-use crate::actions::ReadoutMove;
 use crate::axis::{PlotAxis, Scaling};
+use crate::input::Mouse;
+use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::view::View;
 use telemetry::frame_data::FrameData;

@@ -15,13 +15,13 @@ use ratatui::layout::{Constraint, Layout, Margin, Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
 
-use super::panel::{Mouse, Panel, PanelCommand, PanelRequest};
+use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::{look_at, wheel_times};
 use crate::axis::{PlotAxis, Scaling};
 use crate::drawing::{framed, write, write_right};
 use crate::fit_text::width;
+use crate::input::Mouse;
 use crate::series::{Strip, Trace};
-use wire::Channel;
 
 use crate::plot::{Plot, Window};
 use crate::theme;
@@ -300,18 +300,7 @@ fn beside_columns(
     unit: Unit,
     columns: impl Iterator<Item = Range<usize>>,
 ) -> Vec<Column> {
-    let size = |[y, z]: [f64; 2]| y.hypot(z);
-    let value = |step| match channel {
-        StepQuantity::Of(Channel::Y, mass) => beside.displacement(step, mass).map(|[y, _]| y),
-        StepQuantity::Of(Channel::Z, mass) => beside.displacement(step, mass).map(|[_, z]| z),
-        StepQuantity::FORCE_Y => beside.force(step).map(|[y, _]| y),
-        StepQuantity::FORCE_Z => beside.force(step).map(|[_, z]| z),
-        StepQuantity::FORCE => beside.force(step).map(size),
-        StepQuantity::Size(_, mass) if channel == StepQuantity::radius(mass) => {
-            beside.displacement(step, mass).map(size)
-        }
-        _ => None,
-    };
+    let value = |step| beside.value(channel, step);
     let of = |steps: Range<usize>| {
         let middle = 0.5 * (steps.start + steps.end) as f64;
         let values = steps.filter_map(value).map(|value| [value * unit.factor; 2]);
@@ -397,7 +386,7 @@ mod tests {
         let mut feed = telemetry::feed::Feed::new("");
         for seq in 0..4000 {
             let y = if seq == 2222 { 4.9 } else { 0.0 };
-            feed.push_step(&tests::state(1, seq).with(Channel::Y, 0, y), now);
+            feed.push_step(&tests::state(1, seq).with(wire::Channel::Y, 0, y), now);
         }
         let data = feed.frame_data(&ViewTime::LIVE, now);
         let frame = drawn(40, 14, |area, buffer| Strips::default().draw(&view(&data), area, buffer));

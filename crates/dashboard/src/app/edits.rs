@@ -1,0 +1,140 @@
+//! Changes of the machine: what an action stands for as an edit, and who gets it.
+
+use rotor::{C64, Key, Settings};
+use telemetry::edits::Edit;
+use telemetry::reader::lock;
+
+use super::App;
+use crate::actions::Action;
+use crate::view::Message;
+
+/// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
+const IMPULSE: f64 = -2.5;
+
+impl App<'_> {
+    /// Sets the selected setting to what was typed.
+    pub(super) fn take_value(&mut self, text: &str) {
+        let Some(key) = self.selected() else { return };
+        match key.parameter.parse(text) {
+            Some(value) => self.send(Edit::Set(self.units().settings_of_typed(&[(key, value)]))),
+            None => {
+                let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
+                self.tell(Message::Bad(format!("{key} = '{text}': expected a number{or_off}")));
+            }
+        }
+    }
+
+    /// A setting raised by so many of its steps.
+    pub(super) fn nudge(&self, key: Key, steps: f64) -> Edit {
+        let units = self.units();
+        Edit::Nudge(key, steps * units.step(key) / units.setting(key).factor)
+    }
+
+    /// The change that sends the speed on its way, of speeds and a rate as typed.
+    fn run_up(&self, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
+        let keys = ["speed", "ramp"].map(|key| key.parse().map_err(|error: rotor::SettingsError| error.to_string()));
+        let [speed, ramp] = keys;
+        let values = self.units().settings_of_typed(&[(speed?, to), (ramp?, rate)]);
+        let units = self.units();
+        if let (Some(from), Some(now)) = (from, self.present_speed()) {
+            let typed = now * units.speed.factor;
+            if (typed - from).abs() > 1e-3 * from.abs().max(units.speed.factor) {
+                let now = units.speed_told(now);
+                return Err(format!("it spins at {now}, not at {from}: `:run-up {from} {rate}` goes there first"));
+            }
+        }
+        Ok(Edit::Set(values))
+    }
+
+    /// The change that keeps the speed where it is; nothing if it is not on its way.
+    fn stay(&self) -> Option<Edit> {
+        let now = self.present_speed()?;
+        let key = "speed".parse().ok()?;
+        (self.settings()?.speed != now).then(|| Edit::Set(vec![(key, now)]))
+    }
+
+    /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
+    fn overridden(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
+        let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
+        let mut assigned = rotor::typed::Assigned::new(masses);
+        let noted = values.iter().try_for_each(|(key, value)| assigned.key(*key, &format!("{key}={value}")));
+        noted.err().map(|undone| undone.to_string())
+    }
+
+    /// Has something done. On a bench the edit thread does it, and asks first if it would make a stable rotor unstable.
+    pub(super) fn send(&mut self, edit: Edit) {
+        if self.player.is_some() {
+            let before = self.settings();
+            if let Some(words) = self.play(|player, feed, time| player.edit(&edit, feed, time)) {
+                if matches!(edit, Edit::Swap(_)) {
+                    self.held = before;
+                }
+                self.tell(Message::Good(words));
+            }
+        } else if self.read_only {
+            self.tell(Message::Bad("read-only: this dashboard changes nothing".into()));
+        } else if self.edits.try_send(edit).is_err() {
+            self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
+        }
+    }
+
+    /// Has a change of the machine carried out, or says why it cannot be.
+    pub(super) fn change(&mut self, action: &Action) {
+        let Some(present) = self.settings() else {
+            self.tell(Message::Bad("no settings are known yet".into()));
+            return;
+        };
+        match self.edit_of(action, &present) {
+            Some(Ok(edit)) => self.send(edit),
+            Some(Err(why)) => self.tell(Message::Bad(why)),
+            None => {}
+        }
+    }
+
+    /// The edit that an action stands for under the settings in force: what it refers to (the selected setting, the held ones, the
+    /// bearing, gains that are kept) is put in its place. Nothing for an action that changes no machine.
+    ///
+    /// # Errors
+    /// In words: what it refers to is not there, or nothing would be left of it.
+    pub(super) fn edit_of(&self, action: &Action, present: &Settings) -> Option<Result<Edit, String>> {
+        Some(match action {
+            Action::Edit(edit) => Ok(edit.clone()),
+            Action::NudgeSelected(steps) => {
+                let key = self.selected().ok_or_else(|| "no settings are known yet".to_owned());
+                key.map(|key| self.nudge(key, *steps))
+            }
+            Action::SetTyped(values) => match self.overridden(values) {
+                Some(why) => Err(why),
+                None => Ok(Edit::Set(self.units().settings_of_typed(values))),
+            },
+            Action::RunUp { from, to, rate } => self.run_up(*from, *to, *rate),
+            Action::Stay => self.stay().ok_or_else(|| "the speed is not on its way".into()),
+            Action::StrikeBearing => Ok(Edit::Impulse(present.feedback.bearing, C64::new(IMPULSE, 0.0))),
+            Action::SwapHeld => {
+                let held = self.held.clone().map(|held| Edit::Swap(Box::new(held)));
+                held.ok_or_else(|| "nothing is held to switch to: hold the settings first".into())
+            }
+            Action::Load(name) => self.presets.load(name, present.deadband.len()).map(|feedback| {
+                let wanted = Settings { feedback, ..present.clone() };
+                Edit::Become(Box::new((present.clone(), wanted)), format!("gains '{name}'"))
+            }),
+            _ => return None,
+        })
+    }
+
+    /// Restarts the rotor; or the simulation, if that has ended and was ours.
+    pub(super) fn restart(&mut self) {
+        if let Some(simulation) = &mut self.simulation
+            && simulation.ended().is_some()
+        {
+            let revived = simulation.restart();
+            self.told_end = false;
+            self.tell(match revived {
+                Ok(()) => Message::Good("the simulation was started again".into()),
+                Err(why) => Message::Bad(why.to_string()),
+            });
+        } else {
+            self.send(Edit::Restart);
+        }
+    }
+}
