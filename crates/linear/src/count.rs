@@ -14,7 +14,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::eigen::invert;
+use crate::inverse::invert;
 use crate::system::Balanced;
 use crate::{C64, DelayError};
 

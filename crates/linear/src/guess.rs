@@ -12,9 +12,8 @@
 
 use nalgebra::DMatrix;
 
-use crate::eigen::eigenvalues;
 use crate::system::Balanced;
-use crate::{C64, DelayError};
+use crate::{C64, DelayError, eigenvalues};
 
 /// `|s T|` that is reached with how many coefficients.
 fn coefficients(reach: f64) -> usize {

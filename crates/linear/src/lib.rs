@@ -26,14 +26,17 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A [`LoopGain`] is the gain of one loop over frequency, sampled or not; [`LoopGain::margins`] are its margins and peaks.
+//! [`eigenvalues`] are those of any complex matrix. A [`LoopGain`] is the gain of one loop over frequency, sampled or not;
+//! [`LoopGain::margins`] are its margins and peaks.
 //!
 //! No part of it knows what the matrices describe. No files, no terminal, no threads.
 
+mod balance;
 mod count;
 mod curve;
-mod eigen;
+mod eigenvalues;
 mod guess;
+mod inverse;
 mod loop_gain;
 mod margin;
 mod margins;
@@ -41,6 +44,7 @@ mod roots;
 mod sensitivity;
 mod system;
 
+pub use eigenvalues::{EigenvalueError, eigenvalues, eigenvalues_in_place};
 pub use loop_gain::{Gain, LoopGain};
 pub use margin::DelayMargin;
 pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};

@@ -5,8 +5,8 @@
 
 use nalgebra::{DMatrix, DVector, Hessenberg};
 
-use crate::eigen::{balance, eigenvalues};
-use crate::{C64, DelayError, DelaySystem};
+use crate::balance::balance_matrix;
+use crate::{C64, DelayError, DelaySystem, eigenvalues};
 
 /// What frequency means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -80,7 +80,7 @@ impl LoopGain {
         if !a.iter().chain(b).chain(c).all(|z| z.is_finite()) {
             return Err(DelayError::NotFinite);
         }
-        let scales = balance(&mut a);
+        let scales = balance_matrix(&mut a);
         let b = DVector::from_fn(a.nrows(), |i, _| b[i] / scales[i]);
         let c = DVector::from_fn(a.nrows(), |i, _| c[i] * scales[i]);
         let sizes = [a.norm(), b.norm() * c.norm()];

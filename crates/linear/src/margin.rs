@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 
 use nalgebra::DMatrix;
 
-use crate::eigen::{eigenvalues, invert};
-use crate::{C64, DelayError, DelaySystem};
+use crate::inverse::invert;
+use crate::{C64, DelayError, DelaySystem, eigenvalues};
 
 /// The smallest delay that puts a root on the imaginary axis, and where.
 #[derive(Clone, Copy, Debug, PartialEq)]

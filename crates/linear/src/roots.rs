@@ -3,10 +3,10 @@
 use nalgebra::DMatrix;
 
 use crate::count::NoCount;
-use crate::eigen::{eigenvalues, invert};
 use crate::guess::ATTEMPTS;
+use crate::inverse::invert;
 use crate::system::Balanced;
-use crate::{C64, DelayError, DelaySystem};
+use crate::{C64, DelayError, DelaySystem, eigenvalues};
 
 /// Steps of Newton's method for one root; three or four are usual.
 const STEPS: usize = 40;

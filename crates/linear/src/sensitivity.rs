@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use crate::eigen::invert;
+use crate::inverse::invert;
 use crate::{C64, DelaySystem};
 
 /// The vectors of a root `s`: `M(s) right = 0`, `left M(s) = 0`, with `M(s) = s I - A - B C exp(-s T)`.

@@ -3,7 +3,8 @@
 use nalgebra::{ComplexField, DMatrix};
 
 use crate::C64;
-use crate::eigen::balance;
+use crate::balance::balance_matrix;
+use crate::eigenvalues::EigenvalueError;
 
 /// Why there is no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -36,8 +37,8 @@ pub enum DelayError {
     #[error("roots right of {0}: expected a finite line where there is a delay")]
     Line(f64),
     /// The eigenvalues of a matrix cannot be had.
-    #[error("the eigenvalues of a matrix with {0} rows did not converge")]
-    NoConvergence(usize),
+    #[error(transparent)]
+    Eigenvalues(#[from] EigenvalueError),
     /// More than can be counted.
     #[error("too many roots to count right of {line}: {delay} is too long a delay, or the line too far left")]
     TooMany {
@@ -112,7 +113,7 @@ impl DelaySystem {
             let through: f64 = (0..b.ncols()).map(|k| b[(i, k)].norm() * c[(k, j)].norm()).sum();
             C64::from(a[(i, j)].norm() + through)
         });
-        let scales = balance(&mut sizes);
+        let scales = balance_matrix(&mut sizes);
         let balanced = Balanced {
             a: DMatrix::from_fn(n, n, |i, j| a[(i, j)] * (scales[j] / scales[i])),
             b: DMatrix::from_fn(n, b.ncols(), |i, j| b[(i, j)] / scales[i]),

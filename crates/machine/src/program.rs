@@ -251,14 +251,14 @@ pub fn fastest(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Fastest
         let form = LinearForm::of(&plant, feedback, &at).map_err(LoopError::from)?;
         match form.continuous() {
             Some([a, b, c]) => {
-                poles.extend(eigenvalues(&a + b * c)?);
+                poles.extend(eigenvalues(&a + b * c).map_err(PoleError::from)?);
                 if form.delay > 0.0 {
-                    poles.extend(eigenvalues(a)?);
+                    poles.extend(eigenvalues(a).map_err(PoleError::from)?);
                 }
             }
             None => {
-                poles.extend(eigenvalues(&form.a + &form.b * &form.law.d * &form.readings)?);
-                poles.extend(eigenvalues(form.a)?);
+                poles.extend(eigenvalues(&form.a + &form.b * &form.law.d * &form.readings).map_err(PoleError::from)?);
+                poles.extend(eigenvalues(form.a).map_err(PoleError::from)?);
             }
         }
     }

@@ -1,10 +1,9 @@
-//! What poles cost, beside nalgebra's and faer's general routines on the same matrices: a sweep over 64 speeds, so divide by
-//! 64. Run `cargo bench -p rotor --features faer`; `tests/reference/poles.py --time` prints LAPACK's `zgeev` through SciPy.
+//! What poles cost: a sweep over 64 speeds, so divide by 64. The matrices alone are measured beside their peers in `linear`;
+//! `tests/reference/poles.py --time` prints LAPACK's `zgeev` through SciPy.
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use nalgebra::{DMatrix, Schur};
-use rotor::{C64, ClosedLoop, Rotor, Spectrum, builtin, eigenvalues, poles};
+use rotor::{ClosedLoop, Rotor, Spectrum, builtin, poles};
 
 fn main() {
     divan::main();
@@ -39,28 +38,6 @@ fn spectrum(bencher: Bencher<'_, '_>, masses: usize) {
 #[divan::bench(args = [1, 3, 16])]
 fn poles_only(bencher: Bencher<'_, '_>, masses: usize) {
     sweep(bencher, &machine(masses), |m| drop(black_box(poles(m))));
-}
-
-fn matrices(masses: usize) -> Vec<DMatrix<C64>> {
-    machine(masses).iter().map(ClosedLoop::state_matrix).collect()
-}
-
-#[divan::bench(args = [1, 3, 16])]
-fn matrix_ours(bencher: Bencher<'_, '_>, masses: usize) {
-    sweep(bencher, &matrices(masses), |a| drop(black_box(eigenvalues(a.clone()))));
-}
-
-#[divan::bench(args = [1, 3, 16])]
-fn matrix_nalgebra(bencher: Bencher<'_, '_>, masses: usize) {
-    sweep(bencher, &matrices(masses), |a| drop(black_box(Schur::try_new(a.clone(), f64::EPSILON, 2000))));
-}
-
-#[cfg(feature = "faer")]
-#[divan::bench(args = [1, 3, 16])]
-fn matrix_faer(bencher: Bencher<'_, '_>, masses: usize) {
-    let matrices: Vec<faer::Mat<C64>> =
-        matrices(masses).iter().map(|a| faer::Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)])).collect();
-    sweep(bencher, &matrices, |a| drop(black_box(a.eigenvalues())));
 }
 
 /// The report's Fig. 4.2 in 500 points, every pole followed.

@@ -139,7 +139,7 @@ pub fn assign_poles(rotor: &Rotor, speed: f64, bearing: usize, wanted: &[C64]) -
     let feedback = full_state(bearing, n, row.as_slice());
     // Of the very gains that are handed out, closed the way every other command closes them.
     let closed = ClosedLoop::new(rotor, &feedback, speed, &[]).state_matrix();
-    let achieved = nearest(&eigenvalues(closed)?, wanted);
+    let achieved = nearest(&eigenvalues(closed).map_err(PoleError::from)?, wanted);
     let size = wanted.iter().map(|s| s.norm()).fold(0.0, f64::max);
     let off = |(wanted, achieved): (&C64, &C64)| ((wanted - achieved).norm(), *wanted);
     let (off, worst) =
@@ -178,7 +178,8 @@ fn full_state(bearing: usize, n: usize, f: &[C64]) -> Feedback {
 /// The row `f` for which `A - b f` has the eigenvalues `wanted`.
 fn schur_method(a: &DMatrix<C64>, b: &DVector<C64>, wanted: &[C64]) -> Result<RowDVector<C64>, PoleError> {
     let size = a.nrows();
-    let schur = Schur::try_new(a.clone(), f64::EPSILON, 100 * size).ok_or(PoleError::NoConvergence)?;
+    let schur =
+        Schur::try_new(a.clone(), f64::EPSILON, 100 * size).ok_or(linear::EigenvalueError::NoConvergence(size))?;
     let (mut u, mut t) = schur.unpack();
     let mut input = u.adjoint() * b;
     let mut row = RowDVector::<C64>::zeros(size);

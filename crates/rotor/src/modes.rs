@@ -2,7 +2,18 @@
 
 use crate::marginal::Stability;
 use crate::quadratic::Quadratic;
-use crate::{C64, ClosedLoop, MAX_MASSES, PoleError};
+use crate::{C64, ClosedLoop, MAX_MASSES};
+
+/// Why there are no poles.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PoleError {
+    /// The eigenvalues cannot be had.
+    #[error(transparent)]
+    Eigenvalues(#[from] linear::EigenvalueError),
+    /// A pole or its shape left the range of numbers.
+    #[error("the poles are beyond the range of numbers: the values of this machine lie too far apart")]
+    OutOfRange,
+}
 
 /// The poles of `closed_loop` alone, without their shapes: every support bearing at its full stiffness, least damped
 /// first, of equally damped ones the highest `Im` first. A part that is zero but for rounding is exactly zero

@@ -4,7 +4,8 @@
 //! follows from a row `q` with `q (s^2 I - s D - K) = 0` as `[q (s I - D), q]`. So vectors cost a factorisation of `n` rows
 //! instead of `2n`.
 
-use crate::eigen::{PoleError, eigenvalues_in_place};
+use linear::{EigenvalueError, eigenvalues_in_place};
+
 use crate::{C64, ClosedLoop, ControlRow, MAX_MASSES};
 
 /// `K` and `D` of `p'' = K p + D p'`, row by row: the linear rotor for those who need more than its poles, such as what
@@ -108,7 +109,7 @@ impl Quadratic {
     ///
     /// # Errors
     /// Coefficients that are not finite, or an iteration that does not converge.
-    pub fn poles(&self) -> Result<Vec<C64>, PoleError> {
+    pub fn poles(&self) -> Result<Vec<C64>, EigenvalueError> {
         let size = 2 * self.masses;
         let mut values = vec![C64::ZERO; size];
         // Small rotors are swept over by the thousand: their matrix stays on the stack.

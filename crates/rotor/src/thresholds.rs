@@ -89,6 +89,7 @@ fn singular_speeds(piece: &Piece) -> Option<Vec<f64>> {
     if !inverse_times.iter().all(|x| x.is_finite()) {
         return None;
     }
+    // Real, so nalgebra's: 167 us for the 36 rows of three masses, where ours for complex matrices takes 234.
     let bound = 100 * inverse_times.nrows();
     let eigenvalues = Schur::try_new(inverse_times, f64::EPSILON, bound)?.complex_eigenvalues();
     // The double root of a mode that only just crosses may have split into a pair off the axis by the root of the rounding.

@@ -185,6 +185,6 @@ proptest! {
         let (row, column) = (row % size, column % size);
         let mut matrix = nalgebra::DMatrix::<C64>::identity(size, size);
         matrix[(row, column)] = C64::new(0.0, bad);
-        prop_assert_eq!(eigenvalues(matrix), Err(rotor::PoleError::NotFinite { row: row + 1, column: column + 1 }));
+        prop_assert_eq!(eigenvalues(matrix), Err(linear::EigenvalueError::NotFinite { row: row + 1, column: column + 1 }));
     }
 }

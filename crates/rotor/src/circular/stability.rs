@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 use super::CircularError;
 use super::whirl_equation::{Contact, Equation};
 use crate::quadratic::Quadratic;
-use crate::{C64, J, eigenvalues};
+use crate::{C64, J, PoleError, eigenvalues};
 
 /// An eigenvalue this small, against the largest of its matrix, is the zero of a limit cycle's free phase.
 pub(super) const PHASE_ZERO: f64 = 1e-5;
@@ -56,7 +56,7 @@ pub(super) fn growth(
     }
     let (k, d) = (matrix.view((2 * n, 0), (2 * n, 2 * n)), matrix.view((2 * n, 2 * n), (2 * n, 2 * n)));
     let disturbed = Disturbed { k: k.into_owned(), d: d.into_owned() };
-    let mut poles = eigenvalues(matrix)?;
+    let mut poles = eigenvalues(matrix).map_err(PoleError::from)?;
     if free_phase {
         let largest = poles.iter().map(|p| p.norm()).fold(0.0, f64::max);
         let nearest = (0..poles.len()).min_by(|&i, &k| poles[i].norm().total_cmp(&poles[k].norm()));

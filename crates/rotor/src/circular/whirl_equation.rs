@@ -6,7 +6,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::CircularError;
 use super::around::Around;
-use crate::{C64, ClosedLoop, ControlRow, Feedback, J, Plant, Rotor, eigenvalues};
+use crate::{C64, ClosedLoop, ControlRow, Feedback, J, Plant, PoleError, Rotor, eigenvalues};
 
 /// Which masses press on their support bearing: bit `k` for mass `k`.
 pub(super) type Contact = u32;
@@ -272,7 +272,7 @@ impl Equation {
     pub(super) fn poles(&self, factor: impl Fn(usize) -> f64) -> Result<Vec<C64>, CircularError> {
         match &self.around {
             Some(around) => Ok(around.poles(self.factors(factor))?),
-            None => Ok(self.state_matrix(factor).map_or(Ok(Vec::new()), eigenvalues)?),
+            None => Ok(self.state_matrix(factor).map_or(Ok(Vec::new()), eigenvalues).map_err(PoleError::from)?),
         }
     }
 

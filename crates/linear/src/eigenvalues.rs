@@ -1,27 +1,26 @@
-//! Eigenvalues of small dense complex matrices: balancing, Householder reduction to Hessenberg form, shifted QR.
+//! Eigenvalues of dense complex matrices: balancing, Householder reduction to Hessenberg form, shifted QR.
 //!
-//! The matrices here have 2 to 64 rows and only their eigenvalues are wanted, so the routine keeps neither the unitary
+//! The matrices here have 2 to 128 rows and only their eigenvalues are wanted, so the routine keeps neither the unitary
 //! factor nor anything outside the active block, and allocates nothing: about half the work of a full Schur
 //! decomposition. The algorithm is the classical one (Francis; Wilkinson, *The Algebraic Eigenvalue Problem*, ch. 8;
-//! Golub & Van Loan, ch. 7), with Wilkinson's shift and a bounded number of sweeps. Eigenvectors are not its job: see
-//! [`crate::quadratic`].
+//! Golub & Van Loan, ch. 7), with Wilkinson's shift and a bounded number of sweeps. Eigenvectors are not its job.
+//!
+//! Ours, and not a library's, by measurement (`cargo bench -p linear --features faer`): beside faer 0.24 on one thread it
+//! takes half the time at 4 and 8 rows, two thirds at 16, four fifths at 32, and as long from 48 to 128; beside
+//! nalgebra a third to a seventh. faer costs two minutes of processor time in the first build, does not balance, and does not
+//! tell when its iteration has not converged, so it is no second opinion either.
 
 use nalgebra::DMatrix;
 
 use crate::C64;
+use crate::balance::balance;
 
 /// Bound on the QR sweeps for one eigenvalue. Two to three are usual; LAPACK gives up after 30 as well.
 const SWEEPS_PER_EIGENVALUE: usize = 30;
 
-/// Rows and columns smaller than this are not balanced.
-const LEAST: f64 = 1e-120;
-
-/// Sweeps for one eigenvalue after which rounding of the whole matrix is good enough.
-const PATIENCE: usize = 15;
-
 /// Why there are no eigenvalues.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PoleError {
+pub enum EigenvalueError {
     /// The matrix holds a value that is not finite: checked first, because no iteration can end on one.
     #[error("the system matrix is not finite at row {row}, column {column}")]
     NotFinite {
@@ -31,11 +30,8 @@ pub enum PoleError {
         column: usize,
     },
     /// The iteration did not converge within its bound.
-    #[error("the eigenvalues did not converge in {SWEEPS_PER_EIGENVALUE} sweeps each")]
-    NoConvergence,
-    /// A pole or its shape left the range of numbers.
-    #[error("the poles are beyond the range of numbers: the values of this machine lie too far apart")]
-    OutOfRange,
+    #[error("the eigenvalues of a matrix with {0} rows did not converge in {SWEEPS_PER_EIGENVALUE} sweeps each")]
+    NoConvergence(usize),
 }
 
 /// Eigenvalues of a square complex matrix, in no particular order.
@@ -47,15 +43,15 @@ pub enum PoleError {
 ///
 /// # Panics
 /// If the matrix is not square.
-pub fn eigenvalues(matrix: DMatrix<C64>) -> Result<Vec<C64>, PoleError> {
+pub fn eigenvalues(matrix: DMatrix<C64>) -> Result<Vec<C64>, EigenvalueError> {
     assert!(matrix.is_square(), "only square matrices have eigenvalues");
     let size = matrix.nrows();
     // Column by column in memory: row by row it is the transpose, which has the same eigenvalues.
     let mut rows: Vec<C64> = matrix.data.into();
     let mut values = vec![C64::ZERO; size];
     eigenvalues_in_place(&mut rows, &mut values).map_err(|error| match error {
-        PoleError::NotFinite { row, column } => PoleError::NotFinite { row: column, column: row },
-        PoleError::NoConvergence | PoleError::OutOfRange => error,
+        EigenvalueError::NotFinite { row, column } => EigenvalueError::NotFinite { row: column, column: row },
+        EigenvalueError::NoConvergence(_) => error,
     })?;
     Ok(values)
 }
@@ -64,9 +60,12 @@ pub fn eigenvalues(matrix: DMatrix<C64>) -> Result<Vec<C64>, PoleError> {
 ///
 /// # Errors
 /// A matrix that is not finite, or an iteration that does not converge.
-pub(crate) fn eigenvalues_in_place(rows: &mut [C64], values: &mut [C64]) -> Result<(), PoleError> {
+///
+/// # Panics
+/// If `rows` does not hold as many rows and columns as there are `values`.
+pub fn eigenvalues_in_place(rows: &mut [C64], values: &mut [C64]) -> Result<(), EigenvalueError> {
     let size = values.len();
-    debug_assert_eq!(rows.len(), size * size);
+    assert_eq!(rows.len(), size * size, "a square matrix with a row for every value");
     let scale = normalise(rows, size)?;
     if scale == 0.0 {
         values.fill(C64::ZERO);
@@ -85,25 +84,32 @@ pub(crate) fn eigenvalues_in_place(rows: &mut [C64], values: &mut [C64]) -> Resu
 }
 
 #[inline(always)]
-fn solve(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), PoleError> {
+fn solve(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), EigenvalueError> {
     let (rows, values) = (&mut rows[..size * size], &mut values[..size]);
-    balance(rows, size);
+    balance(rows, size, |_, _| ());
     reduce(rows, size);
-    iterate(rows, values, size)
+    let Err(left) = iterate(rows, values, size) else { return Ok(()) };
+    // Several eigenvalues at the origin, as of masses that nothing holds or of samples under way, are rounding beside
+    // one another and then never negligible. Away from the origin all are beside the size of the matrix.
+    let away = C64::from(rows[..left * size].iter().map(C64::norm_sqr).sum::<f64>().sqrt());
+    rows.iter_mut().step_by(size + 1).for_each(|z| *z += away);
+    iterate(rows, &mut values[..left], size).map_err(|_| EigenvalueError::NoConvergence(size))?;
+    values[..left].iter_mut().for_each(|z| *z -= away);
+    Ok(())
 }
 
 /// `|re| + |im|`: as good a size as the modulus where a factor of 1.4 does not matter, and much cheaper.
-fn size_of(z: C64) -> f64 {
+pub(crate) fn size_of(z: C64) -> f64 {
     z.re.abs() + z.im.abs()
 }
 
 /// Checks that everything is finite and divides by the power of two that brings the largest entry near 1, so that no
 /// square can overflow later on. Gives that power; 0 for the zero matrix.
-fn normalise(rows: &mut [C64], size: usize) -> Result<f64, PoleError> {
+fn normalise(rows: &mut [C64], size: usize) -> Result<f64, EigenvalueError> {
     let mut largest = 0.0_f64;
     for (at, value) in rows.iter().enumerate() {
         if !(value.re.is_finite() && value.im.is_finite()) {
-            return Err(PoleError::NotFinite { row: at / size + 1, column: at % size + 1 });
+            return Err(EigenvalueError::NotFinite { row: at / size + 1, column: at % size + 1 });
         }
         largest = largest.max(value.re.abs()).max(value.im.abs());
     }
@@ -117,45 +123,6 @@ fn normalise(rows: &mut [C64], size: usize) -> Result<f64, PoleError> {
     let scale = 2.0_f64.powf(largest.log2().floor().clamp(-1000.0, 1000.0));
     rows.iter_mut().for_each(|value| *value /= scale);
     Ok(scale)
-}
-
-/// Scales rows and columns by powers of two until their sizes agree within a factor of about two (Parlett & Reinsch 1969):
-/// exact, and it keeps the rounding error of a badly scaled matrix that of its small part.
-#[inline(always)]
-fn balance(rows: &mut [C64], size: usize) {
-    // Scaling only ever lowers the norm; the bound is for matrices that have no balanced form (triangular ones).
-    for _ in 0..16 {
-        let mut settled = true;
-        for i in 0..size {
-            let mut in_column = 0.0;
-            let mut in_row = 0.0;
-            for k in (0..size).filter(|&k| k != i) {
-                in_column += size_of(rows[k * size + i]);
-                in_row += size_of(rows[i * size + k]);
-            }
-            // A triangle has no balanced form: what is this small is left alone, before its squares are nothing.
-            if in_column < LEAST || in_row < LEAST {
-                continue;
-            }
-            let ratio: f64 = in_row / in_column;
-            if (0.25..=4.0).contains(&ratio) {
-                continue;
-            }
-            let factor = 2.0_f64.powf((0.5 * ratio.log2()).round().clamp(-500.0, 500.0));
-            if in_column * factor + in_row / factor < 0.95 * (in_column + in_row) {
-                settled = false;
-                for k in 0..size {
-                    rows[k * size + i] *= factor;
-                }
-                for k in 0..size {
-                    rows[i * size + k] /= factor;
-                }
-            }
-        }
-        if settled {
-            break;
-        }
-    }
 }
 
 /// Householder reflections to upper Hessenberg form: zeros below the first subdiagonal.
@@ -211,12 +178,12 @@ fn reduce(rows: &mut [C64], size: usize) {
     }
 }
 
-/// Shifted QR on a Hessenberg matrix, deflating from the lower end.
+/// Shifted QR on the leading part of a Hessenberg matrix that is as large as there are `values`, deflating from its lower
+/// end. Where it does not converge, how many of them are still to be found, in the part that leads now.
 #[inline(always)]
-fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), PoleError> {
-    let mut end = size;
+fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), usize> {
+    let mut end = values.len();
     let mut sweeps = 0;
-    let mut largest = 0.0;
     while end > 0 {
         let last = end - 1;
         // The active block begins below the lowest subdiagonal entry that is negligible beside its neighbours.
@@ -224,9 +191,6 @@ fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), Pole
         while begin > 0 {
             let below = size_of(rows[begin * size + begin - 1]);
             let beside = size_of(rows[begin * size + begin]) + size_of(rows[(begin - 1) * size + begin - 1]);
-            // Neighbours may be nothing but rounding themselves, as with several poles at the origin: where sweeps do not help,
-            // what is negligible beside the whole matrix is.
-            let beside = if sweeps > PATIENCE { beside.max(largest) } else { beside };
             if below <= f64::EPSILON * beside || below < f64::MIN_POSITIVE {
                 break;
             }
@@ -248,12 +212,9 @@ fn iterate(rows: &mut [C64], values: &mut [C64], size: usize) -> Result<(), Pole
             sweeps = 0;
         } else {
             if sweeps == SWEEPS_PER_EIGENVALUE {
-                return Err(PoleError::NoConvergence);
+                return Err(end);
             }
             sweeps += 1;
-            if sweeps == PATIENCE {
-                largest = rows.iter().map(|z| size_of(*z)).fold(0.0, f64::max);
-            }
             // Now and then a shift out of step with the rest, for the rare matrix on which Wilkinson's goes in circles.
             let shift = if sweeps % 10 == 0 {
                 rows[last * size + last] + 0.75 * size_of(rows[last * size + last - 1])

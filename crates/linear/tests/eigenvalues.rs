@@ -1,8 +1,10 @@
 //! The eigenvalue routine beside nalgebra's Schur decomposition, and on matrices that are known to be hard.
 
+use linear::{C64, EigenvalueError, eigenvalues};
 use nalgebra::{DMatrix, Schur};
 use proptest::prelude::*;
-use rotor::{C64, J, PoleError, eigenvalues};
+
+const J: C64 = C64::new(0.0, 1.0);
 
 /// Every value is an exact eigenvalue of a matrix nearby: `A - lambda I` is singular to `tolerance` times the size of `A`.
 #[track_caller]
@@ -106,7 +108,7 @@ fn size_does_not_overflow() {
 fn what_is_not_finite_is_named_by_row_and_column() {
     let mut a = DMatrix::<C64>::identity(3, 3);
     a[(0, 2)] = C64::new(0.0, f64::NAN);
-    assert_eq!(eigenvalues(a), Err(PoleError::NotFinite { row: 1, column: 3 }));
+    assert_eq!(eigenvalues(a), Err(EigenvalueError::NotFinite { row: 1, column: 3 }));
     assert_eq!(eigenvalues(DMatrix::<C64>::zeros(0, 0)), Ok(vec![]));
 }
 
@@ -133,5 +135,20 @@ fn val_groups_that_nothing_joins_stay_apart() {
     for a in [a.transpose(), a] {
         let values = eigenvalues(a).expect("converges");
         assert!(values.iter().all(|value| value.re.abs() < 1e-12), "{values:?}");
+    }
+}
+
+/// Few entries, all of them -1, 0 or 1: most of these have several eigenvalues at the origin, in chains, and two in a thousand
+/// were refused as not convergent.
+#[test]
+fn none_is_refused_for_many_eigenvalues_at_the_origin() {
+    let mut random = fastrand::Rng::with_seed(5);
+    for _ in 0..10_000 {
+        let size = random.usize(2..32);
+        let mut entry = || if random.u8(..4) == 0 { f64::from(random.i8(-1..=1)) } else { 0.0 };
+        let a = DMatrix::from_fn(size, size, |_, _| C64::from(entry()));
+        let values = eigenvalues(a.clone()).expect("converges");
+        let trace: C64 = values.iter().sum();
+        assert!((trace - a.trace()).norm() <= 1e-13 * a.norm(), "{trace} is not {}", a.trace());
     }
 }
