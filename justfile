@@ -31,6 +31,10 @@ fuzz SECONDS="60" SEED="1000":
 shake TIMES="30" *ARGS:
     tests/shake {{TIMES}} {{ARGS}}
 
+# Licences, sources, duplicates and unused dependencies of what comes from outside
+dependencies:
+    cargo run -p promises --example dependencies
+
 # What must hold before a change lands
 ci:
     .ci/run
