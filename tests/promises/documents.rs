@@ -43,19 +43,20 @@ documents! {
 const NOT_RUN: usize = 4;
 
 fn follow(path: &str) {
-    let reader = Reader::new();
-    let (mut reader, mut run) = (reader, 0);
+    let mut reader = Reader::new();
+    let (mut run, mut left_to_the_feature) = (0, 0);
     for Fence { line, block, text } in fences(path) {
         let place = format!("{path}:{line}");
         match block {
             Block::Commands => run += reader.types(&place, &text),
             Block::Recordings if cfg!(feature = "rerun") => run += reader.types(&place, &text),
+            Block::Recordings => left_to_the_feature += 1,
             Block::Printed => reader.has_seen(&place, &text),
             Block::File(name) => reader.writes(&name, &text),
-            Block::Recordings | Block::NotRun(_) | Block::Other => {}
+            Block::NotRun(_) | Block::Other => {}
         }
     }
-    assert!(run > 0 || path.contains("recordings"), "{path} has no commands");
+    assert!(run > 0 || left_to_the_feature > 0, "{path} has no commands");
     reader.leaves();
 }
 

@@ -56,6 +56,21 @@ fn the_architecture_leads_to_files_that_are_there() {
 }
 
 #[test]
+fn every_crate_opens_with_what_it_is_for_and_an_example_that_runs() {
+    let mut crates = 0;
+    for entry in fs::read_dir(top().join("crates")).expect("crates").flatten() {
+        let Ok(lib) = fs::read_to_string(entry.path().join("src/lib.rs")) else { continue };
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let front: Vec<&str> = lib.lines().take_while(|line| line.starts_with("//!")).collect();
+        assert!(front.first().is_some_and(|first| first.len() > 20), "{name} does not say what it is for");
+        assert!(front.contains(&"//! ```"), "{name} has no example on its front page");
+        assert!(paper("crates/whirl/src/lib.rs").contains(&format!("`{name}`")) || name == "whirl", "no way to {name}");
+        crates += 1;
+    }
+    assert!(crates > 14, "only {crates} crates");
+}
+
+#[test]
 fn the_documents_and_the_changelog_show_every_command() {
     let help = run(&["--help"]).stdout;
     let commands = help.split("Commands:").nth(1).and_then(|rest| rest.split("Options:").next()).expect("commands");

@@ -11,6 +11,14 @@
 //! together, and [`app`] alone carries actions out.
 //!
 //! [`run`] is all that other crates need; [`session`] starts and ends the threads around the loop.
+//!
+//! ```
+//! // A screen is a layout of panels; one of your own is a file with a picture of it in words.
+//! let layouts = dashboard::built_in_layouts();
+//! let operator = layouts.iter().find(|layout| layout.name() == "operator").ok_or("built in")?;
+//! assert!(operator.panels(140, 42).contains(&"alarms"));
+//! # Ok::<(), &str>(())
+//! ```
 
 mod actions;
 mod app;

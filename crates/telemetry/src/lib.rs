@@ -5,6 +5,17 @@
 //! [`replay`] fills the same feed from a recording. [`view_time`] says which moment is looked at, and
 //! [`Feed::frame_data`](feed::Feed::frame_data) is all that one frame shows of it. [`edits`] carries changes to the simulation on a
 //! thread of its own and knows what can be undone; [`jobs`] computes what takes longer than a frame; [`gain_search`] looks for gains.
+//!
+//! ```
+//! use std::time::Instant;
+//! use telemetry::feed::Feed;
+//! use wire::{Layout, State};
+//!
+//! // What a reader thread does with every step that it hears of a rotor of three masses.
+//! let mut feed = Feed::new("looking for a bench");
+//! feed.push_step(&State::new(Layout::new(3)), Instant::now());
+//! assert_eq!(feed.history().kept(), 0..1);
+//! ```
 
 pub mod command_history;
 pub mod comparison;

@@ -7,10 +7,12 @@
 //! | rotor and loop as one: stepped, or as poles, margins and responses | [`machine`] | [`machine::Machine`], [`machine::MachinePoles`]; `crates/machine/examples/poles.rs` |
 //! | all roots of a loop with a delay, for any matrices | [`linear`] | [`linear::DelaySystem`] |
 //! | gains | [`tuner`] | [`tuner::tune()`]; `crates/tuner/examples/search.rs` |
-//! | runs, forces over speed, run-ups, charts, the NASA report | [`study`] | [`study::run`] |
+//! | runs, forces over speed, run-ups, the NASA report | [`study`] | [`study::run`] |
 //! | to read a running bench, or to change it | [`wire`] | [`wire::SharedMemory`], [`wire::Carrier`]; `crates/wire/examples/watch.rs` |
 //! | to run one | [`sim`] | [`sim::run()`] |
 //! | to judge what it sends | [`alarms`] | [`alarms::Alarms`] |
+//! | charts, as SVG and PNG | `plot` | `plot::Chart` |
+//! | units of an SI rotor | `units` | `units::Units` |
 //! | the full spectrum of an orbit | `spectrum` | `spectrum::welch` |
 //! | to read a recording | [`tape`], with its cargo feature `rerun` | [`tape::Recording`]; `crates/tape/examples/read_back.rs` |
 //! | what a console knows and asks, for a screen of your own | [`telemetry`] | `telemetry::feed` |
@@ -21,6 +23,11 @@
 //! Quantities are dimensionless unless a name says otherwise: displacements in `e_t`, time `tau = w0 t`, speed `R = w / w0`,
 //! forces in `m_b w0^2 e_t`; [`rotor::Scales`] has an SI rotor's units. Errors are types of their own, one an operation. Every crate's
 //! front page has an example that runs.
+//!
+//! ```
+//! // The command line as data, for man pages and the like.
+//! assert!(whirl::command().find_subcommand("poles").is_some());
+//! ```
 //!
 //! This crate itself is the command line, and no library: one file a command, each a few lines of glue over the others. Inside of it,
 //!
