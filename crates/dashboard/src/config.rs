@@ -1,8 +1,7 @@
 //! The configuration file: keys of a person's own, limits of alarms, looks, and the layout to start with.
 
 use alarms::{Limits, Watch};
-use text::{Fault as Problem, Faults as Problems};
-use toml::de::{DeTable, DeValue};
+use text::{Faults, Reader, Table, Value, as_number};
 
 use crate::actions::ACTIONS;
 use crate::appearance::ThemeName;
@@ -30,98 +29,63 @@ impl Config {
     ///
     /// # Errors
     /// All that is wrong with it, by line and column: unknown keys and commands, and a key that is bound twice.
-    pub fn read(text: &str) -> Result<Self, Problems> {
-        let mut problems = Vec::new();
-        let mut config = Self::default();
-        let (table, errors) = DeTable::parse_recoverable(text);
-        for error in &errors {
-            problems.push(Problem::at(text, error.span().unwrap_or(0..0), error.message(), "TOML"));
+    pub fn read(text: &str) -> Result<Self, Faults> {
+        let (mut reader, file) = Reader::parse(text)?;
+        reader.only(&file, &["layout", "theme", "ascii", "keys", "alarms"]);
+        let themes: Vec<String> = ThemeName::all().map(|(theme, _)| theme.to_string()).collect();
+        let themes: Vec<&str> = themes.iter().map(String::as_str).collect();
+        let mut config = Self {
+            layout: reader.string(&file, "layout", "the name of a layout").map(str::to_owned),
+            theme: reader.choice(&file, "theme", &themes).and_then(|theme| theme.parse().ok()),
+            ascii: reader.boolean(&file, "ascii").unwrap_or_default(),
+            ..Self::default()
+        };
+        if let Some(keys) = reader.table(&file, "keys") {
+            config.bind(&mut reader, keys);
         }
-        if let Some(problems) = Problems::some(problems) {
-            return Err(problems);
+        if let Some(alarms) = reader.table(&file, "alarms") {
+            config.limit(&mut reader, alarms);
         }
-        let mut problems = Vec::new();
-        let mut problem =
-            |at: usize, found: &str, expected: &str| problems.push(Problem::at(text, at..at, found, expected));
-        for (key, value) in table.get_ref() {
-            let written = text.get(value.span()).unwrap_or_default();
-            match (&**key.get_ref(), value.get_ref()) {
-                ("layout", DeValue::String(layout)) => config.layout = Some(layout.to_string()),
-                ("layout", _) => problem(value.span().start, written, "the name of a layout"),
-                ("theme", DeValue::String(name)) => match name.parse() {
-                    Ok(theme) => config.theme = Some(theme),
-                    Err(_) => problem(value.span().start, written, &ThemeName::expected()),
-                },
-                ("theme", _) => problem(value.span().start, written, &ThemeName::expected()),
-                ("ascii", DeValue::Boolean(ascii)) => config.ascii = *ascii,
-                ("ascii", _) => problem(value.span().start, written, "true or false"),
-                ("keys", DeValue::Table(keys)) => {
-                    let mut entries: Vec<_> = keys.iter().collect();
-                    entries.sort_by_key(|(key, _)| key.span().start);
-                    let mut bound: Vec<(Chord, String)> = Vec::new();
-                    for (key, value) in entries {
-                        let at = key.span().start;
-                        let DeValue::String(command) = value.get_ref() else {
-                            let written = text.get(value.span()).unwrap_or_default();
-                            problem(value.span().start, written, "a command in quotes, such as \"nudge 5\"");
-                            continue;
-                        };
-                        let name = &**key.get_ref();
-                        let chord: Result<Chord, String> = name.parse();
-                        let twice = chord.ok().and_then(|chord| bound.iter().find(|(other, _)| *other == chord));
-                        if let Some((_, other)) = twice {
-                            problem(
-                                at,
-                                &format!("'{name}' again"),
-                                &format!("one command a key: it is bound as '{other}' above"),
-                            );
-                            continue;
-                        }
-                        match config.keys.bind(name, command) {
-                            Ok(chord) => bound.push((chord, name.to_owned())),
-                            Err(why) => {
-                                let (found, expected) = why.split_once(": expected ").unwrap_or((&*why, "a command"));
-                                problem(at, found, expected);
-                            }
-                        }
-                    }
-                }
-                ("keys", _) => problem(value.span().start, written, "[keys], with a command for each key"),
-                ("alarms", DeValue::Table(alarms)) => {
-                    for (key, value) in alarms {
-                        let written = text.get(value.span()).unwrap_or_default();
-                        let name = &**key.get_ref();
-                        let watch = limited().find(|watch| watch.name() == name);
-                        let read = match (name, watch, limits(value.get_ref())) {
-                            ("bell", ..) => match value.get_ref() {
-                                DeValue::Boolean(bell) => {
-                                    config.bell = *bell;
-                                    Ok(())
-                                }
-                                _ => Err("true or false".into()),
-                            },
-                            (_, Some(watch), Some(limits)) => {
-                                config.limits.set(watch, limits).map_err(|error| error.to_string())
-                            }
-                            (_, Some(_), None) => Err("[warning, alarm], two numbers, or \"off\"".into()),
-                            (_, None, _) => {
-                                let expected = "bell, damping, orbit, force, saturation, lateness or losses";
-                                problem(key.span().start, &format!("'{name}'"), expected);
-                                Ok(())
-                            }
-                        };
-                        if let Err(expected) = read {
-                            problem(value.span().start, written, &expected);
-                        }
-                    }
-                }
-                ("alarms", _) => problem(value.span().start, written, "[alarms], with limits"),
-                (other, _) => {
-                    problem(key.span().start, &format!("'{other}'"), "layout, theme, ascii, [keys] or [alarms]");
-                }
+        reader.finish(config)
+    }
+
+    /// Reads `[keys]`, in the order in which they stand.
+    fn bind(&mut self, reader: &mut Reader<'_>, keys: &Table<'_>) {
+        let mut entries: Vec<_> = keys.iter().collect();
+        entries.sort_by_key(|(key, _)| key.span().start);
+        let mut bound: Vec<(Chord, String)> = Vec::new();
+        for (key, value) in entries {
+            let name = &**key.get_ref();
+            let Some(command) = value.get_ref().as_str() else {
+                reader.wrong(name, value, "a command in quotes, such as \"nudge 5\"");
+                continue;
+            };
+            let chord: Result<Chord, String> = name.parse();
+            if let Some((_, other)) = chord.ok().and_then(|chord| bound.iter().find(|(other, _)| *other == chord)) {
+                let expected = format!("one command a key: it is bound as '{other}' above");
+                reader.fault(key.span(), format!("'{name}' again"), expected);
+                continue;
+            }
+            match self.keys.bind(name, command) {
+                Ok(chord) => bound.push((chord, name.to_owned())),
+                Err(why) => reader.told(key.span(), &why, "a command"),
             }
         }
-        Problems::some(problems).map_or(Ok(config), Err)
+    }
+
+    /// Reads `[alarms]`.
+    fn limit(&mut self, reader: &mut Reader<'_>, alarms: &Table<'_>) {
+        let known: Vec<&str> = std::iter::once("bell").chain(limited().map(Watch::name)).collect();
+        reader.only(alarms, &known);
+        self.bell = reader.boolean(alarms, "bell").unwrap_or_default();
+        for watch in limited() {
+            let Some(value) = alarms.get(watch.name()) else { continue };
+            match limits(value).map(|limits| self.limits.set(watch, limits)) {
+                Some(Ok(())) => {}
+                Some(Err(error)) => reader.wrong(watch.name(), value, error.to_string()),
+                None => reader.wrong(watch.name(), value, "[warning, alarm], two numbers, or \"off\""),
+            }
+        }
     }
 
     /// A configuration file that says what holds without one, with every action explained.
@@ -165,19 +129,13 @@ fn limited() -> impl Iterator<Item = Watch> {
 }
 
 /// `[warning, alarm]`, or `"off"`; the outer `None` is neither.
-fn limits(value: &DeValue<'_>) -> Option<Option<[f64; 2]>> {
-    let number = |value: &DeValue<'_>| match value {
-        DeValue::Integer(number) if number.radix() == 10 => number.as_str().parse::<f64>().ok(),
-        DeValue::Float(number) => number.as_str().parse::<f64>().ok(),
-        _ => None,
-    };
-    match value {
-        DeValue::String(off) if off == "off" => Some(None),
-        DeValue::Array(pair) => match pair.iter().map(|value| number(value.get_ref())).collect::<Option<Vec<_>>>()?[..]
-        {
-            [warning, alarm] => Some(Some([warning, alarm])),
-            _ => None,
-        },
+fn limits(value: &Value<'_>) -> Option<Option<[f64; 2]>> {
+    let content = value.get_ref();
+    if content.as_str() == Some("off") {
+        return Some(None);
+    }
+    match content.as_array()?.iter().map(as_number).collect::<Option<Vec<_>>>()?[..] {
+        [warning, alarm] => Some(Some([warning, alarm])),
         _ => None,
     }
 }
@@ -193,7 +151,7 @@ mod tests {
         // With every line in force too: they are what holds.
         let bare = |line: &str| line.strip_prefix("# ").filter(|rest| rest.contains(" = ")).unwrap_or(line).to_owned();
         let all: String = text.lines().map(|line| bare(line) + "\n").collect();
-        let read = Config::read(&all).unwrap_or_else(|problems| panic!("{problems}\n{all}"));
+        let read = Config::read(&all).unwrap_or_else(|faults| panic!("{faults}\n{all}"));
         let sorted = |config: &Config| {
             let mut keys: Vec<(String, String)> = config.keys.all().map(|(k, c)| (k, c.to_owned())).collect();
             keys.sort();
@@ -217,12 +175,12 @@ mod tests {
 
     #[test]
     fn mistakes_are_told_by_line_and_column() {
-        for (text, problem) in [
-            ("theme = \"dark\"", "1:9: \"dark\": expected default, full, contrast or colour-blind"),
-            ("theme = 1", "1:9: 1: expected default, full, contrast or colour-blind"),
-            ("ascii = 1", "1:9: 1: expected true or false"),
-            ("layout = 3", "1:10: 3: expected the name of a layout"),
-            ("colour = 1", "1:1: 'colour': expected layout, theme, ascii, [keys] or [alarms]"),
+        for (text, fault) in [
+            ("theme = \"dark\"", "1:9: theme = \"dark\": expected one of default, full, contrast, colour-blind"),
+            ("theme = 1", "1:9: theme = 1: expected one of default, full, contrast, colour-blind"),
+            ("ascii = 1", "1:9: ascii = 1: expected true or false"),
+            ("layout = 3", "1:10: layout = 3: expected the name of a layout"),
+            ("colour = 1", "1:1: unknown key 'colour': expected one of layout, theme, ascii, keys, alarms"),
             (
                 "[keys]\n\"x\" = \"fly\"",
                 "2:1: no command 'fly': tab shows what there is, ? the help: expected a command",
@@ -233,21 +191,21 @@ mod tests {
             ),
             (
                 "[alarms]\nspeed = [1, 2]",
-                "2:1: 'speed': expected bell, damping, orbit, force, saturation, lateness or losses",
+                "2:1: unknown key 'speed': expected one of bell, damping, orbit, force, saturation, lateness, losses",
             ),
-            ("[alarms]\norbit = [5, 3]", "2:9: [5, 3]: expected the alarm at or above the warning"),
-            ("[alarms]\ndamping = [0, 0.1]", "2:11: [0, 0.1]: expected the alarm at or below the warning"),
-            ("[alarms]\nforce = [1]", "2:9: [1]: expected [warning, alarm], two numbers, or \"off\""),
-            ("[alarms]\nforce = [1, inf]", "2:9: [1, inf]: expected finite numbers"),
-            ("[alarms]\nbell = 1", "2:8: 1: expected true or false"),
-            ("[keys]\nx = 1", "2:5: 1: expected a command in quotes, such as \"nudge 5\""),
+            ("[alarms]\norbit = [5, 3]", "2:9: orbit = [5, 3]: expected the alarm at or above the warning"),
+            ("[alarms]\ndamping = [0, 0.1]", "2:11: damping = [0, 0.1]: expected the alarm at or below the warning"),
+            ("[alarms]\nforce = [1]", "2:9: force = [1]: expected [warning, alarm], two numbers, or \"off\""),
+            ("[alarms]\nforce = [1, inf]", "2:9: force = [1, inf]: expected finite numbers"),
+            ("[alarms]\nbell = 1", "2:8: bell = 1: expected true or false"),
+            ("[keys]\nx = 1", "2:5: x = 1: expected a command in quotes, such as \"nudge 5\""),
             (
                 "[keys]\n\"ctrl-alt-x\" = \"undo\"\n\"alt-ctrl-x\" = \"redo\"",
                 "3:1: 'alt-ctrl-x' again: expected one command a key: it is bound as 'ctrl-alt-x' above",
             ),
             ("[keys]\nq = \"undo\"", "2:1: 'q': expected another key: this one always quits"),
         ] {
-            assert_eq!(Config::read(text).unwrap_err().to_string(), problem, "{text}");
+            assert_eq!(Config::read(text).unwrap_err().to_string(), fault, "{text}");
         }
         assert!(Config::read("[keys]\nx = \"undo\"\nx = \"redo\"").unwrap_err().to_string().starts_with("3:1: "));
     }

@@ -80,6 +80,13 @@ impl<'t> Reader<'t> {
         self.drafts.push(Draft { span: at, found: found.into(), expected: expected.into() });
     }
 
+    /// Notes a fault that somebody else tells as `FOUND: expected EXPECTED`; `otherwise` is expected where that says only what
+    /// was found.
+    pub fn told(&mut self, at: Span<usize>, fault: &str, otherwise: &str) {
+        let (found, expected) = fault.split_once(": expected ").unwrap_or((fault, otherwise));
+        self.fault(at, found, expected);
+    }
+
     /// Notes that the value of `key` is not what was expected.
     pub fn wrong(&mut self, key: &str, value: &Value<'_>, expected: impl Into<String>) {
         let written = self.written(value.span());

@@ -33,13 +33,6 @@ impl ThemeName {
         THEMES.iter().enumerate().map(|(at, theme)| (Self(at), theme.meaning))
     }
 
-    /// The names, as a sentence lists them.
-    pub(crate) fn expected() -> String {
-        let names = THEMES.map(|theme| theme.name);
-        let (last, first) = names.split_last().expect("there are themes");
-        format!("{} or {last}", first.join(", "))
-    }
-
     fn theme(self) -> &'static Theme {
         &THEMES[self.0]
     }

@@ -17,7 +17,7 @@
 mod read;
 
 use ratatui::layout::{Constraint, Layout as Split, Rect};
-use text::Faults as Problems;
+use text::Faults;
 
 use crate::panels::registry::PANELS;
 use crate::series::Strip;
@@ -87,7 +87,7 @@ impl Layout {
     ///
     /// # Errors
     /// All that is wrong with it, by line and column.
-    pub fn read(name: &str, text: &str) -> Result<Self, Problems> {
+    pub fn read(name: &str, text: &str) -> Result<Self, Faults> {
         read::read(name, text)
     }
 

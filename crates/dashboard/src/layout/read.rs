@@ -1,143 +1,98 @@
-//! Reading layout files: every problem at its line and column.
+//! Reading layout files.
 
 use std::ops::Range;
 
-use text::{Fault as Problem, Faults as Problems};
-use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use text::{Faults, Reader, Table, Value};
 
-use super::{Layout, Place, Screen, Size};
-use crate::layout::SMALLEST;
+use super::{Layout, Place, SMALLEST, Screen, Size};
 use crate::panels::registry::PANELS;
 use crate::series::Strip;
 
-type Value<'t> = Spanned<DeValue<'t>>;
-
 /// Reads a layout.
-pub(super) fn read(name: &str, text: &str) -> Result<Layout, Problems> {
-    let (table, errors) = DeTable::parse_recoverable(text);
-    let mut reader = Reader { text, problems: Vec::new() };
-    for error in &errors {
-        reader.problem(error.span().unwrap_or(0..0).start, error.message(), "TOML");
-    }
-    if let Some(problems) = Problems::some(reader.problems) {
-        return Err(problems);
-    }
-    let mut reader = Reader { text, problems: Vec::new() };
-    let mut layout = Layout { name: name.to_owned(), about: String::new(), screens: Vec::new() };
-    let (mut last, mut places) = (0, Vec::new());
-    for (key, value) in table.get_ref() {
-        match (&**key.get_ref(), value.get_ref()) {
-            ("about", DeValue::String(about)) => layout.about = about.to_string(),
-            ("about", _) => reader.problem(value.span().start, reader.written(value), "a text"),
-            ("screen", DeValue::Array(screens)) => {
-                for screen in screens {
-                    last = screen.span().start;
-                    let read = reader.screen(screen);
-                    places.extend(read.as_ref().map(|_| last));
-                    layout.screens.extend(read);
-                }
-            }
-            ("screen", _) => reader.problem(value.span().start, reader.written(value), "[[screen]], once a screen"),
-            (other, _) => reader.problem(key.span().start, format!("'{other}'"), "about or [[screen]]"),
+pub(super) fn read(name: &str, text: &str) -> Result<Layout, Faults> {
+    let (mut reader, file) = Reader::parse(text)?;
+    reader.only(&file, &["about", "screen"]);
+    let about = reader.string(&file, "about", "a text in quotes").unwrap_or_default().to_owned();
+    let tables = reader.tables(&file, "screen", None);
+    let mut screens = Screens { reader, text };
+    let read: Vec<Option<Screen>> = tables.iter().map(|(table, at)| screens.screen(table, at)).collect();
+    let Screens { mut reader, .. } = screens;
+    reader.check()?;
+    let layout = Layout { name: name.to_owned(), about, screens: read.into_iter().flatten().collect() };
+
+    let sizes = layout.sizes();
+    for (i, (width, height)) in sizes.iter().enumerate() {
+        // The first screen that fits is shown.
+        if let Some(before) = sizes[..i].iter().position(|size| size.0 <= *width && size.1 <= *height) {
+            let found = format!("screen {} is never shown", i + 1);
+            let expected = format!("one for smaller terminals: screen {} fits wherever it does", before + 1);
+            reader.fault(tables[i].1.clone(), found, expected);
         }
     }
-    if reader.problems.is_empty() {
-        let sizes = layout.sizes();
-        for (at, (width, height)) in sizes.iter().enumerate() {
-            // The first screen that fits is shown.
-            if let Some(before) = sizes[..at].iter().position(|size| size.0 <= *width && size.1 <= *height) {
-                let found = format!("screen {} is never shown", at + 1);
-                let expected = format!("one for smaller terminals: screen {} fits wherever it does", before + 1);
-                reader.problem(places[at], found, expected);
-            }
+    match sizes.last() {
+        None => reader.fault(0..0, "no screen", "[[screen]] with a picture"),
+        Some(&(width, height)) if width > SMALLEST.0 || height > SMALLEST.1 => {
+            let at = tables.last().map_or(0..0, |(_, at)| at.clone());
+            let found = format!("the last screen needs a terminal of {width} x {height}");
+            let (width, height) = SMALLEST;
+            reader.fault(at, found, format!("a last screen for {width} x {height}"));
         }
-        match sizes.last() {
-            None => reader.problem(0, "no screen", "[[screen]] with a picture"),
-            Some(&(width, height)) if width > SMALLEST.0 || height > SMALLEST.1 => {
-                let found = format!("the last screen needs a terminal of {width} x {height}");
-                let (width, height) = SMALLEST;
-                reader.problem(last, found, format!("a last screen for {width} x {height}"));
-            }
-            Some(_) => {}
-        }
+        Some(_) => {}
     }
-    reader.problems.sort_by_key(|problem| (problem.line, problem.column));
-    Problems::some(reader.problems).map_or(Ok(layout), Err)
+    reader.finish(layout)
 }
 
-struct Reader<'t> {
-    text: &'t str,
-    problems: Vec<Problem>,
-}
-
-/// A word of a picture, and the byte it starts at.
+/// A word of a text, and the byte it starts at.
 type Word<'t> = (usize, &'t str);
 
-impl<'t> Reader<'t> {
-    fn problem(&mut self, at: usize, found: impl Into<String>, expected: impl Into<String>) {
-        self.problems.push(Problem::at(self.text, at..at, found, expected));
-    }
+fn span((at, word): Word<'_>) -> Range<usize> {
+    at..at + word.len()
+}
 
-    /// A value as it is written, cut short.
-    fn written(&self, value: &Value<'_>) -> String {
-        let written = self.text.get(value.span()).unwrap_or_default();
-        let line = written.lines().next().unwrap_or_default();
-        format!("'{}'", line.chars().take(40).collect::<String>())
-    }
+/// Reads screens; what is wrong with one is known to the reader, and the screen then is of no use.
+struct Screens<'t> {
+    reader: Reader<'t>,
+    text: &'t str,
+}
 
-    fn screen(&mut self, screen: &Value<'t>) -> Option<Screen> {
-        let DeValue::Table(table) = screen.get_ref() else {
-            self.problem(screen.span().start, self.written(screen), "a table with a picture");
-            return None;
-        };
-        let (mut columns, mut rows, mut picture, mut strips) = (None, None, None, None);
-        for (key, value) in table {
-            match &**key.get_ref() {
-                "columns" => columns = Some((value.span().start, self.sizes(value))),
-                "rows" => rows = Some((value.span().start, self.sizes(value))),
-                "picture" => picture = Some(value),
-                "strips" => strips = self.strips(value),
-                other => self.problem(key.span().start, format!("'{other}'"), "picture, columns, rows or strips"),
-            }
-        }
-        let strips_at = table.get("strips").map_or(0, |value| value.span().start);
-        let Some(picture) = picture else {
-            self.problem(screen.span().start, "a screen without a picture", "picture = \"\"\" ... \"\"\"");
+impl<'t> Screens<'t> {
+    fn screen(&mut self, table: &Table<'_>, at: &Range<usize>) -> Option<Screen> {
+        self.reader.only(table, &["picture", "columns", "rows", "strips"]);
+        let columns = self.sizes(table, "columns");
+        let rows = self.sizes(table, "rows");
+        let strips = self.strips(table);
+        let Some(picture) = table.get("picture") else {
+            self.reader.fault(at.clone(), "a screen without a picture", "picture = \"\"\" ... \"\"\"");
             return None;
         };
         let lines = self.lines(picture)?;
         let places = self.places(&lines)?;
-        if strips.is_some() && !places.iter().any(|place| PANELS[place.kind].name == "strips") {
-            self.problem(strips_at, "strips", "a screen with strips in its picture, or no word of what they show");
+        if let (Some(_), Some(value)) = (&strips, table.get("strips"))
+            && !places.iter().any(|place| PANELS[place.kind].name == "strips")
+        {
+            let expected = "a screen with strips in its picture, or no word of what they show";
+            self.reader.wrong("strips", value, expected);
         }
-        let mut sized = |given: Option<(usize, Vec<Size>)>, count: usize, what: &str| match given {
-            None => vec![Size::Share(1); count],
-            Some((at, sizes)) => {
-                if sizes.len() != count {
-                    self.problem(at, format!("{} sizes", sizes.len()), format!("one for each of the {count} {what}"));
-                }
-                sizes
+        let mut sized = |key: &str, given: Option<Vec<Size>>, count: usize, what: &str| match (given, table.get(key)) {
+            (Some(sizes), Some(value)) if sizes.len() != count => {
+                let expected = format!("one for each of the {count} {what}");
+                self.reader.fault(value.span(), format!("{} sizes", sizes.len()), expected);
+                None
             }
+            (given, _) => Some(given.unwrap_or_else(|| vec![Size::Share(1); count])),
         };
-        let columns = sized(columns, lines[0].len(), "words of a line");
-        let rows = sized(rows, lines.len(), "lines of the picture");
-        // Sizes that do not fit the picture have been told of: the screen is of no use then.
-        (columns.len() == lines[0].len() && rows.len() == lines.len()).then_some(Screen {
-            columns,
-            rows,
-            places,
-            strips,
-        })
+        let columns = sized("columns", columns, lines[0].len(), "words of a line");
+        let rows = sized("rows", rows, lines.len(), "lines of the picture");
+        Some(Screen { columns: columns?, rows: rows?, places, strips })
     }
 
-    /// The words of a text as they stand in the file, with the byte that each starts at.
-    fn words(&mut self, value: &Value<'_>) -> Vec<Vec<Word<'t>>> {
+    /// The words of a text as they stand in the file, by line; `None` if it is none.
+    fn words(&mut self, key: &str, value: &Value<'_>) -> Option<Vec<Vec<Word<'t>>>> {
+        if value.get_ref().as_str().is_none() {
+            self.reader.wrong(key, value, "words in quotes");
+            return None;
+        }
         let Range { start, end } = value.span();
-        let DeValue::String(_) = value.get_ref() else {
-            self.problem(start, self.written(value), "words in quotes");
-            return Vec::new();
-        };
         let quotes = self.text[start..].chars().take_while(|c| matches!(c, '"' | '\'')).count().min(3);
         let quotes = if quotes == 2 { 1 } else { quotes };
         let text: &'t str = self.text;
@@ -145,74 +100,68 @@ impl<'t> Reader<'t> {
         let byte = |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
         let words =
             |line: &'t str| -> Vec<Word<'t>> { line.split_whitespace().map(|word| (byte(word), word)).collect() };
-        inside.lines().map(words).filter(|words| !words.is_empty()).collect()
+        Some(inside.lines().map(words).filter(|words| !words.is_empty()).collect())
     }
 
     /// What strips show, a word each.
-    fn strips(&mut self, value: &Value<'t>) -> Option<Vec<Strip>> {
-        let before = self.problems.len();
-        let words = self.words(value).concat();
-        // What is no text has been told of.
-        if words.is_empty() && self.problems.len() == before {
-            self.problem(value.span().start, self.written(value), "series, such as \"y z u\"");
+    fn strips(&mut self, table: &Table<'_>) -> Option<Vec<Strip>> {
+        let value = table.get("strips")?;
+        let words = self.words("strips", value)?.concat();
+        if words.is_empty() {
+            self.reader.wrong("strips", value, "series, such as \"y z u\"");
         }
         let mut strips = Vec::new();
-        for (at, word) in words {
-            match Strip::read(word) {
-                Ok(strip) if strips.contains(&strip) => self.problem(at, format!("'{word}' again"), "each strip once"),
-                Ok(strip) => strips.push(strip),
-                Err(why) => {
-                    let (found, expected) = why.split_once(": expected ").unwrap_or((&*why, "a series"));
-                    self.problem(at, found, expected);
+        for word in words {
+            match Strip::read(word.1) {
+                Ok(strip) if strips.contains(&strip) => {
+                    self.reader.fault(span(word), format!("'{}' again", word.1), "each strip once");
                 }
+                Ok(strip) => strips.push(strip),
+                Err(why) => self.reader.told(span(word), &why, "a series"),
             }
         }
         Some(strips).filter(|strips| !strips.is_empty())
     }
 
-    fn sizes(&mut self, value: &Value<'_>) -> Vec<Size> {
-        let words = self.words(value).concat();
+    fn sizes(&mut self, table: &Table<'_>, key: &str) -> Option<Vec<Size>> {
+        let words = self.words(key, table.get(key)?)?.concat();
         let mut sizes = Vec::new();
-        for (at, word) in words {
-            let size = match word.strip_prefix('=') {
+        for word in words {
+            let size = match word.1.strip_prefix('=') {
                 Some(cells) => cells.parse().ok().filter(|cells| (1..=1000).contains(cells)).map(Size::Cells),
-                None => word.parse().ok().filter(|share| (1..=1000).contains(share)).map(Size::Share),
+                None => word.1.parse().ok().filter(|share| (1..=1000).contains(share)).map(Size::Share),
             };
-            match size {
-                Some(size) => sizes.push(size),
-                None => {
-                    self.problem(at, format!("'{word}'"), "a share from 1 to 1000, or =CELLS");
-                    sizes.push(Size::Share(1));
-                }
+            if size.is_none() {
+                self.reader.fault(span(word), format!("'{}'", word.1), "a share from 1 to 1000, or =CELLS");
             }
+            sizes.push(size.unwrap_or(Size::Share(1)));
         }
-        sizes
+        Some(sizes)
     }
 
     /// The lines of a picture, all of the same number of words.
     fn lines(&mut self, value: &Value<'_>) -> Option<Vec<Vec<Word<'t>>>> {
-        let before = self.problems.len();
-        let lines = self.words(value);
+        let lines = self.words("picture", value)?;
         let Some(first) = lines.first() else {
-            if self.problems.len() == before {
-                self.problem(value.span().start, "an empty picture", "lines of panel names");
-            }
+            self.reader.fault(value.span(), "an empty picture", "lines of panel names");
             return None;
         };
         let count = first.len();
+        let mut are_alike = true;
         for line in lines.iter().filter(|line| line.len() != count) {
-            self.problem(line[0].0, format!("{} words", line.len()), format!("{count}, as in the line above"));
+            let expected = format!("{count}, as in the line above");
+            self.reader.fault(span(line[0]), format!("{} words", line.len()), expected);
+            are_alike = false;
         }
-        (self.problems.len() == before).then_some(lines)
+        are_alike.then_some(lines)
     }
 
-    /// The blocks of equal words of a picture.
+    /// The blocks of equal words of a picture. Once is enough to be told of one that is none.
     fn places(&mut self, lines: &[Vec<Word<'t>>]) -> Option<Vec<Place>> {
-        let before = self.problems.len();
         let mut places: Vec<Place> = Vec::new();
         let word = |x: usize, y: usize| -> &'t str { lines[y][x].1 };
         for (top, line) in lines.iter().enumerate() {
-            for (left, (at, name)) in line.iter().copied().enumerate() {
+            for (left, &(at, name)) in line.iter().enumerate() {
                 let covered = |place: &Place| {
                     (place.left..place.right).contains(&left) && (place.top..place.bottom).contains(&top)
                 };
@@ -220,12 +169,11 @@ impl<'t> Reader<'t> {
                     continue;
                 }
                 let Some(kind) = PANELS.iter().position(|kind| kind.name == name) else {
-                    self.problem(at, format!("no panel '{name}'"), known());
-                    // Once is enough.
+                    self.reader.fault(span((at, name)), format!("no panel '{name}'"), known());
                     return None;
                 };
                 if places.iter().any(|place| place.kind == kind) {
-                    self.problem(at, format!("'{name}' again"), "one rectangle of a panel's name");
+                    self.reader.fault(span((at, name)), format!("'{name}' again"), "one rectangle of a panel's name");
                     return None;
                 }
                 let right = (left..line.len()).find(|x| word(*x, top) != name).unwrap_or(line.len());
@@ -233,20 +181,18 @@ impl<'t> Reader<'t> {
                 let hole =
                     (top..bottom).flat_map(|y| (left..right).map(move |x| (x, y))).find(|(x, y)| word(*x, *y) != name);
                 if let Some((x, y)) = hole {
-                    self.problem(
-                        lines[y][x].0,
-                        format!("'{}' within '{name}'", word(x, y)),
-                        "one rectangle of a panel's name",
-                    );
+                    let found = format!("'{}' within '{name}'", word(x, y));
+                    self.reader.fault(span(lines[y][x]), found, "one rectangle of a panel's name");
                     return None;
                 }
                 places.push(Place { kind, left, top, right, bottom });
             }
         }
-        if places.is_empty() && self.problems.len() == before {
-            self.problem(lines[0][0].0, "no panel", known());
+        if places.is_empty() {
+            self.reader.fault(span(lines[0][0]), "no panel", known());
+            return None;
         }
-        (self.problems.len() == before).then_some(places)
+        Some(places)
     }
 }
 
