@@ -7,7 +7,7 @@
 
 use std::f64::consts::PI;
 
-use crate::{C64, Gain, LoopGain};
+use crate::{C64, FrequencyGain, LoopGain};
 
 /// How far off the cubic the curve may be, relative to its distance from 0 and -1.
 const OFF: f64 = 0.01;
@@ -23,7 +23,7 @@ const MOST: usize = 400_000;
 impl LoopGain {
     /// The curve over `from..=to`, rising; with a point at each of `also` that lies within.
     #[must_use]
-    pub fn curve(&self, from: f64, to: f64, also: &[f64]) -> Vec<Gain> {
+    pub fn curve(&self, from: f64, to: f64, also: &[f64]) -> Vec<FrequencyGain> {
         let mut starts: Vec<f64> = vec![from, to];
         starts.extend(also);
         for [centre, width] in self.resonances() {
@@ -56,7 +56,7 @@ impl LoopGain {
     }
 
     /// Points between two.
-    fn fill(&self, a: Gain, b: Gain, depth: usize, points: &mut Vec<Gain>) {
+    fn fill(&self, a: FrequencyGain, b: FrequencyGain, depth: usize, points: &mut Vec<FrequencyGain>) {
         let width = b.frequency - a.frequency;
         let middle = self.at(0.5 * (a.frequency + b.frequency));
         let cubic = (a.value + b.value) * 0.5 + (a.slope - b.slope) * (width / 8.0);
@@ -72,7 +72,7 @@ impl LoopGain {
     }
 
     /// Where `value`, of `(value, slope)`, changes sign between two points: by Newton's method within the bracket.
-    pub(crate) fn zero(&self, a: f64, b: f64, of: &dyn Fn(&Gain) -> [f64; 2]) -> Gain {
+    pub(crate) fn zero(&self, a: f64, b: f64, of: &dyn Fn(&FrequencyGain) -> [f64; 2]) -> FrequencyGain {
         let (mut low, mut high) = (a, b);
         let rises = of(&self.at(b))[0] > 0.0;
         let mut w = 0.5 * (a + b);
@@ -100,9 +100,9 @@ impl LoopGain {
 
 /// Pairs of neighbours between which `of` changes sign.
 pub(crate) fn changes<'a>(
-    curve: &'a [Gain],
-    of: impl Fn(&Gain) -> f64 + 'a,
-) -> impl Iterator<Item = [&'a Gain; 2]> + 'a {
+    curve: &'a [FrequencyGain],
+    of: impl Fn(&FrequencyGain) -> f64 + 'a,
+) -> impl Iterator<Item = [&'a FrequencyGain; 2]> + 'a {
     curve.windows(2).filter_map(move |pair| {
         let [a, b] = [of(&pair[0]), of(&pair[1])];
         (a.is_finite() && b.is_finite() && (a > 0.0) != (b > 0.0)).then(|| [&pair[0], &pair[1]])

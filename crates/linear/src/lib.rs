@@ -45,7 +45,7 @@ mod sensitivity;
 mod system;
 
 pub use eigenvalues::{EigenvalueError, eigenvalues, eigenvalues_in_place};
-pub use loop_gain::{Gain, LoopGain};
+pub use loop_gain::{FrequencyGain, LoopGain};
 pub use margin::DelayMargin;
 pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};
 pub use roots::Roots;

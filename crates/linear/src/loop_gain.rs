@@ -32,7 +32,7 @@ pub struct LoopGain {
 
 /// A loop's gain at one frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gain {
+pub struct FrequencyGain {
     /// Frequency in radians per unit of time; negative for backward whirl.
     pub frequency: f64,
     /// `L`.
@@ -41,7 +41,7 @@ pub struct Gain {
     pub slope: C64,
 }
 
-impl Gain {
+impl FrequencyGain {
     /// The sensitivity `S = 1 / (1 + L)`.
     #[must_use]
     pub fn sensitivity(&self) -> C64 {
@@ -133,7 +133,7 @@ impl LoopGain {
 
     /// `L` at a frequency; not finite at a pole on the axis.
     #[must_use]
-    pub fn at(&self, frequency: f64) -> Gain {
+    pub fn at(&self, frequency: f64) -> FrequencyGain {
         let s = C64::new(0.0, frequency);
         let [value, slope] = match self.plane {
             Plane::Continuous { delay } => {
@@ -147,7 +147,7 @@ impl LoopGain {
                 [value, by_z * z * C64::I * period]
             }
         };
-        Gain { frequency, value, slope }
+        FrequencyGain { frequency, value, slope }
     }
 
     /// `- c (s - A)^-1 b` and its derivative by `s`, by elimination with rows exchanged.

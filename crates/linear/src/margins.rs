@@ -7,7 +7,7 @@
 use std::f64::consts::TAU;
 
 use crate::curve::{changes, growth};
-use crate::{C64, DelayMargin, Gain, LoopGain};
+use crate::{C64, DelayMargin, FrequencyGain, LoopGain};
 
 /// Gains below this are not looked at: a loop that would have to be ten thousand times as strong has no gain margin.
 const FAINT: f64 = 1e-4;
@@ -62,7 +62,7 @@ pub struct Margins {
     /// `|L / (1 + L)|` over both.
     pub complementary: AmplitudePeak,
     /// The curve of the gain that all of it was found on, frequencies rising.
-    pub curve: Vec<Gain>,
+    pub curve: Vec<FrequencyGain>,
 }
 
 impl Margins {
@@ -91,8 +91,8 @@ impl LoopGain {
             curve: Vec::new(),
         };
         for [a, b] in changes(&curve, |p| p.value.norm_sqr() - 1.0) {
-            let size = |p: &Gain| [p.value.norm_sqr().ln(), growth(p.value, p.slope)];
-            let Gain { frequency, value, .. } = self.zero(a.frequency, b.frequency, &size);
+            let size = |p: &FrequencyGain| [p.value.norm_sqr().ln(), growth(p.value, p.slope)];
+            let FrequencyGain { frequency, value, .. } = self.zero(a.frequency, b.frequency, &size);
             let angle = (-value).arg();
             if margins.phase.is_none_or(|known| angle.abs() < known.angle) {
                 margins.phase = Some(PhaseMargin { angle: angle.abs(), frequency });
@@ -105,7 +105,8 @@ impl LoopGain {
             }
         }
         for [a, b] in changes(&curve, |p| p.value.im) {
-            let Gain { frequency, value, .. } = self.zero(a.frequency, b.frequency, &|p| [p.value.im, p.slope.im]);
+            let FrequencyGain { frequency, value, .. } =
+                self.zero(a.frequency, b.frequency, &|p| [p.value.im, p.slope.im]);
             // Between two points on either side of 0 the gain may jump through a pole.
             if value.re.is_finite() && value.re < 0.0 && value.im.abs() <= 1e-6 * value.re.abs() {
                 let factor = -1.0 / value.re;
@@ -123,11 +124,11 @@ impl LoopGain {
     /// The largest amplitude on a curve, of `[ln amplitude^2, its slope]`, that far out comes to `far`.
     fn peak<'a>(
         &self,
-        curve: impl Iterator<Item = &'a Gain>,
-        of: &dyn Fn(&Gain) -> [f64; 2],
+        curve: impl Iterator<Item = &'a FrequencyGain>,
+        of: &dyn Fn(&FrequencyGain) -> [f64; 2],
         far: f64,
     ) -> AmplitudePeak {
-        let points: Vec<&Gain> = curve.collect();
+        let points: Vec<&FrequencyGain> = curve.collect();
         let mut best: (f64, Option<f64>) = (f64::NEG_INFINITY, None);
         for p in &points {
             let value = of(p)[0];
@@ -160,7 +161,7 @@ impl LoopGain {
     }
 
     /// The peak of one real axis.
-    fn axis_peak(&self, curve: &[Gain]) -> AmplitudePeak {
+    fn axis_peak(&self, curve: &[FrequencyGain]) -> AmplitudePeak {
         let mut at: Vec<f64> = curve.iter().map(|p| p.frequency.abs()).collect();
         at.sort_by(f64::total_cmp);
         at.dedup();
@@ -201,13 +202,13 @@ impl LoopGain {
 }
 
 /// `ln |S|^2` and its slope.
-fn sensitivity(p: &Gain) -> [f64; 2] {
+fn sensitivity(p: &FrequencyGain) -> [f64; 2] {
     let x: C64 = p.value + 1.0;
     [-x.norm_sqr().ln(), -growth(x, p.slope)]
 }
 
 /// `ln |T|^2` and its slope.
-fn complementary(p: &Gain) -> [f64; 2] {
+fn complementary(p: &FrequencyGain) -> [f64; 2] {
     let [value, slope] = sensitivity(p);
     [value + p.value.norm_sqr().ln(), slope + growth(p.value, p.slope)]
 }

@@ -109,7 +109,7 @@ impl MachineLoop {
     }
 
     /// The peak of force per noise, on the curve of its gain.
-    fn force_peak(&self, curve: &[linear::Gain]) -> AmplitudePeak {
+    fn force_peak(&self, curve: &[linear::FrequencyGain]) -> AmplitudePeak {
         let of = |w: f64| self.noise_to_force(w) * self.gain.at(w).sensitivity().norm();
         let values: Vec<f64> =
             curve.iter().map(|p| self.noise_to_force(p.frequency) * p.sensitivity().norm()).collect();

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use plot::{png, svg};
-use study::report::{self, Report, Verdict, Watch};
+use study::report::{self, Onlooker, Report, Verdict};
 
 fn made() -> &'static Report {
     static MADE: OnceLock<Report> = OnceLock::new();
@@ -13,7 +13,7 @@ fn made() -> &'static Report {
         let done = || {
             count.fetch_add(1, Ordering::Relaxed);
         };
-        let made = report::make(&Watch { stop: &stop, done: &done }).expect("computes");
+        let made = report::make(&Onlooker { stop: &stop, done: &done }).expect("computes");
         assert_eq!(count.into_inner(), report::steps());
         made
     })
@@ -143,6 +143,6 @@ fn the_html_page_needs_nothing_beside_it() {
 #[test]
 fn a_request_to_stop_is_heard() {
     let stop = AtomicBool::new(true);
-    let stopped = report::make(&Watch { stop: &stop, done: &|| () });
+    let stopped = report::make(&Onlooker { stop: &stop, done: &|| () });
     assert!(matches!(stopped, Err(report::ReportError::Interrupted)));
 }

@@ -12,7 +12,7 @@ use rotor::{
 use super::compare::sure;
 use super::motion::{Case, Record, off};
 use super::searched::{self, Searched};
-use super::{ReportError, Watch};
+use super::{Onlooker, ReportError};
 use crate::force::{self, ForcePoint};
 use crate::run::{Settle, Settled};
 
@@ -108,14 +108,15 @@ impl Evidence {
     ///
     /// # Errors
     /// Eigenvalues that do not converge, or a request to stop.
-    pub(super) fn gather(watch: &Watch<'_>) -> Result<Self, ReportError> {
+    pub(super) fn gather(onlooker: &Onlooker<'_>) -> Result<Self, ReportError> {
         let built = |name: &str| builtin::rotor(name).expect("a built-in rotor");
         let (jeffcott, three_mass) = (built("jeffcott"), built("three-mass"));
         let law = |rotor: &Rotor, name: &str| builtin::feedback(rotor, name).expect("built-in feedback");
         let (jeffcott_off, cancel) = (law(&jeffcott, "off"), law(&jeffcott, "cancel"));
         let (three_mass_off, composite) = (law(&three_mass, "off"), law(&three_mass, "composite"));
 
-        let mut records = records(&[&jeffcott, &three_mass], &[&jeffcott_off, &cancel, &composite], watch)?.into_iter();
+        let mut records =
+            records(&[&jeffcott, &three_mass], &[&jeffcott_off, &cancel, &composite], onlooker)?.into_iter();
         let mut next = || records.next().expect("as many records as cases");
         let (unstable, steady) = (next(), next());
         let impulses = (0..DEADBANDS.len()).map(|_| next()).collect();
@@ -123,12 +124,12 @@ impl Evidence {
 
         let sweep = |rotor: &Rotor, feedback: &Feedback, to: usize| -> Result<Forces, ReportError> {
             let speeds = speeds(0.0, to as f64, PER_UNIT * to + 1);
-            let by_deadband = force::sweep(rotor, feedback, &speeds, &DEADBANDS, watch.stop, watch.done)?;
+            let by_deadband = force::sweep(rotor, feedback, &speeds, &DEADBANDS, onlooker.stop, onlooker.done)?;
             Ok(Forces { speeds, by_deadband })
         };
         let jeffcott_forces = sweep(&jeffcott, &cancel, 5)?;
         let composite_forces = sweep(&three_mass, &composite, 6)?;
-        let searched = Searched::gather(&three_mass, watch)?;
+        let searched = Searched::gather(&three_mass, onlooker)?;
         let whole = speeds(1.0, 5.0, 5);
         let exact = |g: &f64| synchronous(&jeffcott, &cancel, &[*g], &whole);
         let (up_to_5, up_to_8) = (speeds(0.0, 5.0, TRACE), speeds(0.0, 8.0, TRACE));
@@ -170,7 +171,7 @@ impl Evidence {
 }
 
 /// The simulations, in the order of the figures.
-fn records(rotors: &[&Rotor; 2], laws: &[&Feedback; 3], watch: &Watch<'_>) -> Result<Vec<Record>, ReportError> {
+fn records(rotors: &[&Rotor; 2], laws: &[&Feedback; 3], onlooker: &Onlooker<'_>) -> Result<Vec<Record>, ReportError> {
     let [jeffcott, three_mass] = *rotors;
     let [off, cancel, composite] = *laws;
     let base = Case {
@@ -199,7 +200,7 @@ fn records(rotors: &[&Rotor; 2], laws: &[&Feedback; 3], watch: &Watch<'_>) -> Re
         Case { spectrum: true, ..three(6.0, 1.0) },
         three(6.0, 10.0),
     ];
-    cases.par_iter().with_max_len(1).map(|case| run(case, watch.stop, watch.done)).collect()
+    cases.par_iter().with_max_len(1).map(|case| run(case, onlooker.stop, onlooker.done)).collect()
 }
 
 fn run(case: &Case<'_>, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<Record, ReportError> {

@@ -45,7 +45,7 @@ use crate::spectrum::SpectrumError;
 
 /// Who looks on while a report is made.
 #[derive(Clone, Copy)]
-pub struct Watch<'a> {
+pub struct Onlooker<'a> {
     /// Raised to stop.
     pub stop: &'a AtomicBool,
     /// Called after every one of [`steps`], from any thread.
@@ -119,13 +119,13 @@ pub struct Report {
     pub comparisons: Vec<Comparison>,
 }
 
-/// How many steps [`make`] tells its watch of.
+/// How many steps [`make`] tells its onlooker of.
 #[must_use]
 pub fn steps() -> usize {
     evidence::steps()
 }
 
-/// How many more [`write::folder`] tells its watch of.
+/// How many more [`write::folder`] tells its onlooker of.
 #[must_use]
 pub fn steps_of_files() -> usize {
     write::FILES_PER_FIGURE * figures::count() + write::PAGES
@@ -135,7 +135,7 @@ pub fn steps_of_files() -> usize {
 ///
 /// # Errors
 /// A computation that does not converge, or a request to stop.
-pub fn make(watch: &Watch<'_>) -> Result<Report, ReportError> {
-    let evidence = evidence::Evidence::gather(watch)?;
+pub fn make(onlooker: &Onlooker<'_>) -> Result<Report, ReportError> {
+    let evidence = evidence::Evidence::gather(onlooker)?;
     Ok(Report { figures: figures::all(&evidence)?, comparisons: numbers::all(&evidence)? })
 }

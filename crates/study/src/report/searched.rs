@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use rotor::{Gain, Rotor, Signal, Threshold, Trace, builtin, thresholds, trace};
 use tuner::{Family, Options, Problem, Schedule, Stop, Structure, Tracked, Tuned, track, tune};
 
-use super::{ReportError, Watch};
+use super::{Onlooker, ReportError};
 
 /// Speeds at which gains are tracked, over `0..=8`.
 const STATIONS: usize = 41;
@@ -46,16 +46,16 @@ impl Searched {
     ///
     /// # Errors
     /// Poles that cannot be followed, or a request to stop.
-    pub(super) fn gather(rotor: &Rotor, watch: &Watch<'_>) -> Result<Self, ReportError> {
+    pub(super) fn gather(rotor: &Rotor, onlooker: &Onlooker<'_>) -> Result<Self, ReportError> {
         let over = |from: f64, to: f64| problem(rotor, from, to);
-        let stop = Stop::when(watch.stop);
+        let stop = Stop::when(onlooker.stop);
         // Following is one long chain; the rest fills the other cores.
         let (tracked, (alone, reaches)) = rayon::join(
             || {
                 let speeds: Vec<f64> = (0..STATIONS).map(|i| 8.0 * i as f64 / (STATIONS - 1) as f64).collect();
                 let whole = over(0.0, 8.0);
                 let options = Options { prove: false, ..Options::for_problem(&whole) };
-                counted(watch, track(&whole, &speeds, STIFFNESS, &options, &|_| (), stop))
+                counted(onlooker, track(&whole, &speeds, STIFFNESS, &options, &|_| (), stop))
             },
             || {
                 let speeds: Vec<f64> = whole_speeds().chain([PRINTED_EDGE]).collect();
@@ -63,13 +63,13 @@ impl Searched {
                     let problem = over(*speed, *speed);
                     tune(&problem, &Options::for_problem(&problem), &|_| (), stop)
                 };
-                let alone = counted(watch, speeds.par_iter().map(best).collect::<Result<Vec<Tuned>, _>>());
-                let reach_alone = counted(watch, reach(&|speed| over(speed, speed), PRINTED_EDGE, stop));
-                let reach_constant = counted(watch, reach(&|speed| over(0.0, speed), 7.0, stop));
+                let alone = counted(onlooker, speeds.par_iter().map(best).collect::<Result<Vec<Tuned>, _>>());
+                let reach_alone = counted(onlooker, reach(&|speed| over(speed, speed), PRINTED_EDGE, stop));
+                let reach_constant = counted(onlooker, reach(&|speed| over(0.0, speed), 7.0, stop));
                 (alone, [reach_alone, reach_constant])
             },
         );
-        if watch.stop.load(Ordering::Relaxed) {
+        if onlooker.stop.load(Ordering::Relaxed) {
             return Err(ReportError::Interrupted);
         }
         let sensible = "a problem that makes sense";
@@ -105,8 +105,8 @@ impl Searched {
     }
 }
 
-fn counted<T>(watch: &Watch<'_>, made: T) -> T {
-    (watch.done)();
+fn counted<T>(onlooker: &Onlooker<'_>, made: T) -> T {
+    (onlooker.done)();
     made
 }
 

@@ -9,7 +9,7 @@ use std::sync::atomic::Ordering;
 use files::{Existing, FileError};
 use rayon::prelude::*;
 
-use super::{Figure, Report, ReportError, Watch};
+use super::{Figure, Onlooker, Report, ReportError};
 use plot::{png, svg};
 
 /// Folders in the target.
@@ -23,11 +23,16 @@ const FIXED: [&str; 3] = ["data/numbers.csv", "report.md", "index.html"];
 
 /// Writes the pages `index.html` and `report.md`, `data/numbers.csv`, and for every figure `figures/*.svg`,
 /// `figures/*.png` and `data/*.csv` into `target`, which is made if it is not there. Files of other names are left alone, and
-/// so are those of these unless `existing` says otherwise. `watch` is told of every file; gives how many there are.
+/// so are those of these unless `existing` says otherwise. `onlooker` is told of every file; gives how many there are.
 ///
 /// # Errors
 /// A folder or file that cannot be written, a file that is there and is to be kept, or a request to stop.
-pub fn folder(report: &Report, target: &Path, existing: Existing, watch: &Watch<'_>) -> Result<usize, ReportError> {
+pub fn folder(
+    report: &Report,
+    target: &Path,
+    existing: Existing,
+    onlooker: &Onlooker<'_>,
+) -> Result<usize, ReportError> {
     let at = |path: &Path| {
         let path = path.to_owned();
         move |error: io::Error| ReportError::Write { path, error }
@@ -39,11 +44,11 @@ pub fn folder(report: &Report, target: &Path, existing: Existing, watch: &Watch<
         fs::create_dir(part.path().join(folder)).map_err(at(&target.join(folder)))?;
     }
     let put = |name: &str, content: &[u8]| -> Result<PathBuf, ReportError> {
-        if watch.stop.load(Ordering::Relaxed) {
+        if onlooker.stop.load(Ordering::Relaxed) {
             return Err(ReportError::Interrupted);
         }
         fs::write(part.path().join(name), content).map_err(at(&target.join(name)))?;
-        (watch.done)();
+        (onlooker.done)();
         Ok(PathBuf::from(name))
     };
     let mut files: Vec<PathBuf> = report

@@ -6,7 +6,7 @@ use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
-use study::report::{self, Comparison, ReportError, Verdict, Watch, write};
+use study::report::{self, Comparison, Onlooker, ReportError, Verdict, write};
 
 use crate::failure::Failure;
 use crate::interrupt;
@@ -74,12 +74,12 @@ pub(crate) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let drawn = if args.out.is_some() { report::steps_of_files() } else { 0 };
     let bar = bar(report::steps() + drawn);
     let done = || bar.inc(1);
-    let watch = Watch { stop: &stop, done: &done };
+    let onlooker = Onlooker { stop: &stop, done: &done };
 
-    let made = report::make(&watch)?;
+    let made = report::make(&onlooker)?;
     let mut files = 0;
     if let Some(out) = &args.out {
-        files += write::folder(&made, out, args.force.existing(), &watch)?;
+        files += write::folder(&made, out, args.force.existing(), &onlooker)?;
     }
     if let Some(page) = &args.page {
         write::page(&made, page, args.force.existing())?;
