@@ -35,12 +35,13 @@ mod over_speed;
 mod poles;
 mod program;
 mod stability_loss;
+mod trip;
 
 pub use control::{Output, Words};
 pub use frequency::{
     FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,
 };
-pub use machine::{Line, Machine, Sample, Trip, TripCause};
+pub use machine::{Line, Machine, Sample};
 pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
 pub use margins_over::{WORST, in_hand, worst_margins};
 pub use motion::MAX_LEGS;
@@ -50,3 +51,4 @@ pub use program::{Pace, ProfileError, Program, ProgramError, default_step, defau
 pub use rotor::profile::Leg;
 pub use rotor::{LinearForm, SampledStep};
 pub use stability_loss::StabilityLoss;
+pub use trip::{Trip, TripCause};

@@ -2,38 +2,15 @@
 //!
 //! Whoever steps a rotor steps this: the live process, a recording's what-if, an offline run. So none of them can differ.
 
-use control::{Output, Words};
+mod path;
+mod save;
+
+use control::Output;
 use rotor::{C64, Stepper};
 
 use crate::motion::{Grid, Motion};
 use crate::program::Program;
-
-/// The first of the words that a machine writes down: raised when the rest means something else, so that words of another
-/// version fit nowhere.
-const FORM: u64 = 1;
-
-/// Why a machine has stopped by itself.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum TripCause {
-    /// An orbit grew past the limit.
-    Orbit = 1,
-    /// The motion left the range of numbers: the last that was finite is kept.
-    NotFinite = 2,
-}
-
-/// A machine that has stopped by itself.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trip {
-    /// Why.
-    pub cause: TripCause,
-    /// The station that was farthest out, counted from 0.
-    pub station: usize,
-    /// How far, in `e_t`.
-    pub radius: f64,
-    /// The limit then in force, in `e_t`.
-    pub limit: f64,
-}
+use crate::trip::{Trip, TripCause};
 
 /// Where a clock was set last, and how many steps of integration ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -377,70 +354,6 @@ impl Machine {
         self.trip
     }
 
-    /// Hands the motion to the path that can go on with it.
-    fn choose_path(&mut self) {
-        let fusable = self.program.fused.is_some() && !self.motion.is_moving();
-        if fusable == self.is_fused {
-            return;
-        }
-        let tau = self.tau();
-        if fusable {
-            let angle = self.motion.angle_at(tau);
-            let speed = self.motion.speed_at(tau);
-            let (Some(fused), Some(closed_loop)) = (&mut self.fused, &self.program.fused) else { return };
-            fused.load(closed_loop);
-            fused.place(self.program.integrator.displacement(), self.program.integrator.velocity());
-            self.grid = Grid { from: tau, steps: 0, dtau: self.grid.dtau };
-            self.motion.settle(tau, angle, speed);
-            fused.set_clock(tau, angle, 0, self.grid.dtau);
-        } else if let Some(fused) = &self.fused {
-            let motion = fused.motion();
-            self.program.integrator.place(motion.displacement, motion.velocity);
-            self.program.integrator.controller.begin_with(fused.control());
-        }
-        self.is_fused = fusable;
-    }
-
-    /// Goes on by another program, which is left in `program`'s place when this returns: that one may be freed elsewhere. What
-    /// the loop holds is kept as far as it still means something; position, velocity, time and angle always.
-    ///
-    /// Both programs are of one plant. Nothing is allocated.
-    pub fn load(&mut self, program: &mut Box<Program>) {
-        let (tau, speed) = (self.tau(), self.motion.speed_at(self.tau()));
-        let goes_elsewhere = program.legs != self.program.legs;
-        let was_fused = self.is_fused;
-        if let Some(fused) = self.fused.as_ref().filter(|_| was_fused) {
-            let motion = fused.motion();
-            self.program.integrator.place(motion.displacement, motion.velocity);
-            self.program.integrator.controller.begin_with(fused.control());
-            // The angle as the fused path has it.
-            if goes_elsewhere {
-                self.motion.settle(tau, motion.angle, speed);
-            }
-        }
-        program.integrator.adopt(&self.program.integrator, tau, speed);
-        std::mem::swap(&mut self.program, program);
-        let dtau = self.program.inner_step();
-        if goes_elsewhere {
-            self.motion.follow(tau, &self.program.legs);
-        }
-        let still_fused = was_fused && self.program.fused.is_some() && !self.motion.is_moving();
-        if let (true, Some(fused), Some(closed_loop)) = (still_fused, &mut self.fused, &self.program.fused) {
-            // As the fused path does itself: a new line of time where speed or step change.
-            let is_new_line = closed_loop.speed() != speed || dtau != self.grid.dtau;
-            let angle = fused.motion().angle;
-            fused.load(closed_loop);
-            if is_new_line {
-                self.grid = Grid { from: tau, steps: 0, dtau };
-                self.motion.settle(tau, angle, closed_loop.speed());
-                fused.set_clock(tau, angle, 0, dtau);
-            }
-        } else {
-            self.grid.rebase(dtau);
-            self.choose_path();
-        }
-    }
-
     /// A sudden change of velocity of a coordinate (of a chain: a mass), counted from 0; nothing if there is none such.
     pub fn kick(&mut self, coordinate: usize, change: C64) {
         match &mut self.fused {
@@ -466,98 +379,5 @@ impl Machine {
         self.good.iter_mut().for_each(|good| good.fill(C64::ZERO));
         (self.output, self.trip) = (Output::default(), None);
         self.choose_path();
-    }
-
-    /// Words that [`Machine::save`] writes at most: with room for them it allocates nothing.
-    #[must_use]
-    pub fn words_at_most(&self) -> usize {
-        self.program.words_at_most()
-    }
-
-    /// Writes down everything that decides how it goes on, beside its program.
-    pub fn save(&self, words: &mut Words) {
-        words.put(FORM);
-        words.put_f64(self.program.dtau);
-        words.put(u64::from(self.is_fused));
-        words.put_f64(self.grid.from);
-        words.put(self.grid.steps);
-        words.put_f64(self.grid.dtau);
-        self.motion.save(words);
-        for z in [self.output.commanded, self.output.delivered] {
-            words.put_c64(z);
-        }
-        words.put(u64::from(self.output.saturated));
-        match self.trip {
-            None => words.put(0),
-            Some(Trip { cause, station, radius, limit }) => {
-                words.put(cause as u64);
-                words.put(station as u64);
-                words.put_f64(radius);
-                words.put_f64(limit);
-            }
-        }
-        let sample = self.sample();
-        sample.displacement.iter().chain(sample.velocity).for_each(|z| words.put_c64(*z));
-        if !self.is_fused {
-            self.program.integrator.save(words);
-        }
-    }
-
-    /// How long a step was of the machine that wrote these words down; `None` if they are of another form.
-    #[must_use]
-    pub fn saved_dtau(words: &[u64]) -> Option<f64> {
-        match words {
-            [FORM, dtau, ..] => Some(f64::from_bits(*dtau)),
-            _ => None,
-        }
-    }
-
-    /// Takes up what a machine with this very program wrote down, to go on to the last bit.
-    ///
-    /// Returns whether the words fit; a machine that they do not fit is at rest again.
-    #[must_use]
-    pub fn restore(&mut self, words: &mut Words) -> bool {
-        let dtau = self.program.dtau;
-        let done = self.take_up(words).is_some() && words.is_at_end();
-        if !done {
-            self.program.dtau = dtau;
-            self.grid.dtau = self.program.inner_step();
-            self.restart();
-        }
-        done
-    }
-
-    fn take_up(&mut self, words: &mut Words) -> Option<()> {
-        words.take().filter(|form| *form == FORM)?;
-        self.program.dtau = words.take_f64()?;
-        let is_fused = words.take()? == 1;
-        self.grid = Grid { from: words.take_f64()?, steps: words.take()?, dtau: words.take_f64()? };
-        self.motion.restore(words)?;
-        self.output.commanded = words.take_c64()?;
-        self.output.delivered = words.take_c64()?;
-        self.output.saturated = words.take()? != 0;
-        self.trip = match words.take()? {
-            0 => None,
-            cause => Some(Trip {
-                cause: if cause == 1 { TripCause::Orbit } else { TripCause::NotFinite },
-                station: words.take()? as usize,
-                radius: words.take_f64()?,
-                limit: words.take_f64()?,
-            }),
-        };
-        for z in self.good.iter_mut().flatten() {
-            *z = words.take_c64()?;
-        }
-        let [displacement, velocity] = &self.good;
-        if is_fused {
-            let (fused, closed_loop) = (self.fused.as_mut()?, self.program.fused.as_ref()?);
-            fused.load(closed_loop);
-            fused.place(displacement, velocity);
-            fused.set_clock(self.grid.from, self.motion.angle_from(), self.grid.steps, self.grid.dtau);
-        } else {
-            self.program.integrator.restore(words)?;
-        }
-        self.is_fused = is_fused;
-        Some(())
     }
 }

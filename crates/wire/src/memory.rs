@@ -1,19 +1,22 @@
 //! The carrier for tests: queues in this process, with the manners of shared memory.
 
+mod readers;
+
 use std::collections::{HashMap, VecDeque};
 use std::sync::mpsc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-use crate::delivery::{ReceivedDocuments, SentDocuments};
+pub(crate) use readers::{MemoryCommander, MemoryGlance, MemoryListener};
+
+use crate::delivery::SentDocuments;
 use crate::document::{Content, DOCUMENTS_KEPT, Document, DocumentHead};
 use crate::message::BenchStatusMessage;
 use crate::ports::{check_burst, check_document, check_snapshot};
 use crate::snapshot::{SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
-    Answer, BenchName, BenchStatus, Carrier, Commander, EVENTS_KEPT, Event, EventMessage, Glance, Host, HostState,
-    Inbox, Layout, Listener, MAX_READERS, NewsSender, RecorderSender, RecorderStatus, Request, Row, RowMut, State,
-    StateSender, Step, WireError,
+    Answer, BenchName, BenchStatus, Carrier, EVENTS_KEPT, Event, EventMessage, Host, Inbox, Layout, MAX_READERS,
+    NewsSender, RecorderSender, RecorderStatus, Request, RowMut, State, StateSender, WireError,
 };
 
 /// How many states a sleeping listener keeps if nobody says more: the oldest are dropped beyond that.
@@ -310,137 +313,5 @@ impl Inbox for MemoryInbox {
             next = self.receiver.try_recv().ok();
         }
         Ok(served)
-    }
-}
-
-/// See [`Memory`].
-#[derive(Debug)]
-pub struct MemoryGlance {
-    bench: Arc<Bench>,
-    received: ReceivedDocuments,
-    seen: u64,
-    /// The number of the recorder's last status that we know, and that status.
-    heard: u64,
-    recorder: Option<Box<RecorderStatus>>,
-}
-
-impl MemoryGlance {
-    fn of(bench: Arc<Bench>) -> Self {
-        // The last word of a recorder that has left before us is not told.
-        let recorded = lock(&bench.recorder).strong_count() > 0;
-        let heard = if recorded { 0 } else { lock(&bench.recorder_status).0 };
-        Self { bench, received: ReceivedDocuments::default(), seen: 0, heard, recorder: None }
-    }
-
-    /// Takes in what documents there are.
-    fn read_documents(&mut self) {
-        for (head, text) in lock(&self.bench.documents).iter() {
-            self.received.put(*head, text.as_bytes());
-        }
-    }
-}
-
-impl Glance for MemoryGlance {
-    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
-        let (number, message) = *lock(&self.bench.bench_status);
-        if number != self.seen && number > 0 {
-            self.received.hold_bench_status(message);
-        }
-        self.seen = number;
-        self.read_documents();
-        Ok(self.received.bench_status())
-    }
-
-    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
-        let last = lock(&self.bench.recorder_status);
-        if last.0 != self.heard {
-            self.heard = last.0;
-            self.recorder = Some(last.1.clone());
-        }
-        drop(last);
-        let alive = lock(&self.bench.recorder).strong_count() > 0;
-        Ok(self.recorder.as_ref().map(|status| Box::new(status.seen(alive))))
-    }
-}
-
-/// See [`Memory`].
-#[derive(Debug)]
-pub struct MemoryListener {
-    mailbox: Arc<Mailbox>,
-    events: Arc<EventBox>,
-    snapshots: Arc<SnapshotBox>,
-    glance: MemoryGlance,
-}
-
-impl Glance for MemoryListener {
-    fn bench_status(&mut self) -> Result<Option<Box<BenchStatus>>, WireError> {
-        self.glance.bench_status()
-    }
-
-    fn recorder(&mut self) -> Result<Option<Box<RecorderStatus>>, WireError> {
-        self.glance.recorder()
-    }
-}
-
-impl Listener for MemoryListener {
-    fn drain(&mut self, mut visit: impl FnMut(Row<'_>)) -> Result<usize, WireError> {
-        let arrived = std::mem::take(&mut *lock(&self.mailbox));
-        arrived.iter().flat_map(|state| Row::all(state.words())).for_each(&mut visit);
-        Ok(arrived.len())
-    }
-
-    fn events(&mut self, mut visit: impl FnMut(&Event)) -> Result<usize, WireError> {
-        let arrived = std::mem::take(&mut *lock(&self.events));
-        arrived.into_iter().for_each(|event| self.glance.received.hold_event(event));
-        self.glance.read_documents();
-        let mut count = 0;
-        while let Some(event) = self.glance.received.event() {
-            visit(&event);
-            count += 1;
-        }
-        Ok(count)
-    }
-
-    fn snapshots(&mut self, mut visit: impl FnMut(&SnapshotHead, &[u64])) -> Result<usize, WireError> {
-        let arrived = std::mem::take(&mut *lock(&self.snapshots));
-        arrived.iter().for_each(|(head, words)| visit(head, words));
-        Ok(arrived.len())
-    }
-
-    fn host(&self) -> HostState {
-        if lock(&self.glance.bench.host).strong_count() > 0 { HostState::Alive } else { HostState::Gone }
-    }
-}
-
-/// See [`Memory`].
-#[derive(Debug)]
-pub struct MemoryCommander {
-    bench: Arc<Bench>,
-    name: BenchName,
-}
-
-impl Commander for MemoryCommander {
-    fn ask(&mut self, request: &Request, patience: Duration) -> Result<Answer, WireError> {
-        let silent = || WireError::NoAnswer(self.name.clone());
-        let deadline = Instant::now() + patience;
-        let (reply, answer) = mpsc::channel();
-        let mut envelope = (Box::new(request.clone()), reply);
-        // Like shared memory, a request waits for an inbox that opens in time.
-        loop {
-            let inbox = lock(&self.bench.requests).clone();
-            let sent = match inbox {
-                Some(inbox) => inbox.send(envelope),
-                None => Err(mpsc::SendError(envelope)),
-            };
-            match sent {
-                Ok(()) => break,
-                Err(mpsc::SendError(unsent)) => envelope = unsent,
-            }
-            if Instant::now() >= deadline {
-                return Err(silent());
-            }
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        answer.recv_timeout(deadline.saturating_duration_since(Instant::now())).map_err(|_| silent())
     }
 }

@@ -1,0 +1,104 @@
+//! A machine written down, and taken up again to go on to the last bit.
+
+use control::Words;
+
+use super::{Grid, Machine, Trip, TripCause};
+
+/// The first of the words that a machine writes down: raised when the rest means something else, so that words of another
+/// version fit nowhere.
+const FORM: u64 = 1;
+
+impl Machine {
+    /// Words that [`Machine::save`] writes at most: with room for them it allocates nothing.
+    #[must_use]
+    pub fn words_at_most(&self) -> usize {
+        self.program.words_at_most()
+    }
+
+    /// Writes down everything that decides how it goes on, beside its program.
+    pub fn save(&self, words: &mut Words) {
+        words.put(FORM);
+        words.put_f64(self.program.dtau);
+        words.put(u64::from(self.is_fused));
+        words.put_f64(self.grid.from);
+        words.put(self.grid.steps);
+        words.put_f64(self.grid.dtau);
+        self.motion.save(words);
+        for z in [self.output.commanded, self.output.delivered] {
+            words.put_c64(z);
+        }
+        words.put(u64::from(self.output.saturated));
+        match self.trip {
+            None => words.put(0),
+            Some(Trip { cause, station, radius, limit }) => {
+                words.put(cause as u64);
+                words.put(station as u64);
+                words.put_f64(radius);
+                words.put_f64(limit);
+            }
+        }
+        let sample = self.sample();
+        sample.displacement.iter().chain(sample.velocity).for_each(|z| words.put_c64(*z));
+        if !self.is_fused {
+            self.program.integrator.save(words);
+        }
+    }
+
+    /// How long a step was of the machine that wrote these words down; `None` if they are of another form.
+    #[must_use]
+    pub fn saved_dtau(words: &[u64]) -> Option<f64> {
+        match words {
+            [FORM, dtau, ..] => Some(f64::from_bits(*dtau)),
+            _ => None,
+        }
+    }
+
+    /// Takes up what a machine with this very program wrote down, to go on to the last bit.
+    ///
+    /// Returns whether the words fit; a machine that they do not fit is at rest again.
+    #[must_use]
+    pub fn restore(&mut self, words: &mut Words) -> bool {
+        let dtau = self.program.dtau;
+        let done = self.take_up(words).is_some() && words.is_at_end();
+        if !done {
+            self.program.dtau = dtau;
+            self.grid.dtau = self.program.inner_step();
+            self.restart();
+        }
+        done
+    }
+
+    fn take_up(&mut self, words: &mut Words) -> Option<()> {
+        words.take().filter(|form| *form == FORM)?;
+        self.program.dtau = words.take_f64()?;
+        let is_fused = words.take()? == 1;
+        self.grid = Grid { from: words.take_f64()?, steps: words.take()?, dtau: words.take_f64()? };
+        self.motion.restore(words)?;
+        self.output.commanded = words.take_c64()?;
+        self.output.delivered = words.take_c64()?;
+        self.output.saturated = words.take()? != 0;
+        self.trip = match words.take()? {
+            0 => None,
+            cause => Some(Trip {
+                cause: if cause == 1 { TripCause::Orbit } else { TripCause::NotFinite },
+                station: words.take()? as usize,
+                radius: words.take_f64()?,
+                limit: words.take_f64()?,
+            }),
+        };
+        for z in self.good.iter_mut().flatten() {
+            *z = words.take_c64()?;
+        }
+        let [displacement, velocity] = &self.good;
+        if is_fused {
+            let (fused, closed_loop) = (self.fused.as_mut()?, self.program.fused.as_ref()?);
+            fused.load(closed_loop);
+            fused.place(displacement, velocity);
+            fused.set_clock(self.grid.from, self.motion.angle_from(), self.grid.steps, self.grid.dtau);
+        } else {
+            self.program.integrator.restore(words)?;
+        }
+        self.is_fused = is_fused;
+        Some(())
+    }
+}

@@ -1,0 +1,251 @@
+//! The one table of what can be changed on a running machine: [`PARAMETERS`], and the keys that name its rows.
+//!
+//! It makes the keys of `whirl set`, the rows of the gain panel and the names in recordings.
+
+use std::fmt;
+use std::str::FromStr;
+
+use control::{PARTS, Part};
+use units::Dimension;
+
+use crate::{Gain, GainKind, Settings, SettingsError};
+
+/// What a parameter belongs to, and so what the index in `key.index` counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scope {
+    /// The whole machine: no index.
+    Machine,
+    /// One value a mass; without an index, all of them.
+    Mass,
+    /// One value a feedback signal; without an index, the first.
+    Signal,
+}
+
+/// One row of the table of settings.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameter {
+    /// Its key, as typed.
+    pub name: &'static str,
+    /// What it is, in a few words.
+    pub meaning: &'static str,
+    /// What it measures, and so its unit.
+    pub dimension: Dimension,
+    /// The least allowed value.
+    pub min: f64,
+    /// The greatest allowed value.
+    pub max: f64,
+    /// What one key press adds.
+    pub step: f64,
+    /// What it belongs to.
+    pub scope: Scope,
+    /// The value that means "not there", typed as `off`; it is allowed beside the range.
+    pub off: Option<f64>,
+    /// Which gain it is, if it is one: gains may be schedules.
+    pub gain: Option<GainKind>,
+    /// Reads it; the place is of a mass or signal that exists, and 0 for the whole machine.
+    pub(crate) get: fn(&Settings, usize) -> f64,
+    /// Writes it, likewise.
+    pub(crate) set: fn(&mut Settings, usize, f64),
+}
+
+impl PartialEq for Parameter {
+    fn eq(&self, other: &Self) -> bool {
+        self.name == other.name
+    }
+}
+
+impl Parameter {
+    /// Whether a value is allowed.
+    #[must_use]
+    pub fn admits(&self, value: f64) -> bool {
+        (self.min..=self.max).contains(&value) || self.off == Some(value)
+    }
+
+    /// The name of its unit where a rotor has no scales; empty if it is a ratio. Times are told by their symbol, `tau`.
+    #[must_use]
+    pub const fn unit(&self) -> &'static str {
+        match self.dimension {
+            Dimension::Time => "tau",
+            dimension => dimension.unit(),
+        }
+    }
+
+    /// A number as typed; `off` is one where that means something.
+    #[must_use]
+    pub fn parse(&self, typed: &str) -> Option<f64> {
+        match (typed.trim(), self.off) {
+            ("off", Some(off)) => Some(off),
+            (typed, _) => typed.parse().ok(),
+        }
+    }
+}
+
+const fn gain(
+    kind: GainKind,
+    name: &'static str,
+    meaning: &'static str,
+    get: fn(&Settings, usize) -> f64,
+    set: fn(&mut Settings, usize, f64),
+) -> Parameter {
+    Parameter {
+        name,
+        meaning,
+        dimension: Dimension::Number,
+        min: -1e6,
+        max: 1e6,
+        step: 0.01,
+        scope: Scope::Signal,
+        off: None,
+        gain: Some(kind),
+        get,
+        set,
+    }
+}
+
+/// Rows for the four gains: a function of its own for each, because a row holds plain functions.
+macro_rules! gains {
+    ($($kind:ident $name:literal $meaning:literal)+) => {
+        [$(gain(
+            GainKind::$kind,
+            $name,
+            $meaning,
+            |settings, signal| settings.feedback.signals[signal].gain(GainKind::$kind).at(settings.speed),
+            |settings, signal, value| {
+                *settings.feedback.signals[signal].gain_mut(GainKind::$kind) = Gain::Constant(value);
+            },
+        )),+]
+    };
+}
+
+const GAINS: [Parameter; 4] = gains![
+    Kd "kd" "direct stiffness (report: g11)"
+    Cd "cd" "direct damping (report: g13 in chapter III, g12 in chapter IV)"
+    Kc "kc" "cross-coupled stiffness (report: g12 in chapter III, g13 in chapter IV)"
+    Cc "cc" "cross-coupled damping (report: g14)"
+];
+
+/// A row for a number of the loop.
+macro_rules! part {
+    ($at:literal) => {{
+        const PART: Part = PARTS[$at];
+        Parameter {
+            name: PART.name,
+            meaning: PART.meaning,
+            dimension: PART.dimension,
+            min: PART.min,
+            max: PART.max,
+            step: PART.step,
+            scope: Scope::Machine,
+            off: Some(PART.absent),
+            gain: None,
+            get: |settings, _| (PART.get)(&settings.feedback.parts),
+            set: |settings, _, value| (PART.set)(&mut settings.feedback.parts, value),
+        }
+    }};
+}
+
+const fn machine(
+    name: &'static str,
+    meaning: &'static str,
+    dimension: Dimension,
+    [min, max, step]: [f64; 3],
+    get: fn(&Settings, usize) -> f64,
+    set: fn(&mut Settings, usize, f64),
+) -> Parameter {
+    Parameter { name, meaning, dimension, min, max, step, scope: Scope::Machine, off: None, gain: None, get, set }
+}
+
+/// Every numeric setting, in the order in which panels show them.
+pub const PARAMETERS: [Parameter; 18] = [
+    machine(
+        "speed",
+        "spin speed R = w / w0; with a ramp, where it goes",
+        Dimension::Speed,
+        [0.0, 1000.0, 0.05],
+        |settings, _| settings.speed,
+        |settings, _, value| settings.speed = value,
+    ),
+    Parameter {
+        off: Some(f64::INFINITY),
+        ..machine(
+            "ramp",
+            "greatest rate of change of the speed; off: it jumps",
+            Dimension::SpeedRate,
+            [1e-9, 1e6, 0.01],
+            |settings, _| settings.ramp,
+            |settings, _, value| settings.ramp = value,
+        )
+    },
+    Parameter {
+        scope: Scope::Mass,
+        ..machine(
+            "deadband",
+            "radial clearance of the support bearings, g / e_t",
+            Dimension::Length,
+            [0.0, 1e6, 0.1],
+            |settings, mass| settings.deadband[mass],
+            |settings, mass, value| settings.deadband[mass] = value,
+        )
+    },
+    GAINS[0],
+    GAINS[1],
+    GAINS[2],
+    GAINS[3],
+    machine(
+        "trip",
+        "orbit radius at which the machine trips",
+        Dimension::Length,
+        [1e-3, 1e9, 10.0],
+        |settings, _| settings.trip,
+        |settings, _, value| settings.trip = value,
+    ),
+    part!(0),
+    part!(1),
+    part!(2),
+    part!(3),
+    part!(4),
+    part!(5),
+    part!(6),
+    part!(7),
+    part!(8),
+    part!(9),
+];
+
+/// One settable value: a row of [`PARAMETERS`], and the mass or signal it is meant for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Key {
+    /// The row.
+    pub parameter: &'static Parameter,
+    /// Mass or signal, counted from 0. `None` is every mass, or the first signal.
+    pub index: Option<usize>,
+}
+
+impl fmt::Display for Key {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.index {
+            None => f.pad(self.parameter.name),
+            Some(i) => f.pad(&format!("{}.{}", self.parameter.name, i + 1)),
+        }
+    }
+}
+
+impl FromStr for Key {
+    type Err = SettingsError;
+
+    /// Reads `speed`, `deadband`, `deadband.2`, `kd.2` ...; the index counts from 1.
+    fn from_str(typed: &str) -> Result<Self, SettingsError> {
+        let unknown = || SettingsError::UnknownKey(typed.to_owned());
+        let (name, index) = match typed.split_once('.') {
+            None => (typed, None),
+            Some((name, index)) => {
+                let counted: usize = index.parse().map_err(|_| unknown())?;
+                (name, Some(counted.checked_sub(1).ok_or_else(unknown)?))
+            }
+        };
+        let parameter = PARAMETERS.iter().find(|p| p.name == name).ok_or_else(unknown)?;
+        if parameter.scope == Scope::Machine && index.is_some() {
+            return Err(unknown());
+        }
+        Ok(Self { parameter, index })
+    }
+}
