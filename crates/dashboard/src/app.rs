@@ -73,7 +73,7 @@ pub(crate) struct App<'a> {
     feed: SharedFeed,
     edits: Sender<Edit>,
     simulation: Option<&'a mut dyn SimulationProcess>,
-    /// The selected row of the settings.
+    /// The selected row of the settings: here and not in their panel, because keys select, nudge and type on a layout without it too.
     row: usize,
     message: (Message, Instant),
     /// What lies on top of the panels.
@@ -109,6 +109,7 @@ pub(crate) struct App<'a> {
     suspend: bool,
     continued: bool,
     rings: bool,
+    /// Whether the end of the simulation has been told.
     told_end: bool,
     quit: Option<Ended>,
     /// Moves through a recording, if there is no bench.

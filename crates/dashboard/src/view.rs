@@ -25,7 +25,7 @@ pub(crate) struct View<'a> {
     pub(crate) alarms: &'a Alarms,
     /// What lies on top of the panels, the topmost last.
     pub(crate) layers: &'a [Layer],
-    /// What can follow the command that is being typed.
+    /// The rows of the box above the foot: what can follow the command that is being typed, or gains in force beside those found.
     pub(crate) popup: &'a [PopupRow],
     /// What lists shall show; everything if it is empty.
     pub(crate) filter: &'a str,
