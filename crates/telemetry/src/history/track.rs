@@ -40,7 +40,12 @@ impl Track {
         self.len
     }
 
-    /// Place in the history of the first step.
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// Index in the history of the first step.
     pub fn first(&self) -> u64 {
         self.first
     }
