@@ -74,7 +74,7 @@ impl Reader {
             assert!(command.starts_with("whirl"), "{place}: '{command}' is no command that this test can follow");
             let place = format!("{place}: {command}");
             match kind(command) {
-                Kind::Ends => self.to_its_end(&place, command),
+                Kind::Ends => self.runs(&place, command),
                 Kind::Background => self.beside(&place, command),
                 Kind::Terminal => self.on_a_screen(command),
                 Kind::Endless => self.until_interrupted(&place, command),
@@ -116,7 +116,7 @@ impl Reader {
         command
     }
 
-    fn to_its_end(&mut self, place: &str, line: &str) {
+    fn runs(&mut self, place: &str, line: &str) {
         let output = self.shell(line).output().expect("a shell starts");
         let errors = String::from_utf8_lossy(&output.stderr);
         self.printed = String::from_utf8_lossy(&output.stdout).into_owned();
