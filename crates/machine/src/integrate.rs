@@ -8,7 +8,7 @@ use std::sync::Arc;
 use control::{Controller, Output, Stage, Words};
 use rotor::{C64, Direction, Plant, Spin};
 
-use crate::motion::Motion;
+use crate::motion::{Drive, Motion};
 
 /// A plant in motion with the loop around it.
 #[derive(Clone, Debug)]
@@ -130,20 +130,25 @@ impl Integrator {
     }
 
     /// Integrates over a stretch within which nothing jumps.
-    fn stretch(&mut self, from: f64, to: f64, motion: &Motion) {
+    fn stretch(&mut self, from: f64, to: f64, motion: &mut Motion) {
         let dtau = to - from;
         let half = 0.5 * dtau;
-        let spins = [from, from + half, to].map(|tau| motion.spin_at(tau));
+        let mut course = Course::of(motion, from, to);
+        let drive = motion.drive();
         loop {
             self.stage.copy_from_slice(&self.state);
-            self.slope(0, from, 0.0, &spins[0]);
-            let start = self.command(from, 0.0, &spins[0], 0);
+            let rate = self.slope(0, from, 0.0, &course.spins[0], drive.as_ref());
+            let start = self.command(from, 0.0, &course.spins[0], 0);
             self.step_to(half, 0);
-            self.slope(1, from + half, half, &spins[1]);
+            course.go(1, half, rate);
+            let rate = self.slope(1, from + half, half, &course.spins[1], drive.as_ref());
             self.step_to(half, 1);
-            self.slope(2, from + half, half, &spins[1]);
+            course.go(2, half, rate);
+            let rate = self.slope(2, from + half, half, &course.spins[2], drive.as_ref());
             self.step_to(dtau, 2);
-            self.slope(3, to, dtau, &spins[2]);
+            course.go(3, dtau, rate);
+            let rate = self.slope(3, to, dtau, &course.spins[3], drive.as_ref());
+            course.end(dtau, rate);
             let sixth = dtau / 6.0;
             let [k0, k1, k2, k3] = &self.slopes;
             for (i, (stage, state)) in self.stage.iter_mut().zip(&self.state).enumerate() {
@@ -151,8 +156,8 @@ impl Integrator {
             }
             let Some(start) = start else { break };
             // The rates at the end close the stretch of the command that is remembered.
-            self.slope(3, to, dtau, &spins[2]);
-            let Some(end) = self.command(to, dtau, &spins[2], 3) else { break };
+            self.slope(3, to, dtau, &course.last, drive.as_ref());
+            let Some(end) = self.command(to, dtau, &course.last, 3) else { break };
             if !self.controller.remember(from, to, start, end) {
                 break;
             }
@@ -160,8 +165,11 @@ impl Integrator {
         std::mem::swap(&mut self.state, &mut self.stage);
         let n = self.order();
         let Self { plant, controller, state, stations, .. } = self;
-        let stage = seen(plant, stations, state, to, dtau, spins[2].speed);
+        let stage = seen(plant, stations, state, to, dtau, course.last.speed);
         controller.finish(&stage, &state[2 * n..]);
+        if drive.is_some() {
+            motion.driven_to(to, course.angle, course.last.speed, course.rate);
+        }
     }
 
     /// `state + h slope` into the stage.
@@ -171,8 +179,8 @@ impl Integrator {
         }
     }
 
-    /// The rates of everything at the stage, into slope `into`.
-    fn slope(&mut self, into: usize, tau: f64, since: f64, spin: &Spin) {
+    /// The rates of everything at the stage, into slope `into`, and that of the speed.
+    fn slope(&mut self, into: usize, tau: f64, since: f64, spin: &Spin, drive: Option<&Drive>) -> f64 {
         let n = self.order();
         let Self { plant, controller, stage, slopes, stations, clearances, column, .. } = self;
         let (velocity, rest) = slopes[into].split_at_mut(n);
@@ -182,6 +190,12 @@ impl Integrator {
         let looked = seen(plant, stations, stage, tau, since, spin.speed);
         let force = controller.flow(&looked, &stage[2 * n..], flow);
         column.add(force, acceleration);
+        let Some(drive) = drive else { return spin.acceleration };
+        // A spin that is driven comes without its own acceleration: it follows from the others, and they from it.
+        let rate = drive.acceleration(spin.speed, plant.torque(spin.direction, acceleration));
+        let turned = C64::new(0.0, -rate) * spin.direction;
+        acceleration.iter_mut().zip(plant.unbalance()).for_each(|(a, unbalance)| *a += unbalance * turned);
+        rate
     }
 
     /// The command at the stage and its rate, if the loop remembers it.
@@ -249,6 +263,57 @@ impl Integrator {
             *z = words.take_c64()?;
         }
         self.controller.restore(words)
+    }
+}
+
+/// The spin at the four stages of a stretch: as its legs have it, or step by step as the drive makes it.
+struct Course {
+    spins: [Spin; 4],
+    /// The spin at the end, which that of the fourth stage comes near.
+    last: Spin,
+    /// Angle and speed at the beginning, where the spin is driven.
+    began: Option<(f64, f64)>,
+    /// Speeds and rates of change of the stages so far, weighted as the method does: their sums.
+    sums: [f64; 2],
+    angle: f64,
+    rate: f64,
+}
+
+impl Course {
+    fn of(motion: &Motion, from: f64, to: f64) -> Self {
+        let half = 0.5 * (to - from);
+        let began = motion.drive().map(|_| (motion.angle_at(from), motion.speed_at(from)));
+        let spins = match began {
+            None => {
+                let [start, middle, end] = [from, from + half, to].map(|tau| motion.spin_at(tau));
+                [start, middle, middle, end]
+            }
+            Some((angle, speed)) => [Spin { speed, acceleration: 0.0, direction: C64::cis(angle) }; 4],
+        };
+        Self { last: spins[3], spins, began, sums: [0.0; 2], angle: 0.0, rate: 0.0 }
+    }
+
+    /// Goes on to stage `k`, `h` from the beginning, at the speed of the stage before and the rate of change found there.
+    fn go(&mut self, k: usize, h: f64, rate: f64) {
+        let Some((angle, speed)) = self.began else { return };
+        let before = self.spins[k - 1].speed;
+        let weight = if k == 1 { 1.0 } else { 2.0 };
+        if k == 1 {
+            self.sums = [0.0; 2];
+        }
+        self.sums[0] += weight * before;
+        self.sums[1] += weight * rate;
+        self.spins[k] = Spin { speed: speed + h * rate, acceleration: 0.0, direction: C64::cis(angle + h * before) };
+    }
+
+    /// Finds the spin at the end, with the rate of change at the fourth stage.
+    fn end(&mut self, dtau: f64, rate: f64) {
+        let Some((angle, speed)) = self.began else { return };
+        let last = self.spins[3].speed;
+        self.angle = angle + dtau / 6.0 * (self.sums[0] + last);
+        self.rate = rate;
+        let speed = speed + dtau / 6.0 * (self.sums[1] + rate);
+        self.last = Spin { speed, acceleration: 0.0, direction: C64::cis(self.angle) };
     }
 }
 

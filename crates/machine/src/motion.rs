@@ -34,6 +34,24 @@ impl Grid {
     }
 }
 
+/// What turns the spin where its speed is not given.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Drive {
+    torque: f64,
+    inertia: f64,
+    drag: f64,
+}
+
+impl Drive {
+    /// `R'` at a speed, while the unbalance takes so much torque.
+    pub(crate) fn acceleration(&self, speed: f64, taken: f64) -> f64 {
+        (self.torque - self.drag * speed - taken) / self.inertia
+    }
+}
+
+/// Set in the number of legs that is written down where a drive stands behind them.
+const DRIVEN: u64 = 1 << 32;
+
 /// The spin over the present leg.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Motion {
@@ -49,6 +67,8 @@ pub(crate) struct Motion {
     /// The speed at which it ends, exactly.
     to: f64,
     legs: VecDeque<Leg>,
+    /// What turns it, if the speed is a state of the machine: then `from`, `angle`, `speed` and `acceleration` are those of the last stretch.
+    drive: Option<Drive>,
 }
 
 impl Motion {
@@ -64,6 +84,7 @@ impl Motion {
             until: f64::INFINITY,
             to: speed,
             legs: VecDeque::with_capacity(MAX_LEGS),
+            drive: None,
         }
     }
 
@@ -111,6 +132,17 @@ impl Motion {
     pub(crate) fn spin_at(&self, tau: f64) -> Spin {
         let (speed, acceleration) = (self.speed_at(tau), self.acceleration_at(tau));
         Spin { speed, acceleration, direction: C64::cis(self.angle_at(tau)) }
+    }
+
+    /// What turns the spin, if its speed is not given.
+    pub(crate) fn drive(&self) -> Option<Drive> {
+        self.drive
+    }
+
+    /// Where a drive has brought the spin.
+    pub(crate) fn driven_to(&mut self, tau: f64, angle: f64, speed: f64, acceleration: f64) {
+        (self.from, self.angle, self.speed, self.acceleration) = (tau, angle, speed, acceleration);
+        self.to = speed;
     }
 
     /// Puts the spin at `angle`, to turn steadily from `tau` on with the speed that it has; what was to come is dropped.
@@ -161,6 +193,11 @@ impl Motion {
                         return;
                     }
                 }
+                Leg::Drive { torque, inertia, drag, duration } => {
+                    self.go(speed, 0.0, tau + duration, speed);
+                    self.drive = Some(Drive { torque, inertia, drag });
+                    return;
+                }
                 Leg::Dwell { duration } if duration > 0.0 => return self.go(speed, 0.0, tau + duration, speed),
                 Leg::Dwell { .. } => {}
             }
@@ -171,24 +208,27 @@ impl Motion {
     /// From `speed` on at a steady rate, until a time and up to a speed.
     fn go(&mut self, speed: f64, acceleration: f64, until: f64, to: f64) {
         (self.speed, self.acceleration, self.until, self.to) = (speed, acceleration, until, to);
-        (self.decay, self.asymptote) = (0.0, speed);
+        (self.decay, self.asymptote, self.drive) = (0.0, speed, None);
     }
 
     pub(crate) fn save(&self, words: &mut Words) {
-        let Self { from, angle, speed, acceleration, decay, asymptote, until, to, legs } = self;
+        let Self { from, angle, speed, acceleration, decay, asymptote, until, to, legs, drive } = self;
         [*from, *angle, *speed, *acceleration, *decay, *asymptote, *until, *to]
             .into_iter()
             .for_each(|x| words.put_f64(x));
-        words.put(legs.len() as u64);
+        words.put(legs.len() as u64 | if drive.is_some() { DRIVEN } else { 0 });
         for leg in legs {
-            let (kind, [first, second]) = match *leg {
-                Leg::To { speed, rate } => (0, [speed, rate]),
-                Leg::Dwell { duration } => (1, [duration, 0.0]),
-                Leg::Decay { speed, rate } => (2, [speed, rate]),
+            let (kind, numbers): (u64, &[f64]) = match leg {
+                Leg::To { speed, rate } => (0, &[*speed, *rate]),
+                Leg::Dwell { duration } => (1, &[*duration, 0.0]),
+                Leg::Decay { speed, rate } => (2, &[*speed, *rate]),
+                Leg::Drive { torque, inertia, drag, duration } => (3, &[*torque, *inertia, *drag, *duration]),
             };
             words.put(kind);
-            words.put_f64(first);
-            words.put_f64(second);
+            numbers.iter().for_each(|number| words.put_f64(*number));
+        }
+        if let Some(Drive { torque, inertia, drag }) = drive {
+            [*torque, *inertia, *drag].into_iter().for_each(|number| words.put_f64(number));
         }
     }
 
@@ -199,15 +239,23 @@ impl Motion {
             *place = words.take_f64()?;
         }
         self.legs.clear();
-        for _ in 0..words.take().filter(|count| *count <= MAX_LEGS as u64)? {
+        let count = words.take()?;
+        for _ in 0..Some(count & !DRIVEN).filter(|count| *count <= MAX_LEGS as u64)? {
             let (kind, first, second) = (words.take()?, words.take_f64()?, words.take_f64()?);
             self.legs.push_back(match kind {
                 0 => Leg::To { speed: first, rate: second },
                 1 => Leg::Dwell { duration: first },
                 2 => Leg::Decay { speed: first, rate: second },
+                3 => {
+                    Leg::Drive { torque: first, inertia: second, drag: words.take_f64()?, duration: words.take_f64()? }
+                }
                 _ => return None,
             });
         }
+        self.drive = match count & DRIVEN {
+            0 => None,
+            _ => Some(Drive { torque: words.take_f64()?, inertia: words.take_f64()?, drag: words.take_f64()? }),
+        };
         Some(())
     }
 }

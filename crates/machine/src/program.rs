@@ -174,7 +174,7 @@ impl Program {
     pub fn speed(&self) -> f64 {
         let ends = self.legs.iter().rev().find_map(|leg| match leg {
             Leg::To { speed, .. } | Leg::Decay { speed, .. } => Some(*speed),
-            Leg::Dwell { .. } => None,
+            Leg::Dwell { .. } | Leg::Drive { .. } => None,
         });
         ends.unwrap_or(0.0)
     }

@@ -165,6 +165,8 @@ pub struct Plant {
     stations: Vec<Station>,
     contacts: Vec<Contact>,
     unbalance: Vec<C64>,
+    /// Mass times eccentricity per coordinate.
+    moment: Vec<C64>,
     /// Per control bearing, or per station of a chain, any of which may carry it.
     columns: Vec<Direction>,
     is_unit: bool,
@@ -196,6 +198,7 @@ impl Plant {
                 .collect(),
             contacts,
             unbalance: masses.iter().map(|m| C64::from(m.unbalance)).collect(),
+            moment: masses.iter().map(|m| C64::from(m.mass * m.unbalance)).collect(),
             columns: (0..count).map(Direction::Unit).collect(),
             is_unit: true,
         }
@@ -252,6 +255,7 @@ impl Plant {
             is_unit: false,
             stations: given.stations,
             contacts,
+            moment: given.unbalance.clone(),
             unbalance: (&inverse * DVector::from_vec(given.unbalance)).iter().copied().collect(),
             columns: given.columns.iter().map(through).collect(),
         })
@@ -291,6 +295,13 @@ impl Plant {
     #[must_use]
     pub fn unbalance(&self) -> &[C64] {
         &self.unbalance
+    }
+
+    /// The torque that the unbalance, in the direction of spin, takes from the spin while the coordinates accelerate by `a` (without
+    /// the unbalance's own `R^2 - j R'`): `sum_k Im(conj(m_k e_k exp(j theta)) a_k)`, in `K_t e_t^2`.
+    #[must_use]
+    pub fn torque(&self, direction: C64, a: &[C64]) -> f64 {
+        self.moment.iter().zip(a).map(|(moment, a)| ((moment * direction).conj() * a).im).sum()
     }
 
     /// The accelerations of all coordinates without control, into `out`; `clearances` has one number a contact.

@@ -1,6 +1,8 @@
 //! A program of spin speed: legs of change and of rest, one after the other.
 //!
-//! The drive is taken to hold it, whatever torque that needs: the rotor's motion does not act back on the speed.
+//! The drive is taken to hold it, whatever torque that needs: the rotor's motion does not act back on the speed. But for a leg of a
+//! [`Leg::Drive`], whose torque is given: there the speed is a state of the machine, and a rotor can get stuck below a critical speed,
+//! because its whirl takes the torque that should have made it faster (Sommerfeld's effect).
 
 use text::number::significant;
 use units::{Dimension, Units};
@@ -36,10 +38,23 @@ pub enum Leg {
         /// How long, in `tau`.
         duration: f64,
     },
+    /// Turned by a given torque, `J R' = T - c R - sum_i m_i e_i Im(exp(-j theta) a_i)`, where `a_i` is the acceleration of mass `i` without
+    /// its unbalance. Seals are taken to push sideways alone: they take no torque.
+    Drive {
+        /// `T` in `K_t e_t^2`.
+        torque: f64,
+        /// Polar inertia `J` of rotor and drive about the centres of mass, in `M_t e_t^2`; more than 0.
+        inertia: f64,
+        /// Drag `c`, torque per speed, in `M_t w0 e_t^2`; 0 or more.
+        drag: f64,
+        /// How long, in `tau`.
+        duration: f64,
+    },
 }
 
 impl Leg {
-    /// How long it takes from the speed `from`, and the speed at which it ends.
+    /// How long it takes from the speed `from`, and the speed at which it ends; of a drive that at which it would end if the rotor
+    /// did not whirl.
     #[must_use]
     pub fn runs(&self, from: f64) -> (f64, f64) {
         match *self {
@@ -47,6 +62,12 @@ impl Leg {
             // ln(1/rest) time constants, and one for the rest.
             Self::Decay { speed, rate } => ((speed - from).abs() / rate * (1.0 - REST_OF_DECAY.ln()), speed),
             Self::Dwell { duration } => (duration, from),
+            Self::Drive { torque, inertia, drag, duration } => {
+                // R = T / c + (R0 - T / c) exp(-c t / J), without the difference of two large numbers where c is small.
+                let fades = drag / inertia * duration;
+                let share = if fades == 0.0 { 1.0 } else { -(-fades).exp_m1() / fades };
+                (duration, from + (torque - drag * from) / inertia * duration * share)
+            }
         }
     }
 }
@@ -100,6 +121,13 @@ impl Profile {
             Leg::To { speed: to, rate: at } => format!("to {} at {}", speed(to), rate(at)),
             Leg::Decay { speed: to, rate: from } => format!("to {} from {} on", speed(to), rate(from)),
             Leg::Dwell { duration } => format!("for {}", time(duration)),
+            Leg::Drive { torque, duration, .. } => {
+                let (torque, unit) = match scales {
+                    None => (torque, ""),
+                    Some(scales) => (torque * scales.k_t * scales.e_t * scales.e_t, " N m"),
+                };
+                format!("by a torque of {}{unit} for {}", significant(torque, 9), time(duration))
+            }
         });
         let legs = legs.collect::<Vec<_>>().join(", ");
         format!("the speed follows a profile: from {} {legs}", speed(self.from))
@@ -116,6 +144,7 @@ impl Profile {
     pub fn greatest_rate(&self) -> f64 {
         let rates = self.legs.iter().filter_map(|leg| match leg {
             Leg::To { rate, .. } | Leg::Decay { rate, .. } => Some(*rate),
+            Leg::Drive { torque, inertia, .. } => Some(torque.abs() / inertia),
             Leg::Dwell { .. } => None,
         });
         rates.reduce(f64::max).unwrap_or(f64::INFINITY)

@@ -7,7 +7,10 @@ use crate::program::Program;
 impl Machine {
     /// Hands the motion to the path that can go on with it.
     pub(super) fn choose_path(&mut self) {
-        let fusable = self.program.fused.is_some() && !self.motion.is_moving();
+        // A drive may have left the spin at another speed than that which the fused path knows.
+        let speed = self.motion.speed_at(self.tau());
+        let knows = self.program.fused.as_ref().is_some_and(|closed_loop| closed_loop.speed() == speed);
+        let fusable = knows && !self.motion.is_moving();
         if fusable == self.is_fused {
             return;
         }

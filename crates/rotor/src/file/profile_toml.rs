@@ -7,10 +7,11 @@ use crate::profile::{Leg, MAX_LEGS, Profile};
 use crate::{PARAMETERS, Rotor};
 
 /// What a leg is, for a message.
-const LEG: &str = "to = SPEED and rate = RATE, or dwell = TIME";
+const LEG: &str =
+    "to = SPEED and rate = RATE, or dwell = TIME, or torque = TORQUE, inertia = INERTIA and duration = TIME";
 
 /// Reads a profile for `rotor`: `from` (the speed that it begins at, 0 if absent) and `[[leg]]` tables, each with `to` and `rate`, and
-/// `decay = "exponential"` beside them, or with `dwell`.
+/// `decay = "exponential"` beside them, or with `dwell`, or with `torque`, `inertia`, `duration` and perhaps `drag`.
 ///
 /// # Errors
 /// All that is wrong with the file, with lines and columns: rates that are not positive, legs that go nowhere, speeds beyond those
@@ -22,19 +23,42 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
     let from = speed(&mut reader, &file, "from", &units).unwrap_or(0.0);
     let (mut now, mut legs, mut lines) = (from, Vec::new(), Vec::new());
     for (i, (table, at)) in reader.tables(&file, "leg", Some(MAX_LEGS)).into_iter().enumerate() {
-        reader.only(table, &["to", "rate", "dwell", "decay"]);
+        reader.only(table, &["to", "rate", "dwell", "decay", "torque", "inertia", "drag", "duration"]);
         let within = format!("[[leg]] {}", i + 1);
         let has = |key: &str| table.contains_key(key);
         lines.push(1 + text[..at.start.min(text.len())].matches('\n').count());
-        if has("dwell") == has("to") {
-            let found = if has("to") { "to and dwell" } else { "neither to nor dwell" };
+        let kinds: Vec<&str> = ["to", "dwell", "torque"].into_iter().filter(|key| has(key)).collect();
+        if kinds.len() != 1 {
+            let found =
+                if kinds.is_empty() { "neither to nor dwell nor torque".to_owned() } else { kinds.join(" and ") };
             reader.fault(at, format!("{within} with {found}"), LEG);
             continue;
         }
-        if has("dwell") {
-            for key in ["rate", "decay"].into_iter().filter(|key| has(key)) {
-                reader.fault(at.clone(), format!("{within}: {key} beside dwell"), LEG);
+        let others: &[&str] = match kinds[0] {
+            "torque" => &["rate", "decay"],
+            "dwell" => &["rate", "decay", "inertia", "drag", "duration"],
+            _ => &["inertia", "drag", "duration"],
+        };
+        for key in others.iter().filter(|key| has(key)) {
+            reader.fault(at.clone(), format!("{within}: {key} beside {}", kinds[0]), LEG);
+        }
+        if has("torque") {
+            let leg = driven(&mut reader, table, (&within, at.clone()), rotor);
+            let (_, end) = leg.runs(now);
+            let row = PARAMETERS.iter().find(|row| row.name == "speed");
+            if let Some(row) = row.filter(|row| end.is_finite() && !(row.min..=row.max).contains(&end)) {
+                let [end, min, max] = [end, row.min, row.max].map(|end| units.shown(Dimension::Speed, end));
+                reader.fault(
+                    at,
+                    format!("{within} ends at a speed of {end}"),
+                    format!("torque, drag and duration for {min} to {max}"),
+                );
             }
+            now = end;
+            legs.push(leg);
+            continue;
+        }
+        if has("dwell") {
             let typed = reader.required(table, (&within, at), "dwell", Domain::Positive);
             let duration = units.typed(Dimension::Time, typed);
             legs.push(Leg::Dwell { duration });
@@ -54,6 +78,20 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
         });
     }
     reader.finish(Profile { from, legs, lines })
+}
+
+/// A leg turned by a torque: SI rotors have it in N m, inertia in kg m^2, drag in N m s.
+fn driven(reader: &mut Reader<'_>, table: &Table<'_>, within: (&str, std::ops::Range<usize>), rotor: &Rotor) -> Leg {
+    let [torque, inertia, drag, time] = rotor.scales().map_or([1.0; 4], |scales| {
+        let torque = scales.k_t * scales.e_t * scales.e_t;
+        [torque, scales.m_t * scales.e_t * scales.e_t, torque / scales.w0, scales.seconds(1.0)]
+    });
+    Leg::Drive {
+        torque: reader.required(table, within.clone(), "torque", Domain::Finite) / torque,
+        inertia: reader.required(table, within.clone(), "inertia", Domain::Positive) / inertia,
+        drag: reader.number(table, "drag", Domain::NotNegative).unwrap_or(0.0) / drag,
+        duration: reader.required(table, within, "duration", Domain::Positive) / time,
+    }
 }
 
 /// A speed under `key`, in the range of the setting.
@@ -122,7 +160,7 @@ mod tests {
         assert!(found[3].starts_with("11:9 dwell = 0, expected"), "{found:?}");
         let found = problems("[[leg]]\nto = 1e9\nrate = 1\n[[leg]]\nrate = 1\n[[leg]]\ndwell = 1\nrate = 2\n");
         assert!(found[0].contains("expected a speed from 0 to"), "{found:?}");
-        assert!(found[1].contains("[[leg]] 2 with neither to nor dwell"), "{found:?}");
+        assert!(found[1].contains("[[leg]] 2 with neither to nor dwell nor torque"), "{found:?}");
         assert!(found[2].contains("[[leg]] 3: rate beside dwell"), "{found:?}");
         let found = problems("[[leg]]\nto = 1\nrate = 1\ndecay = \"exponental\"\n[[leg]]\ntoo = 1\n");
         assert!(
