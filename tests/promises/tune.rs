@@ -355,3 +355,43 @@ fn a_search_through_the_loop_writes_the_loop_and_tells_what_poles_tells() {
         assert!(refused.code == Some(2) && refused.stderr.contains(why), "{options:?}: {refused:?}");
     }
 }
+
+#[test]
+fn margins_are_kept_over_the_whole_range_and_missed_ones_are_told() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("kept.toml");
+    let file = file.to_str().expect("UTF-8");
+    let search = [
+        "tune",
+        "three-mass",
+        "--over",
+        "0..6",
+        "--signal",
+        "individual",
+        "--sensors",
+        "1,2",
+        "--bound",
+        "5",
+        "--starts",
+        "4",
+    ];
+    let kept = ["--max-sensitivity", "1.5", "--min-delay", "0.1", "--out", file, "--json"];
+    let document = run(&[&search[..], &kept[..]].concat()).json();
+    let (peak, delay) = (&document["sensitivity"]["peak"], &document["delay"]["tau"]);
+    assert!(peak.as_f64().expect("a number") <= 1.5 * 1.001 && delay.as_f64().expect("a number") >= 0.1 * 0.999);
+    let margins = run(&["margin", "three-mass", "--feedback", file, "--over", "0..6", "--json"]).json();
+    let worst = margins["worst"]["sensitivity"]["sensitivity"]["peak"].as_f64().expect("a number");
+    assert!((worst / peak.as_f64().expect("a number") - 1.0).abs() < 1e-3, "{worst} {peak}");
+    // No gains so small keep so long a delay.
+    let missed = run(&["tune", "three-mass", "--speed", "6", "--bound", "0.7", "--starts", "2", "--min-delay", "5"]);
+    assert_eq!(missed.code, Some(1), "{missed:?}");
+    assert!(missed.stderr.contains("no gains were found"), "{}", missed.stderr);
+    for (option, value, words) in [
+        ("--max-sensitivity", "1", "expected a number above 1"),
+        ("--min-delay", "0", "expected a finite number above 0"),
+    ] {
+        let refused = run(&["tune", "three-mass", "--speed", "6", option, value]);
+        assert_eq!(refused.code, Some(2), "{refused:?}");
+        assert!(refused.stderr.contains(words), "{}", refused.stderr);
+    }
+}

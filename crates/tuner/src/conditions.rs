@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::evaluate::{force_at, worst_at};
+use crate::evaluate::{force_at, in_hand_at, margins_at, worst_at};
 use crate::stop::Stop;
-use crate::{Family, Problem};
+use crate::{Family, LoopMargins, Problem};
 
 /// Points along each coordinate of a grid of about `total` points, more along the speed than along the others.
 pub(crate) fn counts(family: &Family, total: usize) -> Vec<usize> {
@@ -42,6 +42,38 @@ pub(crate) fn hardest_places(
 ) -> Vec<(f64, Vec<f64>)> {
     let places = lowest_places(&problem.family, counts, most, stop, &|point| -force_at(problem, gains, point));
     places.into_iter().map(|(value, point)| (-value, point)).collect()
+}
+
+/// Places where margins have least in hand of what is asked for, least first; at most `most`.
+pub(crate) fn tightest_places(
+    problem: &Problem,
+    gains: &[f64],
+    counts: &[usize],
+    most: usize,
+    stop: &Stop,
+) -> Vec<(f64, Vec<f64>)> {
+    lowest_places(&problem.family, counts, most, stop, &|point| in_hand_at(problem, gains, point))
+}
+
+/// The places where the peak of the sensitivity is largest and the delay margin smallest, each with the margins there; nothing
+/// where nothing could be looked at.
+pub(crate) fn worst_margins(
+    problem: &Problem,
+    gains: &[f64],
+    counts: &[usize],
+    stop: &Stop,
+) -> Option<[(LoopMargins, Vec<f64>); 2]> {
+    let peak = |margins: &LoopMargins| -margins.sensitivity.0;
+    let delay = |margins: &LoopMargins| margins.delay.map_or(f64::INFINITY, |(delay, _)| delay);
+    let worst = |of: &(dyn Fn(&LoopMargins) -> f64 + Sync)| {
+        let value = |point: &[f64]| margins_at(problem, gains, point).map_or(f64::INFINITY, |margins| of(&margins));
+        let (_, point) = lowest_places(&problem.family, counts, 1, stop, &value).into_iter().next()?;
+        Some((margins_at(problem, gains, &point)?, point))
+    };
+    let sensitivity = worst(&peak)?;
+    // Without a delay that matters anywhere, the place of the peak says so.
+    let delay = worst(&delay).unwrap_or_else(|| sensitivity.clone());
+    Some([sensitivity, delay])
 }
 
 /// Local minima of `value` on a grid with `counts`, refined, lowest first; where the grid is too large to walk, the lowest of

@@ -7,6 +7,7 @@ use crate::Problem;
 use crate::around::{self, Around};
 use crate::delay;
 use crate::force::Synchronous;
+use crate::opened::{self, LoopMargins, Opened, Place};
 use crate::stop::Stop;
 
 /// Price of a violated constraint, in worth per unit: above any multiplier that one has in practice.
@@ -25,6 +26,8 @@ pub(crate) struct Operating {
     around: Option<Box<Around>>,
     /// Where a force limit is to be kept.
     synchronous: Option<Synchronous>,
+    /// Where margins are to be kept.
+    opened: Option<Box<Opened>>,
 }
 
 impl Operating {
@@ -33,7 +36,8 @@ impl Operating {
         let open = problem.family.open(point);
         let synchronous = problem.force_limit.map(|_| Synchronous::new(problem, point));
         let around = Around::at(problem, point).map(Box::new);
-        Self { point: point.to_vec(), speed: point[0], delay: problem.delay(point), open, around, synchronous }
+        let opened = Opened::at(problem, point).map(Box::new);
+        Self { point: point.to_vec(), speed: point[0], delay: problem.delay(point), open, around, synchronous, opened }
     }
 
     /// The loop closed, with its poles; with a delay those of [`delay::poles`], of which `near` may be near.
@@ -253,13 +257,67 @@ impl<'p> Evaluator<'p> {
         penalty
     }
 
+    /// Where the loop at a condition may fall short of the margins that are asked for, at the gains last judged; nothing where
+    /// nothing is asked, nor where it is not stable and has none.
+    pub(crate) fn places(&self, condition: usize, gains: &[f64]) -> Vec<Place> {
+        match &self.conditions[condition].opened {
+            Some(opened) if self.is_stable(condition) => {
+                let poles = self.readings.iter().filter(|r| r.condition == condition);
+                let near: Vec<f64> = poles.map(|r| r.pole.im).collect();
+                opened.places(self.problem, gains, &near)
+            }
+            _ => Vec::new(),
+        }
+    }
+
+    /// What a place has in hand changes by, per variable.
+    pub(crate) fn place_slope(&self, condition: usize, place: &Place, gains: &[f64], slope: &mut [f64]) {
+        match &self.conditions[condition].opened {
+            Some(opened) => opened.slope(self.problem, gains, place, slope),
+            None => slope.fill(0.0),
+        }
+    }
+
+    fn is_stable(&self, condition: usize) -> bool {
+        self.readings.iter().filter(|r| r.condition == condition).all(|r| r.pole.re < 0.0)
+    }
+
+    /// The most by which any margin falls short, in parts of what is asked for; 1, which is all of it, where the loop is not stable.
+    pub(crate) fn shortfall(&self, gains: &[f64]) -> f64 {
+        let of = |condition: usize| {
+            if self.conditions[condition].opened.is_some() && !self.is_stable(condition) {
+                return 1.0;
+            }
+            self.places(condition, gains).iter().map(|place| -place.in_hand).fold(0.0, f64::max)
+        };
+        (0..self.conditions.len()).map(of).fold(0.0, f64::max)
+    }
+
+    /// `weight` times the squares by which margins fall short; its slope is added to `slope`.
+    pub(crate) fn shortfall_penalty(&self, gains: &[f64], weight: f64, slope: &mut [f64]) -> f64 {
+        let mut one = vec![0.0; slope.len()];
+        let mut penalty = 0.0;
+        for condition in 0..self.conditions.len() {
+            if self.conditions[condition].opened.is_some() && !self.is_stable(condition) {
+                penalty += weight;
+            }
+            for place in self.places(condition, gains).into_iter().filter(|place| place.in_hand < 0.0) {
+                penalty += weight * place.in_hand * place.in_hand;
+                self.place_slope(condition, &place, gains, &mut one);
+                slope.iter_mut().zip(&one).for_each(|(s, d)| *s += 2.0 * weight * place.in_hand * d);
+            }
+        }
+        penalty
+    }
+
     /// What counts when gains are compared: the worth of the worst mode, less the price of constraints that are violated.
     pub(crate) fn merit(&mut self, gains: &[f64]) -> f64 {
         let worst = self.evaluate(gains);
         let lacking =
             self.readings.iter().filter_map(|r| self.problem.measure.in_hand(r.pole)).map(|(value, _)| -value);
         let excess = self.largest_relative_force(gains) - 1.0;
-        worst - EXCESS * lacking.fold(excess.max(0.0), f64::max) - self.pull(gains)
+        let short = excess.max(self.shortfall(gains)).max(0.0);
+        worst - EXCESS * lacking.fold(short, f64::max) - self.pull(gains)
     }
 
     /// The price of the distance from where the tether holds.
@@ -272,6 +330,24 @@ impl<'p> Evaluator<'p> {
 /// The steady control force at one condition, in `w0^2 e_t`.
 pub(crate) fn force_at(problem: &Problem, gains: &[f64], point: &[f64]) -> f64 {
     Synchronous::new(problem, point).force(problem, gains, &mut [])
+}
+
+/// What the loop at one condition has in hand of the margins asked for, where that is least: -1, which is nothing, where it is not
+/// stable.
+pub(crate) fn in_hand_at(problem: &Problem, gains: &[f64], point: &[f64]) -> f64 {
+    let mut evaluator = Evaluator::new(problem, &[point.to_vec()]);
+    if evaluator.evaluate(gains) == f64::NEG_INFINITY || !evaluator.is_stable(0) {
+        return -1.0;
+    }
+    evaluator.places(0, gains).iter().map(|place| place.in_hand).fold(f64::INFINITY, f64::min)
+}
+
+/// The margins at one condition; nothing if its poles cannot be had.
+pub(crate) fn margins_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Option<LoopMargins> {
+    let mut evaluator = Evaluator::new(problem, &[point.to_vec()]);
+    evaluator.evaluate(gains);
+    let poles: Vec<C64> = evaluator.readings.iter().map(|reading| reading.pole).collect();
+    opened::margins_at(problem, gains, point, &poles)
 }
 
 /// The worst mode at one condition.
@@ -301,6 +377,7 @@ pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Worst
         open: problem.family.open(point),
         around: None,
         synchronous: None,
+        opened: None,
     };
     let Some((closed, mut poles)) = operating.close(problem, gains, &[]) else { return nothing };
     let row = problem.structure.row(gains, point[0]);
@@ -348,7 +425,12 @@ mod tests {
             if individual { Structure::individual(3, 0, &[0, 1]) } else { Structure::composite(3, 0, &[0, 1]) };
         around(&mut template);
         let structure = Structure::new(&rotor, &template, Schedule::table(0.0, 7.0, 3)).unwrap();
-        Problem { force_limit: Some(2.0), ..Problem::new(family, structure, 20.0) }
+        Problem {
+            force_limit: Some(2.0),
+            max_sensitivity: Some(1.5),
+            min_delay: Some(0.3),
+            ..Problem::new(family, structure, 20.0)
+        }
     }
 
     /// Slopes of poles and force are those of differences, with and without delay, for every gain at every knot.
@@ -358,6 +440,13 @@ mod tests {
         let readings = evaluator.readings.clone();
         let mut force_slope = vec![0.0; gains.len()];
         evaluator.relative_force(0, gains, &mut force_slope);
+        let opened = evaluator.conditions[0].opened.as_ref().expect("margins are asked for");
+        let places = opened.places(problem, gains, &[]).into_iter().map(|place| {
+            let mut slope = vec![0.0; gains.len()];
+            opened.slope(problem, gains, &place, &mut slope);
+            (place, slope)
+        });
+        let places: Vec<(Place, Vec<f64>)> = places.collect();
         let slopes: Vec<Vec<C64>> = readings.iter().map(|r| evaluator.pole_slope(*r).to_vec()).collect();
         for i in 0..gains.len() {
             let h = 1e-6;
@@ -391,6 +480,27 @@ mod tests {
                 prop_assert!(
                     (difference - slope[i]).norm() < 1e-3 * (1.0 + slope[i].norm() / gap),
                     "{difference} {}",
+                    slope[i]
+                );
+            }
+            // Margins: each place beside the same one a little further on.
+            let near: Vec<f64> = places.iter().map(|(place, _)| place.frequency).collect();
+            let opened = evaluator.conditions[0].opened.as_ref().expect("margins are asked for");
+            let [after, before] = [h, -h].map(|by| opened.places(problem, &shifted(by), &near));
+            let same = |all: &[Place], place: &Place| {
+                let alike = all.iter().filter(|other| other.ask == place.ask).copied();
+                let distance = |p: &Place| (p.frequency - place.frequency).abs();
+                alike.min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            };
+            for (place, slope) in &places {
+                let (Some(after), Some(before)) = (same(&after, place), same(&before, place)) else { continue };
+                if (after.frequency - before.frequency).abs() > 1e-2 || slope[i].abs() > 1e3 {
+                    continue; // About to merge with another.
+                }
+                let difference = (after.in_hand - before.in_hand) / (2.0 * h);
+                prop_assert!(
+                    (difference - slope[i]).abs() < 2e-3 * (1.0 + slope[i].abs()),
+                    "{place:?}: {difference} {}",
                     slope[i]
                 );
             }

@@ -4,8 +4,8 @@
 //! has kinks where the least damped mode changes, and Powell's method stops at them. Here:
 //!
 //! * a [`Problem`] asks about a [`Family`] of conditions (speeds, deadband states, delays, boxes of parameters) and a
-//!   [`Structure`] (bearing, signals, gains fixed or scheduled over speed), with a [`Measure`], a bound on gains and one on
-//!   the control force;
+//!   [`Structure`] (bearing, signals, gains fixed or scheduled over speed), with a [`Measure`], a bound on gains, and limits of
+//!   the control force, of the peak of the sensitivity and of the delay margin;
 //! * [`tune()`] climbs from many random starts, each by smoothing ([`smooth`]) and by sequential convex steps on the modes
 //!   that matter ([`minimax`]), also where poles merge ([`rows`]); adds the conditions that turn out to be worst
 //!   ([`conditions`]); proves the worst over the whole family ([`Certificate`]); and says how near a local optimum it is
@@ -38,6 +38,7 @@ mod force;
 mod least_norm;
 mod measure;
 mod minimax;
+mod opened;
 mod pareto;
 mod placement;
 mod powell;
@@ -54,6 +55,7 @@ pub use certify::Certificate;
 pub use family::{Family, FamilyAxis, FamilyError, FamilyQuantity};
 pub use measure::Measure;
 pub use minimax::Stationarity;
+pub use opened::LoopMargins;
 pub use pareto::{ParetoPoint, Price, pareto};
 pub use placement::{Placement, Question, choices, rank};
 pub use problem::{Problem, ProblemError};

@@ -1,4 +1,4 @@
-//! What damping costs: the best worst mode for a row of limits on control force, or on gains.
+//! What damping costs: the best worst mode for a row of limits on control force, on gains, or on the peak of the sensitivity.
 
 use crate::{Options, Problem, ProblemError, Progress, Stop, Tuned, tune};
 
@@ -10,6 +10,8 @@ pub enum Price {
     Force,
     /// The largest gain.
     Gain,
+    /// The largest peak of the sensitivity.
+    Sensitivity,
 }
 
 /// One point of the front.
@@ -28,6 +30,7 @@ impl Price {
         match self {
             Self::Force => tuned.force,
             Self::Gain => tuned.largest_gain(),
+            Self::Sensitivity => tuned.peak_sensitivity().unwrap_or(f64::INFINITY),
         }
     }
 
@@ -35,10 +38,13 @@ impl Price {
         match self {
             Self::Force => Problem { force_limit: Some(limit), ..problem.clone() },
             Self::Gain => Problem { bound: limit, ..problem.clone() },
+            Self::Sensitivity => Problem { max_sensitivity: Some(limit.max(LOWEST_PEAK)), ..problem.clone() },
         }
     }
 }
 
+/// Below this no peak of the sensitivity can be.
+const LOWEST_PEAK: f64 = 1.0 + 1e-6;
 /// How far below the cost of the best gains limits are tried.
 const HALVINGS: i32 = 12;
 
@@ -56,7 +62,11 @@ pub fn pareto(
     progress: &(dyn Fn(&Progress) + Sync),
     stop: Stop,
 ) -> Result<Vec<ParetoPoint>, ProblemError> {
-    let best = tune(problem, options, progress, stop)?;
+    let best = match price {
+        // Looked at, not limited.
+        Price::Sensitivity => tune(&price.limited(problem, f64::INFINITY), options, progress, stop)?,
+        _ => tune(problem, options, progress, stop)?,
+    };
     let top = price.of(&best);
     let mut front = vec![ParetoPoint { limit: top, tuned: best }];
     if !(top > 0.0 && front[0].tuned.worst.stable() == Some(true)) {

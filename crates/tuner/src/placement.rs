@@ -32,6 +32,10 @@ pub struct Question<'a> {
     pub bound: f64,
     /// The largest steady control force.
     pub force_limit: Option<f64>,
+    /// The largest peak of the sensitivity.
+    pub max_sensitivity: Option<f64>,
+    /// The smallest delay margin.
+    pub min_delay: Option<f64>,
 }
 
 impl Question<'_> {
@@ -52,6 +56,8 @@ impl Question<'_> {
             measure: self.measure,
             bound: self.bound,
             force_limit: self.force_limit,
+            max_sensitivity: self.max_sensitivity,
+            min_delay: self.min_delay,
         }
     }
 }

@@ -16,6 +16,10 @@ pub struct Problem {
     pub bound: f64,
     /// The largest steady control force `|u|` under unbalance, linear rotor, at every condition, in `w0^2 e_t`.
     pub force_limit: Option<f64>,
+    /// The largest peak of the sensitivity `|S|` over frequencies of both signs, at every condition; above 1.
+    pub max_sensitivity: Option<f64>,
+    /// The smallest delay margin at every condition, in `tau`; above 0.
+    pub min_delay: Option<f64>,
 }
 
 /// Why a question makes no sense.
@@ -27,6 +31,17 @@ pub enum ProblemError {
     /// A limit that leaves no force.
     #[error("force limit = {0}: expected a finite number above 0")]
     Force(f64),
+    /// A peak that no loop keeps below.
+    #[error("largest sensitivity = {0}: expected a number above 1, which it is where the loop has no gain")]
+    Sensitivity(f64),
+    /// A margin that is none.
+    #[error("smallest delay margin = {0}: expected a finite number above 0")]
+    Delay(f64),
+    /// Margins of a sampled loop.
+    #[error(
+        "margins of a sampled loop are not searched for: take the samples out, with half a period more delay in their place"
+    )]
+    Sampled,
     /// A weight that is not one.
     #[error("mode weight {0}: expected a finite number above 0")]
     Weight(f64),
@@ -44,12 +59,25 @@ impl Problem {
     /// The plain question: damping ratio, all modes alike, gains up to `bound`.
     #[must_use]
     pub fn new(family: Family, structure: Structure, bound: f64) -> Self {
-        Self { family, structure, measure: Measure::default(), bound, force_limit: None }
+        Self {
+            family,
+            structure,
+            measure: Measure::default(),
+            bound,
+            force_limit: None,
+            max_sensitivity: None,
+            min_delay: None,
+        }
     }
 
     /// The delay at a point of the family.
     pub(crate) fn delay(&self, point: &[f64]) -> f64 {
         self.family.delay(point).unwrap_or(self.structure.delay())
+    }
+
+    /// Whether margins are asked for.
+    pub(crate) fn asks_margins(&self) -> bool {
+        self.max_sensitivity.is_some() || self.min_delay.is_some()
     }
 
     /// Whether the loop is gains alone at every condition, without a delay too.
@@ -69,6 +97,15 @@ impl Problem {
         }
         if let Some(limit) = self.force_limit.filter(|&limit| !positive(limit)) {
             return Err(ProblemError::Force(limit));
+        }
+        if let Some(limit) = self.max_sensitivity.filter(|limit| limit.is_nan() || *limit <= 1.0) {
+            return Err(ProblemError::Sensitivity(limit));
+        }
+        if let Some(least) = self.min_delay.filter(|&least| !positive(least)) {
+            return Err(ProblemError::Delay(least));
+        }
+        if (self.max_sensitivity.is_some() || self.min_delay.is_some()) && self.structure.is_sampled() {
+            return Err(ProblemError::Sampled);
         }
         if let Measure::Ratio { forward, backward } = self.measure
             && let Some(weight) = [forward, backward].into_iter().find(|&w| !positive(w))

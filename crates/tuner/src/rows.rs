@@ -11,6 +11,7 @@ use rotor::C64;
 
 use crate::Measure;
 use crate::evaluate::{EXCESS, Evaluator, Reading};
+use crate::opened::Place;
 use crate::quadratic_program::dot;
 
 /// No more values than this enter one step: the worst ones.
@@ -20,7 +21,7 @@ const APART: f64 = 3e-5;
 /// `q` moves with gains a hundredth as fast as poles do: in these units its constraints weigh like the others.
 const UNIT: f64 = 0.01;
 
-/// Part of a force limit that is kept in hand, for speeds between those that are looked at.
+/// Part of a limit of force or margin that is kept in hand, for speeds between those that are looked at.
 pub(crate) const MARGIN: f64 = 1e-4;
 
 /// What a row asks for.
@@ -47,6 +48,8 @@ enum Source {
     Slow(Reading),
     /// The control force at a condition: 1 less the force over its limit.
     Force(usize),
+    /// What a margin at a condition has in hand.
+    Margin(usize, Place),
 }
 
 /// One of them at some gains.
@@ -66,7 +69,7 @@ impl Row {
         match self.source {
             Source::Mode(reading) | Source::Slow(reading) => reading.condition,
             Source::Mean(a, _) | Source::Skew(a, _) | Source::Spread(a, _) => a.condition,
-            Source::Force(condition) => condition,
+            Source::Force(condition) | Source::Margin(condition, _) => condition,
         }
     }
 
@@ -109,6 +112,10 @@ impl Row {
                 slope.iter_mut().for_each(|s| *s = -*s);
                 (Kind::AtLeastZero, 1.0 - MARGIN - force, MARGIN)
             }
+            Source::Margin(condition, place) => {
+                evaluator.place_slope(condition, &place, gains, &mut slope);
+                (Kind::AtLeastZero, place.in_hand - MARGIN, MARGIN)
+            }
         };
         Self { kind, source, value, slope, slack }
     }
@@ -140,6 +147,16 @@ impl Row {
                 Source::Spread(a, b)
             }
             force @ Source::Force(_) => force,
+            Source::Margin(condition, place) => {
+                let places = evaluator.places(condition, gains);
+                let same = places.into_iter().filter(|other| other.ask == place.ask);
+                let distance = |other: &Place| (other.frequency - place.frequency).abs();
+                match same.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
+                    Some(place) => Source::Margin(condition, place),
+                    // Gone: nothing falls short there any more.
+                    None => return Self { value: 1.0, slope: vec![0.0; gains.len()], ..self.clone() },
+                }
+            }
         };
         Self::of(source, evaluator, gains)
     }
@@ -235,6 +252,14 @@ impl Rows {
         if evaluator.problem.force_limit.is_some() {
             for condition in 0..evaluator.conditions.len() {
                 let row = Row::of(Source::Force(condition), evaluator, gains);
+                if row.value < 0.01 + radius * row.slope.iter().map(|s| s.abs()).sum::<f64>() {
+                    rows.push(row);
+                }
+            }
+        }
+        for condition in 0..evaluator.conditions.len() {
+            for place in evaluator.places(condition, gains) {
+                let row = Row::of(Source::Margin(condition, place), evaluator, gains);
                 if row.value < 0.01 + radius * row.slope.iter().map(|s| s.abs()).sum::<f64>() {
                     rows.push(row);
                 }

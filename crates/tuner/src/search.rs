@@ -8,11 +8,11 @@ use rayon::prelude::*;
 use rotor::Feedback;
 
 use crate::certify::{self, Certificate, certify};
-use crate::conditions::{counts, hardest_places, worst_places};
+use crate::conditions::{counts, hardest_places, tightest_places, worst_margins, worst_places};
 use crate::evaluate::{EXCESS, Evaluator, force_at, worst_at};
 use crate::minimax::{Stationarity, polish, stationarity};
 use crate::stop::Stop;
-use crate::{Family, Problem, ProblemError, powell, smooth};
+use crate::{Family, LoopMargins, Problem, ProblemError, powell, smooth};
 
 /// How a climb goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -107,6 +107,9 @@ pub struct Tuned {
     pub force: f64,
     /// Where it is, in the coordinates of the family's axes.
     pub force_at: Vec<f64>,
+    /// Where margins are asked for: those where the peak of the sensitivity is largest, and those where the delay margin is smallest,
+    /// each with its condition.
+    pub margins: Option<[(LoopMargins, Vec<f64>); 2]>,
     /// How near to a local optimum they are.
     pub stationarity: Stationarity,
     /// The modes that hold the value, at their conditions.
@@ -122,6 +125,12 @@ pub struct Tuned {
 }
 
 impl Tuned {
+    /// The largest peak of the sensitivity, where margins were asked for.
+    #[must_use]
+    pub fn peak_sensitivity(&self) -> Option<f64> {
+        self.margins.as_ref().map(|[(margins, _), _]| margins.sensitivity.0)
+    }
+
     /// The largest magnitude of any gain.
     #[must_use]
     pub fn largest_gain(&self) -> f64 {
@@ -304,6 +313,13 @@ pub(crate) fn exchange(
             let over = evaluator.largest_relative_force(gains).max(1.0) * limit * (1.0 + 1e-6);
             missed.extend(hardest.into_iter().filter(|(force, _)| *force > over).map(|(_, point)| point));
         }
+        if problem.asks_margins() {
+            let tightest = tightest_places(problem, gains, scan, 4, stop);
+            let least = tightest.first().map_or(0.0, |(in_hand, _)| *in_hand);
+            value -= EXCESS * (-least - 1e-6).max(0.0);
+            let short = evaluator.shortfall(gains) + 1e-6;
+            missed.extend(tightest.into_iter().filter(|(in_hand, _)| -in_hand > short).map(|(_, point)| point));
+        }
         if value > best.0 {
             best = (value, gains.clone());
         }
@@ -398,8 +414,13 @@ fn prove(
     active.sort_by(|a, b| a.value.total_cmp(&b.value));
     let hardest = hardest_places(problem, &gains, &finest, 1, stop).into_iter().next();
     let (force, force_at) = hardest.unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
+    let margins = match problem.asks_margins() {
+        true => worst_margins(problem, &gains, &counts(family, FINE), stop),
+        false => None,
+    };
     evaluations.fetch_add(evaluator.evaluations, Ordering::Relaxed);
     Tuned {
+        margins,
         force,
         force_at,
         feedback: problem.structure.feedback(&gains),

@@ -15,8 +15,8 @@ const STAGES: [f64; 8] = [5.0, 15.0, 50.0, 150.0, 500.0, 1500.0, 6000.0, 20_000.
 const STEPS_PER_STAGE: usize = 40;
 /// Length of the first step of a stage, before anything is known of the curvature.
 const FIRST_STEP: f64 = 0.1;
-/// Weight of the square by which a force limit is exceeded, relative to the limit, beside the damping.
-const FORCE_WEIGHT: f64 = 10.0;
+/// Weight of the square by which a limit of force or margin is missed, relative to the limit, beside the damping.
+const LIMIT_WEIGHT: f64 = 10.0;
 
 /// Climbs from `gains`, which ends inside the bounds, at the best gains seen.
 pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut Vec<f64>, stop: &Stop) {
@@ -75,7 +75,8 @@ impl Climber<'_, '_> {
         self.evaluator.readings = readings;
         slope.iter_mut().for_each(|s| *s /= sum);
         let mut value = sum.ln() / beta - worst;
-        value += self.evaluator.force_penalty(&at, FORCE_WEIGHT, &mut slope);
+        value += self.evaluator.force_penalty(&at, LIMIT_WEIGHT, &mut slope);
+        value += self.evaluator.shortfall_penalty(&at, LIMIT_WEIGHT, &mut slope);
         Point { at, value, slope }
     }
 

@@ -163,6 +163,11 @@ impl Structure {
         has_filter || parts.sensor_lag > 0.0 || parts.lag > 0.0 || parts.sample > 0.0
     }
 
+    /// Whether the loop acts at samples.
+    pub(crate) fn is_sampled(&self) -> bool {
+        self.template.parts.sample > 0.0
+    }
+
     /// The delay of the loop, where the family has none of its own.
     pub(crate) fn delay(&self) -> f64 {
         self.template.parts.delay

@@ -60,6 +60,9 @@ pub(super) struct Document<'a> {
     /// The largest steady control force of the linear rotor, in `w0^2 e_t`, and the condition where it is.
     max_force: f64,
     max_force_at: Value,
+    /// Where margins are asked for, the largest peak of the sensitivity and the smallest delay margin, each with its condition.
+    #[serde(flatten)]
+    margins: Map<String, Value>,
     interrupted: bool,
     /// Every choice of bearing and sensors, best first, if they were to be chosen.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -86,12 +89,16 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         footer += &ranking(&places);
     }
     if let Some(path) = &args.out
-        && (document.stable == Some(true) || args.write_unstable)
+        && (document.stable == Some(true) && short(&problem, &best.tuned).is_none() || args.write_unstable)
     {
         write_file(path, args.force, &best.tuned.feedback, &summary(asked, &problem, &document))?;
     }
     args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
-    verdict(asked, &best.tuned)
+    verdict(asked, &best.tuned)?;
+    match short(&problem, &best.tuned) {
+        None => Ok(()),
+        Some(short) => Err(Failure::Work(format!("no gains were found that keep the margins: with the best {short}"))),
+    }
 }
 
 impl<'a> Document<'a> {
@@ -134,6 +141,7 @@ impl<'a> Document<'a> {
             active: tuned.active.iter().map(|a| condition(problem, &a.point, Some((a.pole, a.value)))).collect(),
             max_force: tuned.force,
             max_force_at: condition(problem, &tuned.force_at, None),
+            margins: margins(problem, tuned),
             interrupted: tuned.interrupted,
             ranking: if places.len() > 1 { places.iter().map(rank_row).collect() } else { Vec::new() },
             units: asked.units().document(),
@@ -164,6 +172,35 @@ fn condition(problem: &Problem, point: &[f64], pole: Option<(rotor::C64, f64)>) 
         map.insert("value".into(), json!(value));
     }
     Value::Object(map)
+}
+
+/// The worst margins, where they were asked for.
+fn margins(problem: &Problem, tuned: &Tuned) -> Map<String, Value> {
+    let mut map = Map::new();
+    let Some([(peak, at_peak), (least, at_least)]) = &tuned.margins else { return map };
+    let (size, frequency) = peak.sensitivity;
+    let at = condition(problem, at_peak, None);
+    map.insert("sensitivity".into(), json!({ "peak": size, "frequency": frequency, "at": at }));
+    let at = condition(problem, at_least, None);
+    let delay = least.delay.map(|(delay, frequency)| json!({ "tau": delay, "frequency": frequency, "at": at }));
+    if delay.is_none() {
+        map.insert("delay_null".into(), json!("no delay makes it unstable"));
+    }
+    map.insert("delay".into(), delay.into());
+    map
+}
+
+/// What is asked of the margins and was not reached, in words.
+fn short(problem: &Problem, tuned: &Tuned) -> Option<String> {
+    /// A limit is kept within this part of it between the conditions that are looked at.
+    const NEAR: f64 = 1e-3;
+    let [(peak, _), (least, _)] = tuned.margins.as_ref()?;
+    let (size, delay) = (peak.sensitivity.0, least.delay.map_or(f64::INFINITY, |(delay, _)| delay));
+    if let Some(limit) = problem.max_sensitivity.filter(|limit| size > limit * (1.0 + NEAR)) {
+        return Some(format!("the peak of the sensitivity is {}, more than {limit}", rounded(size)));
+    }
+    let least = problem.min_delay.filter(|least| delay < least * (1.0 - NEAR))?;
+    Some(format!("the delay margin is {}, less than {} (in tau)", rounded(delay), rounded(least)))
 }
 
 fn rank_row(place: &Placement) -> Value {
@@ -248,6 +285,15 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
         speed_text(units, document.max_force_at["speed"].as_f64()),
         others(&document.max_force_at)
     ));
+    if let (Some(peak), Some(delay)) = (document.margins.get("sensitivity"), document.margins.get("delay")) {
+        let place = |of: &Value| format!("{}{}", speed_text(units, of["at"]["speed"].as_f64()), others(&of["at"]));
+        let number = |value: &Value| rounded(value.as_f64().unwrap_or(f64::NAN));
+        lines.push(format!("peak of the sensitivity {} at {}", number(&peak["peak"]), place(peak)));
+        lines.push(match delay["tau"].as_f64() {
+            Some(tau) => format!("delay margin {} at {}", units.time_text(tau), place(delay)),
+            None => "no delay makes it unstable".to_owned(),
+        });
+    }
     let s = document.stationarity;
     lines.push(format!(
         "local optimality {:.1e}: {}, {}, {} at the bound",

@@ -114,7 +114,11 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         interrupted,
         units: units.document(),
     };
-    let word = if price == Price::Force { "control force" } else { "gain" };
+    let word = match price {
+        Price::Force => "control force",
+        Price::Gain => "gain",
+        Price::Sensitivity => "peak of the sensitivity",
+    };
     let heading = format!("{}, {}: min damping against {word}", asked.rotor().name(), asked.range_text);
     args.format.print(
         &document,
@@ -134,7 +138,11 @@ fn chart(asked: &Asked, price: Price, front: &[ParetoPoint]) -> Chart {
         front.iter().map(|point| (price.of(&point.tuned), point.tuned.worst.value)).collect();
     points.reverse();
     let (far, high) = points.iter().fold((0.0_f64, 0.0_f64), |(x, y), p| (x.max(p.0), y.max(p.1)));
-    let label = if price == Price::Force { "steady control force, linear rotor, w0^2 e_t" } else { "largest gain" };
+    let label = match price {
+        Price::Force => "steady control force, linear rotor, w0^2 e_t",
+        Price::Gain => "largest gain",
+        Price::Sensitivity => "peak of the sensitivity",
+    };
     Chart {
         title: format!("{}, {}: what damping costs", asked.rotor().name(), asked.range_text),
         x: Axis::new(label, 0.0, 1.05 * far.max(1e-9)),

@@ -65,6 +65,12 @@ pub(crate) struct TuneArgs {
     /// The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)
     #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = "Structure")]
     force_limit: Option<f64>,
+    /// The largest peak of the sensitivity |S| at the control bearing's command, at every condition
+    #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = "Structure")]
+    max_sensitivity: Option<f64>,
+    /// The smallest delay margin at every condition, in tau (SI rotors: in s)
+    #[arg(long, value_name = "T", allow_negative_numbers = true, help_heading = "Structure")]
+    min_delay: Option<f64>,
 
     /// Hold for every stiffness that deadband can leave: of each support bearing by itself, or one factor for all
     #[arg(long, value_enum, help_heading = "Conditions")]
@@ -119,7 +125,7 @@ pub(crate) struct TuneArgs {
         help_heading = "More than one answer"
     )]
     stiffness: f64,
-    /// Trade damping for control force, or for the size of gains
+    /// Trade damping for control force, for the size of gains, or for the peak of the sensitivity
     #[arg(long, value_enum, help_heading = "More than one answer")]
     pareto: Option<PriceName>,
     /// How many points the trade has
@@ -157,6 +163,8 @@ enum PriceName {
     Force,
     /// The largest gain
     Gain,
+    /// The largest peak of the sensitivity.
+    Sensitivity,
 }
 
 impl From<PriceName> for Price {
@@ -164,6 +172,7 @@ impl From<PriceName> for Price {
         match name {
             PriceName::Force => Self::Force,
             PriceName::Gain => Self::Gain,
+            PriceName::Sensitivity => Self::Sensitivity,
         }
     }
 }

@@ -201,6 +201,8 @@ pub(super) struct Asked {
     measure: Measure,
     bound: f64,
     force_limit: Option<f64>,
+    max_sensitivity: Option<f64>,
+    min_delay: Option<f64>,
     /// Masses for the bearing to choose from, counted from 0.
     pub(super) bearings: Vec<usize>,
     /// Sensor sets to choose from; empty for the default of each bearing.
@@ -267,6 +269,14 @@ impl Asked {
         if args.pareto.is_some() && args.force_limit.is_some() {
             return Err(Failure::Usage("--pareto tries one limit after the other: leave --force-limit out".into()));
         }
+        if args.pareto == Some(super::PriceName::Sensitivity) && args.max_sensitivity.is_some() {
+            return Err(Failure::Usage("--pareto tries one limit after the other: leave --max-sensitivity out".into()));
+        }
+        if args.track.is_some() && (args.max_sensitivity.is_some() || args.min_delay.is_some()) {
+            return Err(Failure::Usage(
+                "--track looks at one speed at a time: leave --max-sensitivity and --min-delay out".into(),
+            ));
+        }
         for (name, value) in
             [("tolerance", args.tolerance), ("stiffness", args.stiffness), ("spread", args.spread.unwrap_or(1.0))]
         {
@@ -293,6 +303,8 @@ impl Asked {
             measure: measure(args)?,
             bound: args.bound,
             force_limit: None,
+            max_sensitivity: args.max_sensitivity,
+            min_delay: args.min_delay.map(|least| least / units.time(1.0)),
             bearings: bearings.into_iter().flatten().collect(),
             sensors: args.sensors.as_ref().map_or(Ok(Vec::new()), |typed| masses(typed, &rotor, "sensors"))?,
         };
@@ -348,6 +360,8 @@ impl Asked {
             measure: self.measure,
             bound: self.bound,
             force_limit: self.force_limit,
+            max_sensitivity: self.max_sensitivity,
+            min_delay: self.min_delay,
         }
     }
 
