@@ -16,6 +16,9 @@ _whirl() {
             ",$1")
                 cmd="whirl"
                 ;;
+            whirl,assess)
+                cmd="whirl__subcmd__assess"
+                ;;
             whirl,assign)
                 cmd="whirl__subcmd__assign"
                 ;;
@@ -140,12 +143,74 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes margin bode run runup force response cycles tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes margin bode assess run runup force response cycles tune report assign rotor"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__assess)
+            opts="-h --feedback --deadband --set --over --operating --grade --cross-stiffness --cross-at --clearance --force-limit --limits --print-limits --out --force --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --over)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --operating)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --grade)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --cross-stiffness)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --cross-at)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --clearance)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --force-limit)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --limits)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -188,7 +253,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__bode)
-            opts="-h --feedback --deadband --set --speed --over --of --band --show --out --force --json --csv --help"
+            opts="-h --feedback --deadband --set --speed --over --of --band --show --out --draw --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -898,7 +963,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__runup)
-            opts="-h --feedback --deadband --set --from --to --rate --profile --points --out --force --json --csv --help"
+            opts="-h --feedback --deadband --set --from --to --rate --profile --points --out --force --draw --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1124,7 +1189,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__tune)
-            opts="-h --over --speed --signal --sensors --bearing --feedback --set --gains --bound --force-limit --robust --delay --vary --measure --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
+            opts="-h --over --speed --signal --sensors --bearing --feedback --set --gains --bound --force-limit --max-sensitivity --min-delay --robust --delay --vary --measure --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1167,6 +1232,14 @@ _whirl() {
                     return 0
                     ;;
                 --force-limit)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --max-sensitivity)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --min-delay)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -1219,7 +1292,7 @@ _whirl() {
                     return 0
                     ;;
                 --pareto)
-                    COMPREPLY=($(compgen -W "force gain" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "force gain sensitivity" -- "${cur}"))
                     return 0
                     ;;
                 --points)

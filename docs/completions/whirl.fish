@@ -46,6 +46,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "thresholds" -d 'Print e
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "modes" -d 'Print mode shapes and orbits at one speed'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "margin" -d 'Print margins of delay, gain and phase, and peaks of sensitivity'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "bode" -d 'Print frequency responses, and the response to unbalance'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "assess" -d 'Print what standards ask of a machine, line by line: found, asked, passed or not'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "run" -d 'Simulate offline, as fast as it can'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "runup" -d 'Run up or coast down through the critical speeds, offline'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the largest steady control force over speed'
@@ -213,10 +214,28 @@ amplitude\t'Amplitude over frequency'
 phase\t'Phase over frequency'
 nyquist\t'The response in the complex plane, with -1 and circles of equal sensitivity around it'"
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l out -d 'Draw it into a file that ends in .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l draw -d 'Draw it in the terminal, in place of the table'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -s h -l help -d 'Print help (see more with \'--help\')'
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l over -d 'Spin speeds R that the machine passes, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l operating -d 'Of them those at which it stays [default: all of them]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l grade -d 'Balance quality grade, such as G2.5 (SI rotors)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l cross-stiffness -d 'The cross-coupled stiffness that is expected, in K_t (SI rotors: in N/m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l cross-at -d 'The mass, counted from 1, to which cross-coupled stiffness is added [default: the middle one]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l clearance -d 'Smallest radial clearance, in e_t (SI rotors: in m) [default: the smallest clearance of a bearing]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l force-limit -d 'The largest force of the control bearing, in w0^2 e_t (SI rotors: in N) [default: the limit of the loop]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l limits -d 'A file of limits, for those that are to be others than the table\'s' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l out -d 'Write a page that ends in .html, with its charts, or in .md' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l print-limits -d 'Print every limit with its origin, as such a file to start from, and end'
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
@@ -243,6 +262,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand runup" -l profile -d 'Legs o
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l points -d 'How many points of the response, evenly over time' -r
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l out -d 'Draw amplitude and phase over speed into FILE.svg or FILE.png' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l draw -d 'Draw amplitude and phase over speed in the terminal, above the table of critical speeds'
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -s h -l help -d 'Print help'
@@ -280,6 +300,8 @@ complete -c whirl -n "__fish_whirl_using_subcommand tune" -l set -d 'A part of t
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l gains -d 'How gains depend on speed: fixed, linear, or table:N for N values over the range' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bound -d 'The largest magnitude of any gain' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l force-limit -d 'The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l max-sensitivity -d 'The largest peak of the sensitivity |S| at the control bearing\'s command, at every condition' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l min-delay -d 'The smallest delay margin at every condition, in tau (SI rotors: in s)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l robust -d 'Hold for every stiffness that deadband can leave: of each support bearing by itself, or one factor for all' -r -f -a "deadband\t'The factor of each support bearing anywhere from 0 to 1, each by itself'
 deadband-common\t'One factor from 0 to 1 for all support bearings'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l delay -d 'Hold for a delay between measurement and force, one or a range, in tau (SI rotors: in s)' -r
@@ -295,8 +317,9 @@ complete -c whirl -n "__fish_whirl_using_subcommand tune" -l spread -d 'Random g
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l tolerance -d 'How sharply the worst over a continuous family is bounded' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l track -d 'Follow the gains over N speeds of the range: at each as good as can be, from one to the next with a penalty on jumps' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l stiffness -d 'What a gain that changes by 1 per unit of speed costs, in damping at each speed' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l pareto -d 'Trade damping for control force, or for the size of gains' -r -f -a "force\t'Steady control force of the linear rotor under its unbalance'
-gain\t'The largest gain'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l pareto -d 'Trade damping for control force, for the size of gains, or for the peak of the sensitivity' -r -f -a "force\t'Steady control force of the linear rotor under its unbalance'
+gain\t'The largest gain'
+sensitivity\t'The largest peak of the sensitivity'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l points -d 'How many points the trade has' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l plot -d 'Draw the trade, or the gains over speed, as .svg or .png' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l out -d 'Write the feedback to a file; with --pareto, a file a point into this folder' -r -F

@@ -1,5 +1,6 @@
 //! Promises of the contract, one a file, kept by the real program.
 
+mod assess;
 mod circular;
 mod console;
 mod documents;

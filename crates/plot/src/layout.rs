@@ -13,10 +13,10 @@ const SMALL: f64 = 15.0;
 const ROW: f64 = 24.0;
 
 /// From the units of the data to pixels.
-struct Scale<'a> {
-    frame: Frame,
-    x: &'a Axis,
-    y: &'a Axis,
+pub(super) struct Scale<'a> {
+    pub(super) frame: Frame,
+    pub(super) x: &'a Axis,
+    pub(super) y: &'a Axis,
 }
 
 impl Scale<'_> {
@@ -28,7 +28,7 @@ impl Scale<'_> {
         }
     }
 
-    fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
+    pub(super) fn at(&self, (x, y): (f64, f64)) -> (f64, f64) {
         let f = &self.frame;
         let right = f.left + Self::part(self.x, x) * (f.right - f.left);
         (right, f.bottom - Self::part(self.y, y) * (f.bottom - f.top))
@@ -79,7 +79,7 @@ pub fn stacked(charts: &[Chart]) -> Scene {
 }
 
 /// Widens one of two axes until a unit is as long on both.
-fn widen(x: &mut Axis, y: &mut Axis, aspect: f64) {
+pub(super) fn widen(x: &mut Axis, y: &mut Axis, aspect: f64) {
     let (width, height) = (x.to - x.from, y.to - y.from);
     let (axis, wanted) = if width < height * aspect { (x, height * aspect) } else { (y, width / aspect) };
     let middle = 0.5 * (axis.from + axis.to);

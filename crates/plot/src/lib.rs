@@ -1,4 +1,4 @@
-//! Charts, as SVG and as PNG.
+//! Charts, as SVG, as PNG, and as text in a terminal.
 //!
 //! A [`Chart`] says what is to be seen, in the units of the data. [`Chart::scene`] lays it out as lines, discs and words on
 //! a canvas of [`WIDTH`] by [`HEIGHT`], [`svg`] writes that scene down, and [`png`] is that SVG as pixels: there is one way
@@ -31,6 +31,7 @@ mod layout;
 mod png;
 mod scene;
 mod svg;
+mod terminal;
 mod ticks;
 
 pub use layout::stacked;

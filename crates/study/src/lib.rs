@@ -4,6 +4,7 @@
 //! * [`disturbance`]: whether the motion found would stay.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
+//! * [`assess`]: what standards ask of a machine, line by line.
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
 //! * [`report`]: every figure and every printed number of the NASA report again, drawn by [`plot`].
 //!
@@ -22,6 +23,7 @@
 //!
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
+pub mod assess;
 pub mod csv;
 pub mod disturbance;
 pub mod force;

@@ -70,6 +70,8 @@ pub(crate) enum Command {
     Margin(commands::margin::MarginArgs),
     /// Print frequency responses, and the response to unbalance
     Bode(commands::bode::BodeArgs),
+    /// Print what standards ask of a machine, line by line: found, asked, passed or not
+    Assess(commands::assess::AssessArgs),
     /// Simulate offline, as fast as it can
     Run(commands::run::RunArgs),
     /// Run up or coast down through the critical speeds, offline

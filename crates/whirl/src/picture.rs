@@ -24,6 +24,22 @@ pub(crate) fn check(path: &Path, force: Force) -> Result<(), Failure> {
     Err(Failure::Usage(format!("'{}': expected a picture that ends in .svg or .png", path.display())))
 }
 
+/// Columns and rows of a chart where nobody says how large the terminal is.
+const UNKNOWN: (usize, usize) = (100, 24);
+/// Rows of one chart are no more than this: a screen has room for words too.
+const MOST_ROWS: usize = 28;
+
+/// Charts as text, one below the other, as wide as the terminal.
+#[must_use]
+pub(crate) fn in_terminal(charts: &[Chart]) -> String {
+    let (columns, rows) = terminal_size::terminal_size()
+        .map_or(UNKNOWN, |(width, height)| (usize::from(width.0), usize::from(height.0).saturating_sub(4)));
+    let each = (rows / charts.len().max(1)).clamp(12, MOST_ROWS);
+    let drawn = charts.iter().filter_map(|chart| chart.text(columns, each));
+    let text: String = drawn.collect();
+    if text.is_empty() { "(the terminal is too small for a chart)\n".to_owned() } else { text }
+}
+
 /// Draws charts, one above the other, into a file that ends in `.svg` or `.png`.
 ///
 /// # Errors

@@ -107,6 +107,30 @@ impl Units {
         self.table(mass_ratio).shown(Dimension::Force, acceleration)
     }
 
+    /// Control acceleration `u` on a mass of ratio `Rm` of a force as typed.
+    #[must_use]
+    pub(crate) fn force_from_typed(self, typed: f64, mass_ratio: f64) -> f64 {
+        self.0.map_or(typed, |scales| scales.acceleration(typed, mass_ratio))
+    }
+
+    /// The unit of stiffnesses.
+    #[must_use]
+    pub(crate) fn stiffness_unit(self) -> &'static str {
+        self.pick("K_t", "N/m")
+    }
+
+    /// Stiffness as shown of one in `K_t`.
+    #[must_use]
+    pub(crate) fn stiffness(self, stiffness: f64) -> f64 {
+        self.0.map_or(stiffness, |scales| stiffness * scales.k_t)
+    }
+
+    /// Stiffness in `K_t` of one as typed.
+    #[must_use]
+    pub(crate) fn stiffness_from_typed(self, typed: f64) -> f64 {
+        self.0.map_or(typed, |scales| typed / scales.k_t)
+    }
+
     /// Rate of change of the spin speed, in `R` per unit of `tau`, of one as typed: SI rotors have rpm per second.
     #[must_use]
     pub(crate) fn speed_rate_from_typed(self, typed: f64) -> f64 {
@@ -138,6 +162,12 @@ impl Units {
             None => format!("R = {speed}"),
             Some(scales) => format!("{} rpm (R = {})", rounded(scales.rpm(speed)), rounded(speed)),
         }
+    }
+
+    /// `R = 2.51234`, or `7161.97 rpm`, of a speed that was found.
+    #[must_use]
+    pub(crate) fn speed_text_rounded(self, speed: f64) -> String {
+        self.0.map_or_else(|| format!("R = {}", rounded(speed)), |scales| format!("{} rpm", rounded(scales.rpm(speed))))
     }
 
     /// `2.5`, or `7161.97 rpm`: where a heading says what it is.

@@ -1,5 +1,6 @@
 //! One file a command: its options, and the glue that carries it out.
 
+pub(crate) mod assess;
 pub(crate) mod assign;
 pub(crate) mod bode;
 pub(crate) mod clean;

@@ -14,14 +14,14 @@ use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
-use crate::output::{Cell, Format, Table};
+use crate::output::{Cell, Format, Table, print_text};
 use crate::picture;
 use crate::place::Force;
 use crate::units::{Units, UnitsDocument};
 
 /// Options of `whirl runup`.
 ///
-/// The drive is taken to hold the profile, whatever torque that needs. A critical speed is a peak of the first order (what turns with the
+/// The drive is taken to hold the profile, whatever torque that needs, but for legs of a profile that have a torque. A critical speed is a peak of the first order (what turns with the
 /// spin, turn by turn) that stands out by 0.293 of its height; its amplification is N / (N2 - N1) between the half-power points.
 #[derive(Debug, clap::Args)]
 pub(crate) struct RunupArgs {
@@ -47,6 +47,9 @@ pub(crate) struct RunupArgs {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
+    /// Draw amplitude and phase over speed in the terminal, above the table of critical speeds
+    #[arg(long, conflicts_with_all = ["json", "csv"])]
+    draw: bool,
     #[command(flatten)]
     format: Format,
 }
@@ -170,9 +173,15 @@ pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
         (error, None) => Failure::Usage(error.to_string()),
     })?;
     let seconds = began.elapsed().as_secs_f64();
-    if let Some(path) = &args.out {
+    if args.out.is_some() || args.draw {
         let steady = study::runup::steady_response(&plan);
-        picture::draw(path, args.force, &draw::charts(&plan, &found, steady.as_ref(), units))?;
+        let charts = draw::charts(&plan, &found, steady.as_ref(), units);
+        if let Some(path) = &args.out {
+            picture::draw(path, args.force, &charts)?;
+        }
+        if args.draw {
+            print_text(&picture::in_terminal(&charts))?;
+        }
     }
     print(args, &machine, &plan, &found, seconds)?;
     match found.tripped {

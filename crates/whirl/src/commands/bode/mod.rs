@@ -15,7 +15,7 @@ use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
-use crate::output::{Cell, Format, Table, rounded};
+use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
 use crate::range::Range;
@@ -44,11 +44,14 @@ pub(crate) struct BodeArgs {
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     band: Option<Range>,
     /// What a picture shows
-    #[arg(long, value_enum, default_value_t = Show::Bode, requires = "out")]
+    #[arg(long, value_enum, default_value_t = Show::Bode, requires = "drawn")]
     show: Show,
     /// Draw it into a file that ends in .svg or .png
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", group = "drawn")]
     out: Option<PathBuf>,
+    /// Draw it in the terminal, in place of the table
+    #[arg(long, group = "drawn", conflicts_with_all = ["json", "csv"])]
+    draw: bool,
     #[command(flatten)]
     force: Force,
     #[command(flatten)]
@@ -182,10 +185,10 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
         TransferFunction::Station(_) => units.pick(" (1 / w0^2)", " (m/N)"),
         _ => "",
     };
+    let title = format!("{}, {} at {}", rotor.name(), name(of), units.speed_text(speed));
+    let charts = || chart::of(&points, &title, args.show, units, scale, unit, of == TransferFunction::Loop);
     if let Some(path) = &args.out {
-        let title = format!("{}, {} at {}", rotor.name(), name(of), units.speed_text(speed));
-        let charts = chart::of(&points, &title, args.show, units, scale, unit, of == TransferFunction::Loop);
-        picture::draw(path, args.force, &charts)?;
+        picture::draw(path, args.force, &charts())?;
     }
     let frequency = units.pick("frequency", "frequency (Hz)");
     let mut table =
@@ -221,6 +224,9 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
         name(of),
         units.speed_text(speed)
     );
+    if args.draw {
+        return print_text(&format!("{heading}\n{}{most}\n", picture::in_terminal(&charts())));
+    }
     args.format.print(&document, &heading, &table, &(most + rest))
 }
 

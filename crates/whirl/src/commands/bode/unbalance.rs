@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::{BodeArgs, PointDocument, ROWS, Show, degrees};
 use crate::catalog::Machine;
 use crate::failure::Failure;
-use crate::output::{Cell, Table, rounded};
+use crate::output::{Cell, Table, print_text, rounded};
 use crate::picture;
 use crate::range::Range;
 use crate::units::UnitsDocument;
@@ -57,16 +57,18 @@ pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
             "--of unbalance: no orbit of a sampled loop is a circle: take the samples out with --set sample=off".into(),
         ));
     };
-    if let Some(path) = &args.out {
+    let charts = || {
         let title = format!("{}: response to unbalance", rotor.name());
         let amplitude = |title: String| chart(&machine, range, &points, title, false);
         let phase = |title: String| chart(&machine, range, &points, title, true);
-        let charts = match args.show {
+        match args.show {
             Show::Amplitude => vec![amplitude(title)],
             Show::Phase => vec![phase(title)],
             Show::Bode | Show::Nyquist => vec![amplitude(title), phase(String::new())],
-        };
-        picture::draw(path, args.force, &charts)?;
+        }
+    };
+    if let Some(path) = &args.out {
+        picture::draw(path, args.force, &charts())?;
     }
     let mut headings = vec![units.pick("speed", "speed (rpm)").to_owned()];
     for k in 1..=rotor.len() {
@@ -93,7 +95,7 @@ pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
     if peaks.is_empty() {
         footer.push("no mass peaks within these speeds".into());
     }
-    if every > 1 {
+    if every > 1 && !args.draw {
         footer.push("--csv and --json have every point".into());
     }
     let document = Document {
@@ -118,6 +120,9 @@ pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
         rotor.name(),
         units.range_text(over)
     );
+    if args.draw {
+        return print_text(&format!("{heading}\n{}{}\n", picture::in_terminal(&charts()), footer.join("\n")));
+    }
     args.format.print(&document, &heading, &table, &footer.join("\n"))
 }
 

@@ -1,0 +1,76 @@
+//! The orbit in parts of the clearance, and the force in parts of what the bearing can hold: over the operating range, on the exact
+//! circular orbits under the rotor's own unbalance, the largest stable one of each speed.
+
+use rotor::circular::{self, CircularError, Orbit};
+
+use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+
+pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
+    let (settings, limits) = (question.settings, question.limits);
+    let orbit_source = limits.source("orbit_zone_a");
+    let force_source = limits.source("force_share");
+    let (orbit, force) = ("orbit / clearance", "dynamic force");
+    let speeds = Question::speeds(question.operating);
+    let found = match circular::synchronous(question.rotor, &settings.feedback, &settings.deadband, &speeds) {
+        Ok(found) => found,
+        Err(CircularError::Sampled) => {
+            let why = "a sampled loop: no orbit of it is a circle";
+            return Ok((
+                vec![
+                    Line::without(orbit, Quantity::Number, why, &orbit_source),
+                    Line::without(force, Quantity::Force, why, &force_source),
+                ],
+                vec![],
+            ));
+        }
+        Err(error) => return Err(error.into()),
+    };
+    let stable: Vec<&Orbit> = found.orbits.iter().flatten().filter(|orbit| orbit.is_stable()).collect();
+    let unheld = found.orbits.iter().zip(&found.speeds).find(|(orbits, _)| !orbits.iter().any(Orbit::is_stable));
+    let mut lines =
+        vec![orbit_line(question, orbit, &stable, &orbit_source), force_line(question, force, &stable, &force_source)];
+    if let Some((_, speed)) = unheld {
+        for line in &mut lines {
+            let note = line.note.take().map_or(String::new(), |note| format!("{note}; "));
+            line.note = Some(format!("{note}there are speeds without a stable orbit"));
+            line.passed = line.passed.map(|_| false);
+            if line.found.is_none() {
+                line.place = Where::speed(*speed);
+            }
+        }
+    }
+    Ok((lines, vec![]))
+}
+
+fn orbit_line(question: &Question<'_>, what: &str, orbits: &[&Orbit], source: &str) -> Line {
+    let limits = question.limits;
+    let Some(clearance) = question.smallest_clearance() else {
+        return Line::without(what, Quantity::Number, "no clearance is set", source);
+    };
+    let largest = orbits.iter().max_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
+    let Some(orbit) = largest else {
+        return Line::without(what, Quantity::Number, "no stable orbit was found", source);
+    };
+    let share = orbit.largest_radius() / clearance;
+    let (zone, most) = limits.zone_of(share, limits.orbit_zones());
+    let line = Line::judged(what, Quantity::Number, share, Asked::AtMost(most), source);
+    let radii = orbit.radii();
+    let station = (0..radii.len()).max_by(|a, b| radii[*a].total_cmp(&radii[*b])).unwrap_or(0);
+    line.at(Where::speed(orbit.speed).of(station)).noted(format!("zone {zone}"))
+}
+
+fn force_line(question: &Question<'_>, what: &str, orbits: &[&Orbit], source: &str) -> Line {
+    let limit = question.settings.feedback.parts.limit;
+    let holds = question.force.or((limit > 0.0 && limit.is_finite()).then_some(limit));
+    let Some(orbit) = orbits.iter().max_by(|a, b| a.force.total_cmp(&b.force)) else {
+        return Line::without(what, Quantity::Force, "no stable orbit was found", source);
+    };
+    let place = Where::speed(orbit.speed).of(question.settings.feedback.bearing);
+    match holds {
+        Some(most) => {
+            let asked = Asked::AtMost(question.limits.force_share * most);
+            Line::judged(what, Quantity::Force, orbit.force, asked, source).at(place)
+        }
+        None => Line::told(what, Quantity::Force, orbit.force, source).at(place).noted("no limit of the force is set"),
+    }
+}
