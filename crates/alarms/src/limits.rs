@@ -78,11 +78,13 @@ pub enum LimitsError {
 pub struct Limits([Option<Limit>; Watch::COUNT]);
 
 impl Default for Limits {
-    /// Damping: a warning below a log decrement of 0.1, an alarm where the rotor is unstable. Orbit and force: none until
-    /// somebody says what the machine bears.
+    /// Damping: a warning below a log decrement of 0.1, an alarm where the rotor is unstable. Sensitivity: a warning from zone C of
+    /// ISO 14839-3 on, in which a machine is not to run for long, an alarm from zone D on. Orbit, force and delay margin: none
+    /// until somebody says what the machine bears.
     fn default() -> Self {
         Self::none()
             .having(Watch::Damping, Limit::below(LOW_DAMPING, 0.0, DAMPING_MARGIN))
+            .having(Watch::Sensitivity, Limit::above(4.0, 5.0))
             .having(Watch::Saturation, Limit::above(0.0, 0.1))
             .having(Watch::Lateness, Limit::above(0.01, 0.1))
             .having(Watch::Losses, Limit::above(0.0, 1000.0))
@@ -122,12 +124,13 @@ impl Limits {
     /// # Errors
     /// Something that has no limits, or numbers that are not in order.
     pub fn set(&mut self, watch: Watch, limits: Option<[f64; 2]>) -> Result<(), LimitsError> {
-        let below = watch == Watch::Damping;
+        let below = watch.is_bad_below();
+        let margin = |warning: f64| if watch == Watch::Damping { DAMPING_MARGIN } else { MARGIN * warning.abs() };
         self.0[watch as usize] = match limits {
             _ if !watch.has_limits() => return Err(LimitsError::None),
             None => None,
             Some(pair) if !pair.iter().all(|limit| limit.is_finite()) => return Err(LimitsError::NotFinite),
-            Some([warning, alarm]) if below && warning >= alarm => Some(Limit::below(warning, alarm, DAMPING_MARGIN)),
+            Some([warning, alarm]) if below && warning >= alarm => Some(Limit::below(warning, alarm, margin(warning))),
             Some([warning, alarm]) if !below && warning <= alarm => Some(Limit::above(warning, alarm)),
             Some(_) if below => return Err(LimitsError::AlarmAbove),
             Some(_) => return Err(LimitsError::AlarmBelow),
@@ -145,7 +148,7 @@ mod tests {
         let mut limits = Limits::none();
         for watch in Watch::ALL.into_iter().filter(|watch| watch.has_limits()) {
             assert_eq!(limits.pair(watch), None);
-            let pair = if watch == Watch::Damping { [0.2, 0.1] } else { [0.1, 0.2] };
+            let pair = if watch.is_bad_below() { [0.2, 0.1] } else { [0.1, 0.2] };
             limits.set(watch, Some(pair)).unwrap();
             assert_eq!(limits.pair(watch), Some(pair));
             let [warning, alarm] = pair;

@@ -13,6 +13,9 @@ pub struct Sample {
     pub at: Moment,
 }
 
+/// The delay margin of a loop that no delay makes unstable, in `tau`: files of events have no infinite numbers.
+const ENDLESS: f64 = 1e6;
+
 /// What the watched things are at one moment. What is unknown changes nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Reading {
@@ -48,6 +51,14 @@ impl Reading {
     #[must_use]
     pub fn get(&self, watch: Watch) -> Option<Sample> {
         self.samples[watch as usize]
+    }
+
+    /// Sets the margins of the loop: the peak of its sensitivity, and what delay more it bears, in `tau`; `None` is any. A loop that is
+    /// not stable has no margins, and its damping says so.
+    pub fn set_margins(&mut self, sensitivity: f64, delay: Option<f64>) {
+        let at = self.at;
+        self.set(Watch::Sensitivity, Some(Sample { value: sensitivity, at }));
+        self.set(Watch::DelayMargin, Some(Sample { value: delay.unwrap_or(ENDLESS).min(ENDLESS), at }));
     }
 
     /// Sets what is known of something.

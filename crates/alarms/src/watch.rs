@@ -10,6 +10,10 @@ pub enum Watch {
     Trip,
     /// The smallest damping ratio of any mode.
     Damping,
+    /// The peak of the loop's sensitivity.
+    Sensitivity,
+    /// How much longer a delay the loop bears, in `tau`.
+    DelayMargin,
     /// The largest distance of any mass from the centre, in `e_t`.
     Orbit,
     /// The largest control, in `m_b w0^2 e_t`.
@@ -24,11 +28,20 @@ pub enum Watch {
 
 impl Watch {
     /// How many there are.
-    pub const COUNT: usize = 7;
+    pub const COUNT: usize = 9;
 
     /// All, in the order of panels.
-    pub const ALL: [Self; Self::COUNT] =
-        [Self::Trip, Self::Damping, Self::Orbit, Self::Force, Self::Saturation, Self::Lateness, Self::Losses];
+    pub const ALL: [Self; Self::COUNT] = [
+        Self::Trip,
+        Self::Damping,
+        Self::Sensitivity,
+        Self::DelayMargin,
+        Self::Orbit,
+        Self::Force,
+        Self::Saturation,
+        Self::Lateness,
+        Self::Losses,
+    ];
 
     /// Its name in panels, files and the configuration.
     #[must_use]
@@ -36,6 +49,8 @@ impl Watch {
         match self {
             Self::Trip => "trip",
             Self::Damping => "damping",
+            Self::Sensitivity => "sensitivity",
+            Self::DelayMargin => "delay-margin",
             Self::Orbit => "orbit",
             Self::Force => "force",
             Self::Saturation => "saturation",
@@ -50,6 +65,8 @@ impl Watch {
         match self {
             Self::Trip => "1 while the machine is held after a trip",
             Self::Damping => "smallest damping ratio of any mode",
+            Self::Sensitivity => "peak of the loop's sensitivity; zones A, B and C of ISO 14839-3 end at 3, 4 and 5",
+            Self::DelayMargin => "delay that the loop bears beside its own before it is unstable, in tau",
             Self::Orbit => "largest radius of any mass, in e_t",
             Self::Force => "largest control, in m_b w0^2 e_t",
             Self::Saturation => "share of steps with the control bearing at its limit",
@@ -62,6 +79,12 @@ impl Watch {
     #[must_use]
     pub fn has_limits(self) -> bool {
         self != Self::Trip
+    }
+
+    /// Whether little of it is bad.
+    #[must_use]
+    pub fn is_bad_below(self) -> bool {
+        matches!(self, Self::Damping | Self::DelayMargin)
     }
 }
 
@@ -77,7 +100,7 @@ impl FromStr for Watch {
     /// By its name; the error is what was expected.
     fn from_str(name: &str) -> Result<Self, Self::Err> {
         let found = Self::ALL.into_iter().find(|watch| watch.name() == name);
-        found.ok_or("trip, damping, orbit, force, saturation, lateness or losses")
+        found.ok_or("trip, damping, sensitivity, delay-margin, orbit, force, saturation, lateness or losses")
     }
 }
 

@@ -20,7 +20,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use alarms::Alarms;
+use alarms::{Alarms, Watch};
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use ratatui::layout::Rect;
 use rotor::Settings;
@@ -366,7 +366,17 @@ impl<'a> App<'a> {
         if self.player.is_some() {
             return false;
         }
-        let reading = lock(&self.feed).take_alarm_reading();
+        let (mut reading, loop_in_force) = {
+            let mut feed = lock(&self.feed);
+            (feed.take_alarm_reading(), feed.loop_request())
+        };
+        let is_watched = |watch: Watch| self.alarms.limits().of(watch).is_some();
+        if (is_watched(Watch::Sensitivity) || is_watched(Watch::DelayMargin))
+            && let Some(opened) = loop_in_force.and_then(|request| self.jobs.opened_watched(&request))
+            && let Some((peak, _)) = opened.peak()
+        {
+            reading.set_margins(peak, opened.delay());
+        }
         let turns = self.alarms.read(&reading);
         self.rings |= self.alarms.has_risen() && self.bell;
         !turns.is_empty()

@@ -191,7 +191,7 @@ mod tests {
             ),
             (
                 "[alarms]\nspeed = [1, 2]",
-                "2:1: unknown key 'speed': expected one of bell, damping, orbit, force, saturation, lateness, losses",
+                "2:1: unknown key 'speed': expected one of bell, damping, sensitivity, delay-margin, orbit, force, saturation, lateness, losses",
             ),
             ("[alarms]\norbit = [5, 3]", "2:9: orbit = [5, 3]: expected the alarm at or above the warning"),
             ("[alarms]\ndamping = [0, 0.1]", "2:11: damping = [0, 0.1]: expected the alarm at or below the warning"),

@@ -161,8 +161,13 @@ impl Plot {
 
     /// A circle around the origin.
     pub(crate) fn circle(&mut self, radius: f64, color: Color) {
-        let (column, _) = self.dots(radius, 0.0);
-        let (centre, _) = self.dots(0.0, 0.0);
+        self.circle_about([0.0, 0.0], radius, color);
+    }
+
+    /// A circle around a point.
+    pub(crate) fn circle_about(&mut self, [x, y]: [f64; 2], radius: f64, color: Color) {
+        let (column, _) = self.dots(x + radius, y);
+        let (centre, _) = self.dots(x, y);
         // One dot apart on the rim; a circle far out of view needs no dots.
         let around = ((column - centre).abs() * std::f64::consts::TAU).ceil();
         if !(1.0..4000.0).contains(&around) {
@@ -170,7 +175,7 @@ impl Plot {
         }
         for k in 0..around as u32 {
             let angle = f64::from(k) / around * std::f64::consts::TAU;
-            self.dot(radius * angle.cos(), radius * angle.sin(), color);
+            self.dot(x + radius * angle.cos(), y + radius * angle.sin(), color);
         }
     }
 

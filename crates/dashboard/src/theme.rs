@@ -5,6 +5,7 @@
 use alarms::Level;
 use ratatui::style::{Color, Modifier, Style};
 use telemetry::damping_verdict::DampingVerdict;
+use telemetry::jobs::loop_analysis::{ISO_14839_3, sensitivity_zone};
 
 /// How many roles there are.
 pub(crate) const ROLES: usize = 23;
@@ -71,6 +72,15 @@ pub(crate) fn verdict(min_damping: f64) -> (Color, &'static str) {
         DampingVerdict::Stable => GOOD,
     };
     (color, stability.word())
+}
+
+/// The colour of a peak of the sensitivity: by the zone of ISO 14839-3 that it lies in.
+pub(crate) fn sensitivity(peak: f64) -> Color {
+    match sensitivity_zone(peak, ISO_14839_3) {
+        "A" | "B" => GOOD,
+        "C" => WARN,
+        _ => BAD,
+    }
 }
 
 /// A level as a sign and a word.

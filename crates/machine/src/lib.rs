@@ -36,6 +36,7 @@ mod poles;
 mod program;
 mod stability_loss;
 mod trip;
+mod zones;
 
 pub use control::{Output, Words};
 pub use frequency::{
@@ -52,3 +53,4 @@ pub use rotor::profile::Leg;
 pub use rotor::{LinearForm, SampledStep};
 pub use stability_loss::StabilityLoss;
 pub use trip::{Trip, TripCause};
+pub use zones::{ISO_14839_3, sensitivity_zone};

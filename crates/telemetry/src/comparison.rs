@@ -3,9 +3,10 @@
 use std::sync::Arc;
 
 use rotor::{GainKind, Rotor, Settings, circular};
-use text::number::significant;
+use text::number::{short, significant};
 use tuner::{Family, Options, Problem, Schedule, Stop, Structure};
 
+use crate::jobs::loop_analysis::{ISO_14839_3, LoopAnalysis, LoopRequest, sensitivity_zone};
 use crate::jobs::pole_trace::{PoleTrace, PoleTraceRequest};
 use crate::units::Units;
 
@@ -24,6 +25,9 @@ pub struct GainEffects {
     force: Option<f64>,
     /// The largest orbit of a self-excited whirl at the present speed that the rotor would stay on; none if there is none.
     whirl: Option<f64>,
+    /// The peak of the loop's sensitivity at the present speed, and the delay more that it bears there, if any is too long; none where
+    /// it is not stable.
+    margins: Option<(f64, Option<f64>)>,
 }
 
 impl GainEffects {
@@ -45,12 +49,14 @@ impl GainEffects {
         } else {
             vec![]
         };
+        let opened = LoopAnalysis::of(&LoopRequest { rotor: rotor.clone(), feedback: feedback.clone(), speed: *speed });
         Self {
             settings: settings.clone(),
             min_damping,
             stable: over.stable,
             any_deadband: worst_deadband(rotor, settings, [from, to], stop),
             force: steady.iter().map(|orbit| orbit.force).reduce(f64::max),
+            margins: opened.peak().map(|(peak, _)| (peak, opened.delay())),
             whirl: cycles.iter().map(circular::Orbit::largest_radius).reduce(f64::max),
         }
     }
@@ -73,9 +79,16 @@ impl GainEffects {
             (more(self.whirl, found.whirl), "a LARGER self-excited whirl"),
             (lost, "NO steady motion at the present speed"),
             (self.force.is_some() && more(self.force, found.force), "MORE force"),
+            (worse_zone(self.margins, found.margins), "a WORSE zone of sensitivity"),
         ];
         all.into_iter().filter_map(|(worse, words)| worse.then_some(words)).collect()
     }
+}
+
+/// Whether the peak of the sensitivity lies in a worse zone of ISO 14839-3; within a zone more of it is no drawback.
+fn worse_zone(now: Option<(f64, Option<f64>)>, found: Option<(f64, Option<f64>)>) -> bool {
+    let zone = |(peak, _): (f64, Option<f64>)| sensitivity_zone(peak, ISO_14839_3);
+    matches!((now.map(zone), found.map(zone)), (Some(now), Some(found)) if found > now)
 }
 
 /// Whether any support bearing has a clearance.
@@ -136,6 +149,17 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
             |effects: &GainEffects| effects.whirl.map_or_else(|| "none".to_owned(), |r| units.length.told(r, 5));
         rows.push(row("self-excited whirl", both.map(whirl)));
     }
+    if let [Some(_), Some(_)] = both.map(|effects| effects.margins) {
+        let peak = |effects: &GainEffects| {
+            let peak = effects.margins.map_or(f64::NAN, |(peak, _)| peak);
+            format!("{} {}", short(peak, 4), sensitivity_zone(peak, ISO_14839_3))
+        };
+        let delay = |effects: &GainEffects| {
+            let delay = effects.margins.and_then(|(_, delay)| delay);
+            delay.map_or_else(|| "any".to_owned(), |delay| format!("{} tau", short(delay, 4)))
+        };
+        rows.extend([row("sensitivity", both.map(peak)), row("delay margin", both.map(delay))]);
+    }
     let signals = now.settings.feedback.signals.iter().zip(&found.settings.feedback.signals).enumerate();
     for (i, (before, after)) in signals {
         for kind in GainKind::ALL {
@@ -191,7 +215,11 @@ mod tests {
         assert!(composite.any_deadband.unwrap() < composite.min_damping);
         let rows = rows(&individual, &composite, &Units::DIMENSIONLESS);
         let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
-        assert_eq!(words[..5], ["min damping", "any deadband", "stable", "force", "self-excited whirl"]);
+        let expected =
+            ["min damping", "any deadband", "stable", "force", "self-excited whirl", "sensitivity", "delay margin"];
+        assert_eq!(words[..7], expected);
+        // As python-control has it: 2.90308, zone A still.
+        assert!(rows[5].told.ends_with("2.903 A found"), "{rows:?}");
     }
 
     #[test]

@@ -12,6 +12,7 @@ use crate::connection::Connection;
 use crate::event_log::EventLog;
 use crate::frame_data::FrameData;
 use crate::history::{Era, History};
+use crate::jobs::LoopRequest;
 use crate::replay::RecordedEvent;
 use crate::units::Units;
 use crate::view_time::ViewTime;
@@ -149,6 +150,12 @@ impl Feed {
     /// Takes what is to be held against the alarms' limits: the worst of all that has come since this was last asked.
     pub fn take_alarm_reading(&mut self) -> Reading {
         self.sampler.take()
+    }
+
+    /// What to ask about the margins of the loop in force, at the speed that was told last; nothing before the first step.
+    pub fn loop_request(&self) -> Option<LoopRequest> {
+        self.last_step_at?;
+        LoopRequest::of(self.history.newest_era()?)
     }
 
     /// When the last state came.

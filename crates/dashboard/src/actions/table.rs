@@ -324,7 +324,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
                 ("8", "8"),
                 ("9", "9"),
             ],
-            "another layout: overview, operator, tuning, whirl, replay, diagnosis",
+            "another layout, in their order; `:layout` and tab name them",
             Some("layout"),
         )],
         make: |name| Ok(Action::Layout(name.to_owned())),

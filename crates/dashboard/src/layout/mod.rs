@@ -26,13 +26,14 @@ use crate::series::Strip;
 pub(crate) const SMALLEST: (u16, u16) = (60, 16);
 
 /// Names and files of the built-in layouts, in the order of their digits.
-pub const BUILT_IN: [(&str, &str); 6] = [
+pub const BUILT_IN: [(&str, &str); 7] = [
     ("overview", include_str!("../../../../layouts/overview.toml")),
     ("operator", include_str!("../../../../layouts/operator.toml")),
     ("tuning", include_str!("../../../../layouts/tuning.toml")),
     ("whirl", include_str!("../../../../layouts/whirl.toml")),
     ("replay", include_str!("../../../../layouts/replay.toml")),
     ("diagnosis", include_str!("../../../../layouts/diagnosis.toml")),
+    ("loop", include_str!("../../../../layouts/loop.toml")),
 ];
 
 /// Which panel where, for terminals of different sizes.

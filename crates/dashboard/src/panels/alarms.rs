@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! ┌ alarms  1 not acknowledged: a ─────────────────────────────────┐
-//! │             now  warning    alarm                                │
-//! │ damping  0.0535   0.0159   0.0000  ok                            │
-//! │ orbit     12.30        -        -  no limit                      │
-//! │ lateness  0.012   0.0100   0.1000  ! WARNING                     │
+//! │                 now  warning    alarm                            │
+//! │ damping      0.0535   0.0159   0.0000  ok                        │
+//! │ sensitivity   2.903   4.0000   5.0000  ok                        │
+//! │ orbit         12.30        -        -  no limit                  │
+//! │ lateness      0.012   0.0100   0.1000  ! WARNING                 │
 //! │ 14:03:27 to 14:03:31  !! ALARM damping -0.0306, limit 0  not ack │   the newest first; times are UTC
 //! └─────────────────────────────────────────────────────────────────┘
 //! ```
@@ -150,7 +151,7 @@ fn draw_standings(
         (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
     });
     for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
-        let text = format!("{name:<10}{now:>9}{warning:>9}{alarm:>9}  ");
+        let text = format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  ");
         let style = if name.is_empty() { theme::quiet() } else { Style::new() };
         let x = write(buffer, row, row.x, row.y, &text, style);
         write(buffer, row, x, row.y, &state.content, state.style);
@@ -249,7 +250,7 @@ pub(crate) mod tests {
 
     #[test]
     fn nothing_past_is_told_too() {
-        let quiet = frame(&Alarms::default(), 60, 12);
+        let quiet = frame(&Alarms::default(), 60, 14);
         assert!(quiet.contains("nothing has been past its limit") && quiet.contains("no limit"), "{quiet}");
         insta::assert_snapshot!("alarms_quiet", quiet);
     }

@@ -10,11 +10,13 @@ use super::events::Events;
 use super::force::Force;
 use super::force_budget::ForceBudget;
 use super::modes::Modes;
+use super::nyquist::Nyquist;
 use super::orbits::Orbits;
 use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::poles::Poles;
+use super::sensitivity::SensitivityCurve;
 use super::strips::Strips;
-use super::{raw, settings, spectrum, waterfall};
+use super::{margins, raw, settings, spectrum, waterfall};
 use crate::input::Mouse;
 use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
@@ -91,6 +93,27 @@ pub(crate) const PANELS: &[PanelKind] = &[
         least: (28, 6),
         is_plot: true,
         make: || Box::<DampingOverSpeed>::default(),
+    },
+    PanelKind {
+        name: "nyquist",
+        meaning: "the opened loop's gain around -1, with circles of constant sensitivity",
+        least: (20, 8),
+        is_plot: true,
+        make: || Box::<Nyquist>::default(),
+    },
+    PanelKind {
+        name: "sensitivity",
+        meaning: "the loop's sensitivity over frequency, with the zones of ISO 14839-3",
+        least: (24, 6),
+        is_plot: true,
+        make: || Box::<SensitivityCurve>::default(),
+    },
+    PanelKind {
+        name: "margins",
+        meaning: "delay, gain and phase margins and the peak of the sensitivity, large where there is room",
+        least: (26, 5),
+        is_plot: false,
+        make: || Box::new(margins::draw),
     },
     PanelKind {
         name: "modes",

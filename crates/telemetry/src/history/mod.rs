@@ -293,7 +293,7 @@ impl History {
     /// The place of the first step that was due at a time of the wall clock or after it; `None` if what was then is not kept.
     pub fn index_at(&self, wall_ns: u64) -> Option<u64> {
         let track = self.track(&self.kept());
-        if track.len() == 0 || track.wall_ns(0) > wall_ns || track.wall_ns(track.len() - 1) < wall_ns {
+        if track.is_empty() || track.wall_ns(0) > wall_ns || track.wall_ns(track.len() - 1) < wall_ns {
             return None;
         }
         let (mut before, mut at) = (0, track.len() - 1);

@@ -1,7 +1,8 @@
-//! Analysis that the simulation does not send along: poles and damping over speed, spectra. Too long for the drawing thread,
+//! Analysis that the simulation does not send along: poles and damping over speed, margins, spectra. Too long for the drawing thread,
 //! so it is asked for there and computed by [`Jobs`].
 
 mod latest_answer;
+pub mod loop_analysis;
 pub mod pole_trace;
 mod spectra;
 
@@ -11,6 +12,7 @@ use std::time::Duration;
 use crossbeam::channel::Sender;
 
 pub use latest_answer::LatestAnswer;
+pub use loop_analysis::{LoopAnalysis, LoopRequest};
 pub use pole_trace::{PoleTrace, PoleTraceRequest};
 pub use spectra::{OrbitSpectrum, SpectrumRequest, Waterfall, WaterfallOrder, WaterfallRequest, WaterfallRow};
 
@@ -22,6 +24,9 @@ const PART_OF_A_FRAME: Duration = Duration::from_millis(12);
 pub struct Jobs {
     current: LatestAnswer<PoleTraceRequest, PoleTrace>,
     candidate: LatestAnswer<PoleTraceRequest, PoleTrace>,
+    opened: LatestAnswer<LoopRequest, LoopAnalysis>,
+    opened_candidate: LatestAnswer<LoopRequest, LoopAnalysis>,
+    opened_watched: LatestAnswer<LoopRequest, LoopAnalysis>,
     spectrum: LatestAnswer<SpectrumRequest, OrbitSpectrum>,
     waterfalls: [LatestAnswer<WaterfallRequest, Waterfall>; 2],
 }
@@ -42,6 +47,9 @@ impl Jobs {
         Ok(Self {
             current: LatestAnswer::spawn("over-speed", PoleTrace::of, wake.clone())?,
             candidate: LatestAnswer::spawn("what-if", PoleTrace::of, wake.clone())?,
+            opened: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
+            opened_candidate: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
+            opened_watched: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             spectrum: LatestAnswer::spawn("spectrum", OrbitSpectrum::of, wake.clone())?,
             waterfalls: [
                 LatestAnswer::spawn("waterfall", Waterfall::of, wake.clone())?,
@@ -55,6 +63,9 @@ impl Jobs {
         Self {
             current: LatestAnswer::inline(PoleTrace::of),
             candidate: LatestAnswer::inline(PoleTrace::of),
+            opened: LatestAnswer::inline(LoopAnalysis::of),
+            opened_candidate: LatestAnswer::inline(LoopAnalysis::of),
+            opened_watched: LatestAnswer::inline(LoopAnalysis::of),
             spectrum: LatestAnswer::inline(OrbitSpectrum::of),
             waterfalls: [LatestAnswer::inline(Waterfall::of), LatestAnswer::inline(Waterfall::of)],
         }
@@ -68,6 +79,21 @@ impl Jobs {
     /// The same of settings that would be: theirs and no others. Waits a part of a frame; nothing if it takes longer.
     pub fn pole_trace_of_candidate(&self, question: &PoleTraceRequest) -> Option<Arc<PoleTrace>> {
         self.candidate.ask_for(question, PART_OF_A_FRAME)
+    }
+
+    /// The loop under the settings of the moment that is looked at; for a moment, of those before.
+    pub fn opened(&self, question: &LoopRequest) -> Option<Arc<LoopAnalysis>> {
+        self.opened.ask(question)
+    }
+
+    /// The same of settings that would be: theirs and no others. Waits a part of a frame; nothing if it takes longer.
+    pub fn opened_of_candidate(&self, question: &LoopRequest) -> Option<Arc<LoopAnalysis>> {
+        self.opened_candidate.ask_for(question, PART_OF_A_FRAME)
+    }
+
+    /// The same of the settings in force, whatever is looked at: for alarms.
+    pub fn opened_watched(&self, question: &LoopRequest) -> Option<Arc<LoopAnalysis>> {
+        self.opened_watched.ask(question)
     }
 
     /// The spectrum of an orbit; for a moment, of an earlier one.

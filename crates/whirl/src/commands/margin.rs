@@ -1,7 +1,7 @@
 //! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range.
 
 use ::linear::{AmplitudePeak, DelayMargin, GainMargin, PhaseMargin};
-use machine::{MachineMargins, MarginsError, WORST, margins, worst_margins};
+use machine::{ISO_14839_3, MachineMargins, MarginsError, WORST, margins, sensitivity_zone, worst_margins};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -14,8 +14,6 @@ use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
 use crate::units::{Units, UnitsDocument};
 
-/// Peaks of sensitivity at which zones A, B and C end, by ISO 14839-3: 9.5, 12 and 14 dB.
-const ISO_14839_3: [f64; 3] = [3.0, 4.0, 5.0];
 /// How many speeds of a range are looked at, if nobody says.
 const POINTS: u32 = 201;
 
@@ -198,8 +196,7 @@ struct Told<'a> {
 
 impl Told<'_> {
     fn zone(&self, peak: f64) -> &'static str {
-        let passed = self.zones.iter().filter(|end| peak >= **end).count();
-        ["A", "B", "C", "D"][passed]
+        sensitivity_zone(peak, self.zones)
     }
 
     /// A row of the table for one of [`WORST`].

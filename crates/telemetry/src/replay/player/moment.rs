@@ -62,7 +62,7 @@ impl Player {
         }
         let alarms = &mut self.alarms.1;
         let place = self.loaded.index_of(seq);
-        let track = place.map(|place| feed.history().track(&(place..place + 1))).filter(|track| track.len() > 0);
+        let track = place.map(|place| feed.history().track(&(place..place + 1))).filter(|track| !track.is_empty());
         let [mut orbit, mut force] = [None; 2];
         if let Some(track) = track {
             let radii = (0..track.masses()).map(|mass| track.displacement(0, mass)).map(|[y, z]| y.hypot(z));
@@ -71,7 +71,7 @@ impl Player {
             force = Some(y.hypot(z));
         }
         let damping = (bench_status.analysis.count > 0).then_some(bench_status.analysis.min_damping);
-        // Shares and counts over a stretch of time are known where they crossed a limit, and nowhere else.
+        // Margins, and shares and counts over a stretch of time are known where they crossed a limit, and nowhere else.
         let past = |watch: Watch| alarms.standings().find(|(of, ..)| *of == watch).map(|(_, standing, _)| standing);
         let kept = |watch| past(watch).filter(|standing| standing.at > Level::Fine).and_then(|standing| standing.value);
         let values = Watch::ALL.map(|watch| match watch {
@@ -79,7 +79,9 @@ impl Player {
             Watch::Damping => damping,
             Watch::Orbit => orbit,
             Watch::Force => force,
-            Watch::Saturation | Watch::Lateness | Watch::Losses => kept(watch),
+            Watch::Sensitivity | Watch::DelayMargin | Watch::Saturation | Watch::Lateness | Watch::Losses => {
+                kept(watch)
+            }
         });
         Watch::ALL.into_iter().zip(values).for_each(|(watch, value)| alarms.see(watch, value));
     }
