@@ -64,6 +64,13 @@ check-recordings:
     target/rerun-sdk/bin/pip install --quiet rerun-sdk==0.36.3 pyarrow
     target/rerun-sdk/bin/python tests/reference/recordings.py target/release/whirl
 
+# Margins beside python-control: the same crossings, and the ratio of times (sets up Python's control in target/)
+check-margins:
+    cargo build --release
+    python3 -m venv target/python-control
+    target/python-control/bin/pip install --quiet control==0.10.2 scipy
+    target/python-control/bin/python tests/reference/margins_beside_control.py target/release/whirl
+
 # Benchmarks of the numerics and of drawing, each beside a peer in the same process
 bench *ARGS:
     cargo bench --workspace --exclude promises {{ARGS}}

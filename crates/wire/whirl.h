@@ -119,12 +119,12 @@ struct whirl_document_head { /* 16 bytes, whirl.DocumentHead */
     uint32_t reserved;
 };
 
-/* The whole slow picture of a bench in one message, so that its parts always fit together. BenchStatus is it with the
-   documents that it names. */
+/* The whole slow picture of a bench in one message, so that its parts always fit together. BenchStatus is it with
+   the documents that it names. */
 struct whirl_bench_status { /* 888 bytes, whirl.BenchStatus */
     /* 0: Which run of which process: as in the steps. */
     uint64_t run_id;
-    /* 8: Number of this bench_status in its run: rises by 1. */
+    /* 8: Number of this bench status in its run: rises by 1. */
     uint64_t number;
     /* 16: Wall clock when it was made, nanoseconds since 1970. */
     uint64_t wall_ns;

@@ -26,10 +26,12 @@ const GRID: usize = 80;
 const DECADES: f64 = 3.0;
 /// The band ends at so many times the fastest pole of the open loop, or of the largest gains.
 const BAND: f64 = 4.0;
-/// Halvings, by golden section, of the stretch that holds a minimum: a minimum is flat to the last place after half the digits.
+/// Steps of golden section to a minimum, which is flat to the last place after half the digits.
 const STEPS: usize = 36;
 /// Gains of the loop this little below 1 may soon cross it.
 const NEARLY: f64 = 0.8;
+/// What has so many times what is asked for is far from falling short.
+const FAR: f64 = 1.6;
 
 /// What is asked of a loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -120,8 +122,9 @@ impl Opened {
         sum(&self.answer(problem, frequency), gains)
     }
 
-    /// Every place at which the loop with these variables may fall short, `near` being frequencies worth a look (its poles').
-    pub(crate) fn places(&self, problem: &Problem, variables: &[f64], near: &[f64]) -> Vec<Place> {
+    /// Every place at which the loop with these variables has no more than `far` times what is asked for, `near` being frequencies
+    /// worth a look (its poles').
+    fn places_within(&self, problem: &Problem, variables: &[f64], near: &[f64], far: f64) -> Vec<Place> {
         let gains = problem.structure.gains_at(variables, self.speed);
         let many = gains.len();
         let mut curve: Vec<(f64, C64)> =
@@ -134,17 +137,20 @@ impl Opened {
             let distance = |l: C64| (C64::ONE + l).norm();
             for p in curve.windows(3) {
                 let [a, b, c] = [0, 1, 2].map(|k| distance(p[k].1));
-                // Twice the distance asked for is far.
-                if b <= a && b < c && b * limit < 2.0 {
+                // The minimum is below the least of the three, by less than half of what they differ by.
+                if b <= a && b < c && (b - 0.5 * (a.max(c) - b)) * limit < far {
                     let at = minimum(p[0].0, p[2].0, |w| distance(self.gain(problem, &gains, w)));
                     places.push(self.place(problem, &gains, Ask::Distance, at));
                 }
             }
         }
-        if problem.min_delay.is_some() {
+        if let Some(least) = problem.min_delay {
             for p in curve.windows(2) {
                 let [a, b] = [0, 1].map(|k| p[k].1.norm() - 1.0);
-                if (a < 0.0) != (b < 0.0) {
+                let bears = || [0, 1].map(|k| borne(p[k].1, p[k].0)).into_iter().fold(f64::INFINITY, f64::min);
+                // Between two points the delay may jump by a turn, from much to nothing.
+                let jumps = || (p[0].1.im < 0.0) != (p[1].1.im < 0.0);
+                if (a < 0.0) != (b < 0.0) && (bears() < 1.5 * far * least || jumps()) {
                     let at = zero(p[0].0, p[1].0, |w| self.gain(problem, &gains, w).norm() - 1.0);
                     places.push(self.place(problem, &gains, Ask::Delay, at));
                 }
@@ -160,14 +166,17 @@ impl Opened {
                 }
             }
         }
+        places.retain(|place| place.in_hand + 1.0 < far);
         places
     }
 
-    /// The delay that turns the gain at a frequency onto the negative real axis.
+    /// The same of those that matter to a search.
+    pub(crate) fn places(&self, problem: &Problem, variables: &[f64], near: &[f64]) -> Vec<Place> {
+        self.places_within(problem, variables, near, FAR)
+    }
+
     fn bears(&self, problem: &Problem, gains: &[f64], frequency: f64) -> f64 {
-        let angle = (-self.gain(problem, gains, frequency)).arg();
-        let turn = if angle * frequency < 0.0 { angle + TAU.copysign(frequency) } else { angle };
-        if frequency == 0.0 { f64::INFINITY } else { turn / frequency }
+        borne(self.gain(problem, gains, frequency), frequency)
     }
 
     fn place(&self, problem: &Problem, gains: &[f64], ask: Ask, frequency: f64) -> Place {
@@ -212,6 +221,13 @@ impl Opened {
         };
         problem.structure.spread(self.speed, &by_gain, 0.0, slope);
     }
+}
+
+/// The delay that turns a gain at a frequency onto the negative real axis.
+fn borne(gain: C64, frequency: f64) -> f64 {
+    let angle = (-gain).arg();
+    let turn = if angle * frequency < 0.0 { angle + TAU.copysign(frequency) } else { angle };
+    if frequency == 0.0 { f64::INFINITY } else { turn / frequency }
 }
 
 fn sum(answer: &[C64], gains: &[f64]) -> C64 {
@@ -269,7 +285,7 @@ pub(crate) fn margins_at(problem: &Problem, variables: &[f64], point: &[f64], po
     let near: Vec<f64> = poles.iter().map(|pole| pole.im).collect();
     // Far out the gain is nothing and |S| is 1.
     let mut found = LoopMargins { sensitivity: (1.0, f64::INFINITY), delay: None };
-    for place in opened.places(&asked, variables, &near) {
+    for place in opened.places_within(&asked, variables, &near, f64::INFINITY) {
         let value = place.in_hand + 1.0;
         match place.ask {
             Ask::Distance if 1.0 / value > found.sensitivity.0 => found.sensitivity = (1.0 / value, place.frequency),
