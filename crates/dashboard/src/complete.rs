@@ -64,7 +64,7 @@ mod tests {
         assert_eq!(complete("layout o"), ["layout operator", "layout overview"]);
         assert_eq!(complete("load "), ["load good"]);
         assert_eq!(complete("strips y.1 rad"), ["strips y.1 radius"]);
-        assert_eq!(complete("scale po"), ["scale poles"]);
+        assert_eq!(complete("scale pole"), ["scale poles"]);
         assert!(complete("choose ").contains(&"choose spectrum".to_owned()));
         assert_eq!(complete("set kd=1 sp"), ["set kd=1 speed="]);
         assert!(complete("").len() > 20 && complete("").contains(&"speed=".to_owned()));

@@ -12,7 +12,8 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
-use wire::{Keeping, RecorderState, RecorderStatus};
+use telemetry::history::StepQuantity;
+use wire::{Channel, Keeping, RecorderState, RecorderStatus};
 
 use crate::actions::ACTIONS;
 use crate::drawing::write_line;
@@ -88,6 +89,11 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             },
         };
         add(speed, plain);
+        if let Some(now) = on_its_way
+            && let Some(told) = rate_told(data, now)
+        {
+            add(told, plain);
+        }
         add(format!("{:.0}/s", data.rate), plain);
         if bench_status.substeps > 1 {
             add(format!("{} substeps", bench_status.substeps), plain);
@@ -115,6 +121,20 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let room = area.width.saturating_sub(told);
     write_line(buffer, Rect { width: room, ..area }, fitted(line, usize::from(room)));
     draw_alarms(view.alarms, area, buffer);
+}
+
+/// How fast the speed changes, and how long it still does: that is known of a ramp, not of a profile with legs to come.
+fn rate_told(data: &FrameData, speed: f64) -> Option<String> {
+    let (settings, bench_status) = (data.settings.as_ref()?, data.bench_status.as_ref()?);
+    let rate = data.track.value(StepQuantity::Of(Channel::SpeedRate, 0), data.now?);
+    if rate == 0.0 {
+        return None;
+    }
+    let unit = data.units().of_dimension(units::Dimension::SpeedRate);
+    let told = format!("at {}", unit.told(rate, 3));
+    let left = (settings.speed - speed) / rate / (bench_status.dtau * bench_status.rate_hz);
+    let is_known = settings.ramp.is_finite() && left.is_finite() && left >= 0.0;
+    Some(if is_known { format!("{told}, {left:.0} s left") } else { told })
 }
 
 /// As many of the parts as have room: one that goes, goes whole.

@@ -15,13 +15,19 @@
 //! # Ok::<(), spectrum::SpectrumError>(())
 //! ```
 //!
+//! Beside it, what of a motion turns with the spin, turn by turn ([`OrderTracker`]).
+//!
 //! Offline work and the live dashboard both read it. It knows neither: samples in, density and named lines out.
+
+mod orders;
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use rotor::C64;
 use rustfft::{Fft, FftPlanner};
+
+pub use orders::{OrderSample, OrderTracker, PER_TURN, Revolution};
 
 /// Segments are no longer than this.
 const LONGEST_SEGMENT: usize = 1 << 14;

@@ -223,7 +223,8 @@ impl Feed {
         let around = overview.start.min(before).max(kept.start)..view.window.end;
         let place = |place: u64| (place - around.start) as usize;
         let era = |at: u64| if time.is_live() { self.history.newest_era() } else { self.history.era_at(at) };
-        let track = self.history.track(&around);
+        let whole = self.history.track(&kept);
+        let track = whole.part(&around);
         // When another machine takes the name, its bench status and its steps do not come at the same moment.
         let masses = track.masses();
         let fits = |era: &Arc<Era>| masses == 0 || era.settings.deadband.len() == masses;
@@ -232,6 +233,7 @@ impl Feed {
         FrameData {
             era: era_now.map(|era| self.at_speed(era, speed)),
             track,
+            kept: whole,
             window: place(view.window.start)..place(view.window.end),
             overview: place(overview.start)..place(overview.end),
             now: view.now.map(place),

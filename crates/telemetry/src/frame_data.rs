@@ -18,6 +18,8 @@ use crate::units::Units;
 pub struct FrameData {
     /// Steps around the window and before the cursor.
     pub track: Track,
+    /// Live: all steps that are kept.
+    pub kept: Track,
     /// The steps in view.
     pub window: Range<usize>,
     /// A longer look back, for what changes slowly: a minute, or the window if that is longer; ends with the window.

@@ -26,7 +26,7 @@ use crate::series::Strip;
 pub(crate) const SMALLEST: (u16, u16) = (60, 16);
 
 /// Names and files of the built-in layouts, in the order of their digits.
-pub const BUILT_IN: [(&str, &str); 7] = [
+pub const BUILT_IN: [(&str, &str); 8] = [
     ("overview", include_str!("../../../../layouts/overview.toml")),
     ("operator", include_str!("../../../../layouts/operator.toml")),
     ("tuning", include_str!("../../../../layouts/tuning.toml")),
@@ -34,6 +34,7 @@ pub const BUILT_IN: [(&str, &str); 7] = [
     ("replay", include_str!("../../../../layouts/replay.toml")),
     ("diagnosis", include_str!("../../../../layouts/diagnosis.toml")),
     ("loop", include_str!("../../../../layouts/loop.toml")),
+    ("runup", include_str!("../../../../layouts/runup.toml")),
 ];
 
 /// Which panel where, for terminals of different sizes.

@@ -13,7 +13,9 @@ use super::modes::Modes;
 use super::nyquist::Nyquist;
 use super::orbits::Orbits;
 use super::panel::{Panel, PanelCommand, PanelRequest};
+use super::polar::Polar;
 use super::poles::Poles;
+use super::run_up::RunUp;
 use super::sensitivity::SensitivityCurve;
 use super::strips::Strips;
 use super::{margins, raw, settings, spectrum, waterfall};
@@ -142,6 +144,20 @@ pub(crate) const PANELS: &[PanelKind] = &[
         least: (24, 6),
         is_plot: true,
         make: || Box::new(waterfall::over_speed()),
+    },
+    PanelKind {
+        name: "run-up",
+        meaning: "amplitude and phase of what turns with the spin, over speed, as a run-up or a coast-down goes on",
+        least: (28, 8),
+        is_plot: true,
+        make: || Box::<RunUp>::default(),
+    },
+    PanelKind {
+        name: "polar",
+        meaning: "the same as a polar plot: a circle about each critical speed",
+        least: (18, 7),
+        is_plot: true,
+        make: || Box::<Polar>::default(),
     },
     PanelKind {
         name: "alarms",

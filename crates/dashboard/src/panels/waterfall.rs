@@ -29,6 +29,8 @@ const DECADES: f64 = 6.0;
 const INK: [&str; 5] = [" ", "░", "▒", "▓", "█"];
 /// Seconds that a waterfall shows at least.
 const SECONDS: f64 = 60.0;
+/// Orders that are marked over speed.
+const ORDERS: [f64; 6] = [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0];
 /// Width of the labels at the left.
 const LABEL: u16 = 6;
 
@@ -63,7 +65,14 @@ fn draw(view: &View<'_>, over: WaterfallOrder, axes: &mut Spectral, area: Rect, 
     let hop = shown.max(data.window.len()).div_ceil(rows).max(1);
     // Rows are alike on both sides of zero: as far as the further end.
     let reach = range[0].abs().max(range[1].abs());
-    let orbit = SpectrumRequest::until(&data.track, mass, now, 0, data.seconds);
+    // Over speed all that is kept counts, up to the moment that is looked at.
+    let orbit = match over {
+        WaterfallOrder::Time => SpectrumRequest::until(&data.track, mass, now, 0, data.seconds),
+        WaterfallOrder::Speed => {
+            let now = (data.track.index_of(now) - data.kept.index_of(0)) as usize;
+            SpectrumRequest::until(&data.kept, mass, now, 0, data.seconds)
+        }
+    };
     let Some(answer) = view.jobs.waterfall(&WaterfallRequest { orbit, over, rows, hop, reach }) else { return };
     if answer.rows.is_empty() {
         write(buffer, inner, inner.left(), inner.top(), "too little motion yet", theme::quiet());
@@ -113,6 +122,9 @@ fn draw(view: &View<'_>, over: WaterfallOrder, axes: &mut Spectral, area: Rect, 
     if units.scales.is_some() {
         write_right(buffer, foot, foot.y, units.frequency.name, theme::quiet());
     }
+    if over == WaterfallOrder::Speed {
+        draw_orders(&answer, &column, plotted, buffer);
+    }
     let Some(frequency) = view.selection.frequency else { return };
     if let Some(x) = column(frequency) {
         for y in plotted.top()..plotted.bottom() {
@@ -128,6 +140,19 @@ fn draw(view: &View<'_>, over: WaterfallOrder, axes: &mut Spectral, area: Rect, 
         let edge = Rect { width: area.width.saturating_sub(1), ..area };
         let text = told(&line, &units);
         write(buffer, edge, area.x + 1, area.bottom().saturating_sub(1), &text, theme::loud(theme::CURSOR));
+    }
+}
+
+/// Where the orders lie at the speeds of the rows, faintly, and nowhere on ink.
+fn draw_orders(fall: &Waterfall, column: &impl Fn(f64) -> Option<u16>, area: Rect, buffer: &mut Buffer) {
+    for (y, ends) in (area.top()..area.bottom()).zip(fall.edges.windows(2)) {
+        let speed = 0.5 * (ends[0] + ends[1]);
+        for order in ORDERS {
+            let at = column(order * speed).and_then(|x| buffer.cell_mut((x, y)));
+            if let Some(cell) = at.filter(|cell| cell.symbol() == " ") {
+                cell.set_symbol("·").set_fg(theme::GRID);
+            }
+        }
     }
 }
 

@@ -1,10 +1,9 @@
 //! Run-ups and coast-downs: the transient response over speed, and the critical speeds that it shows beside those of the steady
 //! response.
 //!
-//! The speed follows a profile, whatever torque that takes. What the stations do is read turn by turn ([`orders`]); critical
+//! The speed follows a profile, whatever torque that takes. What the stations do is read turn by turn ([`OrderTracker`]); critical
 //! speeds are the peaks of the first order over each leg on which the speed changes ([`peaks`]).
 
-mod orders;
 mod peaks;
 
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,11 +13,12 @@ use rotor::circular::{self, Orbit};
 use rotor::profile::{Leg, Profile};
 use rotor::{C64, J, Rotor, Settings};
 
-pub use orders::{OrderTracker, Revolution};
 pub use peaks::{ResonancePeak, peaks};
+pub use spectrum::{OrderTracker, Revolution};
+
+use spectrum::{OrderSample, PER_TURN};
 
 use crate::run::MOST_STEPS;
-use orders::PER_TURN;
 
 /// Readings of the first order that are kept for the search of peaks; beyond, only one in so many.
 const MOST_READINGS: f64 = 2e5;
@@ -259,7 +259,15 @@ impl Book {
     fn see(&mut self, machine: &Machine) {
         let sample = machine.sample();
         let Self { tracker, readings, ends, every, count, largest, .. } = self;
-        tracker.see(&sample, |tracker| {
+        let read = OrderSample {
+            tau: sample.tau,
+            angle: sample.angle,
+            speed: sample.speed,
+            displacement: sample.displacement,
+            velocity: sample.velocity,
+            force: sample.output.delivered.norm(),
+        };
+        tracker.see(&read, |tracker| {
             *count += 1;
             let [ends_turn, is_kept] = [PER_TURN as u64, *every].map(|each| count.is_multiple_of(each));
             let Some(turn) = (ends_turn || is_kept).then(|| tracker.turn()).flatten() else { return };

@@ -25,6 +25,16 @@ impl Track {
         Self { layout, blocks, first, skipped, len }
     }
 
+    /// The steps of some places among these; shares all of them.
+    #[must_use]
+    pub fn part(&self, over: &Range<u64>) -> Self {
+        let end = over.end.clamp(self.first, self.first + self.len as u64);
+        let start = over.start.clamp(self.first, end);
+        let [from, to] = [start, end].map(|place| self.skipped + (place - self.first) as usize);
+        let blocks = self.blocks.get(from / STEPS..to.div_ceil(STEPS)).unwrap_or_default().to_vec();
+        Self { layout: self.layout, blocks, first: start, skipped: from % STEPS, len: to - from }
+    }
+
     /// How many masses the rotor of these steps has; 0 before the first.
     pub fn masses(&self) -> usize {
         self.layout.masses()

@@ -1,9 +1,10 @@
-//! Analysis that the simulation does not send along: poles and damping over speed, margins, spectra. Too long for the drawing thread,
+//! Analysis that the simulation does not send along: poles and damping over speed, margins, spectra, run-ups. Too long for the drawing thread,
 //! so it is asked for there and computed by [`Jobs`].
 
 mod latest_answer;
 pub mod loop_analysis;
 pub mod pole_trace;
+pub mod run_up;
 mod spectra;
 
 use std::sync::Arc;
@@ -14,6 +15,7 @@ use crossbeam::channel::Sender;
 pub use latest_answer::LatestAnswer;
 pub use loop_analysis::{LoopAnalysis, LoopRequest};
 pub use pole_trace::{PoleTrace, PoleTraceRequest};
+pub use run_up::{RunUpRequest, SpeedLegs};
 pub use spectra::{OrbitSpectrum, SpectrumRequest, Waterfall, WaterfallOrder, WaterfallRequest, WaterfallRow};
 
 /// How long a frame may wait for what a person is typing at this moment.
@@ -27,6 +29,7 @@ pub struct Jobs {
     opened: LatestAnswer<LoopRequest, LoopAnalysis>,
     opened_candidate: LatestAnswer<LoopRequest, LoopAnalysis>,
     opened_watched: LatestAnswer<LoopRequest, LoopAnalysis>,
+    run_up: LatestAnswer<RunUpRequest, SpeedLegs>,
     spectrum: LatestAnswer<SpectrumRequest, OrbitSpectrum>,
     waterfalls: [LatestAnswer<WaterfallRequest, Waterfall>; 2],
 }
@@ -50,6 +53,7 @@ impl Jobs {
             opened: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             opened_candidate: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             opened_watched: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
+            run_up: LatestAnswer::spawn("run-up", SpeedLegs::of, wake.clone())?,
             spectrum: LatestAnswer::spawn("spectrum", OrbitSpectrum::of, wake.clone())?,
             waterfalls: [
                 LatestAnswer::spawn("waterfall", Waterfall::of, wake.clone())?,
@@ -66,6 +70,7 @@ impl Jobs {
             opened: LatestAnswer::inline(LoopAnalysis::of),
             opened_candidate: LatestAnswer::inline(LoopAnalysis::of),
             opened_watched: LatestAnswer::inline(LoopAnalysis::of),
+            run_up: LatestAnswer::inline(SpeedLegs::of),
             spectrum: LatestAnswer::inline(OrbitSpectrum::of),
             waterfalls: [LatestAnswer::inline(Waterfall::of), LatestAnswer::inline(Waterfall::of)],
         }
@@ -94,6 +99,11 @@ impl Jobs {
     /// The same of the settings in force, whatever is looked at: for alarms.
     pub fn opened_watched(&self, question: &LoopRequest) -> Option<Arc<LoopAnalysis>> {
         self.opened_watched.ask(question)
+    }
+
+    /// The first order over the speeds that were run through; for a moment, an earlier answer.
+    pub fn run_up(&self, question: &RunUpRequest) -> Option<Arc<SpeedLegs>> {
+        self.run_up.ask(question)
     }
 
     /// The spectrum of an orbit; for a moment, of an earlier one.

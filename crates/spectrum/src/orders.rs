@@ -6,15 +6,31 @@
 
 use std::f64::consts::TAU;
 
-use machine::Sample;
 use rotor::C64;
 
 /// Readings a turn.
-pub(crate) const PER_TURN: usize = 32;
+pub const PER_TURN: usize = 32;
 /// Turns of the long window.
 const LONG: usize = 8;
 /// Orders up to so many times `1 / LONG` are subsynchronous: the window spreads the first order over the three next to it.
 const SLOW: usize = LONG - 2;
+
+/// A motion at one moment.
+#[derive(Clone, Copy, Debug)]
+pub struct OrderSample<'a> {
+    /// Time, in `tau`.
+    pub tau: f64,
+    /// Spin angle in radians, unwrapped.
+    pub angle: f64,
+    /// Spin speed `R`.
+    pub speed: f64,
+    /// Displacement of every station, in `e_t`.
+    pub displacement: &'a [C64],
+    /// Their velocities.
+    pub velocity: &'a [C64],
+    /// The size of the control force, in `w0^2 e_t`.
+    pub force: f64,
+}
 
 /// What was read over one turn.
 #[derive(Clone, Debug, PartialEq)]
@@ -76,9 +92,8 @@ impl OrderTracker {
     }
 
     /// Takes the sample after a step; `each` is called after every reading. The speed may rest, but not be negative.
-    pub fn see(&mut self, sample: &Sample<'_>, mut each: impl FnMut(&Self)) {
-        let force = sample.output.delivered.norm();
-        let Sample { tau, angle, speed, displacement, velocity, .. } = *sample;
+    pub fn see(&mut self, sample: &OrderSample<'_>, mut each: impl FnMut(&Self)) {
+        let OrderSample { tau, angle, speed, displacement, velocity, force } = *sample;
         let Some(last) = &mut self.last else {
             self.next = (angle / (TAU / PER_TURN as f64)).ceil() as i64;
             let (displacement, velocity) = (displacement.to_vec(), velocity.to_vec());
@@ -195,8 +210,6 @@ fn hermite(s: f64) -> [f64; 4] {
 
 #[cfg(test)]
 mod tests {
-    use machine::Output;
-
     use super::*;
 
     /// Reads a made-up motion `q(tau)` at a speed that rises from 1 at `rate`.
@@ -207,17 +220,7 @@ mod tests {
             let tau = k as f64 * step;
             let (speed, angle) = (1.0 + rate * tau, tau + 0.5 * rate * tau * tau);
             let [p, v] = q(tau, angle);
-            let output = Output { commanded: C64::from(2.0), delivered: C64::from(2.0), saturated: false };
-            let sample = Sample {
-                tau,
-                angle,
-                speed,
-                acceleration: rate,
-                displacement: &[p],
-                velocity: &[v],
-                output,
-                contact: 0,
-            };
+            let sample = OrderSample { tau, angle, speed, displacement: &[p], velocity: &[v], force: 2.0 };
             tracker.see(&sample, |_| {});
         }
         tracker
