@@ -183,7 +183,8 @@ struct whirl_event { /* 528 bytes, whirl.Event */
     uint64_t revision;
     /* 48: Hash of the document of those settings. */
     uint64_t settings;
-    /* 56: 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended. */
+    /* 56: 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended, 10 excited,
+       11 excitation over. */
     uint32_t kind;
     /* 60: Impulse: the mass, counted from 0. Refused: the kind of the request (see message::RequestMessage::kind). */
     uint32_t detail;
@@ -201,13 +202,13 @@ struct whirl_event { /* 528 bytes, whirl.Event */
     char who[32];
     /* 168: Why, in the words of who asked: undo, typed, or a reason that a person gave. May be empty. */
     char why[120];
-    /* 288: Note: what it says. Refused: the reason. */
+    /* 288: Note: what it says. Refused: the reason. Excited: the tones, as in message::RequestMessage::text. */
     char text[240];
 };
 
 /* A change that a reader asks for. The document of the settings that it names comes with it; Request is both. */
 struct whirl_request { /* 432 bytes, whirl.Request */
-    /* 0: 1 settings, 2 impulse, 3 restart, 4 note. */
+    /* 0: 1 settings, 2 impulse, 3 restart, 4 note, 5 excitation of the loop's command, 6 end of it. */
     uint32_t kind;
     /* 4: Impulse: the mass, counted from 0. */
     uint32_t mass;
@@ -221,7 +222,9 @@ struct whirl_request { /* 432 bytes, whirl.Request */
     char who[32];
     /* 72: Why, as it shall stand in the log: undo, typed, a reason that a person gave; may be empty. */
     char why[120];
-    /* 192: Note: what it says. */
+    /* 192: Note: what it says. Excitation: its tones, such as seed=1 period=50.0 lines=1..40 tones=20 away_from=2.5
+       amplitude=0.125 duration=250.0: amplitude and a random phase each on multiples of 2 pi / period, of both
+       signs, away from the spin speed by two. */
     char text[240];
 };
 

@@ -45,6 +45,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "trace" -d 'Print every 
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "thresholds" -d 'Print every speed at which a mode changes stability'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "modes" -d 'Print mode shapes and orbits at one speed'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "margin" -d 'Print margins of delay, gain and phase, and peaks of sensitivity'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "measure" -d 'Measure the sensitivity of a running simulation\'s loop, beside the computed one'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "bode" -d 'Print frequency responses, and the response to unbalance'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "assess" -d 'Print what standards ask of a machine, line by line: found, asked, passed or not'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "run" -d 'Simulate offline, as fast as it can'
@@ -202,6 +203,17 @@ complete -c whirl -n "__fish_whirl_using_subcommand margin" -l zones -d 'Peaks o
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l band -d 'Frequencies, each forward and backward, in radians per tau (SI rotors: in Hz) [default: up to twice the fastest mode]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l tones -d 'How many tones of each direction, at most, evenly over the logarithm of frequency' -r
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l amplitude -d 'Amplitude of each tone, in w0^2 e_t (SI rotors: in N); or all of them together as a share of the present force, such as 2%' -r
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l periods -d 'How many periods are measured, after the machine has settled' -r
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l seed -d 'Which phases: the same seed gives the same tones' -r
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l out -d 'Draw it into a file that ends in .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand measure" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r

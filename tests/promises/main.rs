@@ -14,6 +14,7 @@ mod live;
 mod loops;
 mod manners;
 mod many;
+mod measure;
 mod papers;
 mod picture;
 mod poles;

@@ -24,6 +24,7 @@
 //!
 //! * [`Feedback`], [`Signal`], [`Gain`]: the law. [`Filter`]: what shapes a signal. [`Parts`]: the numbers of the rest.
 //! * [`Controller`]: all of it in motion, to be integrated with the plant it holds; its states are saved and restored.
+//! * [`Excitation`]: tones added to its command for a while, so that it can be measured; made of a [`Multisine`].
 //! * [`LinearLoop`]: the same as matrices, for poles and margins.
 //!
 //! What it holds is not its business: it sees displacements and velocities at sensors, and answers with a force.
@@ -31,6 +32,7 @@
 mod block;
 mod controller;
 mod delay_line;
+mod excitation;
 mod filter;
 mod law;
 mod linear;
@@ -39,6 +41,7 @@ mod words;
 
 pub use block::MAX_ORDER;
 pub use controller::{Controller, LoopError, Output, Stage};
+pub use excitation::{Excitation, ExcitationError, Multisine, Tone};
 pub use filter::{FILTERS, Filter, FilterError};
 pub use law::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
 pub use linear::{Law, LinearLoop};

@@ -138,11 +138,13 @@ fn sign_of(what: &RecordedKind) -> (u8, &'static str, Color) {
     match happening {
         Happening::Tripped(_) => (2, "✗", theme::BAD),
         Happening::Note(_) => (2, "▼", theme::GOOD),
-        Happening::Settings => (1, "◇", theme::FORWARD),
+        Happening::Settings | Happening::Excited(_) => (1, "◇", theme::FORWARD),
         Happening::Impulse { .. } | Happening::Restarted => (1, "↑", theme::WARN),
-        Happening::Refused { .. } | Happening::Late { .. } | Happening::Started | Happening::Ended => {
-            (0, "╎", theme::GRID)
-        }
+        Happening::Refused { .. }
+        | Happening::Late { .. }
+        | Happening::Started
+        | Happening::Ended
+        | Happening::ExcitationOver => (0, "╎", theme::GRID),
     }
 }
 

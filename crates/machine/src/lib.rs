@@ -25,6 +25,7 @@
 //!
 //! Not its business: real time, messages, and what settings may be.
 
+mod excited;
 mod frequency;
 mod integrate;
 mod machine;
@@ -38,7 +39,7 @@ mod stability_loss;
 mod trip;
 mod zones;
 
-pub use control::{Output, Words};
+pub use control::{Excitation, ExcitationError, Multisine, Output, Tone, Words};
 pub use frequency::{
     FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,
 };

@@ -5,7 +5,7 @@
 mod path;
 mod save;
 
-use control::Output;
+use control::{Excitation, Output};
 use rotor::{C64, Stepper};
 
 use crate::motion::{Grid, Motion};
@@ -364,6 +364,22 @@ impl Machine {
                 }
             }
         }
+    }
+
+    /// Adds an excitation to the loop's command from now on until it ends by itself; `None` ends the one that there is. What was there
+    /// before is left in its place, to be freed elsewhere. Nothing is allocated.
+    pub fn excite(&mut self, excitation: &mut Option<Box<Excitation>>) {
+        if let Some(excitation) = excitation {
+            excitation.begin(self.tau());
+        }
+        self.program.integrator.controller.excite(excitation);
+        self.choose_path();
+    }
+
+    /// Whether an excitation acts.
+    #[must_use]
+    pub fn is_excited(&self) -> bool {
+        self.program.integrator.controller.is_excited(self.tau())
     }
 
     /// Back to rest at `tau` = 0, at the speed that it has, or at which its profile begins; a trip is over.

@@ -78,7 +78,8 @@ impl Program {
     pub fn words_at_most(&self) -> usize {
         // Form, step, path and grid; motion; output; trip; then the coordinates and their velocities.
         let fixed = 6 + 9 + 3 * self.legs.len() + 5 + 4;
-        fixed + 4 * self.integrator.displacement().len() + self.integrator.words_at_most()
+        let motion = 4 * self.integrator.displacement().len();
+        fixed + motion + self.integrator.words_at_most() + control::Excitation::WORDS_AT_MOST
     }
 
     /// Settings of a chain, to be stepped in as many parts as they need at all speeds from `from_speed` to theirs.

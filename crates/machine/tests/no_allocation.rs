@@ -1,6 +1,6 @@
 //! What the stepping thread of a bench does to a machine allocates nothing and frees nothing, whatever the loop.
 
-use control::{Filter, Parts, Words};
+use control::{Excitation, Filter, Multisine, Parts, Words};
 use machine::{Machine, Program};
 use rotor::{C64, Feedback, Settings, builtin};
 
@@ -30,6 +30,9 @@ fn everything(feedback: &mut Feedback) {
     feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
 }
 
+const MULTISINE: Multisine =
+    Multisine { seed: 1, period: 20.0, lines: [1, 40], tones: 32, away_from: 3.0, amplitude: 0.01, duration: 100.0 };
+
 /// A loop by its name, and what makes it.
 type Loop = (&'static str, fn(&mut Feedback));
 
@@ -50,14 +53,20 @@ fn steps_orders_and_new_programs_allocate_nothing() {
                 let mut next = Box::new(program(second, 4.0, ramp));
                 let most = machine.words_at_most().max(next.words_at_most());
                 let mut words = Words::with_room(most);
+                let mut excitation = Some(Box::new(Excitation::of(&MULTISINE).expect("in order")));
                 let mut save = |machine: &Machine| {
                     words.clear();
                     machine.save(&mut words);
                 };
+                let mut taken_out = None;
                 let used = allocation_counter::measure(|| {
                     step(&mut machine, 500);
                     save(&machine);
                     machine.kick(1, C64::new(0.1, 0.0));
+                    machine.excite(&mut excitation);
+                    step(&mut machine, 200);
+                    save(&machine);
+                    machine.excite(&mut taken_out);
                     machine.load(&mut next);
                     save(&machine);
                     step(&mut machine, 500);

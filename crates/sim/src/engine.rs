@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crossbeam::queue::ArrayQueue;
-use machine::{Machine, Program, Words};
+use machine::{Excitation, Machine, Program, Words};
 use rotor::C64;
 use wire::message::{Flags, Trip};
 use wire::{Channel, MAX_SNAPSHOT, Point, RowMut, SnapshotHead};
@@ -22,6 +22,8 @@ pub(crate) enum Order {
     Impulse { mass: usize, velocity: C64 },
     /// Back to rest; a trip is reset.
     Restart,
+    /// Tones added to the loop's command from here on, or no longer; once carried out, what was there before is in their place.
+    Excite(Option<Box<Excitation>>),
     /// Nothing: only the step and the time are wanted.
     Mark,
 }
@@ -82,6 +84,8 @@ pub(crate) struct Counters {
     pub(crate) tau_bits: AtomicU64,
     /// Spin speed then, likewise.
     pub(crate) speed_bits: AtomicU64,
+    /// The largest orbit since it was asked for last, likewise.
+    pub(crate) radius_bits: AtomicU64,
 }
 
 impl Counters {
@@ -92,6 +96,18 @@ impl Counters {
         if wake.is_late {
             self.late.fetch_add(u64::from(wake.steps), Ordering::Relaxed);
         }
+    }
+}
+
+impl Counters {
+    /// An orbit of this radius; bits of numbers that are not negative are in order as the numbers are.
+    pub(crate) fn reach(&self, radius: f64) {
+        self.radius_bits.fetch_max(radius.to_bits(), Ordering::Relaxed);
+    }
+
+    /// The largest orbit since the last call.
+    pub(crate) fn take_radius(&self) -> f64 {
+        f64::from_bits(self.radius_bits.swap(0, Ordering::Relaxed))
     }
 }
 
@@ -202,6 +218,7 @@ impl Engine {
                 }
                 Order::Impulse { mass, velocity } => self.machine.kick(*mass, *velocity),
                 Order::Restart => self.machine.restart(),
+                Order::Excite(excitation) => self.machine.excite(excitation),
                 Order::Mark => {}
             }
             // There is room: the request thread has no more orders under way than the queue holds.
@@ -217,6 +234,12 @@ impl Engine {
         // A snapshot of the machine as it is held.
         self.save_at = self.seq + 1;
         Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
+    }
+
+    /// The farthest that a mass is from its centre.
+    pub(crate) fn largest_radius(&self) -> f64 {
+        let places = self.machine.sample().displacement.iter();
+        places.map(|p| p.norm_sqr()).fold(0.0, f64::max).sqrt()
     }
 
     /// Spin speed now.

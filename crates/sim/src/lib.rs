@@ -35,6 +35,7 @@
 mod accuracy;
 mod clock;
 mod engine;
+mod excitation;
 mod health;
 mod log;
 pub mod pacer;
@@ -243,6 +244,7 @@ fn step_until(
             sent += burst;
         }
         exchange.counters.count(&wake, engine.tau(), engine.speed());
+        exchange.counters.reach(engine.largest_radius());
         exchange.measure(wake.lateness_ns, (clock.now_ns() - begun) / u64::from(wake.steps));
     }
     Ok(())

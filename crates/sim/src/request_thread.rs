@@ -1,5 +1,8 @@
 //! The request thread: checks requests, hands them over, computes poles, and publishes bench statuses and events.
 
+mod excite;
+
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -13,6 +16,7 @@ use wire::{
 
 use crate::Options;
 use crate::engine::{Exchange, Notice, Order};
+use crate::excitation::Excited;
 use crate::health::PaceStatistics;
 use crate::log::{Lateness, Log, When};
 
@@ -21,6 +25,9 @@ const HEARTBEAT: Duration = Duration::from_millis(100);
 
 /// How long the stepping thread may take to carry out an order, beyond one step period.
 const HANDOVER: Duration = Duration::from_secs(1);
+
+/// Bench statuses over which the largest orbit is kept in mind: two seconds.
+const RADII: usize = 20;
 
 /// What the request thread knows.
 pub(crate) struct RequestThread<'a> {
@@ -38,6 +45,10 @@ pub(crate) struct RequestThread<'a> {
     snapshot_words: usize,
     /// When the settings in force were taken.
     applied: When,
+    /// What excites the loop, if anything does.
+    excited: Option<Excited>,
+    /// The largest orbits between bench statuses, of the last few.
+    radii: VecDeque<f64>,
     /// Something has changed that readers have not been told.
     news: bool,
 }
@@ -77,6 +88,8 @@ impl<'a> RequestThread<'a> {
             period,
             snapshot_words: 0,
             applied: When { step: 0, tau: 0.0 },
+            excited: None,
+            radii: VecDeque::from([0.0; RADII]),
             news: true,
         }
     }
@@ -97,6 +110,9 @@ impl<'a> RequestThread<'a> {
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
                 self.gauge.gather(self.exchange);
+                self.radii.rotate_left(1);
+                self.radii[RADII - 1] = self.exchange.counters.take_radius();
+                self.watch_excitation();
                 if self.speed() != self.bench_status.analysis.speed {
                     self.analyse();
                 }
@@ -164,6 +180,7 @@ impl<'a> RequestThread<'a> {
                 ..Answer::refused(revision, &why)
             };
         }
+        self.watch_excitation();
         let before = self.bench_status.substeps;
         if request.asks_for_settings()
             && Change::of(request).is_ok_and(|change| change.settings() == Some(&self.settings))
@@ -187,7 +204,7 @@ impl<'a> RequestThread<'a> {
                 return answer;
             }
         };
-        let mut left = false;
+        let (mut left, mut ends_excitation) = (false, false);
         let happened = match change {
             Change::Settings { settings, .. } => {
                 self.bench_status.settings = SettingsDocument::of(&settings);
@@ -201,16 +218,29 @@ impl<'a> RequestThread<'a> {
                 self.applied = when;
                 self.bench_status.changed_by = request.who;
                 self.analyse();
+                ends_excitation = true;
                 Happening::Settings
             }
             Change::Restart => {
+                ends_excitation = true;
                 self.bench_status.trip = Trip::default();
                 Happening::Restarted
             }
             Change::Impulse { mass, velocity } => Happening::Impulse { mass, velocity },
             Change::Note { text } => Happening::Note(text),
+            Change::Excite(multisine) => {
+                self.excited = Some(Excited::new(when, &multisine, self.bench_status.dtau));
+                Happening::Excited(multisine)
+            }
+            Change::EndExcitation => {
+                self.excited = None;
+                Happening::ExcitationOver
+            }
         };
         self.log.note_request(&happened, when, &self.bench_status, request);
+        if ends_excitation {
+            self.excitation_over(when);
+        }
         if left {
             // After the change itself, whose settings it carries.
             self.log.note(&Happening::Note("the speed leaves its profile".into()), when, &self.bench_status);
@@ -260,6 +290,9 @@ impl<'a> RequestThread<'a> {
             Change::Restart => Order::Restart,
             Change::Note { text } if text.trim().is_empty() => return Err("a note must say something".into()),
             Change::Note { .. } => Order::Mark,
+            Change::Excite(multisine) => Order::Excite(Some(self.excitation(multisine)?)),
+            Change::EndExcitation if self.excited.is_none() => return Err("nothing excites the loop".into()),
+            Change::EndExcitation => Order::Excite(None),
         };
         Ok((change, order))
     }
@@ -310,7 +343,9 @@ impl<'a> RequestThread<'a> {
             }
             Notice::Tripped { trip, tau } => {
                 self.bench_status.trip = trip;
-                self.log.note(&Happening::Tripped(trip), When { step: trip.step, tau }, &self.bench_status);
+                let when = When { step: trip.step, tau };
+                self.log.note(&Happening::Tripped(trip), when, &self.bench_status);
+                self.excitation_over(when);
                 self.news = true;
                 None
             }

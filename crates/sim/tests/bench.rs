@@ -395,3 +395,43 @@ fn a_snapshot_goes_on_to_the_last_bit_as_the_bench_did() {
         }
     });
 }
+
+#[test]
+fn one_excitation_at_a_time_is_told_from_its_first_step_to_its_last() {
+    beside("composite", 5000.0, |bench, settings| {
+        let excite = |duration: f64, amplitude: f64| {
+            let text = format!(
+                "seed=1 period=5.0 lines=1..9 tones=9 away_from=2.5 amplitude={amplitude:?} duration={duration:?}"
+            );
+            Change::Excite(text.parse().unwrap())
+        };
+        let refused = |answer: Answer, why: &str| {
+            assert!(!answer.is_accepted() && answer.reason.as_str().contains(why), "{}", answer.reason.as_str());
+        };
+        refused(bench.ask(&Change::EndExcitation), "nothing excites the loop");
+        refused(bench.ask(&excite(1.0, 1e9)), "could trip the machine");
+        refused(bench.ask(&excite(1.0, -1.0)), "amplitude = -1");
+        // By itself.
+        let begun = bench.ask(&excite(5.0, 1e-3));
+        assert!(begun.is_accepted());
+        let started = begun.applied_at_step;
+        refused(bench.ask(&excite(5.0, 1e-3)), "excited already");
+        let over = |event: &Event| event.happening() == Some(Happening::ExcitationOver);
+        let told = bench.events(7);
+        let [.., begins, _, ends] = &told[..] else { panic!("{told:?}") };
+        assert!(matches!(begins.happening(), Some(Happening::Excited(_))) && begins.who.as_str() == "test");
+        assert!(over(ends) && (ends.seq, ends.who.as_str()) == (started + 500, "sim"), "{ends:?}");
+        // By whoever asked, and by a change.
+        assert!(bench.ask(&excite(1000.0, 1e-3)).is_accepted());
+        let ended = bench.ask(&Change::EndExcitation);
+        assert!(bench.ask(&excite(1000.0, 1e-3)).is_accepted());
+        let mut faster = settings;
+        faster.assign("kd", "-0.5").unwrap();
+        let changed = bench.ask(&Change::Settings { base_revision: 1, settings: faster });
+        let told = bench.events(12);
+        assert!(over(&told[8]) && told[8].seq == ended.applied_at_step && told[8].who.as_str() == "test");
+        assert_eq!(told[10].happening(), Some(Happening::Settings));
+        assert!(over(&told[11]) && told[11].seq == changed.applied_at_step, "{told:?}");
+        assert!(bench.ask(&excite(1.0, 1e-3)).is_accepted(), "and another may begin");
+    });
+}

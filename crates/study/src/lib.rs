@@ -2,6 +2,7 @@
 //!
 //! * [`run`]: one simulation as fast as it goes, with maxima, means and automatic settling.
 //! * [`disturbance`]: whether the motion found would stay.
+//! * [`measured`]: the sensitivity of a loop out of its command while tones are added to it.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`assess`]: what standards ask of a machine, line by line.
@@ -27,6 +28,7 @@ pub mod assess;
 pub mod csv;
 pub mod disturbance;
 pub mod force;
+pub mod measured;
 mod peak;
 pub mod report;
 pub mod run;

@@ -25,6 +25,7 @@ impl Units {
                 let [vy, vz] = [velocity.re, velocity.im].map(|part| self.velocity.short(part, 5));
                 format!("impulse on mass {}: vy {vy}, vz {vz} {}", mass + 1, self.velocity.name)
             }
+            excited @ Happening::Excited(_) => excited.told(self.scales),
             other => other.to_string(),
         }
     }

@@ -68,6 +68,8 @@ pub(crate) enum Command {
     Modes(commands::modes::ModesArgs),
     /// Print margins of delay, gain and phase, and peaks of sensitivity
     Margin(commands::margin::MarginArgs),
+    /// Measure the sensitivity of a running simulation's loop, beside the computed one
+    Measure(commands::measure::MeasureArgs),
     /// Print frequency responses, and the response to unbalance
     Bode(commands::bode::BodeArgs),
     /// Print what standards ask of a machine, line by line: found, asked, passed or not

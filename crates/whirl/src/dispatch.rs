@@ -2,8 +2,8 @@
 
 use crate::cli::{Cli, Command};
 use crate::commands::{
-    assess, assign, bode, clean, config, cycles, dash, export, force, info, layout, margin, modes, note, poles, record,
-    replay, report, response, rotor, run, runup, set, sim, status, tail, thresholds, trace, tune, up,
+    assess, assign, bode, clean, config, cycles, dash, export, force, info, layout, margin, measure, modes, note,
+    poles, record, replay, report, response, rotor, run, runup, set, sim, status, tail, thresholds, trace, tune, up,
 };
 use crate::failure::Failure;
 
@@ -32,6 +32,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Thresholds(args) => thresholds::run(&args),
         Command::Modes(args) => modes::run(&args),
         Command::Margin(args) => margin::run(&args),
+        Command::Measure(args) => measure::run(&args),
         Command::Assess(args) => assess::run(&args),
         Command::Bode(args) => bode::run(&args),
         Command::Run(args) => run::run(&args),

@@ -6,6 +6,7 @@
 use std::fmt;
 use std::ops::{Deref, DerefMut};
 
+use control::Multisine;
 use rotor::{C64, Scales};
 use text::number::significant;
 use units::{Dimension, Units};
@@ -38,7 +39,8 @@ message! {
         pub revision: u64,
         /// Hash of the document of those settings.
         pub settings: u64,
-        /// 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended.
+        /// 1 started, 2 settings, 3 refused, 4 impulse, 5 restarted, 6 tripped, 7 late, 8 note, 9 ended, 10 excited, 11 excitation
+        /// over.
         pub kind: u32,
         /// Impulse: the mass, counted from 0. Refused: the kind of the request (see [`crate::message::RequestMessage::kind`]).
         pub detail: u32,
@@ -56,7 +58,7 @@ message! {
         pub who: Text<32>,
         /// Why, in the words of who asked: `undo`, `typed`, or a reason that a person gave. May be empty.
         pub why: Text<120>,
-        /// Note: what it says. Refused: the reason.
+        /// Note: what it says. Refused: the reason. Excited: the tones, as in [`crate::message::RequestMessage::text`].
         pub text: Text<240>,
     }
 }
@@ -137,6 +139,10 @@ pub enum Happening {
     Note(String),
     /// The simulation ended in good order.
     Ended,
+    /// Tones are added to the loop's command from here on.
+    Excited(Multisine),
+    /// They no longer are: their time was over, somebody ended them, or a change, a restart or a trip did.
+    ExcitationOver,
 }
 
 impl EventMessage {
@@ -156,6 +162,8 @@ impl EventMessage {
             7 => Happening::Late { late: self.late[0], missed: self.late[1] },
             8 => Happening::Note(text()),
             9 => Happening::Ended,
+            10 => Happening::Excited(self.text.as_str().parse().ok()?),
+            11 => Happening::ExcitationOver,
             _ => return None,
         })
     }
@@ -193,12 +201,17 @@ impl Happening {
                 8
             }
             Self::Ended => 9,
+            Self::Excited(multisine) => {
+                event.text = Text::new(&multisine.to_string());
+                10
+            }
+            Self::ExcitationOver => 11,
         };
         event
     }
 
     /// One word for it, as scripts read it: `started`, `settings`, `refused`, `impulse`, `restarted`, `tripped`, `late`,
-    /// `note`, `ended`.
+    /// `note`, `ended`, `excited`, `excitation over`.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -211,6 +224,8 @@ impl Happening {
             Self::Late { .. } => "late",
             Self::Note(_) => "note",
             Self::Ended => "ended",
+            Self::Excited(_) => "excited",
+            Self::ExcitationOver => "excitation over",
         }
     }
 }
@@ -227,9 +242,26 @@ impl Happening {
                     [velocity.re, velocity.im].map(|part| significant(units.shown(Dimension::Velocity, part), 6));
                 format!("impulse on mass {}: vy {vy} m/s, vz {vz} m/s", mass + 1)
             }
+            (Self::Excited(multisine), scales) => excited(multisine, Units::of(scales, 1.0)),
             _ => self.to_string(),
         }
     }
+}
+
+/// `excited by 40 tones from 0.126 to 5.03, for 250 tau`.
+fn excited(multisine: &Multisine, units: Units) -> String {
+    let tones = multisine.tones().unwrap_or_default();
+    let sizes = || tones.iter().map(|tone| tone.frequency.abs());
+    let told = |dimension, value| significant(units.shown(dimension, value), 3);
+    let [from, to] = [sizes().fold(f64::INFINITY, f64::min), sizes().fold(0.0, f64::max)];
+    let [from, to] = [from, to].map(|frequency| told(Dimension::Frequency, frequency));
+    let unit = |dimension| match units.unit(dimension).name {
+        "" => String::new(),
+        name => format!(" {name}"),
+    };
+    let time = told(Dimension::Time, multisine.duration);
+    let [per, lasts] = [unit(Dimension::Frequency), unit(Dimension::Time)];
+    format!("excited by {} tones from {from} to {to}{per}, for {time}{lasts}", tones.len())
 }
 
 impl fmt::Display for Happening {
@@ -246,6 +278,8 @@ impl fmt::Display for Happening {
             Self::Late { late, missed } => write!(f, "fell behind: {late} steps late, {missed} deadlines given up"),
             Self::Note(text) => write!(f, "note: {text}"),
             Self::Ended => f.write_str("ended"),
+            Self::Excited(multisine) => f.write_str(&excited(multisine, Units::DIMENSIONLESS)),
+            Self::ExcitationOver => f.write_str("excitation over"),
         }
     }
 }
@@ -267,6 +301,16 @@ mod tests {
             Happening::Late { late: 120, missed: 7 },
             Happening::Note("here it begins".into()),
             Happening::Ended,
+            Happening::Excited(Multisine {
+                seed: 1,
+                period: 50.0,
+                lines: [1, 40],
+                tones: 20,
+                away_from: 2.5,
+                amplitude: 0.125,
+                duration: 250.0,
+            }),
+            Happening::ExcitationOver,
         ];
         let mut kinds = Vec::new();
         for happening in all {
@@ -274,8 +318,8 @@ mod tests {
             kinds.push(event.kind);
             assert_eq!(event.happening().as_ref(), Some(&happening));
         }
-        assert_eq!(kinds, (1..=9).collect::<Vec<_>>());
+        assert_eq!(kinds, (1..=11).collect::<Vec<_>>());
         let foreign = |kind| EventMessage { kind, ..EventMessage::default() }.happening();
-        assert_eq!((foreign(0), foreign(10)), (None, None));
+        assert_eq!((foreign(0), foreign(10), foreign(12)), (None, None, None));
     }
 }

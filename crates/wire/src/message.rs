@@ -243,7 +243,7 @@ message! {
     "whirl.Request"
     /// A change that a reader asks for. The document of the settings that it names comes with it; [`crate::Request`] is both.
     pub struct RequestMessage {
-        /// 1 settings, 2 impulse, 3 restart, 4 note.
+        /// 1 settings, 2 impulse, 3 restart, 4 note, 5 excitation of the loop's command, 6 end of it.
         pub kind: u32,
         /// Impulse: the mass, counted from 0.
         pub mass: u32,
@@ -257,7 +257,9 @@ message! {
         pub who: Text<32>,
         /// Why, as it shall stand in the log: `undo`, `typed`, a reason that a person gave; may be empty.
         pub why: Text<120>,
-        /// Note: what it says.
+        /// Note: what it says. Excitation: its tones, such as
+        /// `seed=1 period=50.0 lines=1..40 tones=20 away_from=2.5 amplitude=0.125 duration=250.0`: amplitude and a random phase each on
+        /// multiples of 2 pi / period, of both signs, away from the spin speed by two.
         pub text: Text<240>,
     }
 }

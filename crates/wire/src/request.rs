@@ -2,6 +2,7 @@
 
 use std::ops::{Deref, DerefMut};
 
+use control::{ExcitationError, Multisine};
 use rotor::{C64, Settings};
 
 use crate::document::{DocumentError, SettingsDocument};
@@ -53,6 +54,9 @@ pub enum RequestError {
     /// Settings that cannot be read.
     #[error(transparent)]
     Document(#[from] DocumentError),
+    /// An excitation that cannot be read.
+    #[error(transparent)]
+    Excitation(#[from] ExcitationError),
 }
 
 /// A change as people think of it; [`Change::request`] packs it.
@@ -79,10 +83,14 @@ pub enum Change {
         /// What it says: one line, at most [`Change::MAX_NOTE`] bytes.
         text: String,
     },
+    /// Tones added to the loop's command for a while, so that it can be measured.
+    Excite(Multisine),
+    /// The excitation ends before its time.
+    EndExcitation,
 }
 
 /// The kinds of [`Request::kind`] by name, from 1.
-const KINDS: [&str; 4] = ["settings", "impulse", "restart", "note"];
+const KINDS: [&str; 6] = ["settings", "impulse", "restart", "note", "excitation", "end of excitation"];
 
 impl Change {
     /// The longest note, in bytes.
@@ -118,6 +126,11 @@ impl Change {
                 request.kind = 4;
                 request.text = Text::new(text);
             }
+            Self::Excite(multisine) => {
+                request.kind = 5;
+                request.text = Text::new(&multisine.to_string());
+            }
+            Self::EndExcitation => request.kind = 6,
         }
         Ok(request)
     }
@@ -138,6 +151,8 @@ impl Change {
             },
             3 => Self::Restart,
             4 => Self::Note { text: request.text.as_str().to_owned() },
+            5 => Self::Excite(request.text.as_str().parse()?),
+            6 => Self::EndExcitation,
             kind => return Err(RequestError::Kind(kind)),
         })
     }
@@ -178,6 +193,8 @@ mod tests {
         settings.feedback.signals[0].gains[0] = Gain::Table((0..9000).map(|i| (f64::from(i), 0.125)).collect());
         let refused = Change::Settings { base_revision: 1, settings }.request("me", "").unwrap_err().to_string();
         assert!(refused.ends_with("expected at most 65536"), "{refused}");
+        let told = RequestMessage { kind: 5, text: Text::new("seed=1"), ..RequestMessage::default() };
+        assert!(matches!(Change::of(&Request::received(told, &[])), Err(RequestError::Excitation(_))));
         let foreign = Request::received(RequestMessage { kind: 9, ..RequestMessage::default() }, &[]);
         assert_eq!(Change::of(&foreign), Err(RequestError::Kind(9)));
     }

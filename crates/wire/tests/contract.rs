@@ -396,6 +396,10 @@ fn requests_are_answered(carrier: &impl Carrier) {
         Change::Impulse { mass: 2, velocity: C64::new(0.5, -0.25) },
         Change::Restart,
         Change::Note { text: "here it begins".into() },
+        Change::Excite(
+            "seed=1 period=50.0 lines=1..40 tones=20 away_from=2.5 amplitude=0.125 duration=250.0".parse().unwrap(),
+        ),
+        Change::EndExcitation,
     ];
     let done = AtomicBool::new(false);
     thread::scope(|scope| {

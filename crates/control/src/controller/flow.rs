@@ -3,6 +3,7 @@
 use super::row::Chain;
 use super::{Controller, Stage};
 use crate::block::Sampled;
+use crate::delay_line::Stretch;
 use crate::{C64, Parts};
 
 impl Controller {
@@ -18,12 +19,42 @@ impl Controller {
             self.flow_of_sensors(stage, x, dx);
             let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
             let command = self.command(&x[from..to], Some(&mut dx[from..to]));
+            let command = self.excited(command, stage.tau);
             self.output.commanded = command;
             self.late(stage, command)
         };
         let first = self.sensor_states + self.filter_states;
         let drive = self.actuate(command, &x[first..], &mut dx[first..]);
         self.limited(drive, stage.since).0
+    }
+
+    /// Keeps the command over the stretch from `from` to `to`, whose values and rates at both ends are known now.
+    ///
+    /// `start` and `end` are `(command, rate of command)`. Returns whether the stretch must be integrated again, because it
+    /// used what is known only now.
+    pub fn remember(&mut self, from: f64, to: f64, start: (C64, C64), end: (C64, C64)) -> bool {
+        let Some(line) = &mut self.line else { return false };
+        let mut stretch = Stretch { from, to, value: [start.0, end.0], slope: [start.1, end.1] };
+        if self.parts.quantum > 0.0 {
+            // Stairs have no slope of their own.
+            stretch.slope = [(end.0 - start.0) / (to - from).max(f64::MIN_POSITIVE); 2];
+        }
+        self.passes += 1;
+        self.current = stretch;
+        // The first pass errs by the fourth power of the step, each more by a power less.
+        if self.parts.delay < to - from && self.passes < 3 {
+            return true;
+        }
+        line.push(stretch);
+        false
+    }
+
+    /// The command in this state and its rate, for [`Controller::remember`]; `rates` has velocities and accelerations.
+    pub fn command_and_rate(&mut self, stage: &Stage<'_>, x: &[C64], rates: &Stage<'_>, x_rate: &[C64]) -> (C64, C64) {
+        self.read(stage, x);
+        let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
+        let (command, rate) = (self.command(&x[from..to], None), self.command_rate(rates, x_rate));
+        (self.excited(command, stage.tau), self.excited_rate(rate, stage.tau))
     }
 
     /// What was asked for a delay ago.

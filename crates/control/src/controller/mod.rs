@@ -10,6 +10,7 @@
 //! 4. [`Controller::finish`] at its end: the force there is where the limit of its rate goes on from.
 
 mod adopt;
+mod excite;
 mod flow;
 mod row;
 mod save;
@@ -20,7 +21,7 @@ use row::{Chain, Noise, Row};
 
 use crate::block::Sampled;
 use crate::delay_line::{DelayLine, Stretch};
-use crate::{C64, Feedback, FeedbackError, LinearLoop, Parts};
+use crate::{C64, Excitation, Feedback, FeedbackError, LinearLoop, Parts};
 
 /// More stretches of delay than this are refused: 5 MB.
 const MOST_STRETCHES: f64 = 65_536.0;
@@ -69,7 +70,7 @@ pub struct Stage<'a> {
 /// What a loop puts out.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Output {
-    /// What the law asks for now; a sampled one, at its last sample.
+    /// What the law asks for now, with an excitation if there is one; a sampled law, at its last sample.
     pub commanded: C64,
     /// What acts on the plant.
     pub delivered: C64,
@@ -108,6 +109,10 @@ pub struct Controller {
     passes: u32,
     output: Output,
     tolerance: f64,
+    /// What is added to the command, while it is.
+    excitation: Option<Box<Excitation>>,
+    /// Whether it acts over the present stretch.
+    is_exciting: bool,
 }
 
 impl Controller {
@@ -185,6 +190,8 @@ impl Controller {
             passes: 0,
             output: Output::default(),
             tolerance,
+            excitation: None,
+            is_exciting: false,
             sensors,
         };
         made.follow(speed);
@@ -230,6 +237,7 @@ impl Controller {
 
     /// Back to before it did anything, at `tau` = 0.
     pub fn rest(&mut self) {
+        self.stop_excitation();
         self.sampled.fill(C64::ZERO);
         self.reading.iter_mut().for_each(|readings| readings.fill(C64::ZERO));
         self.waiting.clear();
@@ -267,9 +275,8 @@ impl Controller {
         }
     }
 
-    /// When something jumps next; infinite in a continuous loop.
-    #[must_use]
-    pub fn next_event(&self) -> f64 {
+    /// When a sample is taken or a command takes effect next; infinite in a continuous loop.
+    pub(super) fn next_sample_event(&self) -> f64 {
         if self.parts.sample == 0.0 {
             return f64::INFINITY;
         }
@@ -280,6 +287,7 @@ impl Controller {
     /// Takes the samples and lets the commands take effect that are due.
     pub fn act(&mut self, stage: &Stage<'_>, x: &[C64]) {
         self.follow(stage.speed);
+        self.is_exciting = self.is_excited(stage.tau);
         if self.parts.sample > 0.0 {
             let now = stage.tau + self.tolerance;
             loop {
@@ -293,6 +301,7 @@ impl Controller {
                 }
                 self.read(stage, x);
                 let command = self.sampled_command();
+                let command = self.excited(command, at);
                 self.output.commanded = command;
                 let acts_from = at + self.parts.delay;
                 // A delay that was shortened meanwhile: the newest word counts.
@@ -334,34 +343,6 @@ impl Controller {
         through(bearing, sum)
     }
 
-    /// Keeps the command over the stretch from `from` to `to`, whose values and rates at both ends are known now.
-    ///
-    /// `start` and `end` are `(command, rate of command)`. Returns whether the stretch must be integrated again, because it
-    /// used what is known only now.
-    pub fn remember(&mut self, from: f64, to: f64, start: (C64, C64), end: (C64, C64)) -> bool {
-        let Some(line) = &mut self.line else { return false };
-        let mut stretch = Stretch { from, to, value: [start.0, end.0], slope: [start.1, end.1] };
-        if self.parts.quantum > 0.0 {
-            // Stairs have no slope of their own.
-            stretch.slope = [(end.0 - start.0) / (to - from).max(f64::MIN_POSITIVE); 2];
-        }
-        self.passes += 1;
-        self.current = stretch;
-        // The first pass errs by the fourth power of the step, each more by a power less.
-        if self.parts.delay < to - from && self.passes < 3 {
-            return true;
-        }
-        line.push(stretch);
-        false
-    }
-
-    /// The command in this state and its rate, for [`Controller::remember`]; `rates` has velocities and accelerations.
-    pub fn command_and_rate(&mut self, stage: &Stage<'_>, x: &[C64], rates: &Stage<'_>, x_rate: &[C64]) -> (C64, C64) {
-        self.read(stage, x);
-        let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
-        (self.command(&x[from..to], None), self.command_rate(rates, x_rate))
-    }
-
     /// Begins where an ideal loop was, whose force was `force`.
     pub fn begin_with(&mut self, force: C64) {
         self.output = Output { commanded: force, delivered: force, saturated: false };
@@ -380,6 +361,7 @@ impl Controller {
             self.read(stage, x);
             let (from, to) = (self.sensor_states, self.sensor_states + self.filter_states);
             let command = self.command(&x[from..to], None);
+            let command = self.excited(command, stage.tau);
             self.output.commanded = command;
             self.late(stage, command)
         };

@@ -10,7 +10,8 @@ impl Machine {
         // A drive may have left the spin at another speed than that which the fused path knows.
         let speed = self.motion.speed_at(self.tau());
         let knows = self.program.fused.as_ref().is_some_and(|closed_loop| closed_loop.speed() == speed);
-        let fusable = knows && !self.motion.is_moving();
+        let is_excited = self.program.integrator.controller.is_excited(self.tau());
+        let fusable = knows && !self.motion.is_moving() && !is_excited;
         if fusable == self.is_fused {
             return;
         }
@@ -35,8 +36,12 @@ impl Machine {
     /// Goes on by another program, which is left in `program`'s place when this returns: that one may be freed elsewhere. What
     /// the loop holds is kept as far as it still means something; position, velocity, time and angle always.
     ///
-    /// Both programs are of one plant. Nothing is allocated.
+    /// Both programs are of one plant. Nothing is allocated. An excitation is over: it was meant for another loop.
     pub fn load(&mut self, program: &mut Box<Program>) {
+        if self.is_excited() {
+            self.program.integrator.controller.stop_excitation();
+            self.choose_path();
+        }
         let (tau, speed) = (self.tau(), self.motion.speed_at(self.tau()));
         let goes_elsewhere = program.legs != self.program.legs;
         let was_fused = self.is_fused;

@@ -41,6 +41,8 @@ impl Machine {
         sample.displacement.iter().chain(sample.velocity).for_each(|z| words.put_c64(*z));
         if !self.is_fused {
             self.program.integrator.save(words);
+            // Last, and only while there is one: words of a machine that is not excited are those that they always were.
+            self.program.integrator.controller.save_excitation(self.tau(), words);
         }
     }
 
@@ -98,6 +100,7 @@ impl Machine {
         } else {
             self.program.integrator.restore(words)?;
         }
+        self.program.integrator.controller.restore_excitation(words)?;
         self.is_fused = is_fused;
         Some(())
     }

@@ -44,13 +44,16 @@ fn stepping_filling_and_taking_orders_allocate_nothing() {
     let exchange = Exchange::default();
     let mut state = State::new(Layout::new(3));
     let other = Settings { speed: 3.0, ..settings };
+    let multisine =
+        "seed=1 period=50.0 lines=1..40 tones=20 away_from=2.5 amplitude=0.01 duration=250.0".parse().unwrap();
     let mut orders = vec![
         Box::new(Order::Settings { program: Box::new(program(&rotor, &other, 0.01)), revision: 2 }),
         Box::new(Order::Impulse { mass: 0, velocity: C64::new(0.1, 0.0) }),
         Box::new(Order::Restart),
+        Box::new(Order::Excite(Some(Box::new(Excitation::of(&multisine).unwrap())))),
     ];
     let counted = allocation_counter::measure(|| {
-        for step in 0..300 {
+        for step in 0..400 {
             if step % 100 == 50 {
                 let _ = exchange.orders.push(orders.pop().unwrap());
             }
@@ -61,7 +64,7 @@ fn stepping_filling_and_taking_orders_allocate_nothing() {
     });
     assert_eq!(counted.count_total, 0, "{counted:?}");
     // The notices carry the orders back: freed here, as by the request thread.
-    assert_eq!(std::iter::from_fn(|| exchange.notices.pop()).count(), 3);
+    assert_eq!(std::iter::from_fn(|| exchange.notices.pop()).count(), 4);
 }
 
 #[test]

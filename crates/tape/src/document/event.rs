@@ -126,6 +126,7 @@ impl From<&Event> for EventDocument {
             }
             Happening::Late { late, missed } => document.count = vec![*late, *missed],
             Happening::Note(text) => document.text.clone_from(text),
+            Happening::Excited(multisine) => document.text = multisine.to_string(),
             _ => {}
         }
         document
@@ -198,6 +199,11 @@ impl EventDocument {
             "late" => Happening::Late { late: count(0), missed: count(1) },
             "note" => Happening::Note(self.text),
             "ended" => Happening::Ended,
+            "excited" => match self.text.parse() {
+                Ok(multisine) => Happening::Excited(multisine),
+                Err(error) => return remark(What::Other(error.to_string())),
+            },
+            "excitation over" => Happening::ExcitationOver,
             other => return remark(What::Other(format!("{other} {}", self.text).trim().to_owned())),
         };
         Told::Event(Event {

@@ -1,6 +1,6 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
-use machine::{Output, Pace, Program, ProgramError, Words};
+use machine::{Excitation, Multisine, Output, Pace, Program, ProgramError, Words};
 use rotor::{C64, Rotor, Settings};
 use wire::message::Trip;
 use wire::{State, Step};
@@ -21,6 +21,8 @@ pub(super) enum RecordedChange {
     Settings(Settings, u32),
     /// Steps of another length.
     Pace(f64),
+    /// Tones added to the loop's command, or no longer.
+    Excitation(Option<Multisine>),
 }
 
 pub(super) use machine::Line;
@@ -103,6 +105,7 @@ impl BranchPoint {
                         load(&mut machine, self.program(settings, *substeps).ok()?);
                     }
                     RecordedChange::Pace(dtau) => machine.pace(*dtau),
+                    RecordedChange::Excitation(multisine) => excite(&mut machine, multisine.as_ref()),
                 }
             }
             if !still {
@@ -144,6 +147,11 @@ fn load(machine: &mut machine::Machine, program: Program) {
     let dtau = machine.dtau();
     machine.load(&mut Box::new(program));
     machine.pace(dtau);
+}
+
+/// Tones that the bench took are in order.
+fn excite(machine: &mut machine::Machine, multisine: Option<&Multisine>) {
+    machine.excite(&mut multisine.and_then(|multisine| Excitation::of(multisine).ok()).map(Box::new));
 }
 
 /// The machine as it is after a step.
@@ -198,6 +206,7 @@ impl Machine {
                 self.trip = None;
             }
             RecordedChange::Pace(dtau) => self.machine.pace(*dtau),
+            RecordedChange::Excitation(multisine) => excite(&mut self.machine, multisine.as_ref()),
             RecordedChange::Settings(settings, substeps) => {
                 // A recorded change was possible; what is not is not made.
                 let Ok(program) = root.program(settings, *substeps) else { return };

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use alarms::{Limits, Turn};
-use machine::{Machine, Pace, Program, Words};
+use machine::{Excitation, Machine, Multisine, Pace, Program, Words};
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Rotor, Settings, builtin};
 use wire::message::Flags;
@@ -27,6 +27,9 @@ enum Done {
     Settings(Settings),
     Impulse(usize, C64),
     Restart,
+    Excite(Option<Multisine>),
+    /// The excitation is over by itself, or by what else is done at this step.
+    ExcitationOver,
 }
 
 /// A machine that was stepped as a bench steps it, and written down.
@@ -105,6 +108,15 @@ fn run(rotor: Rotor, begun: Settings, script: &[(u64, Done)]) -> Recorded {
                     machine.restart();
                     Happening::Restarted
                 }
+                Done::Excite(Some(multisine)) => {
+                    machine.excite(&mut Some(Box::new(Excitation::of(multisine).unwrap())));
+                    Happening::Excited(multisine.clone())
+                }
+                Done::Excite(None) => {
+                    machine.excite(&mut None);
+                    Happening::ExcitationOver
+                }
+                Done::ExcitationOver => Happening::ExcitationOver,
             };
             let what = RecordedKind::Happening(happening);
             events.push(RecordedEvent { at, what, who: "test".into(), why: String::new() });
@@ -252,6 +264,59 @@ fn what_if_is_exact_with_whatever_the_loop_holds() {
             let past = recorded(&settings);
             assert_eq!(differs(&past), [], "{what}, ramp {ramp}: from these steps on");
         }
+    }
+}
+
+/// Excited, over by itself; excited, ended by hand; excited, ended by a change; excited, ended by a restart.
+fn excited(begun: &Settings) -> Recorded {
+    let multisine = |duration| Multisine {
+        seed: 1,
+        period: 3.0,
+        lines: [1, 9],
+        tones: 9,
+        away_from: 2.5,
+        amplitude: 0.01,
+        duration,
+    };
+    let mut settings = begun.clone();
+    settings.assign("kd", "-0.6").unwrap();
+    let script = vec![
+        (120, Done::Excite(Some(multisine(1.0)))),
+        (220, Done::ExcitationOver),
+        (305, Done::Excite(Some(multisine(9.0)))),
+        (377, Done::Excite(None)),
+        (410, Done::Excite(Some(multisine(9.0)))),
+        (482, Done::Settings(settings)),
+        (482, Done::ExcitationOver),
+        (600, Done::Excite(Some(multisine(9.0)))),
+        (702, Done::Restart),
+        (702, Done::ExcitationOver),
+        (840, Done::Excite(Some(multisine(9.0)))),
+    ];
+    run(builtin::rotor("three-mass").unwrap(), begun.clone(), &script)
+}
+
+#[test]
+fn what_if_is_exact_while_the_loop_is_excited() {
+    for parts in [&[][..], &[("delay", "0.034")], &[("sample", "0.033"), ("noise", "0.01")]] {
+        let past = excited(&with(parts, ""));
+        assert_eq!(differs(&past), [], "{parts:?}: from these steps on");
+    }
+}
+
+#[test]
+fn without_snapshots_what_if_begins_nowhere_within_an_excitation() {
+    let mut past = excited(&with(&[], ""));
+    past.snapshots.clear();
+    for (seq, begins) in
+        [(119, true), (120, false), (218, false), (219, true), (376, false), (481, false), (482, true), (999, false)]
+    {
+        let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
+        let mut player = Player::new(Box::new(past.clone()), &mut feed, &mut time).unwrap();
+        player.go(seq, &mut feed, &mut time).unwrap();
+        let edited = player.edit(&Edit::Nudge("cd".parse().unwrap(), 0.25), &mut feed, &mut time);
+        assert_eq!(edited.is_ok(), begins, "{seq}: {edited:?}");
+        assert!(begins || edited.unwrap_err().contains("excited"), "{seq}");
     }
 }
 

@@ -13,6 +13,7 @@ pub(crate) mod info;
 pub(crate) mod layout;
 mod linear;
 pub(crate) mod margin;
+pub(crate) mod measure;
 pub(crate) mod modes;
 pub(crate) mod note;
 mod orbits;

@@ -24,6 +24,11 @@ impl Player {
                     Some((event.at.seq, RecordedChange::Impulse(*mass, *velocity)))
                 }
                 Happening::Restarted => Some((event.at.seq, RecordedChange::Restart)),
+                Happening::Excited(multisine) => {
+                    Some((event.at.seq, RecordedChange::Excitation(Some(multisine.clone()))))
+                }
+                // That of itself, at the same time; where it was ended, then.
+                Happening::ExcitationOver => Some((event.at.seq, RecordedChange::Excitation(None))),
                 _ => None,
             })
             .collect();
@@ -101,6 +106,16 @@ impl Player {
             root.restored = root.recalled(snapshot, (then.settings.get(), then.substeps.max(1)), &acts);
             self.acts = Some(acts);
         }
+        if root.restored.is_none() {
+            let acts = self.gathered();
+            let excited = is_excited(&acts, root.state.seq(), dtau);
+            self.acts = Some(acts);
+            if excited {
+                return Err("the loop was excited here, to be measured, and no snapshot tells how it stood: \
+                            run on from before or after"
+                    .into());
+            }
+        }
         Ok(root)
     }
 
@@ -147,4 +162,19 @@ impl Player {
         };
         Ok(line.filter(arrives).or(begun.filter(arrives)).unwrap_or(here))
     }
+}
+
+/// Whether what was done to the machine has left it excited at the end of step `seq`.
+fn is_excited(acts: &[(u64, RecordedChange)], seq: u64, dtau: f64) -> bool {
+    let mut until = None;
+    for (at, act) in acts.iter().take_while(|(at, _)| *at <= seq) {
+        match act {
+            RecordedChange::Excitation(Some(multisine)) => {
+                until = Some(at + (multisine.duration / dtau * (1.0 - 1e-12)).ceil() as u64);
+            }
+            RecordedChange::Excitation(None) | RecordedChange::Settings(..) | RecordedChange::Restart => until = None,
+            RecordedChange::Impulse(..) | RecordedChange::Pace(_) => {}
+        }
+    }
+    until.is_some_and(|until| seq + 1 < until)
 }

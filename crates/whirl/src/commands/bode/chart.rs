@@ -14,7 +14,7 @@ const DECADES: f64 = 1e-3;
 const CIRCLES: [f64; 3] = [3.0, 4.0, 5.0];
 
 /// The charts of a response, from above.
-pub(super) fn of(
+pub(in crate::commands) fn of(
     points: &[FrequencyPoint],
     title: &str,
     show: Show,

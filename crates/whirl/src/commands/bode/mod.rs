@@ -1,6 +1,6 @@
 //! `whirl bode`: frequency responses at one speed, and the response to unbalance over speed.
 
-mod chart;
+pub(super) mod chart;
 mod unbalance;
 
 use std::path::PathBuf;
