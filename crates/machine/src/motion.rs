@@ -142,7 +142,12 @@ impl Motion {
     /// Where a drive has brought the spin.
     pub(crate) fn driven_to(&mut self, tau: f64, angle: f64, speed: f64, acceleration: f64) {
         (self.from, self.angle, self.speed, self.acceleration) = (tau, angle, speed, acceleration);
-        self.to = speed;
+        if speed <= 0.0 && acceleration < 0.0 {
+            // A brake brings it to rest, and does not turn it back.
+            let until = self.until;
+            self.go(0.0, 0.0, until, 0.0);
+        }
+        self.to = self.speed;
     }
 
     /// Puts the spin at `angle`, to turn steadily from `tau` on with the speed that it has; what was to come is dropped.

@@ -13,6 +13,8 @@ use crate::poles::PolesError;
 
 /// A match is beyond doubt if the next root is so many times as far.
 const BEYOND_DOUBT: f64 = 3.0;
+/// Roots nearer than this part of their size coincide but for rounding, a multiple one's being the cube root of the last place.
+const COINCIDENT: f64 = 1e-5;
 /// Speeds this near, relative to the range, are not told apart further.
 const NEAREST: f64 = 1e-7;
 /// Stretches that a search for thresholds begins with.
@@ -103,8 +105,17 @@ fn matches(a: &[CharacteristicRoot], b: &[CharacteristicRoot]) -> (Vec<Option<us
             continue;
         }
         (to[i], taken[k]) = (Some(k), true);
-        // How near any other comes to either of the two.
-        let rival = pairs.iter().find(|(_, x, y)| (*x == i) != (*y == k)).map_or(f64::INFINITY, |(apart, ..)| *apart);
+        // How near any other comes to either of the two. Those that coincide with one of them, as the poles of equal sensors do, may
+        // change places with it.
+        let same = |p: &CharacteristicRoot, q: &CharacteristicRoot| {
+            (p.root - q.root).norm() <= COINCIDENT * p.root.norm().max(q.root.norm())
+        };
+        let is_rival = |x: usize, y: usize| match (x == i, y == k) {
+            (true, false) => !same(&b[y], &b[k]),
+            (false, true) => !same(&a[x], &a[i]),
+            _ => false,
+        };
+        let rival = pairs.iter().find(|(_, x, y)| is_rival(*x, *y)).map_or(f64::INFINITY, |(apart, ..)| *apart);
         sure &= apart * BEYOND_DOUBT <= rival;
     }
     (to, sure)

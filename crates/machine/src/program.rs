@@ -192,15 +192,15 @@ impl Program {
         &self.clearances
     }
 
-    /// How fast the fastest small disturbance of the balanced machine at rest in its centre grows, contacts with a clearance
+    /// How fast the fastest small disturbance of the balanced machine at rest in its centre grows at a speed, contacts with a clearance
     /// out of action, and what of that rounding may be: as `exp(growth tau)`.
     ///
     /// # Errors
     /// Poles that cannot be had.
-    pub fn growth_at_centre(&self) -> Result<(f64, f64), PolesError> {
+    pub fn growth_at_centre(&self, speed: f64) -> Result<(f64, f64), PolesError> {
         let factor = |clearance: &f64| if *clearance > 0.0 { 0.0 } else { 1.0 };
         let contact_factors = self.clearances.iter().map(factor).collect();
-        let at = OperatingPoint { speed: self.speed(), contact_factors };
+        let at = OperatingPoint { speed, contact_factors };
         let characteristic = Characteristic::of(&LinearForm::of(&self.plant, &self.feedback, &at)?)?;
         let growth = characteristic.roots()?.iter().map(|root| root.pole.re).fold(f64::NEG_INFINITY, f64::max);
         // Where nothing is right of the line, the line is a bound.

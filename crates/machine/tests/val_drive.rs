@@ -157,3 +157,19 @@ fn a_drive_is_saved_in_mid_leg_and_goes_on_to_the_last_bit() {
         assert_eq!((a.tau, a.angle, a.speed, a.displacement), (b.tau, b.angle, b.speed, b.displacement));
     }
 }
+
+#[test]
+fn a_brake_brings_it_to_rest_and_does_not_turn_it_back() {
+    let rotor = builtin::rotor("jeffcott").expect("built in");
+    let settings = settings(&rotor, "off");
+    let legs = vec![Leg::Drive { torque: -0.19, inertia: 60.0, drag: 0.0, duration: 600.0 }];
+    let mut machine = machine(&rotor, &settings, 1.3, legs, 0.02);
+    let mut slowest = f64::INFINITY;
+    while machine.tau() < 599.0 {
+        machine.step();
+        slowest = slowest.min(machine.sample().speed);
+    }
+    let sample = machine.sample();
+    assert_eq!((sample.speed, sample.acceleration, slowest), (0.0, 0.0, 0.0));
+    assert!(sample.displacement[0].norm() < 1e-6, "{:?}", sample.displacement);
+}

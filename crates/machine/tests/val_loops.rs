@@ -274,11 +274,38 @@ fn regress_poles_of_samples_under_way_are_found() {
         });
         settings.deadband.fill(1.0);
         let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
-        program.growth_at_centre().expect("poles").0
+        program.growth_at_centre(program.speed()).expect("poles").0
     };
     let growths = [0.02, 0.025, 0.03, 0.035, 0.04].map(growth);
     // A little more with every period, by the half of it that a hold delays.
     let steps: Vec<f64> = growths.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let mean = (growths[4] - growths[0]) / 4.0;
     assert!(steps.iter().all(|step| (step / mean - 1.0).abs() < 0.1), "{growths:?}");
+}
+
+#[test]
+fn branches_of_equal_sensors_are_told_apart_as_far_as_they_can_be() {
+    // Three sensor lags beside two sensors' worth of feedback: poles at -1 / lag that coincide at every speed.
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let mut settings = Settings::new(&rotor, 0.0, builtin::feedback(&rotor, "individual").expect("built in"));
+    settings.feedback.parts.sensor_lag = 0.1;
+    let speeds = [0.0, 1.5, 3.0, 4.5, 6.0];
+    let branches = machine::trace(&rotor, &settings, &speeds).expect("poles");
+    for (k, speed) in speeds.iter().enumerate() {
+        let mut traced: Vec<C64> = branches.iter().filter_map(|branch| branch[k]).collect();
+        let mut there: Vec<C64> = machine::MachinePoles::at(&rotor, &settings, *speed)
+            .expect("poles")
+            .modes
+            .iter()
+            .map(|mode| mode.pole)
+            .collect();
+        let order = |a: &C64, b: &C64| (a.re + 1e-3 * a.im).total_cmp(&(b.re + 1e-3 * b.im));
+        traced.sort_by(order);
+        there.sort_by(order);
+        assert_eq!(traced.len(), there.len());
+        assert!(
+            traced.iter().zip(&there).all(|(a, b)| (a - b).norm() < 1e-4 * (1.0 + a.norm())),
+            "{traced:?} {there:?}"
+        );
+    }
 }

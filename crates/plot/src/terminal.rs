@@ -59,12 +59,22 @@ fn drawn(look: Look) -> fn(usize) -> bool {
     }
 }
 
+/// A piece of a line with this look, for the legend.
+fn sample(look: Look) -> &'static str {
+    match look {
+        Look::Solid | Look::Thin => "⠒⠒⠒",
+        Look::Dashed => "⠒⠂⠒",
+        Look::Dotted => "⠂⠂⠂",
+        Look::Dots | Look::Rings | Look::Crosses => "⠂",
+    }
+}
+
 impl Chart {
     /// The chart as text of so many columns and rows, its title and marks among them; `None` if that is too small for any.
     #[must_use]
     pub fn text(&self, columns: usize, rows: usize) -> Option<String> {
         let (mut x, mut y) = (self.x.clone(), self.y.clone());
-        let labels: Vec<(f64, String)> = ticks(&y, rows as f64 / 4.0);
+        let labels: Vec<(f64, String)> = ticks(&y, rows as f64);
         let margin = labels.iter().map(|(_, words)| words.chars().count()).max().unwrap_or(0) + 1;
         // The title, the frame's two lines, marks and label below.
         let (inner, high) = (columns.checked_sub(margin + 2)?, rows.checked_sub(5)?);
@@ -97,7 +107,10 @@ impl Chart {
 
     /// The canvas with everything around it.
     fn framed(&self, canvas: &Canvas, scale: &Scale<'_>, margin: usize) -> String {
-        let marks = ticks(scale.y, canvas.rows as f64 / 3.0);
+        // As few marks as tell what a row is: three, if that many fit.
+        let wanted = [3.0, 2.0, 1.0].map(|every| canvas.rows as f64 / every);
+        let marks = wanted.into_iter().map(|wanted| ticks(scale.y, wanted)).find(|marks| marks.len() >= 3);
+        let marks = marks.unwrap_or_else(|| ticks(scale.y, canvas.rows as f64));
         let at_row = |row: usize| {
             let here = |value: f64| (scale.at((scale.x.from, value)).1 / DOWN as f64).floor() as i64 == row as i64;
             marks.iter().find(|(value, _)| here(*value)).map(|(_, words)| words.as_str())
@@ -125,7 +138,9 @@ impl Chart {
         }
         out += &format!("{blank}└{}┘\n", line.into_iter().collect::<String>());
         out += words_below.into_iter().collect::<String>().trim_end();
-        out += &format!("\n{blank} {}\n", self.x.label);
+        let named = self.series.iter().filter(|series| !series.name.is_empty());
+        let legend = named.map(|series| format!("   {} {}", sample(series.look), series.name)).collect::<String>();
+        out += &format!("\n{blank} {}{legend}\n", self.x.label);
         out
     }
 }

@@ -41,7 +41,7 @@ pub enum Leg {
     /// Turned by a given torque, `J R' = T - c R - sum_i m_i e_i Im(exp(-j theta) a_i)`, where `a_i` is the acceleration of mass `i` without
     /// its unbalance. Seals are taken to push sideways alone: they take no torque.
     Drive {
-        /// `T` in `K_t e_t^2`.
+        /// `T` in `K_t e_t^2`; below 0 it brakes, to rest at most.
         torque: f64,
         /// Polar inertia `J` of rotor and drive about the centres of mass, in `M_t e_t^2`; more than 0.
         inertia: f64,
@@ -53,8 +53,8 @@ pub enum Leg {
 }
 
 impl Leg {
-    /// How long it takes from the speed `from`, and the speed at which it ends; of a drive that at which it would end if the rotor
-    /// did not whirl.
+    /// How long it takes from the speed `from`, and the speed at which it ends; of a drive that at which it would end, at rest at
+    /// least, if the rotor did not whirl.
     #[must_use]
     pub fn runs(&self, from: f64) -> (f64, f64) {
         match *self {
@@ -66,7 +66,7 @@ impl Leg {
                 // R = T / c + (R0 - T / c) exp(-c t / J), without the difference of two large numbers where c is small.
                 let fades = drag / inertia * duration;
                 let share = if fades == 0.0 { 1.0 } else { -(-fades).exp_m1() / fades };
-                (duration, from + (torque - drag * from) / inertia * duration * share)
+                (duration, (from + (torque - drag * from) / inertia * duration * share).max(0.0))
             }
         }
     }
@@ -100,6 +100,12 @@ impl Profile {
             course.push((tau + takes, ends));
         }
         course
+    }
+
+    /// Whether a drive of given torque turns it for a while: then the speeds of its course are those of a rotor that does not whirl.
+    #[must_use]
+    pub fn is_driven(&self) -> bool {
+        self.legs.iter().any(|leg| matches!(leg, Leg::Drive { .. }))
     }
 
     /// How long it takes, in `tau`.

@@ -63,15 +63,15 @@ impl From<circular::Orbit> for DisturbanceGrowth {
     }
 }
 
-/// The rotor at rest in its centre, bearings with clearance out of action.
+/// The rotor at rest in its centre at a speed, bearings with clearance out of action.
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(crate) fn of_centre(program: &Program) -> Result<DisturbanceGrowth, PolesError> {
-    if let Some(closed_loop) = program.closed_loop() {
+pub(crate) fn of_centre(program: &Program, speed: f64) -> Result<DisturbanceGrowth, PolesError> {
+    if let Some(closed_loop) = program.closed_loop().filter(|closed_loop| closed_loop.speed() == speed) {
         return Ok(circular::centre(closed_loop)?.into());
     }
-    let (growth, noise) = program.growth_at_centre()?;
+    let (growth, noise) = program.growth_at_centre(speed)?;
     let stability = match growth {
         growth if growth > noise => Stability::Unstable,
         growth if growth < -noise => Stability::Stable,
@@ -80,13 +80,15 @@ pub(crate) fn of_centre(program: &Program) -> Result<DisturbanceGrowth, PolesErr
     Ok(DisturbanceGrowth { stability, growth, by: Means::Eigenvalues })
 }
 
-/// The circular orbit that the rotor is on, if it is on one. Under a loop with states of its own orbits are not known
+/// The circular orbit that the rotor is on, if it is on one. Under a loop with states of its own, or at a speed that a drive left it at, orbits are not known
 /// exactly: there a disturbance is watched, see [`of_beat`].
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
 pub(crate) fn of_orbit(program: &Program, rotor: &Machine) -> Result<Option<DisturbanceGrowth>, PolesError> {
-    let Some(closed_loop) = program.closed_loop() else { return Ok(None) };
+    let speed = rotor.sample().speed;
+    let known = program.closed_loop().filter(|closed_loop| closed_loop.speed() == speed);
+    let Some(closed_loop) = known else { return Ok(None) };
     let motion = rotor.motion();
     let orbit = circular::orbit_of(closed_loop, motion.angle, motion.displacement, motion.velocity)?;
     Ok(orbit.map(Into::into))

@@ -58,6 +58,8 @@ pub struct Plan {
 pub struct Final {
     /// Dimensionless time.
     pub tau: f64,
+    /// Spin speed `R`.
+    pub speed: f64,
     /// Displacement of every mass, in `e_t`.
     pub displacement: Vec<C64>,
     /// Velocity of every mass, in `e_t` per unit of `tau`.
@@ -191,7 +193,7 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
             going = watch.see(&rotor, observers)?;
         }
     }
-    let centre = disturbance::of_centre(&plan.program)?;
+    let centre = disturbance::of_centre(&plan.program, rotor.sample().speed)?;
     let mut outcome = watch.outcome(&rotor, centre);
     if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
         outcome.stability = disturbance::of_orbit(&plan.program, &rotor)?;
@@ -353,6 +355,7 @@ impl Watch {
             mean_radius: (0..self.masses).map(|k| kept.mean_radius(k)).collect(),
             last: Final {
                 tau: motion.tau,
+                speed: rotor.sample().speed,
                 displacement: motion.displacement.to_vec(),
                 velocity: motion.velocity.to_vec(),
             },

@@ -187,3 +187,33 @@ fn no_angles_between_the_unbalances_are_worse_than_those_that_were_found() {
     }
     assert!(nearest > 0.5 * worst, "{nearest} {worst}");
 }
+
+#[test]
+fn val_a_resonance_between_two_speeds_is_not_missed() {
+    // Seal damping zeta brings zeta R of cross-coupled stiffness: at R = 1 the radius is 1 / zeta.
+    let mass =
+        rotor::Mass { mass: 1.0, damping: 0.002, bearing_stiffness: 1.0, unbalance: 1.0, ..rotor::Mass::default() };
+    let rotor = Rotor::new("light", vec![mass], vec![]).expect("valid");
+    let (off, limits) = (settings(&rotor, "off"), Limits::default());
+    let asked = Question { clearance: Some(700.0), ..question(&rotor, &off, [0.0, 1.9], &limits) };
+    let answer = assess(&asked).unwrap();
+    let line = found(&answer, "orbit / clearance");
+    assert!((line.found.unwrap() - 500.0 / 700.0).abs() < 1e-3, "{line:?}");
+    assert_eq!((line.note.as_deref(), line.passed), (Some("zone D"), Some(false)));
+}
+
+#[test]
+fn a_machine_that_asks_for_more_than_its_limit_fails() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let mut limited = settings(&rotor, "individual");
+    limited.feedback.parts.limit = 20.0;
+    limited.deadband.fill(1.0);
+    let limits = Limits::default();
+    let answer = assess(&question(&rotor, &limited, [4.0, 5.0], &limits)).unwrap();
+    for what in ["orbit / clearance", "dynamic force"] {
+        let line = found(&answer, what);
+        assert_eq!(line.passed, Some(false), "{line:?}");
+        assert!(line.note.as_deref().unwrap().contains("within the limit of the force"), "{line:?}");
+    }
+    assert!(!answer.passed());
+}

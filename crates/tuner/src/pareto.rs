@@ -43,6 +43,8 @@ impl Price {
     }
 }
 
+/// A front of the sensitivity begins no further out: beyond, damping gains nothing that anybody would buy.
+const WIDEST_PEAK: f64 = 10.0;
 /// Below this no peak of the sensitivity can be.
 const LOWEST_PEAK: f64 = 1.0 + 1e-6;
 /// How far below the cost of the best gains limits are tried.
@@ -63,8 +65,7 @@ pub fn pareto(
     stop: Stop,
 ) -> Result<Vec<ParetoPoint>, ProblemError> {
     let best = match price {
-        // Looked at, not limited.
-        Price::Sensitivity => tune(&price.limited(problem, f64::INFINITY), options, progress, stop)?,
+        Price::Sensitivity => tune(&price.limited(problem, WIDEST_PEAK), options, progress, stop)?,
         _ => tune(problem, options, progress, stop)?,
     };
     let top = price.of(&best);

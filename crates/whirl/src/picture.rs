@@ -32,8 +32,12 @@ const MOST_ROWS: usize = 28;
 /// Charts as text, one below the other, as wide as the terminal.
 #[must_use]
 pub(crate) fn in_terminal(charts: &[Chart]) -> String {
+    // Where there is no terminal, what the environment says of one.
+    let said = std::env::var("COLUMNS").ok().and_then(|typed| typed.parse().ok());
     let (columns, rows) = terminal_size::terminal_size()
-        .map_or(UNKNOWN, |(width, height)| (usize::from(width.0), usize::from(height.0).saturating_sub(4)));
+        .map_or((said.unwrap_or(UNKNOWN.0), UNKNOWN.1), |(width, height)| {
+            (usize::from(width.0), usize::from(height.0).saturating_sub(4))
+        });
     let each = (rows / charts.len().max(1)).clamp(12, MOST_ROWS);
     let drawn = charts.iter().filter_map(|chart| chart.text(columns, each));
     let text: String = drawn.collect();

@@ -64,6 +64,11 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
             legs.push(Leg::Dwell { duration });
             continue;
         }
+        if legs.iter().any(|leg| matches!(leg, Leg::Drive { .. })) {
+            let expected = "dwell or torque: where a leg after one of a torque begins is not known before";
+            reader.fault(at, format!("{within} to a speed"), expected);
+            continue;
+        }
         let to = speed(&mut reader, table, "to", &units).unwrap_or(f64::NAN);
         let typed = reader.required(table, (&within, at), "rate", Domain::Positive);
         let rate = units.typed(Dimension::SpeedRate, typed);
@@ -167,5 +172,25 @@ mod tests {
             found[0].contains("expected \"exponential\"") && found.iter().any(|p| p.contains("did you mean 'to'?")),
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn a_torque_has_inertia_and_time_and_no_speed_after_it() {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        let profile = read_profile("[[leg]]\ntorque = 0.3\ninertia = 60\nduration = 400\n", &rotor).unwrap();
+        assert_eq!(profile.legs, [Leg::Drive { torque: 0.3, inertia: 60.0, drag: 0.0, duration: 400.0 }]);
+        assert!(profile.is_driven() && (profile.ends_at() - 2.0).abs() < 1e-12);
+        let found = problems(
+            "[[leg]]\ntorque = 1\ninertia = 0\nrate = 1\n[[leg]]\nto = 1\nrate = 1\n[[leg]]\ndwell = 1\ndrag = 1\n",
+        );
+        for told in [
+            "rate beside torque",
+            "inertia = 0, expected",
+            "without duration",
+            "[[leg]] 2 to a speed, expected dwell or torque",
+            "drag beside dwell",
+        ] {
+            assert!(found.iter().any(|p| p.contains(told)), "{told}: {found:?}");
+        }
     }
 }

@@ -12,8 +12,8 @@ use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
 const WELL_DAMPED: f64 = 10.0;
 /// Steps of the search between two speeds: golden section, to the last place that a minimum has.
 const STEPS: usize = 40;
-/// Whirl slower than this part of `|s|` is none.
-const SLOWEST: f64 = 1e-9;
+/// Whirl slower than this part of `|s|` is none, but rounding of a multiple pole.
+const SLOWEST: f64 = 1e-5;
 
 /// The decrement of a pole; nothing where nothing turns.
 pub(super) fn decrement(pole: C64) -> Option<f64> {

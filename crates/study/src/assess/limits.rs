@@ -50,6 +50,18 @@ macro_rules! limits {
                 $(if let Some(value) = reader.number(&table, stringify!($key), Domain::Positive) {
                     limits.$key = value;
                 })*
+                reader.check()?;
+                if let (false, Some(value)) = ([1.0, 2.0, 3.0].contains(&limits.zone), table.get("zone")) {
+                    reader.wrong("zone", value, "1, 2 or 3");
+                }
+                for (zones, [first, last]) in [
+                    (limits.orbit_zones(), ["orbit_zone_a", "orbit_zone_c"]),
+                    (limits.sensitivity_zones(), ["sensitivity_zone_a", "sensitivity_zone_c"]),
+                ] {
+                    if !zones.is_sorted() {
+                        reader.fault(0..0, format!("{first} to {last} = {zones:?}"), "ends of zones that rise");
+                    }
+                }
                 reader.finish(limits)
             }
 
@@ -128,7 +140,7 @@ impl Limits {
     pub fn separation(&self, amplification: f64) -> Option<[f64; 2]> {
         (amplification > self.amplification).then(|| {
             let grows = 17.0 * (1.0 - 1.0 / (amplification - 1.5));
-            [self.separation_below.min(grows), self.separation_above.min(10.0 + grows)]
+            [self.separation_below.min(grows), self.separation_above.min(10.0 + grows)].map(|margin| margin.max(0.0))
         })
     }
 }
@@ -144,6 +156,7 @@ mod tests {
         // AF = 3.5: 17 (1 - 1/2) = 8.5 below, 18.5 above; AF = 100: the caps.
         assert_eq!(limits.separation(3.5), Some([8.5, 18.5]));
         assert_eq!(limits.separation(100.0), Some([16.0, 26.0]));
+        assert_eq!(Limits { amplification: 1.0, ..limits }.separation(1.6), Some([0.0, 0.0]));
     }
 
     #[test]
@@ -159,6 +172,9 @@ mod tests {
             faults.contains("limits.toml:2:13: vibration = 0: expected a finite number greater than 0"),
             "{faults}"
         );
+        let faults = Limits::read("zone = 1.5\nsensitivity_zone_a = 4.5").unwrap_err().in_file("limits.toml");
+        assert!(faults.contains("limits.toml:1:8: zone = 1.5: expected 1, 2 or 3"), "{faults}");
+        assert!(faults.contains("[4.5, 4.0, 5.0]: expected ends of zones that rise"), "{faults}");
         assert!(LIMITS.iter().all(|limit| Limits::default().get(limit.key) == Some(limit.value)));
     }
 

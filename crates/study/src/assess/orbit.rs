@@ -1,9 +1,10 @@
 //! The orbit in parts of the clearance, and the force in parts of what the bearing can hold: over the operating range, on the exact
 //! circular orbits under the rotor's own unbalance, the largest stable one of each speed.
 
+use rotor::Stability;
 use rotor::circular::{self, CircularError, Orbit};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where};
 
 pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     let (settings, limits) = (question.settings, question.limits);
@@ -25,15 +26,24 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         }
         Err(error) => return Err(error.into()),
     };
-    let stable: Vec<&Orbit> = found.orbits.iter().flatten().filter(|orbit| orbit.is_stable()).collect();
-    let unheld = found.orbits.iter().zip(&found.speeds).find(|(orbits, _)| !orbits.iter().any(Orbit::is_stable));
-    let mut lines =
-        vec![orbit_line(question, orbit, &stable, &orbit_source), force_line(question, force, &stable, &force_source)];
+    let [low, high] = question.operating;
+    let along = found.curves.iter().flat_map(|curve| &curve.orbits).filter(|o| (low..=high).contains(&o.speed));
+    let stable: Vec<&Orbit> = found.orbits.iter().flatten().chain(along).filter(|orbit| orbit.is_stable()).collect();
+    let largest = largest(question, &stable, &Orbit::largest_radius)?;
+    let hardest = largest_force(question, &stable)?;
+    let is_held = |orbit: &Orbit| orbit.stability() != Stability::Unstable;
+    let unheld = found.orbits.iter().zip(&found.speeds).find(|(orbits, _)| !orbits.iter().any(is_held));
+    let mut lines = vec![
+        orbit_line(question, orbit, largest.as_ref(), &orbit_source),
+        force_line(question, force, hardest.as_ref(), &force_source),
+    ];
     if let Some((_, speed)) = unheld {
         for line in &mut lines {
             let note = line.note.take().map_or(String::new(), |note| format!("{note}; "));
-            line.note = Some(format!("{note}there are speeds without a stable orbit"));
-            line.passed = line.passed.map(|_| false);
+            let beyond =
+                if found.beyond_limits.iter().any(|count| *count > 0) { " within the limit of the force" } else { "" };
+            line.note = Some(format!("{note}there are speeds without a stable orbit{beyond}"));
+            line.passed = Some(false);
             if line.found.is_none() {
                 line.place = Where::speed(*speed);
             }
@@ -42,12 +52,55 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     Ok((lines, vec![]))
 }
 
-fn orbit_line(question: &Question<'_>, what: &str, orbits: &[&Orbit], source: &str) -> Line {
+fn largest_force(question: &Question<'_>, orbits: &[&Orbit]) -> Result<Option<Orbit>, AssessError> {
+    largest(question, orbits, &|orbit| orbit.force)
+}
+
+/// The orbit that is largest by `size` among those known, and between the speeds at which they are.
+fn largest(
+    question: &Question<'_>,
+    orbits: &[&Orbit],
+    size: &dyn Fn(&Orbit) -> f64,
+) -> Result<Option<Orbit>, AssessError> {
+    let Some(known) = orbits.iter().max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(None) };
+    let mut best = (*known).clone();
+    let settings = question.settings;
+    let [from, to] = question.operating;
+    let apart = (to - from) / (SPEEDS - 1) as f64;
+    let (mut low, mut high) = ((best.speed - apart).max(from), (best.speed + apart).min(to));
+    let mut look = |speed: f64| -> Result<f64, AssessError> {
+        let found = circular::synchronous(question.rotor, &settings.feedback, &settings.deadband, &[speed])?;
+        let stable = found.orbits.into_iter().flatten().filter(Orbit::is_stable);
+        let Some(here) = stable.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(0.0) };
+        let value = size(&here);
+        if value > size(&best) {
+            best = here;
+        }
+        Ok(value)
+    };
+    // Golden section.
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
+    let (mut at_a, mut at_b) = (look(a)?, look(b)?);
+    while high - low > 1e-8 * (1.0 + high) {
+        if at_a > at_b {
+            (high, b, at_b) = (b, a, at_a);
+            a = high - golden * (high - low);
+            at_a = look(a)?;
+        } else {
+            (low, a, at_a) = (a, b, at_b);
+            b = low + golden * (high - low);
+            at_b = look(b)?;
+        }
+    }
+    Ok(Some(best))
+}
+
+fn orbit_line(question: &Question<'_>, what: &str, largest: Option<&Orbit>, source: &str) -> Line {
     let limits = question.limits;
     let Some(clearance) = question.smallest_clearance() else {
         return Line::without(what, Quantity::Number, "no clearance is set", source);
     };
-    let largest = orbits.iter().max_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
     let Some(orbit) = largest else {
         return Line::without(what, Quantity::Number, "no stable orbit was found", source);
     };
@@ -59,10 +112,10 @@ fn orbit_line(question: &Question<'_>, what: &str, orbits: &[&Orbit], source: &s
     line.at(Where::speed(orbit.speed).of(station)).noted(format!("zone {zone}"))
 }
 
-fn force_line(question: &Question<'_>, what: &str, orbits: &[&Orbit], source: &str) -> Line {
+fn force_line(question: &Question<'_>, what: &str, hardest: Option<&Orbit>, source: &str) -> Line {
     let limit = question.settings.feedback.parts.limit;
     let holds = question.force.or((limit > 0.0 && limit.is_finite()).then_some(limit));
-    let Some(orbit) = orbits.iter().max_by(|a, b| a.force.total_cmp(&b.force)) else {
+    let Some(orbit) = hardest else {
         return Line::without(what, Quantity::Force, "no stable orbit was found", source);
     };
     let place = Where::speed(orbit.speed).of(question.settings.feedback.bearing);

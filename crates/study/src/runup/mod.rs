@@ -77,6 +77,8 @@ pub struct RunUp {
     pub largest: Largest,
     /// Whether it began on the steady orbit of its first speed; otherwise from rest in the centre.
     pub began_steady: bool,
+    /// When each leg began, in `tau`, and the speed then; and last, when all were over or it tripped.
+    pub course: Vec<(f64, f64)>,
     /// Steps taken.
     pub steps: u64,
     /// What tripped it, when, and at which speed.
@@ -158,6 +160,8 @@ impl RunUpPlan {
         }
         let mut book = Book::new(self, rotor.len());
         let mut tripped = None;
+        let mut course = profile.course();
+        let mut leg = 0;
         see(&machine);
         book.see(&machine);
         let mut taken = 0;
@@ -167,6 +171,12 @@ impl RunUpPlan {
             }
             let trip = machine.step();
             taken += 1;
+            // Where a leg of a torque has led is known now.
+            let sample = machine.sample();
+            while profile.is_driven() && course.get(leg + 1).is_some_and(|(tau, _)| *tau <= sample.tau + 0.5 * dtau) {
+                leg += 1;
+                course[leg].1 = sample.speed;
+            }
             see(&machine);
             if let Some(trip) = trip {
                 let sample = machine.sample();
@@ -176,7 +186,8 @@ impl RunUpPlan {
             book.see(&machine);
         }
         Ok(RunUp {
-            criticals: book.criticals(self),
+            criticals: book.criticals(self, &course),
+            course,
             largest: book.largest,
             points: book.points,
             began_steady: profile.from == 0.0 || orbit.is_some(),
@@ -290,8 +301,7 @@ impl Book {
         }
     }
 
-    fn criticals(&mut self, plan: &RunUpPlan) -> Vec<Critical> {
-        let course = plan.profile.course();
+    fn criticals(&mut self, plan: &RunUpPlan, course: &[(f64, f64)]) -> Vec<Critical> {
         let mut criticals = Vec::new();
         // A whirl of its own ripples the first order from turn to turn: narrower than some turns, or less than the rest, is no
         // critical speed.
@@ -303,6 +313,10 @@ impl Book {
             let (from, to) = (course[leg].1, course[leg + 1].1);
             if from > to {
                 readings.reverse();
+            }
+            // A drive that whirl holds back goes to and fro: there are no heights over speed.
+            if matches!(plan.profile.legs[leg], Leg::Drive { .. }) && !readings.speed.is_sorted() {
+                continue;
             }
             let steady = steady_peaks(plan, from, to);
             let first = criticals.len();

@@ -37,16 +37,16 @@ pub(crate) struct AssessArgs {
     #[arg(long, value_name = "GRADE")]
     grade: Option<Grade>,
     /// The cross-coupled stiffness that is expected, in K_t (SI rotors: in N/m)
-    #[arg(long, value_name = "Q")]
+    #[arg(long, value_name = "Q", allow_negative_numbers = true)]
     cross_stiffness: Option<f64>,
     /// The mass, counted from 1, to which cross-coupled stiffness is added [default: the middle one]
     #[arg(long, value_name = "MASS")]
     cross_at: Option<usize>,
     /// Smallest radial clearance, in e_t (SI rotors: in m) [default: the smallest clearance of a bearing]
-    #[arg(long, value_name = "G")]
+    #[arg(long, value_name = "G", allow_negative_numbers = true)]
     clearance: Option<f64>,
     /// The largest force of the control bearing, in w0^2 e_t (SI rotors: in N) [default: the limit of the loop]
-    #[arg(long, value_name = "F")]
+    #[arg(long, value_name = "F", allow_negative_numbers = true)]
     force_limit: Option<f64>,
     /// A file of limits, for those that are to be others than the table's
     #[arg(long, value_name = "FILE")]
@@ -185,30 +185,65 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
         let page = if is_html(path) { found.html(&words) } else { found.markdown(&words) };
         args.force.write(path, page)?;
     }
-    let (table, sources) = table(rows, args.format);
+    let document = told.document(&question, &found);
+    let (for_people, sources) = table(rows);
+    let table = if args.format.csv { sheet(&document) } else { for_people };
     let footer = [sources, about, vec![AID.to_owned()]].concat().join("\n");
-    args.format.print(&told.document(&question, &found), &heading, &table, &footer)
+    args.format.print(&document, &heading, &table, &footer)
 }
 
 const COLUMNS: [&str; 6] = ["what", "found", "asked", "passed", "where", "source"];
 
-/// The rows as a table: for people each source is a number, told once below it.
-fn table(rows: Vec<[String; 6]>, format: Format) -> (Table, Vec<String>) {
+/// The rows as a table for people: each source is a number, told once below it.
+fn table(rows: Vec<[String; 6]>) -> (Table, Vec<String>) {
     let mut table = Table::new(&COLUMNS);
     let mut sources: Vec<String> = Vec::new();
     for row in rows {
-        let mut cells = row.each_ref().map(|cell| Cell::from(cell));
-        if !format.csv {
-            let [.., source] = &row;
-            let at = sources.iter().position(|known| known == source).unwrap_or_else(|| {
-                sources.push(source.clone());
-                sources.len() - 1
-            });
-            cells[5] = Cell::from(&format!("[{}]", at + 1));
-        }
+        let mut cells = row.each_ref().map(Cell::from);
+        let [.., source] = &row;
+        let at = sources.iter().position(|known| known == source).unwrap_or_else(|| {
+            sources.push(source.clone());
+            sources.len() - 1
+        });
+        cells[5] = Cell::from(&format!("[{}]", at + 1));
         table.row(cells);
     }
     (table, sources.iter().enumerate().map(|(at, source)| format!("[{}] {source}", at + 1)).collect())
+}
+
+/// The lines as a spreadsheet has them: a number a cell, its unit beside it.
+fn sheet(document: &Document<'_>) -> Table {
+    let number = |value: Option<f64>| value.map_or(Cell::Without("none"), Cell::from);
+    let words = |text: Option<&str>| text.map_or(Cell::Without("none"), |text| Cell::from(&text));
+    let mut table = Table::new(&[
+        "what",
+        "found",
+        "relation",
+        "asked",
+        "unit",
+        "passed",
+        "speed",
+        "station",
+        "frequency",
+        "note",
+        "source",
+    ]);
+    for line in &document.lines {
+        table.row([
+            Cell::from(&line.what),
+            number(line.found),
+            words(line.relation),
+            number(line.asked),
+            Cell::from(&line.unit),
+            line.passed.map_or(Cell::Without("none"), |passed| Cell::from(&passed)),
+            number(line.place.speed),
+            line.place.station.map_or(Cell::Without("none"), |station| Cell::from(&station)),
+            number(line.place.frequency),
+            words(line.note),
+            Cell::from(&line.source),
+        ]);
+    }
+    table
 }
 
 fn is_html(path: &Path) -> bool {

@@ -14,7 +14,7 @@ use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
-use crate::output::{Cell, Format, Table, print_text};
+use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
 use crate::units::{Units, UnitsDocument};
@@ -230,7 +230,7 @@ fn trip_text(found: &RunUp, units: Units) -> String {
 
 fn print(args: &RunupArgs, machine: &Machine, plan: &RunUpPlan, found: &RunUp, seconds: f64) -> Result<(), Failure> {
     let (rotor, units) = (&machine.rotor, machine.units());
-    let course = plan.profile.course();
+    let course = &found.course;
     let table = if args.format.csv { points_table(machine, found) } else { criticals_table(found, units) };
     let document = Document {
         rotor: rotor.name(),
@@ -249,7 +249,9 @@ fn print(args: &RunupArgs, machine: &Machine, plan: &RunUpPlan, found: &RunUp, s
         }),
         units: units.document(),
     };
-    let speeds: Vec<String> = course.iter().map(|(_, speed)| units.speed_cell(*speed)).collect();
+    // What a torque has led to has digits that nobody typed.
+    let told = |speed: f64| units.speed_cell(rounded(speed).parse().unwrap_or(speed));
+    let speeds: Vec<String> = course.iter().map(|(_, speed)| told(*speed)).collect();
     let per = units.pick("; peaks in e_t", "; peaks in m");
     let heading = format!("{}: critical speeds of a run {}{per}", rotor.name(), speeds.join(" to "));
     let none = if found.criticals.is_empty() { "no peak stands out\n" } else { "" };

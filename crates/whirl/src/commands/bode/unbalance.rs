@@ -86,7 +86,7 @@ pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
         format!(
             "mass {} peaks at {}: {} {}",
             peak.station + 1,
-            units.speed_text(peak.speed),
+            units.speed_text_rounded(peak.speed),
             rounded(units.length(peak.amplitude)),
             units.length_unit()
         )

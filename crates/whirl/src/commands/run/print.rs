@@ -97,7 +97,7 @@ pub(super) fn print(
     let (Machine { rotor, settings }, units) = (machine, machine.units());
     let spin = profile.map_or_else(
         || format!("at {}", units.speed_text(settings.speed)),
-        |path| format!("along {path}, which ends at {}", units.speed_text(settings.speed)),
+        |path| format!("along {path}, which ends at {}", units.speed_text_rounded(outcome.last.speed)),
     );
     let mut table = Table::new(units.pick(
         &["mass", "max radius", "mean radius", "y", "z", "vy", "vz"],
