@@ -410,7 +410,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__dash)
-            opts="-h --bench --history --layout --theme --ascii --read-only --picture --force --size --after --press --help"
+            opts="-h --bench --history --layout --theme --ascii --read-only --locked --picture --force --size --after --press --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -800,7 +800,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__replay)
-            opts="-h --history --layout --theme --ascii --read-only --help"
+            opts="-h --history --layout --theme --ascii --read-only --locked --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1360,7 +1360,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__up)
-            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --history --layout --theme --ascii --read-only --record --force --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --history --layout --theme --ascii --read-only --locked --record --force --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

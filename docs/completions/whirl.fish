@@ -72,6 +72,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l theme -d 'Colours: de
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l record -d 'Record the session in FILE.rrd, by a process of its own' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l locked -d 'Begin with the machine locked against keys: ctrl-l unlocks it'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
@@ -95,6 +96,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand dash" -l after -d 'Seconds t
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l press -d 'Keys to press before it is taken: letters, names in brackets as <enter> or <ctrl-r>, and <3s> to wait' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l locked -d 'Begin with the machine locked against keys: ctrl-l unlocks it'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l bench -d 'Name of the bench' -r
@@ -111,6 +113,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand replay" -l layout -d 'The la
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l read-only -d 'Only look: change nothing'
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l locked -d 'Begin with the machine locked against keys: ctrl-l unlocks it'
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand info" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand info" -s h -l help -d 'Print help'

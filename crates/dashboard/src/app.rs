@@ -53,6 +53,8 @@ use telemetry::what_if::WhatIf;
 
 use pacing::{FeedState, Pacing};
 
+/// What is said of a key that would act on a locked machine.
+const LOCKED: &str = "locked: ctrl-l unlocks the machine, ctrl-c quits";
 /// How long a message stays at the foot.
 const MESSAGE: Duration = Duration::from_secs(6);
 
@@ -98,6 +100,8 @@ pub(crate) struct App<'a> {
     /// Settings to compare with.
     held: Option<Settings>,
     read_only: bool,
+    /// Whether keys leave the machine alone until it is unlocked.
+    locked: bool,
     /// Where screenshots are kept, and how they look.
     pictures: Option<PathBuf>,
     look: Look,
@@ -156,6 +160,7 @@ impl<'a> App<'a> {
             command_history: CommandHistory::read(options.commands.clone()),
             held: None,
             read_only: options.read_only,
+            locked: options.locked,
             pictures: options.pictures.clone(),
             look: Look::of_screenshot(options.wishes),
             area: Rect::default(),
@@ -289,6 +294,7 @@ impl<'a> App<'a> {
             keymap: &self.keymap,
             what_if: what_if.as_ref(),
             read_only: self.read_only,
+            locked: self.locked,
             jobs: &self.jobs,
             alarms: self.player.as_ref().map_or(&self.alarms, Player::alarms),
             selection: &self.selection,
@@ -394,6 +400,7 @@ impl<'a> App<'a> {
             Input::Continued => self.continued = true,
             Input::Key(key) => self.press(key),
             Input::Mouse(event) => self.mouse(event),
+            Input::Paste(text) => self.paste(&text),
         }
     }
 }

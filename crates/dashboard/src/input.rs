@@ -13,12 +13,14 @@ use rustix::event::{PollFd, PollFlags, Timespec, poll};
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Something from outside.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Input {
     /// A key was pressed, or repeats.
     Key(KeyEvent),
     /// The mouse did something.
     Mouse(MouseEvent),
+    /// Text was pasted into the terminal.
+    Paste(String),
     /// The screen has another size.
     Resized,
     /// A signal asks us to end.
@@ -54,13 +56,15 @@ pub(crate) fn keyboard(inputs: Sender<Input>, stop: Arc<AtomicBool>) -> std::io:
                     Ok(Event::Key(key)) if key.kind != KeyEventKind::Release => Input::Key(key),
                     // A mouse that only moves over the screen asks for nothing.
                     Ok(Event::Mouse(mouse)) if mouse.kind != MouseEventKind::Moved => Input::Mouse(mouse),
+                    Ok(Event::Paste(text)) => Input::Paste(text),
                     Ok(Event::Resize(..)) => Input::Resized,
                     Ok(_) => continue,
                     Err(_) => Input::Closed,
                 },
                 Err(_) => Input::Closed,
             };
-            if inputs.send(input).is_err() || input == Input::Closed {
+            let is_last = input == Input::Closed;
+            if inputs.send(input).is_err() || is_last {
                 return;
             }
         }

@@ -64,6 +64,8 @@ pub struct Options {
     pub pictures: Option<PathBuf>,
     /// Whether the machine is only looked at.
     pub read_only: bool,
+    /// Whether keys leave the machine alone until a person unlocks it.
+    pub locked: bool,
 }
 
 impl Default for Options {
@@ -80,6 +82,7 @@ impl Default for Options {
             commands: None,
             pictures: None,
             read_only: false,
+            locked: false,
         }
     }
 }

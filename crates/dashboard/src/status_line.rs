@@ -71,6 +71,9 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if view.read_only {
         add("read-only".to_owned(), theme::loud(theme::WARN));
     }
+    if view.locked {
+        add("LOCKED".to_owned(), theme::loud(theme::WARN));
+    }
     add(view.bench.to_owned(), plain.bold());
     if let (Some(bench_status), Some(settings)) = (&data.bench_status, &data.settings) {
         add(bench_status.rotor_name.as_str().to_owned(), plain);

@@ -9,7 +9,7 @@ use std::sync::{Mutex, MutexGuard, Once, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use crossterm::cursor::{Hide, Show};
-use crossterm::event::{DisableMouseCapture, EnableMouseCapture};
+use crossterm::event::{DisableBracketedPaste, DisableMouseCapture, EnableBracketedPaste, EnableMouseCapture};
 use crossterm::style::Print;
 use crossterm::terminal::{
     BeginSynchronizedUpdate, Clear, ClearType, EndSynchronizedUpdate, EnterAlternateScreen, LeaveAlternateScreen,
@@ -152,7 +152,9 @@ fn take_over() -> io::Result<Canvas> {
     TAKEN.store(true, Ordering::SeqCst);
     enable_raw_mode()?;
     // Not `Terminal::clear`: that asks the terminal where the cursor is, and waits for an answer that some never give.
-    execute!(io::stdout(), EnterAlternateScreen, EnableMouseCapture, Clear(ClearType::All), Hide)?;
+    // What is pasted comes marked as such: its letters are no keys.
+    let out = &mut io::stdout();
+    execute!(out, EnterAlternateScreen, EnableMouseCapture, EnableBracketedPaste, Clear(ClearType::All), Hide)?;
     Terminal::new(CrosstermBackend::new(io::stdout())).map(|terminal| Canvas(Some(terminal)))
 }
 
@@ -161,8 +163,10 @@ fn give_back() {
     if TAKEN.swap(false, Ordering::SeqCst) {
         // First what cannot wait for a terminal that takes nothing at the moment.
         let _ = disable_raw_mode();
-        let _ = execute!(io::stdout(), EndSynchronizedUpdate, DisableMouseCapture, LeaveAlternateScreen, Show);
-        let _ = io::stdout().flush();
+        let out = &mut io::stdout();
+        let _ = execute!(out, EndSynchronizedUpdate, DisableBracketedPaste, DisableMouseCapture);
+        let _ = execute!(out, LeaveAlternateScreen, Show);
+        let _ = out.flush();
     }
 }
 

@@ -33,6 +33,7 @@ pub(crate) struct View<'a> {
     /// What the change that is being typed or asked about would mean.
     pub(crate) what_if: Option<&'a WhatIf>,
     pub(crate) read_only: bool,
+    pub(crate) locked: bool,
     /// What a person points at.
     pub(crate) selection: &'a Selection,
     /// The player, if this is a recording.
@@ -98,6 +99,7 @@ pub(crate) mod tests {
             keymap: &KEYMAP,
             what_if: None,
             read_only: false,
+            locked: false,
             selection: &NOTHING,
             replay: None,
         }

@@ -8,16 +8,18 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 use rotor::{Feedback, Gain, Rotor, Settings};
-use tuner::{Family, Options, Problem, Progress, Schedule, Stop, Structure, tune};
+use tuner::{Family, LoopMargins, Options, Problem, Progress, Schedule, Stop, Structure, tune};
 
 use crate::comparison::{self, GainEffects};
 use crate::units::Units;
 
 /// Clearances for which a robust search is a matter of seconds: each doubles its work.
 const FEW: usize = 4;
+/// A limit that is held to this part of it is kept: the search ends on it.
+const SLACK: f64 = 1e-6;
 
 /// What is searched for.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SearchGoal {
     /// The lowest spin speed at which the gains are to hold.
     pub from: f64,
@@ -25,13 +27,18 @@ pub struct SearchGoal {
     pub to: f64,
     /// Whether they are to hold for any stiffness that deadband leaves of each support bearing.
     pub robust: bool,
+    /// The largest peak of the loop's sensitivity at any of the conditions.
+    pub max_sensitivity: Option<f64>,
+    /// The smallest delay margin at any of them, in `tau`.
+    pub min_delay: Option<f64>,
 }
 
 impl SearchGoal {
     /// Reads what follows `:search`. `A..B` is a range in the machine's unit of speed; without one it is the speeds that
     /// matter, from rest to a tenth past the present one. `robust` asks for gains that hold for any stiffness that its clearance leaves
     /// each support bearing, `full` for the full stiffness of all; without either it is `robust` where a clearance is set
-    /// (and there are at most [`FEW`]).
+    /// (and there are at most [`FEW`]). `sensitivity=1.5` is the largest peak of the sensitivity that is allowed, `delay=0.1` the delay that
+    /// must be borne, counted as the setting of that name.
     ///
     /// # Errors
     /// What is wrong with it, for the message line.
@@ -39,9 +46,15 @@ impl SearchGoal {
         // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
         let past = ((1.1 * present.speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
         let robust = comparison::has_deadband(present) && present.deadband.len() <= FEW;
-        let mut goal = Self { from: 0.0, to: past, robust };
+        let mut goal = Self { to: past, robust, ..Self::default() };
         let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
+            if let Some((name, value)) = word.split_once('=') {
+                goal.limit(name, value, units).ok_or_else(|| {
+                    format!("'{word}': expected sensitivity=NUMBER above 1, or delay=NUMBER above 0, each once")
+                })?;
+                continue;
+            }
             let is_range = match rotor::typed::range(word) {
                 _ if word == "robust" || word == "full" => {
                     goal.robust = word == "robust";
@@ -61,10 +74,34 @@ impl SearchGoal {
         Ok(goal)
     }
 
+    /// Takes a limit of the margins; nothing if it is none, or is there already.
+    fn limit(&mut self, name: &str, value: &str, units: &Units) -> Option<()> {
+        let value: f64 = value.parse().ok().filter(|value: &f64| value.is_finite())?;
+        let (place, value, least) = match name {
+            "sensitivity" => (&mut self.max_sensitivity, value, 1.0),
+            "delay" => (&mut self.min_delay, value / units.setting("delay".parse().ok()?).factor, 0.0),
+            _ => return None,
+        };
+        (place.is_none() && value > least).then(|| *place = Some(value))
+    }
+
+    /// What of the limits of the margins gains that were found do not keep, in words: nothing if they keep them.
+    fn unmet(&self, margins: Option<&[(LoopMargins, Vec<f64>); 2]>) -> Vec<String> {
+        let Some([(highest, _), (least, _)]) = margins else { return Vec::new() };
+        let peak = self.max_sensitivity.filter(|most| highest.sensitivity.0 > most * (1.0 + SLACK));
+        let delay = self.min_delay.zip(least.delay).filter(|(wanted, (found, _))| *found < wanted * (1.0 - SLACK));
+        let peak = peak.map(|most| format!("a sensitivity of {:.4}, NOT {most}", highest.sensitivity.0));
+        let delay = delay.map(|(wanted, (found, _))| format!("a delay margin of {found:.4} tau, NOT {wanted}"));
+        peak.into_iter().chain(delay).collect()
+    }
+
     /// In a few words: `at R 5`, `over R 0..6, any deadband`, `over 0..20000 rpm`.
     #[must_use]
     pub fn words(&self, units: &Units) -> String {
         let any = if self.robust { ", any deadband" } else { "" };
+        let peak = self.max_sensitivity.map_or_else(String::new, |most| format!(", |S| to {most}"));
+        let delay = self.min_delay.map_or_else(String::new, |least| format!(", delay from {least} tau"));
+        let any = format!("{any}{peak}{delay}");
         if self.from < self.to {
             let [from, to] = [self.from, self.to].map(|speed| units.speed(speed));
             let range = if units.scales.is_some() { format!("{from}..{to} rpm") } else { format!("R {from}..{to}") };
@@ -90,6 +127,8 @@ pub struct FoundGains {
     pub proven: bool,
     /// Whether it was stopped before its end.
     pub stopped: bool,
+    /// What of the limits of margins they do not keep, in words.
+    pub unmet: Vec<String>,
     /// What the gains in force do, and those that were found.
     pub effects: Box<[GainEffects; 2]>,
 }
@@ -124,7 +163,7 @@ impl GainSearch {
         options.starts += 1;
         let (stop, slot) = (Arc::new(AtomicBool::new(false)), Arc::new(Mutex::new(Slot::default())));
         let (flag, place, settings) = (stop.clone(), slot.clone(), settings.clone());
-        let (rotor, speeds) = (Arc::new(rotor.clone()), [goal.from, goal.to]);
+        let (rotor, speeds, limits) = (Arc::new(rotor.clone()), [goal.from, goal.to], goal.clone());
         let fill = move |change: &dyn Fn(&mut Slot)| change(&mut place.lock().unwrap_or_else(PoisonError::into_inner));
         let work = move || {
             let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
@@ -139,6 +178,7 @@ impl GainSearch {
                 worst_speed: tuned.worst.point[0],
                 proven: tuned.worst.proven,
                 stopped: tuned.interrupted,
+                unmet: limits.unmet(tuned.margins.as_ref()),
             });
             fill(&|slot| slot.ended = Some(found.clone()));
         };
@@ -193,7 +233,8 @@ fn problem(rotor: &Rotor, feedback: &Feedback, goal: &SearchGoal) -> Result<Prob
     let structure = Structure::new(rotor, feedback, Schedule::Fixed).map_err(|error| error.to_string())?;
     let gains = feedback.signals.iter().flat_map(|signal| &signal.gains);
     let largest = gains.filter_map(|gain| if let Gain::Constant(value) = gain { Some(value.abs()) } else { None });
-    let problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
+    let mut problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
+    (problem.max_sensitivity, problem.min_delay) = (goal.max_sensitivity, goal.min_delay);
     problem.check().map_err(|error| error.to_string())?;
     Ok(problem)
 }
@@ -226,7 +267,7 @@ mod tests {
     #[test]
     fn finds_better_gains_for_the_present_structure() {
         let (rotor, settings) = bench();
-        let goal = SearchGoal { from: 6.0, to: 6.0, robust: false };
+        let goal = SearchGoal { from: 6.0, to: 6.0, ..SearchGoal::default() };
         let found = result(&GainSearch::begin(&rotor, &settings, goal).unwrap()).unwrap();
         assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
         assert_eq!(found.worst_speed, 6.0);
@@ -254,6 +295,23 @@ mod tests {
         let [now, new] = &*found.effects;
         assert!(new.min_damping > now.min_damping && new.stable[0][0] == 0.0 && new.stable[0][1] >= 2.8, "{found:?}");
         assert_eq!(now.stable[0][0], 0.0);
+    }
+
+    #[test]
+    fn limits_of_margins_are_asked_for_and_what_is_not_kept_is_told() {
+        let (rotor, settings) = bench();
+        let goal = SearchGoal::read("6..6.1 sensitivity=1.5 delay=0.2", &settings, &Units::DIMENSIONLESS).unwrap();
+        let asked = problem(&rotor, &settings.feedback, &goal).unwrap();
+        assert_eq!((asked.max_sensitivity, asked.min_delay), (Some(1.5), Some(0.2)));
+        let told = |sensitivity: f64, delay: Option<f64>| {
+            let found = LoopMargins { sensitivity: (sensitivity, 1.0), delay: delay.map(|delay| (delay, 2.0)) };
+            goal.unmet(Some(&[(found.clone(), vec![]), (found, vec![])]))
+        };
+        assert_eq!(
+            told(3.0, Some(0.05)),
+            ["a sensitivity of 3.0000, NOT 1.5", "a delay margin of 0.0500 tau, NOT 0.2"]
+        );
+        assert!(told(1.5, Some(0.2)).is_empty() && told(1.2, None).is_empty());
     }
 
     #[test]
@@ -291,6 +349,12 @@ mod tests {
         let with_clearance = |words| SearchGoal::read(words, &clearances, &units).unwrap().words(&units);
         assert_eq!(with_clearance(""), "over R 0..5.5, any deadband");
         assert_eq!(with_clearance("0..6 full"), "over R 0..6");
+        let limits = goal("0..6 sensitivity=1.5 delay=0.1").unwrap();
+        assert_eq!((limits.max_sensitivity, limits.min_delay), (Some(1.5), Some(0.1)));
+        assert_eq!(limits.words(&units), "over R 0..6, |S| to 1.5, delay from 0.1 tau");
+        for wrong in ["sensitivity=1", "sensitivity=", "delay=0", "delay=1 delay=2", "gain=3", "sensitivity=inf"] {
+            assert!(goal(wrong).unwrap_err().contains("sensitivity=NUMBER above 1"), "{wrong}");
+        }
         assert!(goal("robust full").unwrap_err().contains("once"));
         assert_eq!(goal("0..6").unwrap().words(&units), "over R 0..6");
         assert_eq!(goal("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");

@@ -95,6 +95,8 @@ pub(crate) enum Action {
     Help,
     /// Close the top layer.
     Escape,
+    /// Lock the machine against keys, or unlock it.
+    Lock,
     /// Give the terminal back until the shell continues us.
     Suspend,
     /// End.

@@ -1,6 +1,6 @@
 //! A line as it is typed after `:`, or stands behind a key.
 
-use rotor::Key;
+use rotor::{Key, PARAMETERS};
 
 use super::action::Action;
 use super::argument::assignments;
@@ -19,11 +19,20 @@ pub(crate) fn parse(line: &str) -> Result<Action, String> {
     let line = line.trim();
     let end = line.find([' ', '=']).unwrap_or(line.len());
     let (name, rest) = line.split_at(end);
+    // As they are typed elsewhere.
+    let name = match name {
+        "q" => "quit",
+        "w" => "save",
+        name => name,
+    };
     let Some(row) = ACTIONS.iter().find(|row| row.name == name) else {
         if is_setting(name) {
             return assignments(line);
         }
-        return Err(format!("no command '{name}': tab shows what there is, ? the help"));
+        let known: Vec<&str> =
+            ACTIONS.iter().map(|row| row.name).chain(PARAMETERS.iter().map(|row| row.name)).collect();
+        let meant = text::nearest(name, &known).map_or_else(String::new, |meant| format!("did you mean '{meant}'? "));
+        return Err(format!("no command '{name}': {meant}tab shows what there is, ? the help"));
     };
     let argument = rest.trim();
     match (row.argument, argument) {
@@ -65,6 +74,9 @@ mod tests {
         assert_eq!(parse("kd.2=-1e-3"), Ok(Action::SetTyped(vec![(key("kd.2"), -1e-3)])));
         assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::SetTyped(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
         assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
+        assert_eq!((parse("q"), parse("w good")), (Ok(Action::Quit), Ok(Action::Save("good".into()))));
+        assert!(parse("layuot").unwrap_err().starts_with("no command 'layuot': did you mean 'layout'?"));
+        assert!(parse("sped 3").unwrap_err().contains("did you mean 'speed'?"));
         let fix = |low, high| Scaling::Fix([low, high]);
         assert_eq!(parse("scale 0.5"), Ok(Action::Scale(None, vec![Scaling::Times(0.5)])));
         assert_eq!(parse("scale auto"), Ok(Action::Scale(None, vec![Scaling::Auto])));

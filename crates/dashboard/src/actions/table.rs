@@ -129,7 +129,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
     },
     ActionRow {
         name: "search",
-        argument: "[A..B] [robust|full]|stop",
+        argument: "[A..B] [robust|full] [sensitivity=S] [delay=T]|stop",
         meaning: "search gains to past this speed, or over a range",
         keys: &[keys(&[("S", "")], "search better gains, to be seen before they apply", None)],
         make: |words| Ok(Action::Search(words.to_owned())),
@@ -356,6 +356,13 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         meaning: "close what lies on top",
         keys: &[keys(&[("esc", "")], "close what lies on top", None)],
         make: |_| Ok(Action::Escape),
+    },
+    ActionRow {
+        name: "lock",
+        argument: "",
+        meaning: "lock the machine against keys, or unlock it",
+        keys: &[keys(&[("ctrl-l", "")], "lock the machine against keys, or unlock it", None)],
+        make: |_| Ok(Action::Lock),
     },
     ActionRow {
         name: "suspend",

@@ -5,7 +5,7 @@ use std::sync::atomic::Ordering;
 
 use rotor::{Key, Rotor, Settings};
 
-use super::{App, Message, lock};
+use super::{App, LOCKED, Message, lock};
 use crate::actions::Action;
 use crate::layers::{Layer, PresetChange};
 use crate::line_editor::LineEditor;
@@ -70,6 +70,12 @@ impl App<'_> {
             Action::Command(line) => self.layers.push(Layer::Command(LineEditor::from(&*line))),
             Action::Filter => self.layers.push(Layer::Filter(LineEditor::from(&*self.filter))),
             Action::Suspend => self.suspend = true,
+            Action::Lock => {
+                self.locked = !self.locked;
+                let told = if self.locked { LOCKED } else { "unlocked: keys act on the machine" };
+                self.tell(Message::Good(told.into()));
+            }
+            Action::Edit(Edit::Restart) if self.locked => self.tell(Message::Bad(LOCKED.into())),
             Action::Select(rows_down) => {
                 let keys = self.settings().map(|settings| rows(&settings)).unwrap_or_default();
                 let shown = shown_rows(&keys, &self.filter, self.row);

@@ -4,7 +4,7 @@ use rotor::{C64, Key, Settings};
 use telemetry::edits::Edit;
 use telemetry::reader::lock;
 
-use super::App;
+use super::{App, LOCKED};
 use crate::actions::Action;
 use crate::view::Message;
 
@@ -73,6 +73,8 @@ impl App<'_> {
             }
         } else if self.read_only {
             self.tell(Message::Bad("read-only: this dashboard changes nothing".into()));
+        } else if self.locked {
+            self.tell(Message::Bad(LOCKED.into()));
         } else if self.edits.try_send(edit).is_err() {
             self.tell(Message::Bad("the simulation does not keep up with the changes: wait".into()));
         }

@@ -176,6 +176,8 @@ fn play(events: u64, seed: u64) {
                 layers.pop();
             }
             assert!(app.layers.len() <= 3, "layers pile up: {:?}", app.layers);
+            // A locked machine is unlocked first.
+            app.locked = false;
             app.press(KeyEvent::new(KeyCode::Char('q'), KeyModifiers::NONE));
             assert_eq!(
                 app.quit.take(),

@@ -1,9 +1,9 @@
 //! What keys do: the topmost layer gets them, and what is typed there becomes actions.
 
-use crossterm::event::KeyEvent;
+use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use rotor::Settings;
 
-use super::{App, Message};
+use super::{App, LOCKED, Message};
 use crate::actions::{self, Action};
 use crate::complete;
 use crate::layers::{Confirmed, Layer, LayerEvent};
@@ -18,6 +18,11 @@ impl App<'_> {
         // These work whatever lies on top, unless they are a letter of a text.
         let is_text = self.layers.last().is_some_and(Layer::takes_letters) && is_letter(key);
         match action {
+            // Quitting may end the machine: of a locked one ctrl-c alone does.
+            Some(Action::Quit) if !is_text && self.locked && is_letter(key) => {
+                self.tell(Message::Bad(LOCKED.into()));
+                return;
+            }
             Some(Action::Quit) if !is_text => {
                 self.quit = Some(Ended::Quit);
                 return;
@@ -68,6 +73,25 @@ impl App<'_> {
                 self.compared.clear();
                 self.tell(Message::Hints);
             }
+        }
+    }
+
+    /// Takes what is pasted: letters of the line that is being typed, up to its end, which completes nothing. Elsewhere it does
+    /// nothing, whatever its letters stand for as keys.
+    pub(crate) fn paste(&mut self, text: &str) {
+        let line = text.lines().next().unwrap_or_default().trim_end();
+        let is_taken = match self.layers.last() {
+            Some(Layer::Value(_)) => line.parse::<f64>().is_ok(),
+            Some(layer) => layer.takes_letters(),
+            None => false,
+        };
+        if !is_taken {
+            let told = "what is pasted does nothing here: `:` takes it as a command, enter as a value";
+            self.tell(Message::Bad(told.into()));
+            return;
+        }
+        for letter in line.chars().filter(|letter| !letter.is_control()) {
+            self.press(KeyEvent::new(KeyCode::Char(letter), KeyModifiers::NONE));
         }
     }
 

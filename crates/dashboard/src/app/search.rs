@@ -62,6 +62,11 @@ impl App<'_> {
                     [] => String::new(),
                     worse => format!(", but, beside now, {}", worse.join(", ")),
                 };
+                let unmet = match &found.unmet[..] {
+                    [] => String::new(),
+                    unmet => format!(", with {}", unmet.join(" and ")),
+                };
+                let worse = format!("{unmet}{worse}");
                 let compared = telemetry::comparison::rows(now, new, &units).into_iter();
                 self.compared = compared.map(|row| PopupRow { word: row.quantity, detail: row.told }).collect();
                 let what = format!(

@@ -396,3 +396,42 @@ fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
         "{edits:?}"
     );
 }
+
+#[test]
+fn what_is_pasted_drives_no_machine_and_types_where_a_line_is_typed() {
+    let (mut app, taken) = dashboard(&Options::default());
+    // As keys: control off, restart, undo, an impulse, and quit.
+    app.take(Input::Paste("0Rui\n:kd=5\nq".into()));
+    assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("pasted")), "{:?}", app.message.0);
+    assert!(taken.is_empty() && app.layers.is_empty() && app.quit.is_none());
+    press(&mut app, &[Char(':')]);
+    app.take(Input::Paste("kd=0.25\nq".into()));
+    assert!(taken.is_empty(), "nobody has pressed enter yet");
+    press(&mut app, &[Enter]);
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Set(vec![(key("kd"), 0.25)])]);
+    press(&mut app, &[Enter]);
+    app.take(Input::Paste("fast".into()));
+    assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("pasted")), "a value is a number");
+    app.take(Input::Paste("3.5\n".into()));
+    press(&mut app, &[Enter]);
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Set(vec![(key("speed"), 3.5)])]);
+}
+
+#[test]
+fn a_locked_machine_is_left_alone_until_it_is_unlocked() {
+    let (mut app, taken) = dashboard(&Options { locked: true, ..Options::default() });
+    assert!(frame(&mut app).lines().next().unwrap().contains("LOCKED"));
+    press(&mut app, &[Char('0'), Char('i'), Char('R'), Right, Char('q')]);
+    command(&mut app, "kd=0.25");
+    assert!(taken.is_empty() && app.quit.is_none());
+    assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("ctrl-l unlocks")), "{:?}", app.message.0);
+    app.press(KeyEvent::new(Char('l'), KeyModifiers::CONTROL));
+    assert!(!frame(&mut app).lines().next().unwrap().contains("LOCKED"));
+    press(&mut app, &[Char('i')]);
+    assert_eq!(taken.try_iter().count(), 1);
+    app.press(KeyEvent::new(Char('l'), KeyModifiers::CONTROL));
+    press(&mut app, &[Char('q')]);
+    assert!(app.quit.is_none());
+    app.press(KeyEvent::new(Char('c'), KeyModifiers::CONTROL));
+    assert_eq!(app.quit, Some(Ended::Quit), "a person who means it can leave");
+}

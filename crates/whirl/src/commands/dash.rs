@@ -59,6 +59,9 @@ pub(crate) struct ScreenArgs {
     /// Only look: change nothing
     #[arg(long)]
     read_only: bool,
+    /// Begin with the machine locked against keys: ctrl-l unlocks it
+    #[arg(long, conflicts_with = "read_only")]
+    locked: bool,
 }
 
 impl ScreenArgs {
@@ -91,6 +94,7 @@ impl ScreenArgs {
             commands: folders::commands(),
             pictures: std::env::current_dir().ok(),
             read_only: self.read_only,
+            locked: self.locked,
         })
     }
 }
