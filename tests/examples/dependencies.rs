@@ -5,8 +5,10 @@
 //! * nothing is in the program twice, in two versions, but for what is listed here;
 //! * no crate of ours names a dependency that it does not use, or uses in tests alone.
 //!
-//! What `cargo deny` and `cargo machete` do, as far as it needs no list of advisories from the network. Those two take
-//! longer to build than everything here together, and would be built anew on every machine.
+//! What `cargo deny` and `cargo machete` do, as far as it needs no list of advisories from the network. Those two are programs of
+//! their own, which would be built anew on every machine.
+
+#![expect(clippy::print_stdout, clippy::print_stderr, reason = "what it finds is what it is for")]
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;

@@ -11,7 +11,12 @@ fn main() {
 fn chart() -> Chart {
     let line = |k: u32| {
         let points = (0..2000).map(|i| f64::from(i) * 0.005).map(|x| (x, (x * f64::from(k)).sin())).collect();
-        Series::new(&format!("line {k}"), if k % 2 == 0 { Look::Solid } else { Look::Dashed }, Color::BLUE, points)
+        Series::new(
+            &format!("line {k}"),
+            if k.is_multiple_of(2) { Look::Solid } else { Look::Dashed },
+            Color::BLUE,
+            points,
+        )
     };
     let marks = (0..40).map(|i| (0.25 * f64::from(i), 0.5)).collect();
     let mut series: Vec<Series> = (1..=4).map(line).collect();

@@ -39,7 +39,7 @@ impl App<'_> {
         let places = feed.history().kept();
         let last = places.end.checked_sub(1).filter(|last| *last >= places.start)?;
         let track = feed.history().track(&(last..last + 1));
-        (track.len() > 0).then(|| track.speed(0))
+        (!track.is_empty()).then(|| track.speed(0))
     }
 
     /// What is known of the bench: its settings and rotor. Says so if that is nothing yet.
