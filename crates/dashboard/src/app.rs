@@ -162,7 +162,7 @@ impl<'a> App<'a> {
             read_only: options.read_only,
             locked: options.locked,
             pictures: options.pictures.clone(),
-            look: Look::of_screenshot(options.wishes),
+            look: Look::of_screenshot(options.appearance),
             area: Rect::default(),
             dragged: None,
             suspend: false,

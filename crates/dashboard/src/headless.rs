@@ -34,7 +34,7 @@ impl Headless {
         // Without keys nothing is wanted.
         let (edits, _) = channel::bounded(0);
         let app = App::new(bench.to_owned(), feed.clone(), edits, None, Jobs::inline(), Arc::default(), options);
-        Self { feed, app, look: Look::of_screenshot(options.wishes) }
+        Self { feed, app, look: Look::of_screenshot(options.appearance) }
     }
 
     /// Takes in one step.
@@ -95,8 +95,8 @@ mod tests {
     use crate::layout::built_in;
     use telemetry::test_support as tests;
 
-    fn headless(layout: usize, wishes: AppearanceOptions) -> Headless {
-        let mut headless = Headless::new("default", &Options { layout, wishes, ..Options::default() });
+    fn headless(layout: usize, appearance: AppearanceOptions) -> Headless {
+        let mut headless = Headless::new("default", &Options { layout, appearance, ..Options::default() });
         headless.push_bench_status(tests::bench_status("three-mass", "composite"));
         for seq in 0..9000 {
             headless.push_step(&tests::state(3, seq));

@@ -49,7 +49,7 @@ pub struct Options {
     /// The one that is shown first, by its place among them.
     pub layout: usize,
     /// Colours and glyphs.
-    pub wishes: AppearanceOptions,
+    pub appearance: AppearanceOptions,
     /// Limits past which alarms rise.
     pub limits: Limits,
     /// Whether the terminal's bell rings when one rises.
@@ -74,7 +74,7 @@ impl Default for Options {
             history: BOUND,
             layouts: built_in(),
             layout: 0,
-            wishes: AppearanceOptions::default(),
+            appearance: AppearanceOptions::default(),
             limits: Limits::default(),
             bell: false,
             keys: Keymap::default(),

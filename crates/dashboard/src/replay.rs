@@ -37,7 +37,7 @@ pub fn replay(past: Box<dyn RecordingSource>, options: &Options) -> Result<Ended
     let stop = Arc::new(AtomicBool::new(false));
     let (send_input, inputs) = channel::unbounded();
     let signals = signals::listen(send_input.clone())?;
-    let screen = Screen::take(Look::of_environment(options.wishes))?;
+    let screen = Screen::take(Look::of_environment(options.appearance))?;
     input::keyboard(send_input, stop.clone())?;
     // Nobody at the other end of these: edits go to the player, and nothing comes by itself.
     let (edits, _nobody) = channel::bounded(1);

@@ -53,7 +53,7 @@ pub fn run<'a, C: Carrier>(
     let channels = ReaderChannels { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
     let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), channels)?;
     let editor = edits::spawn(carrier, bench.clone(), take_edits, news, send_outcome)?;
-    let screen = Screen::take(Look::of_environment(options.wishes))?;
+    let screen = Screen::take(Look::of_environment(options.appearance))?;
     input::keyboard(send_input, stop.clone())?;
     let mut app =
         App::new(bench.to_string(), feed, edits, simulation, jobs, idle, options).recording_with(recorder_process);

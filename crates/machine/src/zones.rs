@@ -4,10 +4,10 @@
 /// run without bound, those in C only until they can be mended, those in D not at all.
 pub const ISO_14839_3: [f64; 3] = [3.0, 4.0, 5.0];
 
-/// The zone of a peak of the sensitivity, where A, B and C end at `ends`, which rise.
+/// The zone of a peak of the sensitivity, where A, B and C end at `ends`, which rise and are in them.
 #[must_use]
 pub fn sensitivity_zone(peak: f64, ends: [f64; 3]) -> &'static str {
-    let passed = ends.iter().filter(|end| peak >= **end).count();
+    let passed = ends.iter().filter(|end| peak > **end).count();
     ["A", "B", "C", "D"][passed]
 }
 
@@ -17,7 +17,7 @@ mod tests {
 
     #[test]
     fn val_zones_are_those_of_the_standard() {
-        let zones = [1.0, 2.99, 3.0, 3.99, 4.0, 4.99, 5.0, 80.0].map(|peak| sensitivity_zone(peak, ISO_14839_3));
+        let zones = [1.0, 3.0, 3.01, 4.0, 4.01, 5.0, 5.01, 80.0].map(|peak| sensitivity_zone(peak, ISO_14839_3));
         assert_eq!(zones, ["A", "A", "B", "B", "C", "C", "D", "D"]);
         // In decibels, as the standard writes them.
         for (end, decibels) in ISO_14839_3.into_iter().zip([9.5, 12.0, 14.0]) {

@@ -37,7 +37,7 @@ pub(crate) struct RequestThread<'a> {
     profile: Option<Profile>,
     bench_status: Box<BenchStatus>,
     exchange: &'a Exchange,
-    gauge: PaceStatistics,
+    pace: PaceStatistics,
     log: Log,
     lateness: Lateness,
     period: Duration,
@@ -82,7 +82,7 @@ impl<'a> RequestThread<'a> {
             profile: options.profile.clone(),
             bench_status,
             exchange,
-            gauge: PaceStatistics::new(),
+            pace: PaceStatistics::new(),
             log: Log::default(),
             lateness: Lateness::new(period),
             period,
@@ -109,7 +109,7 @@ impl<'a> RequestThread<'a> {
         let mut beat = Instant::now();
         while !stop.load(Ordering::Relaxed) {
             if self.news || beat.elapsed() >= HEARTBEAT {
-                self.gauge.gather(self.exchange);
+                self.pace.gather(self.exchange);
                 self.radii.rotate_left(1);
                 self.radii[RADII - 1] = self.exchange.counters.take_radius();
                 self.watch_excitation();
@@ -129,16 +129,16 @@ impl<'a> RequestThread<'a> {
                 self.note(notice);
             }
         }
-        self.gauge.gather(self.exchange);
+        self.pace.gather(self.exchange);
         self.log.note(&Happening::Ended, When::now(self.exchange), &self.bench_status);
         self.log.send(&mut news)?;
-        Ok((self.gauge.health(self.exchange, host.listeners()), self.bench_status.trip))
+        Ok((self.pace.health(self.exchange, host.listeners()), self.bench_status.trip))
     }
 
     fn publish(&mut self, news: &mut impl NewsSender, listeners: usize) -> Result<(), WireError> {
         self.bench_status.number += 1;
         self.bench_status.wall_ns = crate::wall_ns();
-        self.bench_status.health = self.gauge.health(self.exchange, listeners);
+        self.bench_status.health = self.pace.health(self.exchange, listeners);
         self.news = false;
         news.bench_status(&self.bench_status)
     }

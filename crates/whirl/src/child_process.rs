@@ -35,8 +35,8 @@ impl ChildProcess {
     /// # Errors
     /// It cannot be started, or ends at once: in its own words, with its own exit code.
     pub(crate) fn start(what: &'static str, farewell: Duration, arguments: Vec<String>) -> Result<Self, Failure> {
-        let mut companion = Self::launch(what, farewell, arguments)?;
-        companion.wait().map(|()| companion)
+        let mut child = Self::launch(what, farewell, arguments)?;
+        child.wait().map(|()| child)
     }
 
     /// The same without waiting: [`ChildProcess::is_ready`] tells.

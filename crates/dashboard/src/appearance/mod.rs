@@ -67,10 +67,10 @@ pub(crate) struct Look {
 }
 
 impl Look {
-    /// The look for `wishes` in an environment.
-    pub(crate) fn choose(wishes: AppearanceOptions, variable: impl Fn(&str) -> Option<String>) -> Self {
+    /// The look for `appearance` in an environment.
+    pub(crate) fn choose(appearance: AppearanceOptions, variable: impl Fn(&str) -> Option<String>) -> Self {
         let set = |name: &str| variable(name).filter(|value| !value.is_empty());
-        let theme = wishes.theme.theme();
+        let theme = appearance.theme.theme();
         let full = set("COLORTERM").is_some_and(|value| matches!(&*value, "truecolor" | "24bit"));
         let palette = if full { theme.full.unwrap_or(theme.sixteen) } else { theme.sixteen };
         // no-color.org: any value but the empty one. The console of the Linux kernel has no braille.
@@ -78,17 +78,17 @@ impl Look {
         // The first of these that is set says what the terminal can show; none set says nothing.
         let locale = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().find_map(set).map(|value| value.to_lowercase());
         let foreign = locale.is_some_and(|locale| !(locale.contains("utf-8") || locale.contains("utf8")));
-        Self { palette: set("NO_COLOR").is_none().then_some(palette), ascii: wishes.ascii || simple || foreign }
+        Self { palette: set("NO_COLOR").is_none().then_some(palette), ascii: appearance.ascii || simple || foreign }
     }
 
     /// The look of a screenshot, which can have all colours and glyphs.
-    pub(crate) fn of_screenshot(wishes: AppearanceOptions) -> Self {
-        Self::choose(wishes, |name| (name == "COLORTERM").then(|| "truecolor".to_owned()))
+    pub(crate) fn of_screenshot(appearance: AppearanceOptions) -> Self {
+        Self::choose(appearance, |name| (name == "COLORTERM").then(|| "truecolor".to_owned()))
     }
 
     /// The look of this process's environment.
-    pub(crate) fn of_environment(wishes: AppearanceOptions) -> Self {
-        Self::choose(wishes, |name| std::env::var(name).ok())
+    pub(crate) fn of_environment(appearance: AppearanceOptions) -> Self {
+        Self::choose(appearance, |name| std::env::var(name).ok())
     }
 
     /// Turns roles into colours, and glyphs into their ASCII twins if need be.
@@ -122,9 +122,9 @@ mod tests {
     use super::*;
     use crate::theme;
 
-    fn look(wishes: AppearanceOptions, environment: &[(&str, &str)]) -> Look {
+    fn look(appearance: AppearanceOptions, environment: &[(&str, &str)]) -> Look {
         let find = |name: &str| environment.iter().find(|(n, _)| *n == name).map(|(_, value)| (*value).to_owned());
-        Look::choose(wishes, find)
+        Look::choose(appearance, find)
     }
 
     /// The one cell of a finished frame.
@@ -138,12 +138,12 @@ mod tests {
 
     #[test]
     fn roles_become_the_sixteen_colours_unless_told_otherwise() {
-        let wishes = AppearanceOptions::default();
+        let appearance = AppearanceOptions::default();
         for environment in [&[][..], &[("COLORTERM", "truecolor")], &[("NO_COLOR", "")]] {
-            let cell = finished(look(wishes, environment), "⠿", Style::new().fg(theme::BAD));
+            let cell = finished(look(appearance, environment), "⠿", Style::new().fg(theme::BAD));
             assert_eq!(cell, ("⠿".into(), Color::Red, Color::Reset), "{environment:?}");
         }
-        let full = AppearanceOptions { theme: "full".parse().unwrap(), ..wishes };
+        let full = AppearanceOptions { theme: "full".parse().unwrap(), ..appearance };
         let fg = |environment| finished(look(full, environment), "x", Style::new().fg(theme::BAD)).1;
         assert!(matches!(fg(&[("COLORTERM", "truecolor")]), Color::Rgb(..)));
         assert_eq!(fg(&[("COLORTERM", "no")]), Color::Red, "a terminal that does not say so gets no true colours");
@@ -152,8 +152,8 @@ mod tests {
     #[test]
     fn no_color_leaves_none() {
         for (theme, _) in ThemeName::all() {
-            let wishes = AppearanceOptions { theme, ascii: false };
-            let look = look(wishes, &[("NO_COLOR", "1"), ("COLORTERM", "truecolor")]);
+            let appearance = AppearanceOptions { theme, ascii: false };
+            let look = look(appearance, &[("NO_COLOR", "1"), ("COLORTERM", "truecolor")]);
             let style = Style::new().fg(theme::GOOD).bg(theme::FORCE);
             assert_eq!(finished(look, "x", style), ("x".into(), Color::Reset, Color::Reset));
         }

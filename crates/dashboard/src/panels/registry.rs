@@ -363,7 +363,7 @@ mod tests {
             let mut panels = Panels::new();
             for (at, kind) in PANELS.iter().enumerate() {
                 let fixes = [Scaling::Fix([1e-3, 2e-3]), Scaling::Fix([1e5, 1e6])];
-                let wishes = [
+                let appearance = [
                     PanelCommand::Value(&[Scaling::Times(1e-9)]),
                     PanelCommand::Value(&[Scaling::Times(1e9)]),
                     PanelCommand::Value(&fixes),
@@ -375,7 +375,7 @@ mod tests {
                     PanelCommand::Strips(Some(&strips)),
                     PanelCommand::Strip("damping", &[Scaling::Times(0.5)]),
                 ];
-                for command in &wishes {
+                for command in &appearance {
                     panels.command(at, command);
                     for (width, height) in [(0, 0), (1, 1), (7, 3), kind.least, USUAL, LARGE] {
                         let area = Rect::new(2, 1, width, height);

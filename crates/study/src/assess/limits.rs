@@ -1,5 +1,6 @@
 //! What is asked: one table, whose values can be changed, and where each comes from.
 
+use machine::ISO_14839_3 as ZONES;
 use text::{Domain, Faults, Reader};
 
 /// One limit.
@@ -21,7 +22,7 @@ const ISO_14839_2: &str = "ISO 14839-2, as commonly quoted";
 const ISO_14839_3: &str = "ISO 14839-3, as commonly quoted";
 
 macro_rules! limits {
-    ($($key:ident = $value:literal, $what:literal, $source:expr;)*) => {
+    ($($key:ident = $value:expr, $what:literal, $source:expr;)*) => {
         /// Every limit, in the order of the page.
         pub const LIMITS: &[Limit] =
             &[$(Limit { key: stringify!($key), value: $value, what: $what, source: $source }),*];
@@ -90,9 +91,9 @@ limits! {
     orbit_zone_a = 0.3, "orbit in parts of the smallest clearance up to which it is in zone A", ISO_14839_2;
     orbit_zone_b = 0.4, "the same of zone B", ISO_14839_2;
     orbit_zone_c = 0.5, "the same of zone C", ISO_14839_2;
-    sensitivity_zone_a = 3.0, "peak of the sensitivity up to which it is in zone A", ISO_14839_3;
-    sensitivity_zone_b = 4.0, "the same of zone B", ISO_14839_3;
-    sensitivity_zone_c = 5.0, "the same of zone C", ISO_14839_3;
+    sensitivity_zone_a = ZONES[0], "peak of the sensitivity up to which it is in zone A", ISO_14839_3;
+    sensitivity_zone_b = ZONES[1], "the same of zone B", ISO_14839_3;
+    sensitivity_zone_c = ZONES[2], "the same of zone C", ISO_14839_3;
     zone = 1.0, "the last zone that is passed: 1 is A, that of new machines, 2 is B, 3 is C", "ISO 14839, of machines newly commissioned";
     force_share = 1.0, "largest dynamic force in parts of what the bearing can hold", "the limit of the loop, or as given";
 }

@@ -80,13 +80,13 @@ impl ScreenArgs {
     pub(crate) fn options_with(&self, layout: Option<&str>) -> Result<dashboard::Options, Failure> {
         let config = config::read()?;
         let theme = self.theme.or(config.theme).unwrap_or_default();
-        let wishes = dashboard::AppearanceOptions { theme, ascii: self.ascii || config.ascii };
+        let appearance = dashboard::AppearanceOptions { theme, ascii: self.ascii || config.ascii };
         let (layouts, layout) = layouts::choose(self.layout.as_deref().or(layout).or(config.layout.as_deref()))?;
         Ok(dashboard::Options {
             history: self.history as usize * 1_000_000,
             layouts,
             layout,
-            wishes,
+            appearance,
             limits: config.limits,
             bell: config.bell,
             keys: config.keys,

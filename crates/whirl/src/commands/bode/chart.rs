@@ -11,7 +11,7 @@ use crate::units::Units;
 /// Decades of frequency below the highest.
 const DECADES: f64 = 1e-3;
 /// Sensitivities whose circles are drawn around -1.
-const CIRCLES: [f64; 3] = [3.0, 4.0, 5.0];
+const CIRCLES: [f64; 3] = machine::ISO_14839_3;
 
 /// The charts of a response, from above.
 pub(in crate::commands) fn of(
