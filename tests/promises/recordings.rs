@@ -292,7 +292,7 @@ mod with {
         let config = configure(&root, "[alarms]\norbit = [5, 3]\n");
         let ran = record(&root.path().join("s.rrd"), &[]);
         assert_eq!(ran.code, Some(2), "{ran:?}");
-        assert!(ran.stderr.contains("config.toml:2:9: [5, 3]: expected the alarm at or above"), "{ran:?}");
+        assert!(ran.stderr.contains("config.toml:2:9: orbit = [5, 3]: expected the alarm at or above"), "{ran:?}");
         std::fs::remove_file(config).unwrap();
 
         let first = root.path().join("first.rrd");
