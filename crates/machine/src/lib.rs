@@ -45,7 +45,7 @@ pub use frequency::{
 };
 pub use machine::{Line, Machine, Sample};
 pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
-pub use margins_over::{WORST, in_hand, worst_margins};
+pub use margins_over::{WORST, in_hand, margins_at, worst_among, worst_margins};
 pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
 pub use poles::{MachinePoles, PolesError, min_damping};

@@ -37,8 +37,27 @@ pub fn worst_margins(
     settings: &Settings,
     speeds: &[f64],
 ) -> Result<[Option<MachineMargins>; WORST.len()], MarginsError> {
-    let all: Vec<MachineMargins> =
-        speeds.iter().map(|speed| margins(rotor, settings, *speed)).collect::<Result<_, _>>()?;
+    worst_among(rotor, settings, speeds, &margins_at(rotor, settings, speeds)?)
+}
+
+/// All margins at each of `speeds`.
+///
+/// # Errors
+/// A speed at which the machine is not stable, or poles that cannot be had.
+pub fn margins_at(rotor: &Rotor, settings: &Settings, speeds: &[f64]) -> Result<Vec<MachineMargins>, MarginsError> {
+    speeds.iter().map(|speed| margins(rotor, settings, *speed)).collect()
+}
+
+/// [`worst_margins`], of those that [`margins_at`] has found at the same speeds.
+///
+/// # Errors
+/// As for [`worst_margins`].
+pub fn worst_among(
+    rotor: &Rotor,
+    settings: &Settings,
+    speeds: &[f64],
+    all: &[MachineMargins],
+) -> Result<[Option<MachineMargins>; WORST.len()], MarginsError> {
     let mut worst = [const { None }; WORST.len()];
     for (kind, place) in worst.iter_mut().enumerate() {
         let known = all.iter().enumerate().filter_map(|(at, found)| Some((at, in_hand(kind, found)?)));

@@ -6,12 +6,12 @@ use machine::{MachinePoles, trace};
 use plot::{Axis, Chart, Color, Look, Series};
 use rotor::C64;
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, Where, between};
 
 /// Modes damped so many times as well as is asked are summed up in one line.
 const WELL_DAMPED: f64 = 10.0;
-/// Steps of the search between two speeds: golden section, to the last place that a minimum has.
-const STEPS: usize = 40;
+/// A minimum is pinned down to this part of the distance of two speeds looked at: beyond, it is flat.
+const NEAR: f64 = 1e-8;
 /// Whirl slower than this part of `|s|` is none, but rounding of a multiple pole.
 const SLOWEST: f64 = 1e-5;
 
@@ -65,31 +65,17 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
 
 /// The least of a mode between the neighbours of the speed at which it was least.
 fn between(question: &Question<'_>, speeds: &[f64], at: usize, mut least: Least) -> Result<Least, AssessError> {
-    let [mut low, mut high] = [at.saturating_sub(1), (at + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let look = |speed: f64, least: &mut Least| -> Result<f64, AssessError> {
+    let [low, high] = [at.saturating_sub(1), (at + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
+    between::climb([low, high], NEAR * (high - low), |speed| -> Result<f64, AssessError> {
         let modes = MachinePoles::at(question.rotor, question.settings, speed)?.modes;
         let near = |mode: &rotor::Mode| (mode.pole - least.pole).norm_sqr();
-        let Some(mode) = modes.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { return Ok(f64::INFINITY) };
+        let Some(mode) = modes.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { return Ok(f64::NEG_INFINITY) };
         let found = decrement(mode.pole).unwrap_or(f64::INFINITY);
         if found < least.decrement {
-            *least = Least { decrement: found, speed, pole: mode.pole };
+            least = Least { decrement: found, speed, pole: mode.pole };
         }
-        Ok(found)
-    };
-    let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
-    let (mut at_a, mut at_b) = (look(a, &mut least)?, look(b, &mut least)?);
-    for _ in 0..STEPS {
-        if at_a < at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - golden * (high - low);
-            at_a = look(a, &mut least)?;
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + golden * (high - low);
-            at_b = look(b, &mut least)?;
-        }
-    }
+        Ok(-found)
+    })?;
     Ok(least)
 }
 

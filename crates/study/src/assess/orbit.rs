@@ -4,7 +4,7 @@
 use rotor::Stability;
 use rotor::circular::{self, CircularError, Orbit};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where, between};
 
 pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     let (settings, limits) = (question.settings, question.limits);
@@ -67,8 +67,8 @@ fn largest(
     let settings = question.settings;
     let [from, to] = question.operating;
     let apart = (to - from) / (SPEEDS - 1) as f64;
-    let (mut low, mut high) = ((best.speed - apart).max(from), (best.speed + apart).min(to));
-    let mut look = |speed: f64| -> Result<f64, AssessError> {
+    let (low, high) = ((best.speed - apart).max(from), (best.speed + apart).min(to));
+    let look = |speed: f64| -> Result<f64, AssessError> {
         let found = circular::synchronous(question.rotor, &settings.feedback, &settings.deadband, &[speed])?;
         let stable = found.orbits.into_iter().flatten().filter(Orbit::is_stable);
         let Some(here) = stable.max_by(|a, b| size(a).total_cmp(&size(b))) else { return Ok(0.0) };
@@ -78,21 +78,7 @@ fn largest(
         }
         Ok(value)
     };
-    // Golden section.
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut a, mut b) = (high - golden * (high - low), low + golden * (high - low));
-    let (mut at_a, mut at_b) = (look(a)?, look(b)?);
-    while high - low > 1e-8 * (1.0 + high) {
-        if at_a > at_b {
-            (high, b, at_b) = (b, a, at_a);
-            a = high - golden * (high - low);
-            at_a = look(a)?;
-        } else {
-            (low, a, at_a) = (a, b, at_b);
-            b = low + golden * (high - low);
-            at_b = look(b)?;
-        }
-    }
+    between::climb([low, high], 1e-8 * (1.0 + high), look)?;
     Ok(Some(best))
 }
 

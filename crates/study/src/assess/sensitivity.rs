@@ -1,6 +1,6 @@
 //! The peak of the sensitivity over the operating range, and its zone.
 
-use machine::{MarginsError, margins, worst_margins};
+use machine::{MarginsError, margins_at, worst_among};
 
 use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
 use plot::{Axis, Chart, Color, Look, Series};
@@ -17,8 +17,8 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     let source = limits.source("sensitivity_zone_a");
     let zones = limits.sensitivity_zones();
     let asked = Asked::AtMost(limits.zone_of(0.0, zones).1);
-    let worst = match worst_margins(rotor, settings, &speeds) {
-        Ok(worst) => worst,
+    let all = match margins_at(rotor, settings, &speeds) {
+        Ok(all) => all,
         Err(MarginsError::Unstable { speed, .. }) => {
             let why = "not stable: there is no margin";
             let line = Line::without(what, Quantity::Number, why, &source).at(Where::speed(speed));
@@ -26,6 +26,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         }
         Err(error) => return Err(error.into()),
     };
+    let worst = worst_among(rotor, settings, &speeds, &all)?;
     let mut lines = Vec::new();
     if let Some(found) = &worst[SENSITIVITY] {
         let peak = found.margins.sensitivity();
@@ -35,10 +36,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
             line.at(Where { frequency: peak.frequency, ..Where::speed(found.speed) }).noted(format!("zone {zone}")),
         );
     }
-    let mut points = Vec::with_capacity(speeds.len());
-    for speed in &speeds {
-        points.push((*speed, margins(rotor, settings, *speed)?.margins.sensitivity().amplitude));
-    }
+    let points = all.iter().map(|found| (found.speed, found.margins.sensitivity().amplitude));
     let [from, to] = question.operating;
     let top = TOP * zones[2];
     let ends = (zones.iter().zip(["zone A ends", "zone B ends", "zone C ends"])).zip([
@@ -53,7 +51,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         "peak of |S|",
         Look::Solid,
         Color::BLUE,
-        points.into_iter().map(|(x, y)| (x, y.min(10.0 * top))).collect(),
+        points.map(|(x, y)| (x, y.min(10.0 * top))).collect(),
     ));
     let chart = Chart {
         title: "Peak of the sensitivity over speed".into(),

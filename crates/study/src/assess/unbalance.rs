@@ -8,7 +8,7 @@ use control::LinearLoop;
 use nalgebra::DMatrix;
 use rotor::{C64, LinearForm, OperatingPoint, Plant, Scales};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, Where, between};
 
 /// The speed in rpm from which less vibration is allowed (API 617).
 const KNEE: f64 = 12_000.0;
@@ -140,24 +140,14 @@ fn largest(question: &Question<'_>, range: [f64; 2], places: &[usize]) -> Result
     let found: Vec<Largest> = speeds.iter().map(|speed| at(*speed)).collect::<Result<_, _>>()?;
     let best = (0..found.len()).max_by(|a, b| found[*a].radius.total_cmp(&found[*b].radius)).unwrap_or(0);
     let mut largest = found[best];
-    let [mut low, mut high] = [best.saturating_sub(1), (best + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
-    // Golden section between the neighbours.
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut a, mut b) = (at(high - golden * (high - low))?, at(low + golden * (high - low))?);
-    while high - low > 1e-9 * (1.0 + high) {
-        for seen in [a, b] {
-            if seen.radius > largest.radius {
-                largest = seen;
-            }
+    let [low, high] = [best.saturating_sub(1), (best + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
+    between::climb([low, high], 1e-9 * (1.0 + high), |speed| -> Result<f64, AssessError> {
+        let seen = at(speed)?;
+        if seen.radius > largest.radius {
+            largest = seen;
         }
-        if a.radius > b.radius {
-            (high, b) = (b.speed, a);
-            a = at(high - golden * (high - low))?;
-        } else {
-            (low, a) = (a.speed, b);
-            b = at(low + golden * (high - low))?;
-        }
-    }
+        Ok(seen.radius)
+    })?;
     Ok(largest)
 }
 
