@@ -55,11 +55,11 @@ pub(crate) fn draw_overflow(rows: &Range<usize>, count: usize, area: Rect, buffe
     }
     let edge = Rect { width: area.width - 1, ..area };
     if rows.start > 0 {
-        write_right(buffer, edge, area.top(), &format!(" {} more ▲ ", rows.start), theme::loud(theme::WARN));
+        write_right(buffer, edge, area.top(), &format!(" {} more ▲ ", rows.start), theme::loud(theme::CURSOR));
     }
     if rows.end < count {
         let text = format!(" {} more ▼ ", count - rows.end);
-        write_right(buffer, edge, area.bottom() - 1, &text, theme::loud(theme::WARN));
+        write_right(buffer, edge, area.bottom() - 1, &text, theme::loud(theme::CURSOR));
     }
 }
 

@@ -2,13 +2,14 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
+use ratatui::style::Modifier;
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
 use crate::layers::Layer;
 use crate::layout::{Layout, SMALLEST};
 use crate::panels::panel::PanelCommand;
-use crate::panels::registry::Panels;
+use crate::panels::registry::{PANELS, Panels};
 use crate::theme;
 use crate::view::View;
 use crate::{help, popup, status_line, time_line};
@@ -37,6 +38,9 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     panels.command_any(&PanelCommand::StripsOfLayout(strips));
     for (kind, place) in places {
         panels.draw(kind, view, place, buffer);
+        if PANELS[kind].is_of_motion && view.standstill().is_some() {
+            dim(place, buffer);
+        }
         if view.selection.plot == Some(kind) {
             mark_chosen(place, buffer);
         }
@@ -53,6 +57,15 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     });
     if let Some(from) = help {
         help::draw(view, from, area, buffer);
+    }
+}
+
+/// Takes the colours of a state from what is no longer so.
+fn dim(area: Rect, buffer: &mut Buffer) {
+    for at in area.positions() {
+        if let Some(cell) = buffer.cell_mut(at) {
+            cell.set_style(theme::quiet().remove_modifier(Modifier::BOLD | Modifier::REVERSED));
+        }
     }
 }
 
@@ -223,6 +236,29 @@ mod tests {
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    }
+
+    /// The cells of a frame that are in a colour of the state.
+    fn state_colours(data: &FrameData) -> (Vec<ratatui::style::Color>, String) {
+        let area = Rect::new(0, 0, 120, 40);
+        let mut buffer = Buffer::empty(area);
+        draw(&view(data), &crate::layout::built_in()[0], &mut Panels::new(), area, &mut buffer);
+        let of_panels = buffer.content[120..39 * 120].iter().map(|cell| cell.fg);
+        let is_state = |color: &ratatui::style::Color| [theme::GOOD, theme::WARN, theme::BAD].contains(color);
+        (of_panels.filter(is_state).collect(), text(&buffer))
+    }
+
+    #[test]
+    fn a_machine_that_is_gone_or_tripped_is_dim_and_not_called_stable() {
+        let data = tests::frame_data();
+        let (colours, frame) = state_colours(&data);
+        assert!(colours.contains(&theme::GOOD) && frame.contains(" stable "), "{frame}");
+        let gone = FrameData { connection: Connection::Gone, ..tests::frame_data() };
+        let tripped = FrameData { tripped: true, ..tests::frame_data() };
+        for (data, word) in [(gone, "gone"), (tripped, "tripped")] {
+            let (colours, frame) = state_colours(&data);
+            assert!(colours.is_empty() && frame.contains(word), "{colours:?}\n{frame}");
+        }
     }
 
     #[test]

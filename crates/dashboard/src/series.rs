@@ -194,12 +194,12 @@ impl Strip {
                     }));
                 }
                 Source::Control => {
-                    traces.push(alone("u.y", theme::FORCE, Some(StepQuantity::FORCE_Y)));
+                    traces.push(alone("u.y", theme::FORWARD, Some(StepQuantity::FORCE_Y)));
                     traces.push(alone("u.z", theme::BACKWARD, Some(StepQuantity::FORCE_Z)));
                 }
-                Source::Damping => traces.push(alone(name, theme::GOOD, None)),
+                Source::Damping => traces.push(alone(name, theme::FORCE, None)),
                 source => {
-                    let color = if name.ends_with('z') { theme::BACKWARD } else { theme::FORCE };
+                    let color = if name.ends_with('z') { theme::BACKWARD } else { theme::FORWARD };
                     traces.push(alone(name, color, source.channel(0)));
                 }
             }

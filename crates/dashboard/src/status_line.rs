@@ -53,7 +53,7 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if let Some(trip) = data.trip().filter(|_| data.connection == Connection::Live) {
         add(format!("{}: R restarts", data.units().trip(&trip)), theme::loud(theme::BAD));
     }
-    let starts = || ("● REC starting".to_owned(), theme::loud(theme::BAD));
+    let starts = || ("● REC starting".to_owned(), theme::loud(theme::CURSOR));
     let told = data.recorder.as_deref().filter(|status| status.is_recording() || !data.recorder_starts);
     let sign = told.and_then(recording).or_else(|| data.recorder_starts.then(starts));
     if let Some((sign, style)) = sign {
@@ -69,10 +69,10 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         add(format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
     }
     if view.read_only {
-        add("read-only".to_owned(), theme::loud(theme::WARN));
+        add("read-only".to_owned(), theme::loud(theme::CURSOR));
     }
     if view.locked {
-        add("LOCKED".to_owned(), theme::loud(theme::WARN));
+        add("LOCKED".to_owned(), theme::loud(theme::CURSOR));
     }
     add(view.bench.to_owned(), plain.bold());
     if let (Some(bench_status), Some(settings)) = (&data.bench_status, &data.settings) {
@@ -186,10 +186,9 @@ fn alarms_told(alarms: &Alarms) -> impl Iterator<Item = Span<'static>> {
 /// Silence of a living recorder that is worth a word: it shall speak at least once a second.
 const SILENT: u64 = 3_000_000_000;
 
-/// The sign of a recording: red while it runs, with time, size and losses.
+/// The sign of a recording, with time, size and losses while it runs.
 fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
-    let red = theme::loud(theme::BAD);
     let told = match status.state() {
         RecorderState::Recording if now.saturating_sub(status.wall_ns) > SILENT => {
             return Some((
@@ -201,13 +200,14 @@ fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
             let seconds = status.wall_ns.saturating_sub(status.started_ns) / 1_000_000_000;
             let held = if matches!(status.keeping(), Keeping::Pretrigger(_)) { " armed" } else { "" };
             let (minutes, rest, size) = (seconds / 60, seconds % 60, status.bytes as f64 / 1e6);
-            format!("● REC{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost)
+            let told = format!("● REC{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost);
+            return Some((told, theme::loud(theme::CURSOR)));
         }
         RecorderState::Failed => format!("REC FAILED: {}", status.error.as_str()),
         RecorderState::Died => "REC DIED: what it wrote is there".to_owned(),
         RecorderState::Stopped => return None,
     };
-    Some((told, red))
+    Some((told, theme::loud(theme::BAD)))
 }
 
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
@@ -232,7 +232,7 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             Span::styled("does it, any other key forgets it", theme::quiet()),
         ]),
         Some(Layer::AskFound(_, why)) => Line::from(vec![
-            Span::styled(format!(" {why} "), theme::badge(theme::GOOD)),
+            Span::styled(format!(" {why} "), theme::badge(theme::CANDIDATE)),
             Span::styled(" y ", Style::new().bold()),
             Span::styled("applies it, any other key forgets it", theme::quiet()),
         ]),
@@ -243,7 +243,7 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
 
 fn told<'a>(view: &'a View<'_>) -> Line<'a> {
     match view.message {
-        Message::Good(text) => Line::styled(format!(" {text}"), theme::loud(theme::GOOD)),
+        Message::Good(text) => Line::styled(format!(" {text}"), theme::loud(theme::CURSOR)),
         Message::Bad(text) => Line::styled(format!(" {text}"), theme::loud(theme::BAD)),
         Message::Hints => {
             let mut spans = Vec::new();

@@ -1,6 +1,6 @@
 //! Colours by meaning. Panels paint in *roles*: palette numbers that are never sent to a terminal. The last pass over a
-//! frame, `appearance::Look::finish`, puts the chosen theme's colours in their place. Nothing is told
-//! by colour alone: words and signs say it too.
+//! frame, `appearance::Look::finish`, puts the chosen theme's colours in their place. Green, amber and red are what is stable, near a
+//! limit and past it, and nothing else. Nothing is told by colour alone: words and signs say it too.
 
 use alarms::Level;
 use ratatui::style::{Color, Modifier, Style};

@@ -137,9 +137,9 @@ fn sign_of(what: &RecordedKind) -> (u8, &'static str, Color) {
     };
     match happening {
         Happening::Tripped(_) => (2, "✗", theme::BAD),
-        Happening::Note(_) => (2, "▼", theme::GOOD),
+        Happening::Note(_) => (2, "▼", theme::FORWARD),
         Happening::Settings | Happening::Excited(_) => (1, "◇", theme::FORWARD),
-        Happening::Impulse { .. } | Happening::Restarted => (1, "↑", theme::WARN),
+        Happening::Impulse { .. } | Happening::Restarted => (1, "↑", theme::CANDIDATE),
         Happening::Refused { .. }
         | Happening::Late { .. }
         | Happening::Started

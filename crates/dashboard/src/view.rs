@@ -1,11 +1,13 @@
 //! All that a frame shows, as panels see it: the moment, and what a person is doing with it.
 
 use alarms::Alarms;
+use wire::message::Flags;
 
 use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::line_editor::LineEditor;
 use crate::selection::Selection;
+use telemetry::connection::Connection;
 use telemetry::frame_data::FrameData;
 use telemetry::jobs::Jobs;
 use telemetry::replay::ReplayStatus;
@@ -38,6 +40,21 @@ pub(crate) struct View<'a> {
     pub(crate) selection: &'a Selection,
     /// The player, if this is a recording.
     pub(crate) replay: Option<ReplayStatus<'a>>,
+}
+
+impl View<'_> {
+    /// Why what the panels tell is no longer so, in a word: the machine is gone, silent, or held after a trip at the moment that is
+    /// looked at. Nothing while it runs.
+    pub(crate) fn standstill(&self) -> Option<&'static str> {
+        let is_present = self.time.is_live() && self.replay.is_none();
+        let tripped = |now| self.data.track.flags(now).has(Flags::TRIPPED);
+        match self.data.connection {
+            Connection::Gone if is_present => Some("gone"),
+            Connection::Stalled if is_present => Some("stalled"),
+            _ if is_present && self.data.tripped => Some("tripped"),
+            _ => self.data.now.is_some_and(tripped).then_some("tripped"),
+        }
+    }
 }
 
 /// What a person is doing with the settings.

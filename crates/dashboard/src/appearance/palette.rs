@@ -38,7 +38,7 @@ pub(crate) const THEMES: [Theme; 4] = [
     Theme { name: "contrast", meaning: "bright on black, no greys", sixteen: &CONTRAST, full: Some(&CONTRAST_FULL) },
     Theme {
         name: "colour-blind",
-        meaning: "blue, ochre and purple instead of green, yellow and red",
+        meaning: "blue, ochre and purple for stable, warning and alarm",
         sixteen: &BLIND,
         full: Some(&BLIND_FULL),
     },
@@ -75,37 +75,40 @@ use Color::{
     Magenta, Red, Reset, White, Yellow,
 };
 
+// Green, amber and red (of the colour-blind themes cyan or blue, yellow and purple) are the state's alone: whatever else has a colour
+// has another hue, and what a person points with is the text's own colour.
+
 static SIXTEEN: Palette = palette(
     [Green, Yellow, Red],
     [Cyan, Magenta],
-    [DarkGray, Blue, Yellow, Yellow, Magenta, Yellow],
-    [Cyan, Green, Magenta, Blue],
-    [DarkGray, Blue, Blue, Cyan, Green, Yellow, Magenta, Red],
+    [DarkGray, Blue, Reset, LightBlue, LightMagenta, Reset],
+    [Cyan, Magenta, LightBlue, LightCyan],
+    [DarkGray, Blue, Blue, LightBlue, Cyan, LightCyan, Magenta, LightMagenta],
     [Reset, Reset],
 );
 
 static CONTRAST: Palette = palette(
     [LightGreen, LightYellow, LightRed],
     [LightCyan, LightMagenta],
-    [Gray, LightCyan, LightYellow, LightYellow, LightMagenta, LightYellow],
-    [LightCyan, LightGreen, LightMagenta, White],
-    [Gray, Gray, LightCyan, LightCyan, LightGreen, LightYellow, LightYellow, White],
+    [Gray, LightBlue, White, LightBlue, LightMagenta, White],
+    [LightCyan, LightMagenta, White, LightBlue],
+    [Gray, Gray, LightBlue, LightBlue, LightCyan, LightCyan, LightMagenta, White],
     [White, Black],
 );
 
 static CONTRAST_FULL: Palette = palette(
     [rgb(0x55ff55), rgb(0xffff55), rgb(0xff9a9a)],
     [rgb(0x66ffff), rgb(0xff9eff)],
-    [rgb(0xbdbdbd), rgb(0x9ecbff), rgb(0xffff55), rgb(0xffff55), rgb(0xff9eff), rgb(0xffff55)],
-    [rgb(0x66ffff), rgb(0x55ff55), rgb(0xff9eff), rgb(0xffffff)],
+    [rgb(0xbdbdbd), rgb(0x9ecbff), rgb(0xffffff), rgb(0x9ecbff), rgb(0xc8b4ff), rgb(0xffffff)],
+    [rgb(0x66ffff), rgb(0xff9eff), rgb(0xffffff), rgb(0x9ecbff)],
     [
         rgb(0xa8a8a8),
         rgb(0x9ecbff),
         rgb(0x9ecbff),
         rgb(0x66ffff),
-        rgb(0x55ff55),
-        rgb(0xffff55),
-        rgb(0xffd0a0),
+        rgb(0xc8b4ff),
+        rgb(0xff9eff),
+        rgb(0xffd0ff),
         rgb(0xffffff),
     ],
     [rgb(0xffffff), rgb(0x000000)],
@@ -115,41 +118,53 @@ static CONTRAST_FULL: Palette = palette(
 static FULL: Palette = palette(
     [rgb(0x1f9a3c), rgb(0xb88600), rgb(0xe0402a)],
     [rgb(0x1496a8), rgb(0xb85ac8)],
-    [rgb(0x7a7a7a), rgb(0x4a7fd6), rgb(0xb88600), rgb(0xc77b1a), rgb(0xd0559c), rgb(0xb88600)],
-    [rgb(0x1496a8), rgb(0x1f9a3c), rgb(0xb85ac8), rgb(0x4a7fd6)],
+    [rgb(0x7a7a7a), rgb(0x6f7f99), Reset, rgb(0x8a6fe0), rgb(0xd0559c), Reset],
+    [rgb(0x1496a8), rgb(0xb85ac8), rgb(0x4a7fd6), rgb(0xd0559c)],
     HEAT,
     [Reset, Reset],
 );
 
 static BLIND: Palette = palette(
     [Cyan, Yellow, Magenta],
-    [LightBlue, Yellow],
-    [DarkGray, Blue, Yellow, Yellow, Magenta, Yellow],
-    [LightBlue, Yellow, Magenta, Cyan],
-    [DarkGray, Blue, Blue, LightBlue, Cyan, Cyan, Yellow, LightYellow],
+    [LightBlue, Reset],
+    [DarkGray, Blue, Reset, LightBlue, Blue, Reset],
+    [LightBlue, Reset, Blue, Gray],
+    [DarkGray, DarkGray, Blue, Blue, LightBlue, LightBlue, Gray, Reset],
     [Reset, Reset],
 );
 
 /// Also apart under protanopia, deuteranopia and tritanopia; a test simulates them.
 static BLIND_FULL: Palette = palette(
     [rgb(0x3a86d8), rgb(0xc08a00), rgb(0xb01c66)],
-    [rgb(0x3a86d8), rgb(0xc08a00)],
-    [rgb(0x7a7a7a), rgb(0x4a7fd6), rgb(0xc08a00), rgb(0xc08a00), rgb(0xb01c66), rgb(0xc08a00)],
-    [rgb(0x3a86d8), rgb(0xc08a00), rgb(0xb01c66), rgb(0x4453b3)],
-    HEAT,
+    [rgb(0xc656fe), rgb(0x22636b)],
+    [rgb(0x7a7a7a), rgb(0x7b8e91), Reset, rgb(0x8041bd), rgb(0x8041bd), Reset],
+    [rgb(0xc656fe), rgb(0x22636b), rgb(0x7b8e91), rgb(0x8041bd)],
+    BLIND_HEAT,
     [Reset, Reset],
 );
 
-/// From blue over violet to orange: a scale that stays one without red or green.
+/// From teal over blue and violet to pink: no green, no amber, no red.
 const HEAT: [Color; 8] = [
-    rgb(0x5f6f9f),
-    rgb(0x5570b8),
-    rgb(0x5a62c8),
-    rgb(0x7a5cc0),
-    rgb(0x9a50a8),
-    rgb(0xb84a80),
-    rgb(0xcc5a50),
-    rgb(0xd07820),
+    rgb(0x44808c),
+    rgb(0x3f84a8),
+    rgb(0x4a7fc8),
+    rgb(0x6474d8),
+    rgb(0x846ada),
+    rgb(0xa45ed0),
+    rgb(0xc050bc),
+    rgb(0xd8489c),
+];
+
+/// From grey to violet, without the blue that is the state's.
+const BLIND_HEAT: [Color; 8] = [
+    rgb(0x647074),
+    rgb(0x737088),
+    rgb(0x816e9b),
+    rgb(0x8f6caf),
+    rgb(0x9d69c2),
+    rgb(0xaa64d6),
+    rgb(0xb85eea),
+    rgb(0xc656fe),
 ];
 
 #[cfg(test)]
@@ -181,7 +196,8 @@ mod tests {
     #[test]
     fn true_colours_stand_on_light_and_dark() {
         for palette in [&FULL, &BLIND_FULL] {
-            for (number, color) in palette.roles.into_iter().enumerate() {
+            // The text's own colour stands on whatever the text does.
+            for (number, color) in palette.roles.into_iter().enumerate().filter(|(_, color)| *color != Reset) {
                 let (light, dark) = (contrast(color, WHITE), contrast(color, BLACK));
                 assert!(light >= 3.0 && dark >= 3.0, "role {number}: {light:.2} on white, {dark:.2} on black");
             }
@@ -221,22 +237,54 @@ mod tests {
         ),
     ];
 
-    /// Distance in Ottosson's Oklab, in which 1 is from black to white.
+    /// Ottosson's Oklab: lightness, green to red, blue to yellow.
+    fn lab([r, g, b]: [f64; 3]) -> [f64; 3] {
+        let [l, m, s] = [
+            0.412_221_470_8 * r + 0.536_332_536_3 * g + 0.051_445_992_9 * b,
+            0.211_903_498_2 * r + 0.680_699_545_1 * g + 0.107_396_956_6 * b,
+            0.088_302_461_9 * r + 0.281_718_837_6 * g + 0.629_978_700_5 * b,
+        ]
+        .map(|cone: f64| cone.clamp(0.0, 1.0).cbrt());
+        [
+            0.210_454_255_3 * l + 0.793_617_785_0 * m - 0.004_072_046_8 * s,
+            1.977_998_495_1 * l - 2.428_592_205_0 * m + 0.450_593_709_9 * s,
+            0.025_904_037_1 * l + 0.782_771_766_2 * m - 0.808_675_766_0 * s,
+        ]
+    }
+
+    /// Distance in Oklab, in which 1 is from black to white.
     fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
-        let lab = |[r, g, b]: [f64; 3]| {
-            let [l, m, s] = [
-                0.412_221_470_8 * r + 0.536_332_536_3 * g + 0.051_445_992_9 * b,
-                0.211_903_498_2 * r + 0.680_699_545_1 * g + 0.107_396_956_6 * b,
-                0.088_302_461_9 * r + 0.281_718_837_6 * g + 0.629_978_700_5 * b,
-            ]
-            .map(|cone: f64| cone.clamp(0.0, 1.0).cbrt());
-            [
-                0.210_454_255_3 * l + 0.793_617_785_0 * m - 0.004_072_046_8 * s,
-                1.977_998_495_1 * l - 2.428_592_205_0 * m + 0.450_593_709_9 * s,
-                0.025_904_037_1 * l + 0.782_771_766_2 * m - 0.808_675_766_0 * s,
-            ]
-        };
         lab(a).iter().zip(lab(b)).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    }
+
+    /// Least difference of hue from those of the state, in degrees; greys have none.
+    const OTHER_HUE: f64 = 25.0;
+
+    #[test]
+    fn the_colours_of_the_state_mean_nothing_else_in_any_theme() {
+        // Of a colour of the sixteen its name, of a true one its hue.
+        let name = |color: Color| format!("{color}").replace("Light", "");
+        let hue = |color: Color| {
+            let [_, a, b] = lab(linear(color));
+            (a.hypot(b) > 0.05).then(|| b.atan2(a).to_degrees())
+        };
+        let is_true = |color: Color| matches!(color, Color::Rgb(..));
+        for theme in THEMES {
+            for palette in [Some(theme.sixteen), theme.full].into_iter().flatten() {
+                let (state, others) = palette.roles.split_at(3);
+                for (other, of_state) in others.iter().flat_map(|other| state.iter().map(move |of| (*other, *of))) {
+                    let is_apart = match (is_true(other) && is_true(of_state)).then(|| (hue(other), hue(of_state))) {
+                        Some((Some(other), Some(of_state))) => {
+                            let turn = (other - of_state).rem_euclid(360.0);
+                            turn.min(360.0 - turn) >= OTHER_HUE
+                        }
+                        Some(_) => true,
+                        None => name(other) != name(of_state),
+                    };
+                    assert!(is_apart, "{}: {other} is {of_state}", theme.name);
+                }
+            }
+        }
     }
 
     #[test]
@@ -265,10 +313,12 @@ mod tests {
 
     #[test]
     fn heat_rises_without_turning_back() {
-        let steps: Vec<f64> = HEAT.windows(2).map(|pair| apart(linear(pair[0]), linear(pair[1]))).collect();
-        assert!(steps.iter().all(|step| *step > 0.02), "{steps:?}");
-        let from_first: Vec<f64> = HEAT.iter().map(|color| apart(linear(HEAT[0]), linear(*color))).collect();
-        assert!(from_first.is_sorted(), "{from_first:?}");
+        for heat in [HEAT, BLIND_HEAT] {
+            let steps: Vec<f64> = heat.windows(2).map(|pair| apart(linear(pair[0]), linear(pair[1]))).collect();
+            assert!(steps.iter().all(|step| *step > 0.02), "{steps:?}");
+            let from_first: Vec<f64> = heat.iter().map(|color| apart(linear(heat[0]), linear(*color))).collect();
+            assert!(from_first.is_sorted(), "{from_first:?}");
+        }
     }
 
     #[test]

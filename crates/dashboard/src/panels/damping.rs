@@ -50,7 +50,9 @@ impl Panel for Damping {
             return None;
         }
         let data = view.data;
-        let history = parts(area.inner(Margin::new(1, 1)), data.poles()?.0).history;
+        let min_damping = data.poles()?.0;
+        let word = view.standstill().unwrap_or(theme::verdict(min_damping).1);
+        let history = parts(area.inner(Margin::new(1, 1)), min_damping, word).history;
         look_at(data, &data.overview, history, at)
     }
 
@@ -68,8 +70,7 @@ struct Parts {
     history: Rect,
 }
 
-fn parts(inner: Rect, min_damping: f64) -> Parts {
-    let word = theme::verdict(min_damping).1;
+fn parts(inner: Rect, min_damping: f64, word: &str) -> Parts {
     let width = format!("{min_damping:.4}").len() as u16 * DIGITS.1;
     // The word stands beside the digits, or on a line of its own below them.
     let fits_beside = inner.left() + width + 1 + word.len() as u16 <= inner.right();
@@ -85,10 +86,11 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let inner = framed(Line::from(" minimum damping "), area, buffer);
     let Some((min_damping, poles)) = data.poles() else { return };
     let (color, word) = theme::verdict(min_damping);
+    let word = view.standstill().unwrap_or(word);
     let number = format!("{min_damping:.4}");
     let width = number.len() as u16 * DIGITS.1;
     let beside = inner.left() + width + 1;
-    let Parts { large, fits_beside, head, history } = parts(inner, min_damping);
+    let Parts { large, fits_beside, head, history } = parts(inner, min_damping, word);
     let log_decrement =
         poles.first().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
     let told = log_decrement.map(|d| short(d, 5));
@@ -158,7 +160,7 @@ fn draw_history(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut B
     let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
     if let Some(now) = data.now.filter(|_| !view.time.is_live()) {
-        plot.line([now as f64 + 0.5, bottom], [now as f64 + 0.5, top], theme::WARN);
+        plot.line([now as f64 + 0.5, bottom], [now as f64 + 0.5, top], theme::CURSOR);
     }
     for (steps, pair) in steps.windows(2).zip(shown.windows(2)) {
         let [x, next] = [0, 1].map(|at| 0.5 * (steps[at].start + steps[at].end) as f64);

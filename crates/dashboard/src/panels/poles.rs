@@ -167,7 +167,7 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
         }
     }
     plot.line([left, 0.0], [right, 0.0], theme::GRID);
-    plot.line([0.0, bottom], [0.0, top], theme::WARN);
+    plot.line([0.0, bottom], [0.0, top], theme::CURSOR);
     plot.paint(buffer);
 
     // A scale that stands still was chosen: it is told as it is.

@@ -34,6 +34,8 @@ pub(crate) struct PanelKind {
     pub(crate) least: (u16, u16),
     /// Whether it is a plot: it can be chosen, and has a scale.
     pub(crate) is_plot: bool,
+    /// Whether it is of a machine in motion: dim while that has tripped or is gone.
+    pub(crate) is_of_motion: bool,
     /// Makes one.
     pub(crate) make: fn() -> Box<dyn Panel>,
 }
@@ -45,6 +47,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "poles in the complex plane",
         least: (20, 7),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Poles>::default(),
     },
     PanelKind {
@@ -52,6 +55,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "the minimum damping, large, and what it has been",
         least: (18, 5),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Damping>::default(),
     },
     PanelKind {
@@ -59,6 +63,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "an orbit of every mass",
         least: (18, 7),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Orbits>::default(),
     },
     PanelKind {
@@ -66,6 +71,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "y, z and control over time",
         least: (18, 4),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Strips>::default(),
     },
     PanelKind {
@@ -73,6 +79,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "speed, gains, deadbands and limits, to be changed",
         least: (20, 5),
         is_plot: false,
+        is_of_motion: false,
         make: || Box::new(settings::SettingsPanel),
     },
     PanelKind {
@@ -80,6 +87,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "the control force, now and at most",
         least: (18, 4),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Force>::default(),
     },
     PanelKind {
@@ -87,6 +95,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "the control force by component, by signal and by gain",
         least: (24, 5),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<ForceBudget>::default(),
     },
     PanelKind {
@@ -94,6 +103,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "how far the gains in force carry: minimum damping over speed",
         least: (28, 6),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<DampingOverSpeed>::default(),
     },
     PanelKind {
@@ -101,6 +111,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "the opened loop's gain around -1, with circles of constant sensitivity",
         least: (20, 8),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Nyquist>::default(),
     },
     PanelKind {
@@ -108,6 +119,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "the loop's sensitivity over frequency, with the zones of ISO 14839-3",
         least: (24, 6),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<SensitivityCurve>::default(),
     },
     PanelKind {
@@ -115,6 +127,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "delay, gain and phase margins and the peak of the sensitivity, large where there is room",
         least: (26, 5),
         is_plot: false,
+        is_of_motion: true,
         make: || Box::new(margins::draw),
     },
     PanelKind {
@@ -122,6 +135,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "every mode: damping, frequency, sense of whirl and shape, the least damped first",
         least: (40, 4),
         is_plot: false,
+        is_of_motion: true,
         make: || Box::<Modes>::default(),
     },
     PanelKind {
@@ -129,6 +143,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "full spectrum of one mass, forward and backward",
         least: (28, 6),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::new(spectrum::panel()),
     },
     PanelKind {
@@ -136,6 +151,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "its spectra over time",
         least: (24, 6),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::new(waterfall::over_time()),
     },
     PanelKind {
@@ -143,6 +159,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "its spectra over the speeds that were run through",
         least: (24, 6),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::new(waterfall::over_speed()),
     },
     PanelKind {
@@ -150,6 +167,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "amplitude and phase of what turns with the spin, over speed, as a run-up or a coast-down goes on",
         least: (28, 8),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<RunUp>::default(),
     },
     PanelKind {
@@ -157,6 +175,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "the same as a polar plot: a circle about each critical speed",
         least: (18, 7),
         is_plot: true,
+        is_of_motion: true,
         make: || Box::<Polar>::default(),
     },
     PanelKind {
@@ -164,6 +183,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "what is watched, its limits, and what has been past them",
         least: (30, 4),
         is_plot: false,
+        is_of_motion: false,
         make: || Box::<AlarmList>::default(),
     },
     PanelKind {
@@ -171,6 +191,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "what happened: who changed what and why, trips, notes",
         least: (30, 3),
         is_plot: false,
+        is_of_motion: false,
         make: || Box::<Events>::default(),
     },
     PanelKind {
@@ -178,6 +199,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         meaning: "every number of one step",
         least: (40, 5),
         is_plot: false,
+        is_of_motion: true,
         make: || Box::<raw::Raw>::default(),
     },
 ];

@@ -109,11 +109,11 @@ fn draw_row(
     buffer: &mut Buffer,
 ) {
     let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
-    write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::WARN));
+    write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::CURSOR));
     let name = write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style) - row.left();
     let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
     let value = match typed {
-        Some(typed) => Line::from(typed.spans(theme::badge(theme::WARN))),
+        Some(typed) => Line::from(typed.spans(theme::badge(theme::CURSOR))),
         None => Line::styled(value_of(settings, units, key), style),
     };
     // What kind of gain it is goes first, then the step; the value stays whole.

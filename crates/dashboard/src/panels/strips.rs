@@ -47,12 +47,14 @@ pub(crate) struct Strips {
     chosen: Option<Vec<Strip>>,
     /// The scale of every strip that has ever been shown, by its name.
     scales: Vec<(String, PlotAxis)>,
+    /// The mass that a person looks at, counted from 0; that with the control bearing if there is none.
+    mass: Option<usize>,
 }
 
 impl Default for Strips {
     fn default() -> Self {
         let usual = Strip::read_all(USUAL).unwrap_or_default();
-        Self { usual, of_layout: None, chosen: None, scales: Vec::new() }
+        Self { usual, of_layout: None, chosen: None, scales: Vec::new(), mass: None }
     }
 }
 
@@ -102,6 +104,10 @@ impl Panel for Strips {
                 self.chosen = strips.map(<[Strip]>::to_vec);
                 Some(Ok(()))
             }
+            PanelCommand::Mass(mass) => {
+                self.mass = *mass;
+                Some(Ok(()))
+            }
             PanelCommand::StripsOfLayout(strips) => {
                 if self.of_layout.as_deref() != *strips {
                     self.of_layout = strips.map(<[Strip]>::to_vec);
@@ -147,18 +153,27 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
             edge,
             area.bottom() - 1,
             &format!(" {} more ▼ ", shown.len() - room),
-            theme::loud(theme::WARN),
+            theme::loud(theme::CURSOR),
         );
     }
     let rows = Layout::vertical(vec![Constraint::Fill(1); room]).split(inner);
+    let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
+    let on_top = strips.mass.unwrap_or(bearing);
     let units = data.units();
     for (strip, row) in shown.iter().zip(rows.iter()) {
         let unit = strip.unit(&units);
-        draw_strip(strip, unit, strips.scale(&strip.name), view, *row, buffer);
+        draw_strip(strip, unit, strips.scale(&strip.name), view, (on_top, *row), buffer);
     }
 }
 
-fn draw_strip(strip: &Strip, unit: Unit, axis: &mut PlotAxis, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+fn draw_strip(
+    strip: &Strip,
+    unit: Unit,
+    axis: &mut PlotAxis,
+    view: &View<'_>,
+    (on_top, area): (usize, Rect),
+    buffer: &mut Buffer,
+) {
     let data = view.data;
     let columns = usize::from(area.width) * 2;
     if columns == 0 {
@@ -190,17 +205,21 @@ fn draw_strip(strip: &Strip, unit: Unit, axis: &mut PlotAxis, view: &View<'_>, a
     for (step, mark) in &data.marks {
         match mark {
             Mark::Lost(_) | Mark::Trip => upright(*step, theme::BAD),
-            Mark::NewRun | Mark::Restart => upright(*step, theme::WARN),
+            Mark::NewRun | Mark::Restart => upright(*step, theme::CANDIDATE),
             Mark::Note => upright(*step, theme::FORWARD),
             Mark::Settings(_) => {}
         }
     }
     let cursor = data.now.filter(|_| !view.time.is_live());
     if let Some(now) = cursor {
-        upright(now, theme::WARN);
+        upright(now, theme::CURSOR);
     }
-    // The first lies on top.
-    let recorded = traces.iter().map(|trace| trace.color).zip(&lines).rev();
+    // The first lies on top, and on it the mass that is looked at.
+    let mut recorded: Vec<_> = traces.iter().map(|trace| trace.color).zip(&lines).rev().collect();
+    if strip.is_of_every_mass() && on_top < recorded.len() {
+        let chosen = recorded.remove(traces.len() - 1 - on_top);
+        recorded.push(chosen);
+    }
     for (color, columns) in others.iter().map(|columns| (theme::CANDIDATE, columns)).chain(recorded) {
         for (at, (x, [low, high])) in columns.iter().enumerate() {
             plot.line([*x, *low], [*x, *high], color);
@@ -378,6 +397,26 @@ mod tests {
             assert!(frame.contains(words), "{words}:\n{frame}");
         }
         insta::assert_snapshot!("strips_chosen", frame);
+    }
+
+    #[test]
+    fn the_mass_that_is_looked_at_lies_on_top() {
+        let data = tests::frame_data();
+        let top_of = |mass: Option<usize>| {
+            let mut strips = Strips::default();
+            strips.command(&PanelCommand::Mass(mass));
+            let area = Rect::new(0, 0, 40, 14);
+            let mut buffer = Buffer::empty(area);
+            strips.draw(&view(&data), area, &mut buffer);
+            // How many cells of the strip of y are in the colour of each mass.
+            let cells = |color| buffer.content[40..5 * 40].iter().filter(|cell| cell.fg == color).count();
+            theme::TRACES.map(cells)
+        };
+        let [bearing, second, third] = [None, Some(1), Some(2)].map(top_of);
+        assert!(
+            second[1] > bearing[1] && third[2] > bearing[2] && bearing[0] > second[0],
+            "{bearing:?} {second:?} {third:?}"
+        );
     }
 
     #[test]
