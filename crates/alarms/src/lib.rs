@@ -23,9 +23,10 @@ mod machine;
 mod reading;
 mod sampler;
 mod turn;
+mod usual;
 mod watch;
 
-pub use limits::{LOW_DAMPING, Limit, Limits, LimitsError};
+pub use limits::{AskedLimit, LOW_DAMPING, Limit, Limits, LimitsError};
 pub use machine::{Alarms, Entry, Standing};
 pub use reading::{Reading, Sample};
 pub use sampler::Sampler;

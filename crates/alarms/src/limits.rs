@@ -1,6 +1,8 @@
 //! The limits that alarms are held against.
 
-use crate::{Level, Watch};
+use wire::BenchStatus;
+
+use crate::{Level, Watch, usual};
 
 /// Damping ratio below which a rotor is stable but only just: API 684 asks for a log decrement of 0.1, which is this.
 pub const LOW_DAMPING: f64 = 0.0159;
@@ -9,6 +11,8 @@ pub const LOW_DAMPING: f64 = 0.0159;
 const MARGIN: f64 = 0.05;
 /// Margin by which a damping ratio must come back.
 const DAMPING_MARGIN: f64 = 0.0005;
+/// The share of a limit by which shares and counts over a stretch of time must come back: they tremble by themselves.
+const COUNT_MARGIN: f64 = 0.5;
 
 /// Two limits of one value, and the margin by which it must come back.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,6 +40,17 @@ impl Limit {
         Self { warning, alarm, margin, below: true }
     }
 
+    /// The limits of something, warning and alarm, with the margin that goes with it.
+    fn of(watch: Watch, [warning, alarm]: [f64; 2]) -> Self {
+        let margin = match watch {
+            Watch::Damping => DAMPING_MARGIN,
+            Watch::Saturation | Watch::Lateness | Watch::Losses => COUNT_MARGIN * warning.abs(),
+            _ if watch.is_bad_below() => MARGIN * warning.abs(),
+            _ => return Self::above(warning, alarm),
+        };
+        Self { warning, alarm, margin, below: watch.is_bad_below() }
+    }
+
     /// The limit of a level.
     #[must_use]
     pub fn at(&self, level: Level) -> f64 {
@@ -56,12 +71,44 @@ impl Limit {
     }
 }
 
+/// What a person asks for as limits of something.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AskedLimit {
+    /// None.
+    Off,
+    /// Those that follow the machine.
+    Machine,
+    /// Warning and alarm.
+    Pair([f64; 2]),
+}
+
+impl AskedLimit {
+    /// Makes them the limits of something.
+    ///
+    /// # Errors
+    /// Something that has no such limits, or numbers that are not in order.
+    pub fn set(self, limits: &mut Limits, watch: Watch) -> Result<(), LimitsError> {
+        match self {
+            Self::Off => limits.set(watch, None),
+            Self::Pair(pair) => limits.set(watch, Some(pair)),
+            Self::Machine if !watch.can_follow() => Err(LimitsError::NotOfMachine),
+            Self::Machine => {
+                *limits = limits.clone().following(watch);
+                Ok(())
+            }
+        }
+    }
+}
+
 /// Why limits are none. In words it is what was expected instead.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum LimitsError {
     /// There is nothing to limit.
     #[error("something that has limits: a trip is always an alarm")]
     None,
+    /// Nothing of the machine says what it bears.
+    #[error("a limit of its own: only orbit and force follow the machine")]
+    NotOfMachine,
     /// A limit is infinite or no number.
     #[error("finite numbers")]
     NotFinite,
@@ -73,21 +120,34 @@ pub enum LimitsError {
     AlarmBelow,
 }
 
+/// Where the limit of something comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Rule {
+    /// It has none.
+    None,
+    /// Somebody has set it.
+    Set(Limit),
+    /// It follows the machine; none as long as that is not known, or sets none.
+    Machine(Option<Limit>),
+}
+
 /// The limits of everything that is watched. What has none is never alarmed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Limits([Option<Limit>; Watch::COUNT]);
+pub struct Limits([Rule; Watch::COUNT]);
 
 impl Default for Limits {
     /// Damping: a warning below a log decrement of 0.1, an alarm where the rotor is unstable. Sensitivity: a warning from zone C of
-    /// ISO 14839-3 on, in which a machine is not to run for long, an alarm from zone D on. Orbit, force and delay margin: none
-    /// until somebody says what the machine bears.
+    /// ISO 14839-3 on, in which a machine is not to run for long, an alarm from zone D on. Orbit and force follow the machine
+    /// ([`Limits::follow`]) until somebody says what it bears. Delay margin: none.
     fn default() -> Self {
         Self::none()
             .having(Watch::Damping, Limit::below(LOW_DAMPING, 0.0, DAMPING_MARGIN))
             .having(Watch::Sensitivity, Limit::above(4.0, 5.0))
-            .having(Watch::Saturation, Limit::above(0.0, 0.1))
-            .having(Watch::Lateness, Limit::above(0.01, 0.1))
-            .having(Watch::Losses, Limit::above(0.0, 1000.0))
+            .having(Watch::Saturation, Limit::of(Watch::Saturation, [0.0, 0.1]))
+            .having(Watch::Lateness, Limit::of(Watch::Lateness, [0.01, 0.1]))
+            .having(Watch::Losses, Limit::of(Watch::Losses, [0.0, 1000.0]))
+            .following(Watch::Orbit)
+            .following(Watch::Force)
     }
 }
 
@@ -95,22 +155,57 @@ impl Limits {
     /// Nothing is an alarm but a trip.
     #[must_use]
     pub fn none() -> Self {
-        let mut limits = [None; Watch::COUNT];
-        limits[Watch::Trip as usize] = Some(Limit { warning: 0.5, alarm: 0.5, margin: 0.0, below: false });
+        let mut limits = [Rule::None; Watch::COUNT];
+        limits[Watch::Trip as usize] = Rule::Set(Limit { warning: 0.5, alarm: 0.5, margin: 0.0, below: false });
         Self(limits)
     }
 
     /// The same with another limit.
     #[must_use]
     pub fn having(mut self, watch: Watch, limit: Limit) -> Self {
-        self.0[watch as usize] = Some(limit);
+        self.0[watch as usize] = Rule::Set(limit);
         self
+    }
+
+    /// The same with the limit of something that follows the machine, if there is such a limit of it.
+    #[must_use]
+    pub fn following(mut self, watch: Watch) -> Self {
+        if watch.can_follow() {
+            self.0[watch as usize] = Rule::Machine(None);
+        }
+        self
+    }
+
+    /// Whether the limit of something follows the machine.
+    #[must_use]
+    pub fn follows(&self, watch: Watch) -> bool {
+        matches!(self.0[watch as usize], Rule::Machine(_))
+    }
+
+    /// Takes the machine as a bench tells of it: limits that follow it are those of its settings, at the highest speed that it has or goes
+    /// to.
+    pub fn follow(&mut self, bench_status: &BenchStatus) {
+        let settings = bench_status.settings.get();
+        let speed = settings.speed.max(bench_status.analysis.speed);
+        for watch in Watch::ALL {
+            let Rule::Machine(limit) = &mut self.0[watch as usize] else { continue };
+            let pair = match watch {
+                Watch::Orbit => usual::orbit(settings),
+                Watch::Force => usual::force(settings, speed),
+                _ => None,
+            };
+            *limit = pair.map(|pair| Limit::of(watch, pair));
+        }
     }
 
     /// The limit of something, if it has one.
     #[must_use]
     pub fn of(&self, watch: Watch) -> Option<Limit> {
-        self.0[watch as usize]
+        match self.0[watch as usize] {
+            Rule::None => None,
+            Rule::Set(limit) => Some(limit),
+            Rule::Machine(limit) => limit,
+        }
     }
 
     /// The same, its warning and its alarm.
@@ -125,16 +220,16 @@ impl Limits {
     /// Something that has no limits, or numbers that are not in order.
     pub fn set(&mut self, watch: Watch, limits: Option<[f64; 2]>) -> Result<(), LimitsError> {
         let below = watch.is_bad_below();
-        let margin = |warning: f64| if watch == Watch::Damping { DAMPING_MARGIN } else { MARGIN * warning.abs() };
-        self.0[watch as usize] = match limits {
+        let limit = match limits {
             _ if !watch.has_limits() => return Err(LimitsError::None),
             None => None,
             Some(pair) if !pair.iter().all(|limit| limit.is_finite()) => return Err(LimitsError::NotFinite),
-            Some([warning, alarm]) if below && warning >= alarm => Some(Limit::below(warning, alarm, margin(warning))),
-            Some([warning, alarm]) if !below && warning <= alarm => Some(Limit::above(warning, alarm)),
+            Some(pair) if below && pair[0] >= pair[1] => Some(Limit::of(watch, pair)),
+            Some(pair) if !below && pair[0] <= pair[1] => Some(Limit::of(watch, pair)),
             Some(_) if below => return Err(LimitsError::AlarmAbove),
             Some(_) => return Err(LimitsError::AlarmBelow),
         };
+        self.0[watch as usize] = limit.map_or(Rule::None, Rule::Set);
         Ok(())
     }
 }

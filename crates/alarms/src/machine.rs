@@ -14,9 +14,9 @@
 
 use std::collections::VecDeque;
 
-use wire::Moment;
+use wire::{BenchStatus, Moment};
 
-use crate::{Level, Limit, Limits, Reading, Turn, Watch};
+use crate::{Level, Limit, Limits, Reading, Sample, Turn, Watch};
 
 /// Entries kept of what has been read.
 const KEPT: usize = 256;
@@ -95,8 +95,11 @@ impl Alarms {
             let Some(sample) = reading.get(watch).filter(|sample| sample.value.is_finite()) else { continue };
             let (value, standing) = (sample.value, &mut self.standings[watch as usize]);
             standing.value = Some(value);
-            let Some(limit) = self.limits.of(watch) else { continue };
             let before = standing.at;
+            let Some(limit) = self.limits.of(watch) else {
+                turns.extend(self.let_go(watch, sample));
+                continue;
+            };
             let level = limit.level(value, before);
             let worst = if before > Level::Fine { self.worsen(watch, limit, value) } else { value };
             if level == before {
@@ -119,6 +122,26 @@ impl Alarms {
             }
         }
         turns
+    }
+
+    /// What is past a limit that is no more is within it again.
+    fn let_go(&mut self, watch: Watch, Sample { value, at }: Sample) -> Option<Turn> {
+        let before = self.standings[watch as usize].at;
+        let entry = self.open(watch).filter(|_| before > Level::Fine)?;
+        let (limit, worst, cause) = (entry.limit, entry.worst, String::new());
+        let turn = Turn { at, watch, before, level: Level::Fine, value, limit, worst, cause };
+        self.follow(&turn);
+        Some(turn)
+    }
+
+    /// Takes the machine as a bench tells of it, for limits that follow it.
+    pub fn learn(&mut self, bench_status: &BenchStatus) {
+        self.limits.follow(bench_status);
+    }
+
+    /// Sets other limits; what is past them is told by the next reading.
+    pub fn limit(&mut self, limits: Limits) {
+        self.limits = limits;
     }
 
     /// Takes a turn as it was taken by whoever judged.

@@ -81,6 +81,12 @@ impl Watch {
         self != Self::Trip
     }
 
+    /// Whether its limits can follow the machine.
+    #[must_use]
+    pub fn can_follow(self) -> bool {
+        matches!(self, Self::Orbit | Self::Force)
+    }
+
     /// Whether little of it is bad.
     #[must_use]
     pub fn is_bad_below(self) -> bool {

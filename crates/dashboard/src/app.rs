@@ -374,6 +374,9 @@ impl<'a> App<'a> {
         }
         let (mut reading, loop_in_force) = {
             let mut feed = lock(&self.feed);
+            if let Some(bench_status) = feed.bench_status() {
+                self.alarms.learn(bench_status);
+            }
             (feed.take_alarm_reading(), feed.loop_request())
         };
         let is_watched = |watch: Watch| self.alarms.limits().of(watch).is_some();

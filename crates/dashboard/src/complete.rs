@@ -1,5 +1,6 @@
 //! How a command line can go on.
 
+use alarms::Watch;
 use rotor::PARAMETERS;
 
 use crate::actions::ACTIONS;
@@ -22,6 +23,10 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
         Some("layout") => layouts.to_vec(),
         Some("load" | "save" | "delete") => presets.to_vec(),
         Some("set") => settings().collect(),
+        Some("alarm") if before.split_whitespace().count() == 1 => {
+            Watch::ALL.into_iter().filter(|watch| watch.has_limits()).map(|watch| format!("{watch} ")).collect()
+        }
+        Some("alarm") => ["off", "machine"].map(str::to_owned).to_vec(),
         Some("search") => ["robust", "full", "stop"].map(str::to_owned).to_vec(),
         Some("choose") => plots().map(str::to_owned).collect(),
         Some("scale") => plots().chain(["auto"]).map(str::to_owned).collect(),

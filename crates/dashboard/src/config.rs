@@ -1,6 +1,6 @@
 //! The configuration file: keys of a person's own, limits of alarms, looks, and the layout to start with.
 
-use alarms::{Limits, Watch};
+use alarms::{AskedLimit, Limits, Watch};
 use text::{Faults, Reader, Table, Value, as_number};
 
 use crate::actions::ACTIONS;
@@ -80,10 +80,13 @@ impl Config {
         self.bell = reader.boolean(alarms, "bell").unwrap_or_default();
         for watch in limited() {
             let Some(value) = alarms.get(watch.name()) else { continue };
-            match limits(value).map(|limits| self.limits.set(watch, limits)) {
+            match limits(value).map(|asked| asked.set(&mut self.limits, watch)) {
                 Some(Ok(())) => {}
                 Some(Err(error)) => reader.wrong(watch.name(), value, error.to_string()),
-                None => reader.wrong(watch.name(), value, "[warning, alarm], two numbers, or \"off\""),
+                None => {
+                    let or = if watch.can_follow() { ", \"off\" or \"machine\"" } else { ", or \"off\"" };
+                    reader.wrong(watch.name(), value, format!("[warning, alarm], two numbers{or}"));
+                }
             }
         }
     }
@@ -113,10 +116,15 @@ impl Config {
                 text += &format!("# {chord:?} = {command:?}\n");
             }
         }
-        text += "\n# Alarms: [warning, alarm], or \"off\". The bell is the terminal's.\n[alarms]\n# bell = false\n";
+        text += "\n# Alarms: [warning, alarm], or \"off\"; \"machine\" follows its clearances, its trip and its actuator. The bell is the \
+                 terminal's.\n[alarms]\n# bell = false\n";
         let limits = Limits::default();
         for watch in limited() {
-            let value = limits.pair(watch).map_or_else(|| "\"off\"".to_owned(), |[w, a]| format!("[{w:?}, {a:?}]"));
+            let value = match limits.pair(watch) {
+                _ if limits.follows(watch) => "\"machine\"".to_owned(),
+                Some([warning, alarm]) => format!("[{warning:?}, {alarm:?}]"),
+                None => "\"off\"".to_owned(),
+            };
             text += &format!("# {}\n# {watch} = {value}\n", watch.meaning());
         }
         text
@@ -128,14 +136,16 @@ fn limited() -> impl Iterator<Item = Watch> {
     Watch::ALL.into_iter().filter(|watch| watch.has_limits())
 }
 
-/// `[warning, alarm]`, or `"off"`; the outer `None` is neither.
-fn limits(value: &Value<'_>) -> Option<Option<[f64; 2]>> {
+/// `[warning, alarm]`, `"off"` or `"machine"`; `None` is neither.
+fn limits(value: &Value<'_>) -> Option<AskedLimit> {
     let content = value.get_ref();
-    if content.as_str() == Some("off") {
-        return Some(None);
+    match content.as_str() {
+        Some("off") => return Some(AskedLimit::Off),
+        Some("machine") => return Some(AskedLimit::Machine),
+        _ => {}
     }
     match content.as_array()?.iter().map(as_number).collect::<Option<Vec<_>>>()?[..] {
-        [warning, alarm] => Some(Some([warning, alarm])),
+        [warning, alarm] => Some(AskedLimit::Pair([warning, alarm])),
         _ => None,
     }
 }
@@ -170,6 +180,7 @@ mod tests {
         assert!(read.bell);
         assert_eq!((limits.pair(Watch::Orbit), limits.pair(Watch::Losses)), (Some([2.0, 3.5]), None));
         assert_eq!((limits.pair(Watch::Damping), limits.pair(Watch::Force)), (Some([0.05, 0.01]), None));
+        assert!(limits.follows(Watch::Force) && !limits.follows(Watch::Orbit));
         assert_eq!(limits.pair(Watch::Lateness), Limits::default().pair(Watch::Lateness));
     }
 
@@ -195,7 +206,15 @@ mod tests {
             ),
             ("[alarms]\norbit = [5, 3]", "2:9: orbit = [5, 3]: expected the alarm at or above the warning"),
             ("[alarms]\ndamping = [0, 0.1]", "2:11: damping = [0, 0.1]: expected the alarm at or below the warning"),
-            ("[alarms]\nforce = [1]", "2:9: force = [1]: expected [warning, alarm], two numbers, or \"off\""),
+            (
+                "[alarms]\nforce = [1]",
+                "2:9: force = [1]: expected [warning, alarm], two numbers, \"off\" or \"machine\"",
+            ),
+            ("[alarms]\nlosses = 3", "2:10: losses = 3: expected [warning, alarm], two numbers, or \"off\""),
+            (
+                "[alarms]\ndamping = \"machine\"",
+                "2:11: damping = \"machine\": expected a limit of its own: only orbit and force follow the machine",
+            ),
             ("[alarms]\nforce = [1, inf]", "2:9: force = [1, inf]: expected finite numbers"),
             ("[alarms]\nbell = 1", "2:8: bell = 1: expected true or false"),
             ("[keys]\nx = 1", "2:5: x = 1: expected a command in quotes, such as \"nudge 5\""),

@@ -84,6 +84,7 @@ impl AlarmRecorder {
     /// Takes in the latest bench status, and how many steps have been lost so far.
     pub(crate) fn bench_status(&mut self, bench_status: &BenchStatus, lost: u64) {
         self.sampler.learn(bench_status, lost);
+        self.alarms.learn(bench_status);
         let is_watched = |watch: Watch| self.alarms.limits().of(watch).is_some();
         if is_watched(Watch::Sensitivity) || is_watched(Watch::DelayMargin) {
             self.margins.learn(bench_status);

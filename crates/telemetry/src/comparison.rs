@@ -97,7 +97,7 @@ pub fn has_deadband(settings: &Settings) -> bool {
 }
 
 /// The worst damping over `from..=to` whatever stiffness its clearance leaves each support bearing.
-fn worst_deadband(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2], stop: Stop) -> Option<f64> {
+pub(crate) fn worst_deadband(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2], stop: Stop) -> Option<f64> {
     if !has_deadband(settings) {
         return None;
     }

@@ -168,6 +168,11 @@ impl Feed {
         &self.connection
     }
 
+    /// The latest bench status, once there is one.
+    pub fn bench_status(&self) -> Option<&Arc<BenchStatus>> {
+        self.bench_status.as_ref()
+    }
+
     /// The settings in force, once they are known.
     pub fn settings(&self) -> Option<Settings> {
         self.bench_status.as_ref().map(|bench_status| bench_status.settings.get().clone())

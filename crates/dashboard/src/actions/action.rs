@@ -1,5 +1,6 @@
 //! What can be asked of the dashboard.
 
+use alarms::{AskedLimit, Watch};
 use rotor::Key;
 use telemetry::edits::Edit;
 
@@ -69,6 +70,8 @@ pub(crate) enum Action {
     Spectra(Option<Option<usize>>, Option<Scaling>),
     /// Start to record the bench, or end that.
     Record,
+    /// The limits of something that is watched, as typed: in the units of the bench.
+    Limit(Watch, AskedLimit),
     /// All alarms have been seen.
     Acknowledge,
     /// A recording: play faster (1) or slower (-1).

@@ -1,5 +1,6 @@
 //! What follows the name of an action, as it is typed.
 
+use alarms::{AskedLimit, Watch};
 use rotor::typed::Assigned;
 use rotor::{Key, MAX_MASSES};
 
@@ -39,6 +40,25 @@ pub(super) fn run_up(text: &str) -> Result<Action, String> {
     let ends = way.split_once("..").map_or((None, way), |(from, to)| (Some(from), to));
     let from = ends.0.map(number).transpose()?;
     Ok(Action::RunUp { from, to: number(ends.1)?, rate: number(rate).and_then(positive)? })
+}
+
+/// `force 2 4`, `force off`, `force machine`.
+pub(super) fn limit(text: &str) -> Result<Action, String> {
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let watch = |name: &str| -> Result<Watch, String> {
+        let known = || Watch::ALL.into_iter().filter(|watch| watch.has_limits());
+        known().find(|watch| watch.name() == name).ok_or_else(|| {
+            let names: Vec<&str> = known().map(Watch::name).collect();
+            format!("'{name}': expected one of {}", names.join(", "))
+        })
+    };
+    match words[..] {
+        [name, "off"] => Ok(Action::Limit(watch(name)?, AskedLimit::Off)),
+        [name, "machine"] => Ok(Action::Limit(watch(name)?, AskedLimit::Machine)),
+        [name, warning, alarm] => Ok(Action::Limit(watch(name)?, AskedLimit::Pair([number(warning)?, number(alarm)?]))),
+        [name, ..] => watch(name).and(Err(format!("'{text}': expected {name} WARNING ALARM, off or machine"))),
+        [] => Err("'': expected what is watched, and its limits".into()),
+    }
 }
 
 /// A number within limits, which is not made to fit.

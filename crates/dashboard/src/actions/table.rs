@@ -1,7 +1,7 @@
 //! The table itself.
 
 use super::action::Action;
-use super::argument::{assignments, moves, number, run_up, scale, spectra, times, whole, within};
+use super::argument::{assignments, limit, moves, number, run_up, scale, spectra, times, whole, within};
 use super::row::{ActionRow, keys};
 use crate::selection::ReadoutMove;
 use crate::series::Strip;
@@ -271,6 +271,13 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         meaning: "acknowledge the alarms",
         keys: &[keys(&[("a", "")], "acknowledge the alarms", Some("alarms"))],
         make: |_| Ok(Action::Acknowledge),
+    },
+    ActionRow {
+        name: "alarm",
+        argument: "WATCH WARNING ALARM|off|machine",
+        meaning: "limits of what is watched; machine: by its settings",
+        keys: &[],
+        make: limit,
     },
     ActionRow {
         name: "pace",

@@ -3,6 +3,7 @@
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
+use alarms::{AskedLimit, Watch};
 use rotor::{Key, Rotor, Settings};
 
 use super::{App, LOCKED, Message, lock};
@@ -98,6 +99,7 @@ impl App<'_> {
                 1 => self.tell(Message::Good("1 alarm acknowledged".into())),
                 count => self.tell(Message::Good(format!("{count} alarms acknowledged"))),
             },
+            Action::Limit(watch, asked) => self.limit(watch, asked),
             Action::Record => self.record(),
             Action::Search(words) => self.search(&words),
             Action::Hold | Action::Save(_) | Action::Delete(_) => self.keep(action),
@@ -119,6 +121,36 @@ impl App<'_> {
             // These are for recordings alone.
             Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_) => {}
         }
+    }
+
+    /// Sets the limits of something that is watched, typed in the units of the bench.
+    fn limit(&mut self, watch: Watch, asked: AskedLimit) {
+        if self.player.is_some() {
+            self.tell(Message::Bad("what a recording tells of alarms was judged when it was made".into()));
+            return;
+        }
+        // Those of the panels, which know the bearing's mass.
+        let units = self.with_view(|view, _, _| view.data.units());
+        let unit = crate::panels::alarms::unit_of(watch, &units);
+        let asked = match asked {
+            AskedLimit::Pair(pair) => AskedLimit::Pair(pair.map(|limit| limit / unit.factor)),
+            other => other,
+        };
+        let mut limits = self.alarms.limits().clone();
+        if let Err(expected) = asked.set(&mut limits, watch) {
+            self.tell(Message::Bad(format!("alarm {watch}: expected {expected}")));
+            return;
+        }
+        if let Some(bench_status) = lock(&self.feed).bench_status() {
+            limits.follow(bench_status);
+        }
+        let follows = if limits.follows(watch) { ", following the machine" } else { "" };
+        let told = limits.pair(watch).map_or_else(
+            || "no limit".to_owned(),
+            |[warning, alarm]| format!("warning {}, alarm {}", unit.told(warning, 5), unit.told(alarm, 5)),
+        );
+        self.alarms.limit(limits);
+        self.tell(Message::Good(format!("{watch}: {told}{follows}")));
     }
 
     /// Keeps the settings in force to compare with, for the moment or under a name; or does away with what is kept.

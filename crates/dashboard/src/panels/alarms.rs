@@ -111,7 +111,7 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
 }
 
 /// The unit of what is watched; a share and a ratio have none.
-fn unit_of(watch: Watch, units: &Units) -> Unit {
+pub(crate) fn unit_of(watch: Watch, units: &Units) -> Unit {
     match watch {
         Watch::Orbit => units.length,
         Watch::Force => units.force,

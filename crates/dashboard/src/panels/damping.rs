@@ -5,6 +5,7 @@
 //! │ ▛▀▌   ▛▀▌ ▐▖▐ ▐▖▐ ▛▀▘  stable   │
 //! │ ▌ ▌   ▌ ▌ ▀▀▜ ▀▀▜ ▀▀▖  log dec  │
 //! │ ▙▄▌ ▖ ▙▄▌   ▐   ▐ ▄▄▘  0.2805   │
+//! │ but whirls at 112 e_t           │   what the clearances make of it, and how far it holds
 //! │ ⠤⠤⠤⠤⠤⠤⠤⠤⣀⣀⣀⣀⣀⣀⣀⣀⠤⠤⠤⠤⠤⠤⠤ 0.05 │
 //! │ ⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒⠒ 0    │   the line of zero is the limit of stability
 //! └─────────────────────────────────┘
@@ -21,6 +22,7 @@ use tui_big_text::{BigText, PixelSize};
 use telemetry::jobs::pole_trace::PoleTraceRequest;
 
 use super::panel::{Panel, PanelRequest};
+use super::verdict::notes;
 use super::{look_at, wheel_times};
 use crate::axis::PlotAxis;
 use crate::drawing::{framed, write, write_right};
@@ -50,9 +52,10 @@ impl Panel for Damping {
             return None;
         }
         let data = view.data;
+        let inner = area.inner(Margin::new(1, 1));
         let min_damping = data.poles()?.0;
         let word = view.standstill().unwrap_or(theme::verdict(min_damping).1);
-        let history = parts(area.inner(Margin::new(1, 1)), min_damping, word).history;
+        let history = parts(inner, min_damping, word, notes(view, usize::from(inner.width)).len()).history;
         look_at(data, &data.overview, history, at)
     }
 
@@ -63,6 +66,7 @@ impl Panel for Damping {
 
 /// Where things are.
 struct Parts {
+    notes: Rect,
     /// Whether the digits are large, and whether the words have room beside them.
     large: bool,
     fits_beside: bool,
@@ -70,15 +74,19 @@ struct Parts {
     history: Rect,
 }
 
-fn parts(inner: Rect, min_damping: f64, word: &str) -> Parts {
+fn parts(inner: Rect, min_damping: f64, word: &str, notes: usize) -> Parts {
     let width = format!("{min_damping:.4}").len() as u16 * DIGITS.1;
     // The word stands beside the digits, or on a line of its own below them.
     let fits_beside = inner.left() + width + 1 + word.len() as u16 <= inner.right();
     let height = DIGITS.0 + u16::from(!fits_beside);
     let large = inner.width >= width && inner.height > height;
-    let [head, history] =
-        Layout::vertical([Constraint::Length(if large { height } else { 1 }), Constraint::Min(0)]).areas(inner);
-    Parts { large, fits_beside, head, history }
+    let head = if large { height } else { 1 };
+    // What is told in words comes before the history, but for a row or two of that.
+    let left = inner.height.saturating_sub(head);
+    let notes = (notes as u16).min(left.saturating_sub(2).max(left.min(1)));
+    let heights = [Constraint::Length(head), Constraint::Length(notes), Constraint::Min(0)];
+    let [head, notes, history] = Layout::vertical(heights).areas(inner);
+    Parts { notes, large, fits_beside, head, history }
 }
 
 fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
@@ -90,7 +98,8 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let number = format!("{min_damping:.4}");
     let width = number.len() as u16 * DIGITS.1;
     let beside = inner.left() + width + 1;
-    let Parts { large, fits_beside, head, history } = parts(inner, min_damping, word);
+    let notes = notes(view, usize::from(inner.width));
+    let Parts { notes: below, large, fits_beside, head, history } = parts(inner, min_damping, word, notes.len());
     let log_decrement =
         poles.first().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
     let told = log_decrement.map(|d| short(d, 5));
@@ -124,6 +133,9 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
         }
     } else {
         write(buffer, head, head.left(), head.top(), &format!("{number} {word}"), theme::loud(color));
+    }
+    for (y, (text, style)) in (below.top()..below.bottom()).zip(&notes) {
+        write(buffer, below, below.left(), y, text, *style);
     }
     draw_history(view, axis, history, buffer);
     if let Some((text, style)) = then {

@@ -278,7 +278,7 @@ fn dotted_line(speed: f64, [bottom, top]: [f64; 2], color: Color, area: Rect, pl
 }
 
 /// Where all modes decay, in words.
-fn stable_words(pole_trace: &PoleTrace, units: &Units) -> String {
+pub(super) fn stable_words(pole_trace: &PoleTrace, units: &Units) -> String {
     let ranges: Vec<String> =
         pole_trace.stable.iter().map(|[from, to]| format!("{} to {}", units.speed(*from), units.speed(*to))).collect();
     match ranges.len() {

@@ -23,6 +23,7 @@ pub(crate) mod settings;
 pub(crate) mod spectral;
 pub(crate) mod spectrum;
 pub(crate) mod strips;
+mod verdict;
 pub(crate) mod waterfall;
 
 use std::ops::Range;

@@ -51,6 +51,9 @@ pub(crate) struct SessionDocument {
     /// What alarms are held against: warning and alarm, or null where there is no limit. Absent if nobody judges.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     alarm_limits: Option<BTreeMap<String, Option<[f64; 2]>>>,
+    /// What of it has limits that follow the machine's settings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    alarm_limits_of_machine: Vec<String>,
     rotor: RotorDocument,
     columns: Vec<ColumnDocument>,
 }
@@ -112,6 +115,10 @@ impl SessionDocument {
                 let limited = Watch::ALL.into_iter().filter(|watch| watch.has_limits());
                 limited.map(|watch| (watch.name().to_owned(), limits.pair(watch))).collect()
             }),
+            alarm_limits_of_machine: session.limits.as_ref().map_or_else(Vec::new, |limits| {
+                let following = Watch::ALL.into_iter().filter(|watch| limits.follows(*watch));
+                following.map(|watch| watch.name().to_owned()).collect()
+            }),
             rotor: RotorDocument {
                 name: rotor.name().to_owned(),
                 masses: rotor.masses().iter().map(mass).collect(),
@@ -146,20 +153,21 @@ impl SessionDocument {
             started_ns: self.started_ns,
             rate_hz: self.rate_hz,
             dtau: self.dtau,
-            limits: self.alarm_limits.map(limits_of).transpose()?,
+            limits: self.alarm_limits.map(|set| limits_of(set, &self.alarm_limits_of_machine)).transpose()?,
         };
         Ok((session, rotor, scales))
     }
 }
 
-fn limits_of(document: BTreeMap<String, Option<[f64; 2]>>) -> Result<Limits, BadDocument> {
+fn limits_of(document: BTreeMap<String, Option<[f64; 2]>>, of_machine: &[String]) -> Result<Limits, BadDocument> {
     let mut limits = Limits::none();
     // What a later version watches beyond that is not ours to judge.
     let known = document.into_iter().filter_map(|(name, pair)| Some((name.parse::<Watch>().ok()?, pair)));
     for (watch, pair) in known {
         limits.set(watch, pair).map_err(|expected| bad(format!("limits of {watch}: expected {expected}")))?;
     }
-    Ok(limits)
+    let following = of_machine.iter().filter_map(|name| name.parse::<Watch>().ok());
+    Ok(following.fold(limits, Limits::following))
 }
 
 fn one() -> u32 {

@@ -1,6 +1,7 @@
-//! Analysis that the simulation does not send along: poles and damping over speed, margins, spectra, run-ups. Too long for the drawing thread,
+//! Analysis that the simulation does not send along: poles and damping over speed, what clearances do, margins, spectra, run-ups. Too long for the drawing thread,
 //! so it is asked for there and computed by [`Jobs`].
 
+mod deadband;
 mod latest_answer;
 pub mod loop_analysis;
 pub mod pole_trace;
@@ -12,6 +13,7 @@ use std::time::Duration;
 
 use crossbeam::channel::Sender;
 
+pub use deadband::{DeadbandEffects, DeadbandRequest, LimitCycle};
 pub use latest_answer::LatestAnswer;
 pub use loop_analysis::{LoopAnalysis, LoopRequest};
 pub use pole_trace::{PoleTrace, PoleTraceRequest};
@@ -26,6 +28,7 @@ const PART_OF_A_FRAME: Duration = Duration::from_millis(12);
 pub struct Jobs {
     current: LatestAnswer<PoleTraceRequest, PoleTrace>,
     candidate: LatestAnswer<PoleTraceRequest, PoleTrace>,
+    deadband: LatestAnswer<DeadbandRequest, DeadbandEffects>,
     opened: LatestAnswer<LoopRequest, LoopAnalysis>,
     opened_candidate: LatestAnswer<LoopRequest, LoopAnalysis>,
     opened_watched: LatestAnswer<LoopRequest, LoopAnalysis>,
@@ -50,6 +53,7 @@ impl Jobs {
         Ok(Self {
             current: LatestAnswer::spawn("over-speed", PoleTrace::of, wake.clone())?,
             candidate: LatestAnswer::spawn("what-if", PoleTrace::of, wake.clone())?,
+            deadband: LatestAnswer::spawn("deadband", DeadbandEffects::of, wake.clone())?,
             opened: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             opened_candidate: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             opened_watched: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
@@ -67,6 +71,7 @@ impl Jobs {
         Self {
             current: LatestAnswer::inline(PoleTrace::of),
             candidate: LatestAnswer::inline(PoleTrace::of),
+            deadband: LatestAnswer::inline(DeadbandEffects::of),
             opened: LatestAnswer::inline(LoopAnalysis::of),
             opened_candidate: LatestAnswer::inline(LoopAnalysis::of),
             opened_watched: LatestAnswer::inline(LoopAnalysis::of),
@@ -84,6 +89,11 @@ impl Jobs {
     /// The same of settings that would be: theirs and no others. Waits a part of a frame; nothing if it takes longer.
     pub fn pole_trace_of_candidate(&self, question: &PoleTraceRequest) -> Option<Arc<PoleTrace>> {
         self.candidate.ask_for(question, PART_OF_A_FRAME)
+    }
+
+    /// What the clearances make of the settings in force; for a moment, of those before.
+    pub fn deadband(&self, question: &DeadbandRequest) -> Option<Arc<DeadbandEffects>> {
+        self.deadband.ask(question)
     }
 
     /// The loop under the settings of the moment that is looked at; for a moment, of those before.

@@ -61,6 +61,7 @@ impl Player {
             self.alarms = (turned, Alarms::recalled(self.limits.clone(), &self.turns[..turned]));
         }
         let alarms = &mut self.alarms.1;
+        alarms.learn(bench_status);
         let place = self.loaded.index_of(seq);
         let track = place.map(|place| feed.history().track(&(place..place + 1))).filter(|track| !track.is_empty());
         let [mut orbit, mut force] = [None; 2];

@@ -1,0 +1,83 @@
+//! Limits that follow the machine until somebody says what it bears: of what its settings tell of clearances, trip and actuator.
+//!
+//! They are no promise of anybody: an orbit of several clearances is whirl that the deadband lets grow, and ISO 14839-2 lets no machine run
+//! for long beyond 0.4 of the clearance that is not to be bridged, nor at all beyond 0.5; here that clearance is where the machine trips.
+
+use rotor::Settings;
+
+/// Warning and alarm of the orbit, in the largest clearance of a support bearing: the zones of ISO 14839-2 are shares of a clearance that must
+/// not be bridged; a deadband is bridged whenever the bearing carries, and this is how far beyond it.
+const CLEARANCES: [f64; 2] = [5.0, 10.0];
+/// The same in parts of the trip's limit: where zones B and C of ISO 14839-2 end.
+const TRIP: [f64; 2] = [0.4, 0.5];
+/// Warning and alarm of the force, in parts of the actuator's limit.
+const ACTUATOR: [f64; 2] = [0.8, 0.95];
+
+/// Warning and alarm of the largest orbit, in `e_t`; none where neither clearance nor trip is set.
+pub(crate) fn orbit(settings: &Settings) -> Option<[f64; 2]> {
+    let clearance = settings.deadband.iter().copied().fold(0.0, f64::max);
+    let of_clearance = (clearance > 0.0).then(|| CLEARANCES.map(|times| times * clearance));
+    let of_trip = settings.trip.is_finite().then(|| TRIP.map(|share| share * settings.trip));
+    [of_clearance, of_trip].into_iter().flatten().min_by(|a, b| a[0].total_cmp(&b[0]))
+}
+
+/// Warning and alarm of the largest control, in `m_b w0^2 e_t`: parts of what the actuator can do; without a limit of that, what the gains
+/// make of an orbit at its own limits, all masses in phase with the spin `speed`:
+///
+/// ```text
+/// |u| = sum_k |d_k + j R v_k| r
+/// ```
+///
+/// with `d` and `v` the gains on displacement and velocity of each mass. None where nothing is fed back.
+pub(crate) fn force(settings: &Settings, speed: f64) -> Option<[f64; 2]> {
+    let limit = settings.feedback.parts.limit;
+    if limit.is_finite() {
+        return Some(ACTUATOR.map(|share| share * limit));
+    }
+    let row = settings.feedback.at(speed);
+    let gains = row.displacement.iter().zip(&row.velocity);
+    let stiffness: f64 = gains.map(|(d, v)| (d + rotor::J * speed * v).norm()).sum();
+    let limits = orbit(settings)?.map(|radius| stiffness * radius);
+    (limits[0] > 0.0 && limits[1].is_finite()).then_some(limits)
+}
+
+#[cfg(test)]
+mod tests {
+    use rotor::builtin;
+
+    use super::*;
+
+    fn settings(feedback: &str) -> Settings {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap())
+    }
+
+    #[test]
+    fn an_orbit_is_held_against_clearance_and_trip() {
+        let mut settings = settings("composite");
+        (settings.deadband, settings.trip) = (vec![1.0, 2.0, 0.5], 1000.0);
+        assert_eq!(orbit(&settings), Some([10.0, 20.0]));
+        settings.trip = 10.0;
+        assert_eq!(orbit(&settings), Some([4.0, 5.0]), "what trips is nearer");
+        settings.deadband.fill(0.0);
+        settings.trip = f64::INFINITY;
+        assert_eq!((orbit(&settings), force(&settings, 2.5)), (None, None));
+    }
+
+    #[test]
+    fn a_force_is_held_against_the_actuator_or_what_the_gains_make_of_the_orbit() {
+        let mut off = settings("off");
+        assert_eq!(force(&off, 2.5), None, "nothing is fed back");
+        off.feedback.parts.limit = 2.0;
+        assert_eq!(force(&off, 2.5), Some([1.6, 1.9]));
+        let mut composite = settings("composite");
+        composite.deadband.fill(1.0);
+        let [warning, alarm] = force(&composite, 2.5).unwrap();
+        // Every mass at the limit of the orbit and in phase: what the law itself makes of that.
+        let row = composite.feedback.at(2.5);
+        let radius = orbit(&composite).unwrap()[0];
+        let gains = row.displacement.iter().zip(&row.velocity);
+        let most: f64 = gains.map(|(d, v)| (d * radius + rotor::J * 2.5 * v * radius).norm()).sum();
+        assert!((warning - most).abs() < 1e-12 * most && alarm == 2.0 * warning, "{warning} {alarm} {most}");
+    }
+}
