@@ -5,7 +5,7 @@
 //! * [`Reader`]: reads the tables of a TOML file, and collects everything that is wrong with it.
 //! * [`Fault`], [`Faults`]: what is wrong, where, and what should be there; [`Faults::drawn`] with the lines concerned.
 //! * [`Domain`]: which numbers are allowed where one is read.
-//! * [`number`]: numbers as people read them.
+//! * [`number`]: numbers as people read them. [`Lines`]: TOML written with comments.
 //!
 //! ```
 //! use text::{Domain, Reader};
@@ -28,9 +28,11 @@
 mod domain;
 mod drawn;
 mod fault;
+mod lines;
 pub mod number;
 mod reader;
 
 pub use domain::Domain;
 pub use fault::{Fault, Faults, MAX_BYTES, utf8};
+pub use lines::{Lines, numbers, string};
 pub use reader::{Key, Reader, Table, Value, as_number, nearest};

@@ -1,0 +1,308 @@
+//! What can be wrong with a drawing. Asked in one place, whoever made it: a file, an import or a program.
+
+use std::collections::BTreeSet;
+use std::fmt;
+
+use text::number::counted;
+
+use crate::drawing::{Amount, Bearing, Section, Sketch};
+use crate::{Coefficient, MAX_COORDINATES, MAX_ELEMENTS, MAX_NAME};
+
+/// One thing that is wrong with a drawing.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DrawingFault {
+    /// The table of the file that it would stand in, such as `section`; empty for the whole drawing.
+    pub table: &'static str,
+    /// Which of those tables, counted from 0.
+    pub index: usize,
+    /// The key there.
+    pub key: &'static str,
+    /// What was found.
+    pub found: String,
+    /// What was expected.
+    pub expected: String,
+}
+
+impl fmt::Display for DrawingFault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if !self.table.is_empty() {
+            write!(f, "{} {}: ", self.table, self.index + 1)?;
+        }
+        write!(f, "{}: expected {}", self.found, self.expected)
+    }
+}
+
+/// All that is wrong with a drawing; never empty.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DrawingError(pub Vec<DrawingFault>);
+
+impl fmt::Display for DrawingError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, fault) in self.0.iter().enumerate() {
+            write!(f, "{}{fault}", if i > 0 { "\n" } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for DrawingError {}
+
+/// Whether `name` can be a rotor's.
+pub(crate) fn is_name(name: &str) -> bool {
+    (1..=MAX_NAME).contains(&name.len()) && !name.chars().any(char::is_control)
+}
+
+/// Whether `name` can be part of a setting's key, as in `left.kd`.
+pub(crate) fn is_key(name: &str) -> bool {
+    name.len() <= MAX_NAME
+        && name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '-' || c == '_')
+}
+
+/// All that is wrong with `sketch`. Whoever has told already what is no number at all says so with `told`, and hears of it no more.
+pub(crate) fn faults(sketch: &Sketch, told: bool) -> Vec<DrawingFault> {
+    let mut check = Check { faults: Vec::new(), stations: sketch.sections.len() + 1, told };
+    check.whole(sketch);
+    for (i, material) in sketch.materials.iter().enumerate() {
+        let at = ("material", i);
+        let numbers = [
+            ("density", material.density),
+            ("youngs_modulus", material.youngs_modulus),
+            ("shear_modulus", material.shear_modulus),
+        ];
+        numbers.into_iter().for_each(|(key, value)| check.positive(at, key, value));
+        if material.name.is_empty() || sketch.materials[..i].iter().any(|other| other.name == material.name) {
+            check.fault(at, "name", format!("name = {:?}", material.name), "a name of its own");
+        }
+    }
+    for (i, section) in sketch.sections.iter().enumerate() {
+        check.section(("section", i), section, sketch.materials.len());
+    }
+    for (i, sleeve) in sketch.sleeves.iter().enumerate() {
+        let at = ("sleeve", i);
+        check.section(at, &sleeve.layer, sketch.materials.len());
+        match sketch.sections.get(sleeve.section) {
+            None => {
+                let expected = format!("one of {}", counted(sketch.sections.len(), "section", "sections"));
+                check.fault(at, "section", format!("section = {}", sleeve.section + 1), expected);
+            }
+            Some(under) if under.length.is_nan() => {}
+            Some(under) if under.length != sleeve.layer.length || under.elements != sleeve.layer.elements => {
+                let found = format!("{} m in {} elements", sleeve.layer.length, sleeve.layer.elements);
+                let expected = format!("{} m in {}, as the section under it", under.length, under.elements);
+                check.fault(at, "section", found, expected);
+            }
+            Some(_) => {}
+        }
+    }
+    for (i, disc) in sketch.discs.iter().enumerate() {
+        let at = ("disc", i);
+        check.station(at, "station", disc.station);
+        check.not_negative(at, "mass", disc.mass);
+        check.not_negative(at, "polar_inertia", disc.polar_inertia);
+        check.not_negative(at, "diametral_inertia", disc.diametral_inertia);
+    }
+    for (i, point) in sketch.point_masses.iter().enumerate() {
+        check.station(("point_mass", i), "station", point.station);
+        check.not_negative(("point_mass", i), "mass", point.mass);
+    }
+    for (i, bearing) in sketch.bearings.iter().enumerate() {
+        check.bearing(("bearing", i), bearing);
+    }
+    for (i, seal) in sketch.seals.iter().enumerate() {
+        check.bearing(("seal", i), seal);
+        if seal.clearance != 0.0 {
+            check.fault(("seal", i), "clearance", format!("clearance = {}", seal.clearance), "none: that of a bearing");
+        }
+    }
+    check.magnetics(sketch);
+    let mut names = BTreeSet::new();
+    for (i, sensor) in sketch.sensors.iter().enumerate() {
+        check.station(("sensor", i), "station", sensor.station);
+        check.key(("sensor", i), &sensor.name, &mut names);
+    }
+    for (i, unbalance) in sketch.unbalances.iter().enumerate() {
+        let at = ("unbalance", i);
+        check.station(at, "station", unbalance.station);
+        check.finite(at, "angle", unbalance.angle);
+        match unbalance.amount {
+            Amount::GramMillimetres(product) => check.not_negative(at, "gmm", product),
+            Amount::Grade { millimetres_per_second, speed } => {
+                check.positive(at, "grade", millimetres_per_second);
+                speed.into_iter().for_each(|speed| check.positive(at, "speed", speed));
+            }
+        }
+    }
+    check.faults
+}
+
+/// A table and which of its kind.
+type At = (&'static str, usize);
+
+struct Check {
+    faults: Vec<DrawingFault>,
+    stations: usize,
+    told: bool,
+}
+
+impl Check {
+    fn fault(&mut self, (table, index): At, key: &'static str, found: String, expected: impl Into<String>) {
+        self.faults.push(DrawingFault { table, index, key, found, expected: expected.into() });
+    }
+
+    fn number(&mut self, at: At, key: &'static str, value: f64, domain: text::Domain) {
+        if !domain.admits(value) && !(self.told && value.is_nan()) {
+            self.fault(at, key, format!("{key} = {value}"), domain.words());
+        }
+    }
+
+    fn finite(&mut self, at: At, key: &'static str, value: f64) {
+        self.number(at, key, value, text::Domain::Finite);
+    }
+
+    fn positive(&mut self, at: At, key: &'static str, value: f64) {
+        self.number(at, key, value, text::Domain::Positive);
+    }
+
+    fn not_negative(&mut self, at: At, key: &'static str, value: f64) {
+        self.number(at, key, value, text::Domain::NotNegative);
+    }
+
+    fn station(&mut self, at: At, key: &'static str, station: usize) {
+        if station >= self.stations {
+            let expected = format!("a station of the shaft, 1 to {}", self.stations);
+            self.fault(at, key, format!("{key} = {}", station + 1), expected);
+        }
+    }
+
+    fn key(&mut self, at: At, name: &str, taken: &mut BTreeSet<String>) {
+        if !is_key(name) {
+            let expected = format!(
+                "letters, digits, '-' and '_', beginning with a letter, at most {MAX_NAME} of them: it begins keys of settings"
+            );
+            self.fault(at, "name", format!("name = {name:?}"), expected);
+        } else if !taken.insert(name.to_owned()) {
+            self.fault(at, "name", format!("name = {name:?} again"), "a name of its own");
+        }
+    }
+
+    fn whole(&mut self, sketch: &Sketch) {
+        let at = ("", 0);
+        if !is_name(&sketch.name) {
+            let expected = format!("1 to {MAX_NAME} bytes of printable text");
+            self.fault(at, "name", format!("name = {:?}", sketch.name), expected);
+        }
+        self.not_negative(at, "mass_damping", sketch.mass_damping);
+        self.not_negative(at, "stiffness_damping", sketch.stiffness_damping);
+        sketch.reference_length.into_iter().for_each(|length| self.positive(at, "reference_length", length));
+        let elements = sketch.sections.iter().fold(0, |sum: usize, section| sum.saturating_add(section.elements));
+        if sketch.sections.is_empty() || elements > MAX_ELEMENTS {
+            let found = if elements == 0 { "no [[section]]".to_owned() } else { format!("{elements} elements") };
+            self.fault(at, "section", found, format!("1 to {MAX_ELEMENTS} elements in all sections together"));
+            return;
+        }
+        let most = MAX_COORDINATES.min(2 * (elements + 1));
+        if let Some(coordinates) = sketch.coordinates
+            && !(1..=most).contains(&coordinates)
+        {
+            let expected = format!("1 to {most}, at most {MAX_COORDINATES} and two an end of an element");
+            self.fault(at, "coordinates", format!("coordinates = {coordinates}"), expected);
+        }
+    }
+
+    fn section(&mut self, at: At, section: &Section, materials: usize) {
+        self.positive(at, "length", section.length);
+        self.positive(at, "outer", section.outer);
+        self.positive(at, "outer_right", section.outer_right);
+        self.not_negative(at, "inner", section.inner);
+        self.not_negative(at, "inner_right", section.inner_right);
+        for (key, inner, outer) in
+            [("inner", section.inner, section.outer), ("inner_right", section.inner_right, section.outer_right)]
+        {
+            if inner >= outer {
+                self.fault(at, key, format!("{key} = {inner}"), format!("less than the outer diameter there, {outer}"));
+            }
+        }
+        if section.elements == 0 {
+            self.fault(at, "elements", "elements = 0".into(), "at least 1");
+        }
+        if section.material >= materials {
+            let found = format!("material {} of {materials}", section.material + 1);
+            self.fault(at, "material", found, "a material of the drawing");
+        }
+        self.finite(at, "axial_force", section.axial_force);
+        self.finite(at, "torque", section.torque);
+        self.not_negative(at, "mass_damping", section.mass_damping);
+        self.not_negative(at, "stiffness_damping", section.stiffness_damping);
+        self.not_negative(at, "internal_damping", section.internal_damping);
+    }
+
+    fn bearing(&mut self, at: At, bearing: &Bearing) {
+        self.station(at, "station", bearing.station);
+        for (key, coefficient) in [
+            ("stiffness", &bearing.stiffness),
+            ("damping", &bearing.damping),
+            ("cross_stiffness", &bearing.cross_stiffness),
+            ("cross_damping", &bearing.cross_damping),
+        ] {
+            self.coefficient(at, key, coefficient);
+        }
+        self.not_negative(at, "mass", bearing.mass);
+        self.not_negative(at, "clearance", bearing.clearance);
+        if bearing.clearance > 0.0 && bearing.stiffness.values().any(|value| value < 0.0) {
+            let expected = "a stiffness of at least 0 beside it: what is met behind a clearance pushes back";
+            self.fault(at, "clearance", format!("clearance = {}", bearing.clearance), expected);
+        }
+    }
+
+    fn coefficient(&mut self, at: At, key: &'static str, coefficient: &Coefficient) {
+        match coefficient {
+            Coefficient::Constant(value) => self.finite(at, key, *value),
+            Coefficient::Table(points) => {
+                if points.is_empty() {
+                    self.fault(at, key, format!("{key} over no speeds"), "at least one speed and its value");
+                }
+                for (i, &(speed, value)) in points.iter().enumerate() {
+                    if i > 0 && speed <= points[i - 1].0 {
+                        let found = format!("{key} at speed {speed} after {}", points[i - 1].0);
+                        self.fault(at, key, found, "rising speeds");
+                    }
+                    self.not_negative(at, key, speed);
+                    self.finite(at, key, value);
+                }
+            }
+        }
+    }
+
+    fn magnetics(&mut self, sketch: &Sketch) {
+        let mut names = BTreeSet::new();
+        for (i, magnetic) in sketch.magnetics.iter().enumerate() {
+            let at = ("magnetic", i);
+            self.key(at, &magnetic.name, &mut names);
+            self.station(at, "station", magnetic.station);
+            self.station(at, "sensor", magnetic.sensor);
+            self.positive(at, "force_per_current", magnetic.force_per_current);
+            self.not_negative(at, "negative_stiffness", magnetic.negative_stiffness);
+            self.not_negative(at, "clearance", magnetic.clearance);
+            if let Some(stiffness) = magnetic.touchdown_stiffness {
+                self.positive(at, "touchdown_stiffness", stiffness);
+                if magnetic.clearance == 0.0 {
+                    let expected = "clearance = G with it, the play of the touchdown bearing";
+                    self.fault(at, "touchdown_stiffness", format!("touchdown_stiffness = {stiffness}"), expected);
+                }
+            }
+            if let Some(controller) = &magnetic.controller {
+                let (numerator, denominator) = (&controller.numerator, &controller.denominator);
+                let numbers = || numerator.iter().chain(denominator);
+                let led = |row: &[f64]| row.first().is_some_and(|&first| first != 0.0);
+                if !numbers().all(|c| c.is_finite()) || !led(numerator) || !led(denominator) {
+                    let expected = "finite coefficients in falling powers of s, the first of each list not 0";
+                    self.fault(at, "controller", "a controller".into(), expected);
+                } else if numerator.len() > denominator.len() {
+                    let found = format!("a controller of order {} over {}", numerator.len() - 1, denominator.len() - 1);
+                    self.fault(at, "controller", found, "a numerator of no higher order than the denominator");
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! What a reduction has cost.
+
+use crate::{C64, FullModel, PoleError, Reduced};
+
+/// A pole of the full model and what the reduction makes of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LostPole {
+    /// The spin speed in rad/s.
+    pub speed: f64,
+    /// Of the full model, in 1/s and rad/s.
+    pub full: C64,
+    /// The nearest one of the reduced model.
+    pub reduced: C64,
+    /// Their distance beside the size of the pole; beside a thousandth of the highest frequency where the pole is smaller than that.
+    pub frequency: f64,
+    /// The difference of their damping ratios `-Re / |s|`; 0 for poles as small as that.
+    pub damping: f64,
+}
+
+/// What a reduction has cost.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Lost {
+    /// Every pole of every speed, slowest first within each.
+    pub poles: Vec<LostPole>,
+}
+
+impl Lost {
+    /// The largest relative error of an eigenvalue.
+    #[must_use]
+    pub fn worst_frequency(&self) -> f64 {
+        self.poles.iter().map(|pole| pole.frequency).fold(0.0, f64::max)
+    }
+
+    /// The largest error of a damping ratio.
+    #[must_use]
+    pub fn worst_damping(&self) -> f64 {
+        self.poles.iter().map(|pole| pole.damping).fold(0.0, f64::max)
+    }
+}
+
+/// Compares the poles of both models at each of `speeds` in rad/s, as far as those of the full one are no larger than
+/// `up_to` in rad/s.
+///
+/// # Errors
+/// Those of [`FullModel::eigenvalues`].
+pub fn lost(full: &FullModel, reduced: &Reduced, speeds: &[f64], up_to: f64) -> Result<Lost, PoleError> {
+    let least = 1e-3 * up_to;
+    let mut poles = Vec::new();
+    for &speed in speeds {
+        let mut left = reduced.eigenvalues(&full.springs, speed)?;
+        for pole in full.eigenvalues(speed)?.into_iter().filter(|pole| pole.norm() <= up_to) {
+            let distance = |other: &C64| (other - pole).norm();
+            let nearest = left.iter().enumerate().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
+            // A pole without a partner is lost whole.
+            let found = nearest.map(|(at, _)| at).map_or(C64::ZERO, |at| left.swap_remove(at));
+            let ratio = |s: C64| if s.norm() > least { -s.re / s.norm() } else { 0.0 };
+            poles.push(LostPole {
+                speed,
+                full: pole,
+                reduced: found,
+                frequency: (found - pole).norm() / pole.norm().max(least),
+                damping: (ratio(found) - ratio(pole)).abs(),
+            });
+        }
+    }
+    Ok(Lost { poles })
+}
