@@ -10,6 +10,7 @@
 
 #define WHIRL_SCHEMA 4 /* version of all messages together */
 #define WHIRL_MAX_MASSES 16 /* masses of the largest rotor */
+#define WHIRL_MAX_BEARINGS 8 /* control bearings of the largest machine */
 #define WHIRL_MAX_BURST 32 /* steps of the largest message of whirl/NAME/state */
 #define WHIRL_EVENTS_KEPT 64 /* events that reach readers that come late */
 #define WHIRL_DOCUMENTS_KEPT 96 /* documents that reach readers that come late */
@@ -17,31 +18,38 @@
 #define WHIRL_MAX_SNAPSHOT 32768 /* words of the largest snapshot */
 
 /* whirl/NAME/state carries slices of 64-bit words: rows of WHIRL_WIDTH words, one after the other, one row a step,
-   up to WHIRL_MAX_BURST. Each row says itself how many masses and sensors it has. Below are the places of its
-   words; masses and sensors are counted from 0. Doubles are read with whirl_number. */
+   up to WHIRL_MAX_BURST. Each row says itself how many masses, sensors and control bearings it has. Below are the
+   places of its words; masses and sensors are counted from 0, and so are control bearings after the first. Doubles
+   are read with whirl_number. */
 #define WHIRL_RUN_ID 0 /* uint64_t: which run of which process: changes when the simulation starts anew */
 #define WHIRL_SEQ 1 /* uint64_t: number of the step since the process started: up by 1 each, also while tripped */
 #define WHIRL_WALL_NS 2 /* uint64_t: wall clock when the step was due to be sent, nanoseconds since 1970 */
 #define WHIRL_REVISION 3 /* uint64_t: revision of the settings that the step was made with */
-#define WHIRL_FLAGS 4 /* uint64_t: bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 63: how many sensors */
+#define WHIRL_FLAGS 4 /* uint64_t: bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 55: how many sensors; 56 to 63: how many control bearings after the first */
 #define WHIRL_TAU 5 /* double, 1/w0: time since the rotor was last at rest; stands still while tripped */
 #define WHIRL_ANGLE 6 /* double, rad: spin angle, unwrapped: the unbalance points along it */
 #define WHIRL_SPEED 7 /* double, w0: spin speed R */
 #define WHIRL_SPEED_RATE 8 /* double, w0^2: rate of change of the spin speed */
-#define WHIRL_UY_COMMANDED 9 /* double, w0^2 e_t: control that the feedback asks for, y */
-#define WHIRL_UZ_COMMANDED 10 /* double, w0^2 e_t: control that the feedback asks for, z */
-#define WHIRL_UY 11 /* double, w0^2 e_t: control that the bearing delivers, y */
-#define WHIRL_UZ 12 /* double, w0^2 e_t: control that the bearing delivers, z */
+#define WHIRL_UY_COMMANDED 9 /* double, w0^2 e_t: control that the feedback asks for at the first control bearing, y */
+#define WHIRL_UZ_COMMANDED 10 /* double, w0^2 e_t: control that the feedback asks for at the first control bearing, z */
+#define WHIRL_UY 11 /* double, w0^2 e_t: control that the first control bearing delivers, y */
+#define WHIRL_UZ 12 /* double, w0^2 e_t: control that the first control bearing delivers, z */
 #define WHIRL_Y(mass) (13 + 4 * (mass) + 0) /* double, e_t: displacement, y */
 #define WHIRL_Z(mass) (13 + 4 * (mass) + 1) /* double, e_t: displacement, z */
 #define WHIRL_VY(mass) (13 + 4 * (mass) + 2) /* double, w0 e_t: velocity, y */
 #define WHIRL_VZ(mass) (13 + 4 * (mass) + 3) /* double, w0 e_t: velocity, z */
 #define WHIRL_READING_Y(masses, sensor) (13 + 4 * (masses) + 2 * (sensor) + 0) /* double, e_t: displacement as the loop reads it, y */
 #define WHIRL_READING_Z(masses, sensor) (13 + 4 * (masses) + 2 * (sensor) + 1) /* double, e_t: displacement as the loop reads it, z */
+#define WHIRL_BEARING_UY_COMMANDED(masses, sensors, further) (13 + 4 * (masses) + 2 * (sensors) + 4 * (further) + 0) /* double, w0^2 e_t: control that the feedback asks for, y */
+#define WHIRL_BEARING_UZ_COMMANDED(masses, sensors, further) (13 + 4 * (masses) + 2 * (sensors) + 4 * (further) + 1) /* double, w0^2 e_t: control that the feedback asks for, z */
+#define WHIRL_BEARING_UY(masses, sensors, further) (13 + 4 * (masses) + 2 * (sensors) + 4 * (further) + 2) /* double, w0^2 e_t: control that the bearing delivers, y */
+#define WHIRL_BEARING_UZ(masses, sensors, further) (13 + 4 * (masses) + 2 * (sensors) + 4 * (further) + 3) /* double, w0^2 e_t: control that the bearing delivers, z */
 
-#define WHIRL_WIDTH(masses, sensors) (13 + 4 * (masses) + 2 * (sensors))
+#define WHIRL_WIDTH(masses, sensors, further) (13 + 4 * (masses) + 2 * (sensors) + 4 * (further))
 #define WHIRL_MASSES(row) ((unsigned)((row)[WHIRL_FLAGS] >> 32 & 0xffff))
-#define WHIRL_SENSORS(row) ((unsigned)((row)[WHIRL_FLAGS] >> 48))
+#define WHIRL_SENSORS(row) ((unsigned)((row)[WHIRL_FLAGS] >> 48 & 0xff))
+/* Control bearings after the first. */
+#define WHIRL_FURTHER(row) ((unsigned)((row)[WHIRL_FLAGS] >> 56))
 
 /* Bit m of the flags is set while mass m presses on its bearing. */
 #define WHIRL_SATURATED UINT32_C(0x10000) /* the control bearing is at its limit */

@@ -90,7 +90,7 @@ mod with {
         let changed = events[1];
         assert_eq!((changed.why.as_str(), changed.revision), ("to see", 2));
         let revision = recording.settings_at(changed.at.seq).unwrap();
-        assert_eq!(revision.settings.feedback.signals[0].gains[0].at(0.0), 0.125);
+        assert_eq!(revision.settings.feedback.bearings[0].signals[0].gains[0].at(0.0), 0.125);
         assert_eq!(recorded[&changed.at.seq].revision(), 2, "from that step on");
         assert_eq!(recorded[&(changed.at.seq - 1)].revision(), 1);
         let info = info(&path);

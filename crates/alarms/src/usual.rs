@@ -30,11 +30,11 @@ pub(crate) fn orbit(settings: &Settings) -> Option<[f64; 2]> {
 ///
 /// with `d` and `v` the gains on displacement and velocity of each mass. None where nothing is fed back.
 pub(crate) fn force(settings: &Settings, speed: f64) -> Option<[f64; 2]> {
-    let limit = settings.feedback.parts.limit;
+    let limit = settings.feedback.bearings[0].parts.limit;
     if limit.is_finite() {
         return Some(ACTUATOR.map(|share| share * limit));
     }
-    let row = settings.feedback.at(speed);
+    let row = settings.feedback.first().at(speed);
     let gains = row.displacement.iter().zip(&row.velocity);
     let stiffness: f64 = gains.map(|(d, v)| (d + rotor::J * speed * v).norm()).sum();
     let limits = orbit(settings)?.map(|radius| stiffness * radius);
@@ -68,13 +68,13 @@ mod tests {
     fn a_force_is_held_against_the_actuator_or_what_the_gains_make_of_the_orbit() {
         let mut off = settings("off");
         assert_eq!(force(&off, 2.5), None, "nothing is fed back");
-        off.feedback.parts.limit = 2.0;
+        off.feedback.bearings[0].parts.limit = 2.0;
         assert_eq!(force(&off, 2.5), Some([1.6, 1.9]));
         let mut composite = settings("composite");
         composite.deadband.fill(1.0);
         let [warning, alarm] = force(&composite, 2.5).unwrap();
         // Every mass at the limit of the orbit and in phase: what the law itself makes of that.
-        let row = composite.feedback.at(2.5);
+        let row = composite.feedback.first().at(2.5);
         let radius = orbit(&composite).unwrap()[0];
         let gains = row.displacement.iter().zip(&row.velocity);
         let most: f64 = gains.map(|(d, v)| (d * radius + rotor::J * 2.5 * v * radius).norm()).sum();

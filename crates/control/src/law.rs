@@ -4,7 +4,7 @@
 //! feedback. Each [`Signal`] is a weighted sum of displacements and of velocities with four gains. One signal with
 //! several weights is the report's *composite* output (4.25)-(4.27); one signal per sensor is *individual* feedback.
 
-use crate::{C64, Filter, FilterError, MAX_SENSORS, PartError, Parts};
+use crate::{C64, Filter, FilterError, MAX_BEARINGS, MAX_SENSORS, PartError, Parts};
 
 /// A gain over spin speed `R`.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,11 +142,13 @@ impl Signal {
     }
 }
 
-/// Where the control bearing is, and what drives it. Always fits the rotor it was checked for.
+/// One control bearing: where it is, and what drives it. Always fits the rotor it was checked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Feedback {
-    /// The mass that carries the control bearing, counted from 0.
-    pub bearing: usize,
+pub struct ControlBearing {
+    /// What it is called, where it has a name: `left`.
+    pub name: Option<String>,
+    /// The station that carries it (of a chain: the mass), counted from 0.
+    pub station: usize,
     /// The signals, at least one.
     pub signals: Vec<Signal>,
     /// What shapes the sum of the signals, in a row; empty for the law alone.
@@ -211,13 +213,39 @@ pub enum FeedbackError {
     /// A number of the loop is not allowed.
     #[error(transparent)]
     Part(#[from] PartError),
+    /// No control bearing, or more than a message can carry.
+    #[error("feedback has 1 to {MAX_BEARINGS} control bearings, found {0}")]
+    Bearings(usize),
+    /// Two control bearings that cannot be told apart.
+    #[error("two control bearings {0}")]
+    Twice(String),
+    /// What one machine computes for all its bearings differs between them.
+    #[error("bearing {bearing}: {key} = {found}, but {first} at the first bearing: all are computed by one clock")]
+    Clock {
+        /// Which bearing.
+        bearing: String,
+        /// `sample` or `delay`.
+        key: &'static str,
+        /// Its value there.
+        found: f64,
+        /// Its value at the first.
+        first: f64,
+    },
+    /// One of several bearings does not fit.
+    #[error("bearing {bearing}: {why}")]
+    OfBearing {
+        /// Which, by its name or counted from 1.
+        bearing: String,
+        /// What is wrong with it.
+        why: Box<FeedbackError>,
+    },
 }
 
-impl Feedback {
-    /// Signals that drive the bearing at mass `bearing` (counted from 0) through an ideal loop.
+impl ControlBearing {
+    /// Signals that drive the bearing at `station` (counted from 0) through an ideal loop.
     #[must_use]
-    pub fn new(bearing: usize, signals: Vec<Signal>) -> Self {
-        Self { bearing, signals, filters: vec![], parts: Parts::default() }
+    pub fn new(station: usize, signals: Vec<Signal>) -> Self {
+        Self { name: None, station, signals, filters: vec![], parts: Parts::default() }
     }
 
     /// Whether force follows displacement and velocity at once and exactly: gains alone.
@@ -226,13 +254,13 @@ impl Feedback {
         self.parts.is_ideal() && self.filters.is_empty() && self.signals.iter().all(|s| s.filters.is_empty())
     }
 
-    /// Checks that this feedback can drive a rotor of `masses` masses.
+    /// Checks that it can be a bearing of a rotor of `masses` masses.
     ///
     /// # Errors
     /// The first part that does not fit, by name.
     pub fn check(&self, masses: usize) -> Result<(), FeedbackError> {
-        if self.bearing >= masses {
-            return Err(FeedbackError::Bearing { found: self.bearing + 1, masses });
+        if self.station >= masses {
+            return Err(FeedbackError::Bearing { found: self.station + 1, masses });
         }
         if self.signals.is_empty() || self.signals.len() > MAX_SENSORS {
             return Err(FeedbackError::Signals(self.signals.len()));
@@ -279,7 +307,7 @@ impl Feedback {
     /// The law at one spin speed, as complex gains on each mass.
     #[must_use]
     pub fn at(&self, speed: f64) -> ControlRow {
-        let mut row = ControlRow { bearing: self.bearing, ..ControlRow::default() };
+        let mut row = ControlRow { bearing: self.station, ..ControlRow::default() };
         for signal in &self.signals {
             let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|i| signal.gains[i].at(speed));
             let on_displacement = C64::new(kd, -kc);
@@ -321,7 +349,7 @@ mod tests {
 
     #[test]
     fn composite_weights_act_on_every_sensor_they_name() {
-        let feedback = Feedback::new(0, vec![Signal::composite(&[1.0, 2.0], [3.0, 5.0, 7.0, 11.0])]);
+        let feedback = ControlBearing::new(0, vec![Signal::composite(&[1.0, 2.0], [3.0, 5.0, 7.0, 11.0])]);
         let row = feedback.at(0.0);
         assert_eq!(row.displacement[..2], [C64::new(3.0, -7.0), C64::new(6.0, -14.0)]);
         assert_eq!(row.velocity[..2], [C64::new(5.0, -11.0), C64::new(10.0, -22.0)]);
@@ -330,21 +358,21 @@ mod tests {
 
     #[test]
     fn what_does_not_fit_is_named() {
-        let told = |f: Feedback| f.check(2).unwrap_err().to_string();
+        let told = |f: ControlBearing| f.check(2).unwrap_err().to_string();
         let sound = Signal::at_mass(0, 2, [0.0; 4]);
         assert_eq!(
-            told(Feedback::new(2, vec![sound.clone()])),
+            told(ControlBearing::new(2, vec![sound.clone()])),
             "control bearing at mass 3, but the rotor has masses 1 to 2"
         );
-        assert_eq!(told(Feedback::new(0, vec![])), "feedback has 1 to 16 signals, found 0");
+        assert_eq!(told(ControlBearing::new(0, vec![])), "feedback has 1 to 16 signals, found 0");
         assert_eq!(
-            told(Feedback::new(0, vec![Signal::at_mass(0, 3, [0.0; 4])])),
+            told(ControlBearing::new(0, vec![Signal::at_mass(0, 3, [0.0; 4])])),
             "signal 1: displacement has 3 weights, but the rotor has 2 masses"
         );
         let mut bad = sound;
         *bad.gain_mut(GainKind::Cd) = Gain::Table(vec![(1.0, 0.0), (1.0, 2.0)]);
         assert_eq!(
-            told(Feedback::new(0, vec![bad])),
+            told(ControlBearing::new(0, vec![bad])),
             "signal 1: cd must be finite, and a table non-empty with rising speeds"
         );
     }

@@ -8,21 +8,21 @@
 //! and a [`Controller`] at work allocates nothing.
 //!
 //! ```
-//! use control::{Controller, Feedback, Gain, GainKind, Signal};
+//! use control::{ControlBearing, Controller, Gain, GainKind, Signal};
 //!
 //! // The bearing at mass 1, one signal of masses 1 and 2, gains kd cd kc cc; kd falls with speed.
-//! let mut feedback = Feedback::new(0, vec![Signal::composite(&[1.0, 1.0, 0.0], [0.0, 0.5, -0.5, 0.6])]);
-//! *feedback.signals[0].gain_mut(GainKind::Kd) = Gain::Linear { at_zero: -0.1, slope: -0.2 };
-//! assert_eq!(feedback.at(2.0).displacement[0], control::C64::new(-0.5, 0.5), "kd - j kc");
+//! let mut bearing = ControlBearing::new(0, vec![Signal::composite(&[1.0, 1.0, 0.0], [0.0, 0.5, -0.5, 0.6])]);
+//! *bearing.signals[0].gain_mut(GainKind::Kd) = Gain::Linear { at_zero: -0.1, slope: -0.2 };
+//! assert_eq!(bearing.at(2.0).displacement[0], control::C64::new(-0.5, 0.5), "kd - j kc");
 //!
 //! // The same through a loop that takes time, for a rotor of three masses at R = 2 in steps of 0.01.
-//! feedback.parts.delay = 0.05;
-//! let controller = Controller::new(&feedback, 3, 2.0, 0.01)?;
+//! bearing.parts.delay = 0.05;
+//! let controller = Controller::new(&bearing, 3, 2.0, 0.01)?;
 //! assert!(controller.remembers());
 //! # Ok::<(), control::LoopError>(())
 //! ```
 //!
-//! * [`Feedback`], [`Signal`], [`Gain`]: the law. [`Filter`]: what shapes a signal. [`Parts`]: the numbers of the rest.
+//! * [`Feedback`]: every control bearing of a machine. [`ControlBearing`], [`Signal`], [`Gain`]: the law of one. [`Filter`]: what shapes a signal. [`Parts`]: the numbers of the rest.
 //! * [`Controller`]: all of it in motion, to be integrated with the plant it holds; its states are saved and restored.
 //! * [`Excitation`]: tones added to its command for a while, so that it can be measured; made of a [`Multisine`].
 //! * [`LinearLoop`]: the same as matrices, for poles and margins.
@@ -33,6 +33,7 @@ mod block;
 mod controller;
 mod delay_line;
 mod excitation;
+mod feedback;
 mod filter;
 mod law;
 mod linear;
@@ -42,8 +43,9 @@ mod words;
 pub use block::MAX_ORDER;
 pub use controller::{Controller, LoopError, Output, Stage};
 pub use excitation::{Excitation, ExcitationError, Multisine, Tone};
+pub use feedback::Feedback;
 pub use filter::{FILTERS, Filter, FilterError};
-pub use law::{ControlRow, Feedback, FeedbackError, Gain, GainKind, Signal};
+pub use law::{ControlBearing, ControlRow, FeedbackError, Gain, GainKind, Signal};
 pub use linear::{Law, LinearLoop};
 pub use parts::{PARTS, Part, PartError, Parts};
 pub use words::Words;
@@ -56,3 +58,6 @@ pub const J: C64 = C64::new(0.0, 1.0);
 
 /// The most stations that a law can sense, and signals that it can have.
 pub const MAX_SENSORS: usize = 16;
+
+/// The most control bearings that a machine can have.
+pub const MAX_BEARINGS: usize = 8;

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use crate::block::Sampled;
-use crate::{C64, Controller, Feedback, FeedbackError, Parts};
+use crate::{C64, ControlBearing, Controller, FeedbackError, Parts};
 
 /// The law of a loop: `z' = a z + b r` (or `z <- a z + b r` at every sample), `w = c z + d r`, with `r` the readings of
 /// displacement at every sensor and then those of velocity.
@@ -37,13 +37,13 @@ pub struct LinearLoop {
 }
 
 impl LinearLoop {
-    /// The loop of `feedback` on a plant of so many stations, at a spin speed.
+    /// The loop of `bearing` on a plant of so many stations, at a spin speed.
     ///
     /// # Errors
     /// Feedback that does not fit.
-    pub fn new(feedback: &Feedback, stations: usize, speed: f64) -> Result<Self, FeedbackError> {
-        feedback.check(stations)?;
-        Ok(Controller::with_room(feedback, stations, speed, 1, 0.0).linear(speed))
+    pub fn new(bearing: &ControlBearing, stations: usize, speed: f64) -> Result<Self, FeedbackError> {
+        bearing.check(stations)?;
+        Ok(Controller::with_room(bearing, stations, speed, 1, 0.0).linear(speed))
     }
 
     /// What the loop answers to the whirl `exp(s tau)` of its sensors: the force that a displacement 1 at each of them makes,
@@ -215,10 +215,11 @@ mod tests {
     use crate::{Filter, J, Signal};
 
     /// Every part of the loop, in one signal and behind the sum.
-    fn whole() -> Feedback {
+    fn whole() -> ControlBearing {
         let mut second = Signal::at_mass(2, 3, [0.7, 0.3, -0.2, 0.1]);
         second.filters = vec![Filter::Lowpass { corner: 8.0, order: 2 }];
-        let mut feedback = Feedback::new(0, vec![Signal::composite(&[1.0, 0.5, 0.0], [-0.4, 0.5, -0.6, 0.3]), second]);
+        let mut feedback =
+            ControlBearing::new(0, vec![Signal::composite(&[1.0, 0.5, 0.0], [-0.4, 0.5, -0.6, 0.3]), second]);
         feedback.filters = vec![Filter::Notch { frequency: 3.1, width: 0.2 }, Filter::SynchronousNotch { width: 0.3 }];
         feedback.parts = Parts { sensor_lag: 0.03, delay: 0.2, lag: 0.05, lag_damping: 0.7, ..Parts::default() };
         feedback

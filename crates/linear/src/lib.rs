@@ -27,7 +27,7 @@
 //! ```
 //!
 //! [`eigenvalues`] are those of any complex matrix. A [`LoopGain`] is the gain of one loop over frequency, sampled or not;
-//! [`LoopGain::margins`] are its margins and peaks.
+//! [`LoopGain::margins`] are its margins and peaks. Of several loops closed together each has one, and [`SeveralLoops`] is what they share.
 //!
 //! No part of it knows what the matrices describe. No files, no terminal, no threads.
 
@@ -40,16 +40,19 @@ mod inverse;
 mod loop_gain;
 mod margin;
 mod margins;
+pub mod peak;
 mod roots;
 mod sensitivity;
+mod several;
 mod system;
 
 pub use eigenvalues::{EigenvalueError, eigenvalues, eigenvalues_in_place};
-pub use loop_gain::{FrequencyGain, LoopGain};
+pub use loop_gain::{FrequencyGain, GainMatrix, LoopGain};
 pub use margin::DelayMargin;
 pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};
 pub use roots::Roots;
 pub use sensitivity::Sensitivity;
+pub use several::SeveralLoops;
 pub use system::{DelayError, DelaySystem};
 
 /// A complex number in double precision.

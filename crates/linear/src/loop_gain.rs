@@ -1,9 +1,12 @@
 //! The gain of one loop over frequency: `L(j w) = - C (j w - A)^-1 B exp(-j w T)` of a loop opened where its delay acts, or
 //! `- C (z - A)^-1 B` at `z = exp(j w h)` of a sampled one.
 //!
+//! Of several loops that are closed together `L` is a matrix, and the gain of loop `k`, opened alone with the others closed, is
+//! `1 / S_kk - 1` with `S = (I + L)^-1`.
+//!
 //! `A` is brought to Hessenberg form once, so that a frequency costs a few hundred operations and nothing is approximated.
 
-use nalgebra::{DMatrix, DVector, Hessenberg};
+use nalgebra::{DMatrix, Hessenberg};
 
 use crate::balance::balance_matrix;
 use crate::{C64, DelayError, DelaySystem, eigenvalues};
@@ -17,17 +20,50 @@ enum Plane {
     Sampled { period: f64 },
 }
 
-/// The gain of one loop.
+/// The gain of one loop; of several, of one of them with the others closed.
 #[derive(Clone, Debug)]
 pub struct LoopGain {
     /// Upper Hessenberg, row by row.
     a: Vec<C64>,
-    b: Vec<C64>,
-    c: Vec<C64>,
+    /// A column a loop.
+    b: Vec<Vec<C64>>,
+    /// A row a loop.
+    c: Vec<Vec<C64>>,
+    /// The loop that is opened.
+    opened: usize,
     plane: Plane,
+    /// Of all that stays closed, but for what is late.
     poles: Vec<C64>,
-    /// `|A|` and `|B| |C|`.
+    /// `|A|` with what stays closed, and `|b| |c|` of the loop.
     sizes: [f64; 2],
+}
+
+/// The gains of all loops at one frequency, and what becomes of them when they are closed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct GainMatrix {
+    /// `L`: from the command of loop `k` (column) to that of loop `i` (row), signs turned.
+    pub gain: DMatrix<C64>,
+    /// `dL / dw`.
+    pub slope: DMatrix<C64>,
+}
+
+impl GainMatrix {
+    /// `S = (I + L)^-1`; `None` where a pole is on the axis.
+    #[must_use]
+    pub fn sensitivity(&self) -> Option<DMatrix<C64>> {
+        let m = self.gain.nrows();
+        (DMatrix::identity(m, m) + &self.gain).try_inverse().filter(|s| s.iter().all(|z| z.is_finite()))
+    }
+
+    /// The largest singular value of `S`: what the worst mixture of disturbances at all commands is amplified by.
+    #[must_use]
+    pub fn largest_sensitivity(&self) -> f64 {
+        // That of S is one over the least of I + L; the squares are eigenvalues of a small Hermitian matrix.
+        self.sensitivity().map_or(f64::INFINITY, |s| {
+            let squares = (s.adjoint() * &s).symmetric_eigenvalues();
+            squares.iter().copied().fold(0.0, f64::max).sqrt()
+        })
+    }
 }
 
 /// A loop's gain at one frequency.
@@ -61,6 +97,14 @@ impl LoopGain {
     /// # Errors
     /// None or several loops, or eigenvalues that cannot be had.
     pub fn of(system: &DelaySystem) -> Result<Self, DelayError> {
+        one(Self::each(system)?)
+    }
+
+    /// The gain of each loop of `x' = A x + B C x(t - T)` with the others closed.
+    ///
+    /// # Errors
+    /// No loop, or eigenvalues that cannot be had.
+    pub fn each(system: &DelaySystem) -> Result<Vec<Self>, DelayError> {
         let plane = Plane::Continuous { delay: system.delay() };
         Self::new(system.a().clone(), system.b(), system.c(), plane)
     }
@@ -70,33 +114,70 @@ impl LoopGain {
     /// # Errors
     /// None or several loops, or eigenvalues that cannot be had.
     pub fn sampled(a: DMatrix<C64>, b: &DMatrix<C64>, c: &DMatrix<C64>, period: f64) -> Result<Self, DelayError> {
+        one(Self::each_sampled(a, b, c, period)?)
+    }
+
+    /// The gain of each loop of `x <- A x + B w`, `w = C x` with the others closed.
+    ///
+    /// # Errors
+    /// No loop, or eigenvalues that cannot be had.
+    pub fn each_sampled(
+        a: DMatrix<C64>,
+        b: &DMatrix<C64>,
+        c: &DMatrix<C64>,
+        period: f64,
+    ) -> Result<Vec<Self>, DelayError> {
         Self::new(a, b, c, Plane::Sampled { period })
     }
 
-    fn new(mut a: DMatrix<C64>, b: &DMatrix<C64>, c: &DMatrix<C64>, plane: Plane) -> Result<Self, DelayError> {
-        if b.ncols() != 1 || c.nrows() != 1 {
-            return Err(DelayError::Several(b.ncols()));
+    fn new(mut a: DMatrix<C64>, b: &DMatrix<C64>, c: &DMatrix<C64>, plane: Plane) -> Result<Vec<Self>, DelayError> {
+        let loops = b.ncols();
+        if loops == 0 || c.nrows() != loops {
+            return Err(DelayError::Several(loops));
         }
         if !a.iter().chain(b).chain(c).all(|z| z.is_finite()) {
             return Err(DelayError::NotFinite);
         }
         let scales = balance_matrix(&mut a);
-        let b = DVector::from_fn(a.nrows(), |i, _| b[i] / scales[i]);
-        let c = DVector::from_fn(a.nrows(), |i, _| c[i] * scales[i]);
-        let sizes = [a.norm(), b.norm() * c.norm()];
-        let poles = eigenvalues(a.clone())?;
+        let b = DMatrix::from_fn(a.nrows(), loops, |i, k| b[(i, k)] / scales[i]);
+        let c = DMatrix::from_fn(loops, a.nrows(), |k, i| c[(k, i)] * scales[i]);
+        let closed = |k: usize| {
+            let others = (0..loops).filter(|other| *other != k);
+            others.fold(a.clone(), |a, other| a + b.column(other) * c.row(other))
+        };
+        let mut opened = Vec::with_capacity(loops);
+        for k in 0..loops {
+            let rest = closed(k);
+            let size = rest.norm();
+            let mut poles = eigenvalues(rest)?;
+            if loops > 1 {
+                // Where the others are late, their resonances are near these or those without them.
+                poles.extend(eigenvalues(a.clone())?);
+            }
+            opened.push((poles, [size, b.column(k).norm() * c.row(k).norm()]));
+        }
         let (q, h) = if a.nrows() > 1 { Hessenberg::new(a).unpack() } else { (DMatrix::identity(1, 1), a) };
-        Ok(Self {
+        let (b, c) = (q.adjoint() * b, c * q);
+        let made = Self {
             a: h.transpose().as_slice().to_vec(),
-            b: (q.adjoint() * b).as_slice().to_vec(),
-            c: (q.transpose() * c).as_slice().to_vec(),
+            b: b.column_iter().map(|column| column.iter().copied().collect()).collect(),
+            c: c.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            opened: 0,
             plane,
-            poles,
-            sizes,
-        })
+            poles: Vec::new(),
+            sizes: [0.0; 2],
+        };
+        let each = opened.into_iter().enumerate();
+        Ok(each.map(|(opened, (poles, sizes))| Self { opened, poles, sizes, ..made.clone() }).collect())
     }
 
-    /// Poles of the open loop: of `A`, in `s`, or in `z`.
+    /// How many loops are closed together.
+    #[must_use]
+    pub fn loops(&self) -> usize {
+        self.b.len()
+    }
+
+    /// Poles of the open loop: of `A`, in `s`, or in `z`. Of several loops, with the others closed at once and not at all.
     #[must_use]
     pub fn poles(&self) -> &[C64] {
         &self.poles
@@ -134,36 +215,67 @@ impl LoopGain {
     /// `L` at a frequency; not finite at a pole on the axis.
     #[must_use]
     pub fn at(&self, frequency: f64) -> FrequencyGain {
+        if self.loops() == 1 {
+            let [value, slope] = self.at_frequency(frequency, |s| self.eliminate(s).answer(&self.b[0], &self.c)[0]);
+            return FrequencyGain { frequency, value, slope };
+        }
+        let GainMatrix { gain, slope } = self.matrix(frequency);
+        let k = self.opened;
+        let nowhere = FrequencyGain { frequency, value: C64::from(f64::NAN), slope: C64::from(f64::NAN) };
+        let Some(s) = (GainMatrix { gain, slope: DMatrix::zeros(0, 0) }).sensitivity() else { return nowhere };
+        let by_w = -(s.row(k) * slope * s.column(k))[0];
+        let own = s[(k, k)];
+        FrequencyGain { frequency, value: own.inv() - 1.0, slope: -by_w / (own * own) }
+    }
+
+    /// The gains of all loops at a frequency.
+    #[must_use]
+    pub fn matrix(&self, frequency: f64) -> GainMatrix {
+        let loops = self.loops();
+        let (mut gain, mut slope) = (DMatrix::zeros(loops, loops), DMatrix::zeros(loops, loops));
+        let plane = match self.plane {
+            Plane::Continuous { .. } => C64::new(0.0, frequency),
+            Plane::Sampled { period } => C64::cis(frequency * period),
+        };
+        let eliminated = self.eliminate(plane);
+        for (k, b) in self.b.iter().enumerate() {
+            for (i, answer) in eliminated.answer(b, &self.c).into_iter().enumerate() {
+                let [value, by_w] = self.at_frequency(frequency, |_| answer);
+                (gain[(i, k)], slope[(i, k)]) = (value, by_w);
+            }
+        }
+        GainMatrix { gain, slope }
+    }
+
+    /// A value over `s` or `z` with its derivative, as one over frequency, late.
+    fn at_frequency(&self, frequency: f64, of: impl Fn(C64) -> [C64; 2]) -> [C64; 2] {
         let s = C64::new(0.0, frequency);
-        let [value, slope] = match self.plane {
+        match self.plane {
             Plane::Continuous { delay } => {
-                let [value, by_s] = self.solve(s);
+                let [value, by_s] = of(s);
                 let late = (-s * delay).exp();
                 [value * late, (by_s - value * delay) * late * C64::I]
             }
             Plane::Sampled { period } => {
                 let z = (s * period).exp();
-                let [value, by_z] = self.solve(z);
+                let [value, by_z] = of(z);
                 [value, by_z * z * C64::I * period]
             }
-        };
-        FrequencyGain { frequency, value, slope }
+        }
     }
 
-    /// `- c (s - A)^-1 b` and its derivative by `s`, by elimination with rows exchanged.
-    fn solve(&self, s: C64) -> [C64; 2] {
-        let n = self.b.len();
+    /// `s - A` brought to a triangle by elimination with rows exchanged.
+    fn eliminate(&self, s: C64) -> Eliminated {
+        let n = self.b[0].len();
         let mut m: Vec<C64> = self.a.iter().map(|a| -a).collect();
         (0..n).for_each(|i| m[i * n + i] += s);
-        // (s - A) x = b; then (s - A) y = x. Row operations are kept to be done to x too.
-        let mut x = self.b.clone();
+        // Row operations are kept to be done to right sides too.
         let mut steps: Vec<(bool, C64)> = Vec::with_capacity(n);
         for i in 0..n.saturating_sub(1) {
             let swap = m[(i + 1) * n + i].l1_norm() > m[i * n + i].l1_norm();
             if swap {
                 let (above, below) = m.split_at_mut((i + 1) * n);
                 above[i * n + i..].swap_with_slice(&mut below[i..n]);
-                x.swap(i, i + 1);
             }
             let factor = m[(i + 1) * n + i] / m[i * n + i];
             if factor != C64::ZERO {
@@ -171,11 +283,32 @@ impl LoopGain {
                 for (to, from) in below[i..n].iter_mut().zip(&above[i * n + i..]) {
                     *to -= factor * from;
                 }
-                let from = x[i];
-                x[i + 1] -= factor * from;
             }
             steps.push((swap, factor));
         }
+        Eliminated { triangle: m, steps }
+    }
+}
+
+/// `s - A` as a triangle, row by row, and what was done to its rows.
+struct Eliminated {
+    triangle: Vec<C64>,
+    steps: Vec<(bool, C64)>,
+}
+
+impl Eliminated {
+    /// `- c (s - A)^-1 b` and its derivative by `s`, for every row of `c`.
+    fn answer(&self, b: &[C64], c: &[Vec<C64>]) -> Vec<[C64; 2]> {
+        let (n, m) = (b.len(), &self.triangle);
+        let forward = |x: &mut [C64]| {
+            for (i, (swap, factor)) in self.steps.iter().enumerate() {
+                if *swap {
+                    x.swap(i, i + 1);
+                }
+                let from = x[i];
+                x[i + 1] -= factor * from;
+            }
+        };
         let back = |x: &mut [C64]| {
             for i in (0..n).rev() {
                 let row = &m[i * n..(i + 1) * n];
@@ -183,18 +316,23 @@ impl LoopGain {
                 x[i] = (x[i] - known) / row[i];
             }
         };
+        // (s - A) x = b; then (s - A) y = x.
+        let mut x = b.to_vec();
+        forward(&mut x);
         back(&mut x);
         let mut y = x.clone();
-        for (i, (swap, factor)) in steps.iter().enumerate() {
-            if *swap {
-                y.swap(i, i + 1);
-            }
-            let from = y[i];
-            y[i + 1] -= factor * from;
-        }
+        forward(&mut y);
         back(&mut y);
-        let read = |x: &[C64]| self.c.iter().zip(x).map(|(c, x)| c * x).sum::<C64>();
-        [-read(&x), read(&y)]
+        let read = |c: &[C64], x: &[C64]| c.iter().zip(x).map(|(c, x)| c * x).sum::<C64>();
+        c.iter().map(|c| [-read(c, &x), read(c, &y)]).collect()
+    }
+}
+
+/// The one loop that there is.
+fn one(mut each: Vec<LoopGain>) -> Result<LoopGain, DelayError> {
+    match each.len() {
+        1 => Ok(each.remove(0)),
+        several => Err(DelayError::Several(several)),
     }
 }
 

@@ -12,7 +12,7 @@ fn machine(feedback: &str, delay: f64) -> (rotor::Rotor, Settings) {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let feedback = builtin::feedback(&rotor, feedback).expect("built in");
     let mut settings = Settings::new(&rotor, 6.0, feedback);
-    settings.feedback.parts.delay = delay;
+    settings.feedback.bearings[0].parts.delay = delay;
     (rotor, settings)
 }
 

@@ -92,7 +92,7 @@ fn every_part(bencher: Bencher) {
     thousand(
         bencher,
         machine(|f| {
-            f.parts = Parts {
+            f.bearings[0].parts = Parts {
                 sensor_lag: 0.01,
                 noise: 0.001,
                 quantum: 0.0005,
@@ -103,8 +103,8 @@ fn every_part(bencher: Bencher) {
                 slew: 500.0,
                 ..Parts::default()
             };
-            f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
-            f.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+            f.bearings[0].signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+            f.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.1 }];
         }),
     );
 }
@@ -114,9 +114,10 @@ fn every_continuous_part(bencher: Bencher) {
     thousand(
         bencher,
         machine(|f| {
-            f.parts = Parts { sensor_lag: 0.01, delay: 0.02, lag: 0.02, limit: 20.0, slew: 500.0, ..Parts::default() };
-            f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
-            f.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+            f.bearings[0].parts =
+                Parts { sensor_lag: 0.01, delay: 0.02, lag: 0.02, limit: 20.0, slew: 500.0, ..Parts::default() };
+            f.bearings[0].signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+            f.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.1 }];
         }),
     );
 }

@@ -1,9 +1,10 @@
 //! Frequency responses of a machine at one speed, and its response to unbalance over speed: as many points as it takes for
 //! the curve between them to be known.
 
+use linear::peak::top;
 use linear::{DelaySystem, LoopGain};
 use nalgebra::{DMatrix, DVector};
-use rotor::{C64, LinearForm, OperatingPoint, Plant, Rotor, Settings};
+use rotor::{C64, Direction, LinearForm, OperatingPoint, Plant, Rotor, Settings};
 
 use crate::margins::{MachineLoop, MarginsError};
 
@@ -73,7 +74,7 @@ impl MachineLoop {
             _ => None,
         };
         if let Some(reach) = &reach {
-            at.extend(reach.curve(from, to, &[0.0]).iter().map(|p| p.frequency));
+            at.extend(reach.frequencies(from, to));
             at.sort_by(f64::total_cmp);
             at.dedup();
         }
@@ -83,9 +84,7 @@ impl MachineLoop {
                 TransferFunction::Loop => gain.value,
                 TransferFunction::Sensitivity => gain.sensitivity(),
                 TransferFunction::Closed => gain.complementary(),
-                TransferFunction::Station(_) => {
-                    reach.as_ref().map_or(C64::ZERO, |r| -r.at(frequency).value * gain.sensitivity())
-                }
+                TransferFunction::Station(_) => reach.as_ref().map_or(C64::ZERO, |reach| reach.at(frequency)),
             };
             FrequencyPoint { frequency, value }
         };
@@ -111,21 +110,57 @@ impl MachineLoop {
         Ok(Some(points))
     }
 
-    /// Displacement at a station per force at the control bearing, the loop open, with its sign turned.
-    fn reach(&self, station: usize) -> Result<Option<LoopGain>, MarginsError> {
-        let (form, plant) = (self.form(), self.plant());
-        let (n, size) = (form.coordinates, form.a.nrows());
-        let (Some(row), Some(column)) = (plant.stations().get(station), plant.column(self.bearing())) else {
+    /// Displacement at a station per force at the control bearing, every loop closed; `None` of a station that does not exist, and of a
+    /// sampled loop.
+    fn reach(&self, station: usize) -> Result<Option<Reach>, MarginsError> {
+        let (n, plant) = (self.form().coordinates, self.plant());
+        let (Some(row), Some(column)) = (plant.stations().get(station), plant.column(self.station())) else {
             return Ok(None);
         };
-        if form.sample > 0.0 {
-            return Ok(None);
-        }
-        let mut b = DMatrix::zeros(size, 1);
-        b.view_mut((n, 0), (n, 1)).copy_from(&column.dense(n));
-        let mut c = DMatrix::zeros(1, size);
-        c.view_mut((0, 0), (1, n)).copy_from(&row.row.dense(n).transpose());
-        Ok(Some(LoopGain::of(&DelaySystem::new(form.a.clone(), b, c, 0.0)?)?))
+        let mut force = DVector::zeros(self.form().a.nrows());
+        force.rows_mut(n, n).copy_from(&column.dense(n));
+        self.reaching(&row.row, &force)
+    }
+
+    /// What a push on the states, a column, does to a row of the displacements, every loop closed; `None` of a sampled loop.
+    pub(crate) fn reaching(&self, row: &Direction, push: &DVector<C64>) -> Result<Option<Reach>, MarginsError> {
+        let form = self.form();
+        let Some([a, b, c]) = form.continuous() else { return Ok(None) };
+        let (n, loops) = (form.coordinates, b.ncols());
+        let b = b.insert_column(loops, C64::ZERO);
+        let c = c.insert_row(loops, C64::ZERO);
+        let (mut b, mut c) = (b, c);
+        b.view_mut((0, loops), (push.len(), 1)).copy_from(push);
+        c.view_mut((loops, 0), (1, n)).copy_from(&row.dense(n).transpose());
+        let mut each = LoopGain::each(&DelaySystem::new(a, b, c, form.delay)?)?;
+        Ok(Some(Reach { joined: each.remove(loops), delay: form.delay }))
+    }
+}
+
+/// What a push does to a displacement, through a machine whose loops are closed.
+#[derive(Clone, Debug)]
+pub(crate) struct Reach {
+    /// The loops, and the push and the displacement as if they were one more.
+    joined: LoopGain,
+    delay: f64,
+}
+
+impl Reach {
+    /// `p + q S r`: directly, and by way of the commands.
+    pub(crate) fn at(&self, frequency: f64) -> C64 {
+        let gains = self.joined.matrix(frequency).gain;
+        let loops = gains.nrows() - 1;
+        let late = (-C64::new(0.0, frequency) * self.delay).exp();
+        let commands = DMatrix::identity(loops, loops) + gains.view((0, 0), (loops, loops));
+        let Some(s) = commands.try_inverse() else { return C64::new(f64::NAN, f64::NAN) };
+        // What is pushed and what is read is not late; signs of gains are turned.
+        let (pushed, read) = (gains.view((0, loops), (loops, 1)), gains.view((loops, 0), (1, loops)));
+        (gains[(loops, loops)] * -1.0 + (read * s * pushed)[0]) / late
+    }
+
+    /// Frequencies between which nothing is missed.
+    fn frequencies(&self, from: f64, to: f64) -> Vec<f64> {
+        self.joined.curve(from, to, &[0.0]).iter().map(|p| p.frequency).collect()
     }
 }
 
@@ -144,26 +179,6 @@ fn straighten(
         points.push(middle);
         straighten(value, middle, b, depth - 1, points);
     }
-}
-
-/// Where `of` is largest between two places with one maximum, by golden section.
-pub(crate) fn top(from: f64, to: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let (mut low, mut high) = (from, to);
-    let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)].map(|x| (x, of(x)));
-    // Finer than this a maximum is flat to the last place.
-    while high - low > 1e-9 * (1.0 + high.abs()) {
-        if a.1 > b.1 {
-            (high, b) = (b.0, a);
-            let x = high - golden * (high - low);
-            a = (x, of(x));
-        } else {
-            (low, a) = (a.0, b);
-            let x = low + golden * (high - low);
-            b = (x, of(x));
-        }
-    }
-    if a.1 > b.1 { a.0 } else { b.0 }
 }
 
 /// The response to unbalance at one speed.
@@ -206,7 +221,7 @@ pub fn unbalance_response(
     [from, to]: [f64; 2],
 ) -> Result<Option<UnbalanceResponse>, MarginsError> {
     let plant = Plant::of(rotor);
-    if settings.feedback.parts.sample > 0.0 {
+    if settings.feedback.sample() > 0.0 {
         return Ok(None);
     }
     let at = |speed: f64| -> Result<UnbalancePoint, MarginsError> {

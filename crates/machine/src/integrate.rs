@@ -14,14 +14,18 @@ use crate::motion::{Drive, Motion};
 #[derive(Clone, Debug)]
 pub(crate) struct Integrator {
     plant: Arc<Plant>,
-    column: Direction,
+    /// What the force of each control bearing does to the coordinates.
+    columns: Vec<Direction>,
     clearances: Vec<f64>,
-    pub(crate) controller: Controller,
+    /// The loop of each control bearing.
+    pub(crate) controllers: Vec<Controller>,
     /// Displacements, velocities, and what flows in the loop.
     state: Vec<C64>,
     /// The state at which a stage looks.
     stage: Vec<C64>,
     slopes: [Vec<C64>; 4],
+    /// Of a loop that remembers: its command and the rate of that at both ends of a stretch.
+    remembered: Vec<[(C64, C64); 2]>,
     /// Displacement, velocity and acceleration at the stations, unless those are the coordinates.
     stations: [Vec<C64>; 3],
     /// Times closer than this are one.
@@ -31,22 +35,23 @@ pub(crate) struct Integrator {
 impl Integrator {
     pub(crate) fn new(
         plant: Arc<Plant>,
-        column: Direction,
+        columns: Vec<Direction>,
         clearances: Vec<f64>,
-        controller: Controller,
+        controllers: Vec<Controller>,
         dtau: f64,
     ) -> Self {
-        let width = 2 * plant.order() + controller.order();
+        let width = 2 * plant.order() + controllers.iter().map(Controller::order).sum::<usize>();
         let stations = if plant.stations_are_coordinates() { 0 } else { plant.stations().len() };
         Self {
-            column,
             clearances,
-            controller,
+            controllers,
             state: vec![C64::ZERO; width],
             stage: vec![C64::ZERO; width],
             slopes: std::array::from_fn(|_| vec![C64::ZERO; width]),
             stations: std::array::from_fn(|_| vec![C64::ZERO; stations]),
             tolerance: 1e-9 * dtau,
+            remembered: vec![Default::default(); columns.len()],
+            columns,
             plant,
         }
     }
@@ -70,7 +75,7 @@ impl Integrator {
 
     /// Whether every number in it is finite.
     pub(crate) fn is_finite(&self) -> bool {
-        self.state.iter().all(|z| z.is_finite()) && self.controller.output().delivered.is_finite()
+        self.state.iter().all(|z| z.is_finite()) && self.outputs().all(|output| output.delivered.is_finite())
     }
 
     /// Puts the plant somewhere; the loop stays as it is.
@@ -83,7 +88,7 @@ impl Integrator {
     /// Back to rest.
     pub(crate) fn rest(&mut self) {
         self.state.fill(C64::ZERO);
-        self.controller.rest();
+        self.controllers.iter_mut().for_each(Controller::rest);
     }
 
     /// Bit `i` is set while contact `i` is closed.
@@ -104,7 +109,7 @@ impl Integrator {
 
     /// Draws the noise of a step.
     pub(crate) fn begin_step(&mut self) {
-        self.controller.begin_step();
+        self.controllers.iter_mut().for_each(Controller::begin_step);
     }
 
     /// Advances from `from` to `to`, stopping wherever something jumps.
@@ -113,7 +118,8 @@ impl Integrator {
         while now < to {
             motion.pass(now);
             self.act(now, motion.speed_at(now));
-            let next = self.controller.next_event().min(motion.until());
+            let event = self.controllers.iter().map(Controller::next_event).fold(f64::INFINITY, f64::min);
+            let next = event.min(motion.until());
             // What is due within rounding of the end is due at the end.
             let until = if next + self.tolerance >= to { to } else { next.max(now + self.tolerance) };
             self.stretch(now, until, motion);
@@ -124,9 +130,14 @@ impl Integrator {
 
     fn act(&mut self, tau: f64, speed: f64) {
         let n = self.order();
-        let Self { plant, controller, state, stations, .. } = self;
+        let Self { plant, controllers, state, stations, .. } = self;
         let stage = seen(plant, stations, state, tau, 0.0, speed);
-        controller.act(&stage, &state[2 * n..]);
+        let mut held = &state[2 * n..];
+        for controller in controllers {
+            let (own, rest) = held.split_at(controller.order());
+            controller.act(&stage, own);
+            held = rest;
+        }
     }
 
     /// Integrates over a stretch within which nothing jumps.
@@ -138,7 +149,10 @@ impl Integrator {
         loop {
             self.stage.copy_from_slice(&self.state);
             let rate = self.slope(0, from, 0.0, &course.spins[0], drive.as_ref());
-            let start = self.command(from, 0.0, &course.spins[0], 0);
+            let remembers = self.remembers();
+            if remembers {
+                self.commands(from, 0.0, &course.spins[0], 0, 0);
+            }
             self.step_to(half, 0);
             course.go(1, half, rate);
             let rate = self.slope(1, from + half, half, &course.spins[1], drive.as_ref());
@@ -154,19 +168,31 @@ impl Integrator {
             for (i, (stage, state)) in self.stage.iter_mut().zip(&self.state).enumerate() {
                 *stage = state + (k0[i] + (k1[i] + k2[i]) * 2.0 + k3[i]) * sixth;
             }
-            let Some(start) = start else { break };
-            // The rates at the end close the stretch of the command that is remembered.
+            if !remembers {
+                break;
+            }
+            // The rates at the end close the stretch of the commands that are remembered.
             self.slope(3, to, dtau, &course.last, drive.as_ref());
-            let Some(end) = self.command(to, dtau, &course.last, 3) else { break };
-            if !self.controller.remember(from, to, start, end) {
+            self.commands(to, dtau, &course.last, 3, 1);
+            // Of one delay all, they ask for another pass together.
+            let mut again = false;
+            for (controller, [start, end]) in self.controllers.iter_mut().zip(&self.remembered) {
+                again |= controller.remember(from, to, *start, *end);
+            }
+            if !again {
                 break;
             }
         }
         std::mem::swap(&mut self.state, &mut self.stage);
         let n = self.order();
-        let Self { plant, controller, state, stations, .. } = self;
+        let Self { plant, controllers, state, stations, .. } = self;
         let stage = seen(plant, stations, state, to, dtau, course.last.speed);
-        controller.finish(&stage, &state[2 * n..]);
+        let mut held = &state[2 * n..];
+        for controller in controllers {
+            let (own, rest) = held.split_at(controller.order());
+            controller.finish(&stage, own);
+            held = rest;
+        }
         if drive.is_some() {
             motion.driven_to(to, course.angle, course.last.speed, course.rate);
         }
@@ -182,14 +208,19 @@ impl Integrator {
     /// The rates of everything at the stage, into slope `into`, and that of the speed.
     fn slope(&mut self, into: usize, tau: f64, since: f64, spin: &Spin, drive: Option<&Drive>) -> f64 {
         let n = self.order();
-        let Self { plant, controller, stage, slopes, stations, clearances, column, .. } = self;
+        let Self { plant, controllers, stage, slopes, stations, clearances, columns, .. } = self;
         let (velocity, rest) = slopes[into].split_at_mut(n);
         let (acceleration, flow) = rest.split_at_mut(n);
         velocity.copy_from_slice(&stage[n..2 * n]);
         plant.acceleration(spin, clearances, &stage[..n], &stage[n..2 * n], acceleration);
         let looked = seen(plant, stations, stage, tau, since, spin.speed);
-        let force = controller.flow(&looked, &stage[2 * n..], flow);
-        column.add(force, acceleration);
+        let (mut held, mut rates) = (&stage[2 * n..], flow);
+        for (controller, column) in controllers.iter_mut().zip(columns.iter()) {
+            let (own, rest) = held.split_at(controller.order());
+            let (own_rates, rest_of_rates) = rates.split_at_mut(controller.order());
+            column.add(controller.flow(&looked, own, own_rates), acceleration);
+            (held, rates) = (rest, rest_of_rates);
+        }
         let Some(drive) = drive else { return spin.acceleration };
         // A spin that is driven comes without its own acceleration: it follows from the others, and they from it.
         let rate = drive.acceleration(spin.speed, plant.torque(spin.direction, acceleration));
@@ -198,13 +229,37 @@ impl Integrator {
         rate
     }
 
-    /// The command at the stage and its rate, if the loop remembers it.
-    fn command(&mut self, tau: f64, since: f64, spin: &Spin, slope: usize) -> Option<(C64, C64)> {
-        if !self.controller.remembers() {
-            return None;
+    /// Whether an excitation goes on after `tau`.
+    pub(crate) fn is_excited(&self, tau: f64) -> bool {
+        self.controllers.iter().any(|controller| controller.is_excited(tau))
+    }
+
+    /// Writes down the excitation, if there is one that goes on after `tau`: of a control bearing after the first, its number before.
+    pub(crate) fn save_excitation(&self, tau: f64, words: &mut Words) {
+        let Some(bearing) = self.controllers.iter().position(|controller| controller.is_excited(tau)) else { return };
+        if self.controllers.len() > 1 {
+            words.put(bearing as u64);
         }
+        self.controllers[bearing].save_excitation(tau, words);
+    }
+
+    /// Takes up an excitation that was written down, if one was. `None` if the words do not fit.
+    pub(crate) fn restore_excitation(&mut self, words: &mut Words) -> Option<()> {
+        self.controllers.iter_mut().for_each(Controller::stop_excitation);
+        let several = self.controllers.len() > 1 && !words.is_at_end();
+        let bearing = if several { words.take()? as usize } else { 0 };
+        self.controllers.get_mut(bearing)?.restore_excitation(words)
+    }
+
+    /// Whether the loops remember their commands.
+    fn remembers(&self) -> bool {
+        self.controllers.iter().any(Controller::remembers)
+    }
+
+    /// Notes the command of every loop at the stage and its rate, as those at the beginning (0) or end (1) of a stretch.
+    fn commands(&mut self, tau: f64, since: f64, spin: &Spin, slope: usize, end: usize) {
         let n = self.order();
-        let Self { plant, controller, stage, slopes, stations, .. } = self;
+        let Self { plant, controllers, stage, slopes, stations, remembered, .. } = self;
         let [place, pace, push] = stations;
         if !plant.stations_are_coordinates() {
             read(plant, &slopes[slope][n..2 * n], push);
@@ -219,20 +274,31 @@ impl Integrator {
         };
         let at = Stage { tau, since, speed: spin.speed, displacement: p, velocity: v };
         let rates = Stage { displacement: v, velocity: a, ..at };
-        Some(controller.command_and_rate(&at, &stage[2 * n..], &rates, &slopes[slope][2 * n..]))
+        let (mut held, mut flow) = (&stage[2 * n..], &slopes[slope][2 * n..]);
+        for (controller, remembered) in controllers.iter_mut().zip(remembered) {
+            let (own, rest) = held.split_at(controller.order());
+            let (own_flow, rest_of_flow) = flow.split_at(controller.order());
+            remembered[end] = controller.command_and_rate(&at, own, &rates, own_flow);
+            (held, flow) = (rest, rest_of_flow);
+        }
     }
 
-    /// The output of the loop in the present state, at rest since the last stretch.
-    pub(crate) fn output(&self) -> Output {
-        self.controller.output()
+    /// The output of every loop in the present state, at rest since the last stretch.
+    pub(crate) fn outputs(&self) -> impl Iterator<Item = Output> + '_ {
+        self.controllers.iter().map(Controller::output)
     }
 
-    /// Begins the loop in the middle of a motion, whose output was `output`.
-    pub(crate) fn start(&mut self, output: Output, tau: f64, speed: f64) {
+    /// Begins the loops in the middle of a motion, whose outputs were these.
+    pub(crate) fn start(&mut self, outputs: &[Output], tau: f64, speed: f64) {
         let n = self.order();
-        let Self { plant, controller, state, stage: spare, stations, .. } = self;
+        let Self { plant, controllers, state, stage: spare, stations, .. } = self;
         let looked = seen(plant, stations, state, tau, 0.0, speed);
-        controller.start(output, &looked, &mut spare[2 * n..]);
+        let mut into = &mut spare[2 * n..];
+        for (k, controller) in controllers.iter_mut().enumerate() {
+            let (own, rest) = into.split_at_mut(controller.order());
+            controller.start(outputs.get(k).copied().unwrap_or_default(), &looked, own);
+            into = rest;
+        }
         state[2 * n..].copy_from_slice(&spare[2 * n..]);
     }
 
@@ -240,21 +306,33 @@ impl Integrator {
     pub(crate) fn adopt(&mut self, other: &Self, tau: f64, speed: f64) {
         let n = self.order();
         self.state[..2 * n].copy_from_slice(&other.state[..2 * n]);
-        let Self { plant, controller, state, stage: spare, stations, .. } = self;
+        let Self { plant, controllers, state, stage: spare, stations, .. } = self;
         let looked = seen(plant, stations, state, tau, 0.0, speed);
-        controller.adopt(&other.controller, &other.state[2 * n..], &looked, &mut spare[2 * n..]);
+        let (mut from, mut into) = (&other.state[2 * n..], &mut spare[2 * n..]);
+        for (k, controller) in controllers.iter_mut().enumerate() {
+            let (own, rest) = into.split_at_mut(controller.order());
+            match other.controllers.get(k) {
+                Some(before) => {
+                    let (held, rest_of_held) = from.split_at(before.order());
+                    controller.adopt(before, held, &looked, own);
+                    from = rest_of_held;
+                }
+                None => controller.start(Output::default(), &looked, own),
+            }
+            into = rest;
+        }
         state[2 * n..].copy_from_slice(&spare[2 * n..]);
     }
 
     /// Words that it saves at most.
     pub(crate) fn words_at_most(&self) -> usize {
-        1 + 2 * self.state.len() + self.controller.words_at_most()
+        1 + 2 * self.state.len() + self.controllers.iter().map(Controller::words_at_most).sum::<usize>()
     }
 
     pub(crate) fn save(&self, words: &mut Words) {
         words.put(self.state.len() as u64);
         self.state.iter().for_each(|z| words.put_c64(*z));
-        self.controller.save(words);
+        self.controllers.iter().for_each(|controller| controller.save(words));
     }
 
     pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
@@ -262,7 +340,7 @@ impl Integrator {
         for z in &mut self.state {
             *z = words.take_c64()?;
         }
-        self.controller.restore(words)
+        self.controllers.iter_mut().try_for_each(|controller| controller.restore(words))
     }
 }
 

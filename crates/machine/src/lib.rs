@@ -44,7 +44,7 @@ pub use frequency::{
     FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,
 };
 pub use machine::{Line, Machine, Sample};
-pub use margins::{MachineLoop, MachineMargins, MarginsError, margins};
+pub use margins::{BearingMargins, MachineLoop, MachineMargins, MarginsError, margins};
 pub use margins_over::{WORST, in_hand, margins_at, worst_among, worst_margins};
 pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};

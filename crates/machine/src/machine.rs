@@ -5,7 +5,7 @@
 mod path;
 mod save;
 
-use control::{Excitation, Output};
+use control::{Excitation, MAX_BEARINGS, Output};
 use rotor::{C64, Stepper};
 
 use crate::motion::{Grid, Motion};
@@ -38,8 +38,8 @@ pub struct Sample<'a> {
     pub displacement: &'a [C64],
     /// Their velocities.
     pub velocity: &'a [C64],
-    /// What the loop asks for and delivers.
-    pub output: Output,
+    /// What the loop of each control bearing asks for and delivers.
+    pub outputs: &'a [Output],
     /// Bit `i` is set while contact `i` is closed.
     pub contact: u32,
 }
@@ -54,7 +54,8 @@ pub struct Machine {
     motion: Motion,
     /// Position and velocity when all was finite last.
     good: [Vec<C64>; 2],
-    output: Output,
+    /// One a control bearing; the rest are unused.
+    outputs: [Output; MAX_BEARINGS],
     trip: Option<Trip>,
 }
 
@@ -67,7 +68,7 @@ impl Clone for Machine {
             grid: self.grid,
             motion: self.motion.clone(),
             good: self.good.clone(),
-            output: self.output,
+            outputs: self.outputs,
             trip: self.trip,
         }
     }
@@ -102,7 +103,7 @@ impl Machine {
             grid: Grid { from: 0.0, steps: 0, dtau: program.inner_step() },
             motion: Motion::steady(speed),
             good: [vec![C64::ZERO; n], vec![C64::ZERO; n]],
-            output: Output::default(),
+            outputs: [Output::default(); MAX_BEARINGS],
             trip: None,
             program: Box::new(program),
         };
@@ -120,7 +121,7 @@ impl Machine {
         line: Line,
         speed: f64,
         [displacement, velocity]: [&[C64]; 2],
-        output: Output,
+        outputs: &[Output],
     ) -> Self {
         let mut machine = Self::spinning(program, speed);
         let dtau = machine.program.inner_step();
@@ -134,12 +135,12 @@ impl Machine {
         machine.place(displacement, velocity);
         machine.good[0].copy_from_slice(displacement);
         machine.good[1].copy_from_slice(velocity);
-        machine.output = output;
+        machine.outputs.iter_mut().zip(outputs).for_each(|(own, output)| *own = *output);
         match &mut machine.fused {
             Some(fused) if machine.is_fused => fused.set_clock(line.tau, line.angle, line.steps, dtau),
             _ => {
                 let tau = machine.grid.tau();
-                machine.program.integrator.start(output, tau, speed);
+                machine.program.integrator.start(outputs, tau, speed);
             }
         }
         machine
@@ -174,7 +175,7 @@ impl Machine {
         let tau = self.tau();
         let rates = (self.motion.speed_at(tau), self.motion.acceleration_at(tau));
         let (speed, acceleration) = rates;
-        let output = self.output;
+        let outputs = &self.outputs[..self.program.bearings()];
         match &self.fused {
             Some(fused) if self.is_fused => {
                 let motion = fused.motion();
@@ -186,7 +187,7 @@ impl Machine {
                     acceleration,
                     displacement,
                     velocity,
-                    output,
+                    outputs,
                     contact: fused.contact(),
                 }
             }
@@ -194,7 +195,7 @@ impl Machine {
                 let Program { integrator, .. } = &*self.program;
                 let (displacement, velocity) = (integrator.displacement(), integrator.velocity());
                 let (angle, contact) = (self.motion.angle_at(tau), integrator.contact());
-                Sample { tau, angle, speed, acceleration, displacement, velocity, output, contact }
+                Sample { tau, angle, speed, acceleration, displacement, velocity, outputs, contact }
             }
         }
     }
@@ -206,10 +207,10 @@ impl Machine {
         rotor::Motion { tau, angle, displacement, velocity }
     }
 
-    /// What the loop puts out.
+    /// What the loop of each control bearing puts out.
     #[must_use]
-    pub fn output(&self) -> Output {
-        self.output
+    pub fn outputs(&self) -> &[Output] {
+        &self.outputs[..self.program.bearings()]
     }
 
     /// Bit `i` is set while contact `i` is closed.
@@ -218,17 +219,18 @@ impl Machine {
         self.sample().contact
     }
 
-    /// What the sensors read last.
+    /// What the sensors of a control bearing, counted from 0, read last; nothing where there is no such bearing.
     #[must_use]
-    pub fn readings(&self) -> &[C64] {
-        self.program.integrator.controller.readings()
+    pub fn readings(&self, bearing: usize) -> &[C64] {
+        self.program.integrator.controllers.get(bearing).map_or(&[], |controller| controller.readings())
     }
 
     /// What the loop reads of the displacement at a station, counted from 0, after lag, noise, quantum and hold; where it does not
     /// look, and where the loop is ideal, that is the displacement itself.
     #[must_use]
     pub fn reading(&self, station: usize) -> C64 {
-        let read = if self.is_fused { None } else { self.program.integrator.controller.reading_at(station) };
+        let mut controllers = self.program.integrator.controllers.iter().filter(|_| !self.is_fused);
+        let read = controllers.find_map(|controller| controller.reading_at(station));
         read.or_else(|| self.sample().displacement.get(station).copied()).unwrap_or_default()
     }
 
@@ -274,7 +276,7 @@ impl Machine {
                 }
                 self.grid.steps += u64::from(self.program.substeps);
                 let control = fused.control();
-                self.output = Output { commanded: control, delivered: control, saturated: false };
+                self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
             }
             _ => {
                 self.integrate();
@@ -302,12 +304,12 @@ impl Machine {
         if motion.is_finite() && radius.is_finite() && control.is_finite() {
             self.good[0].copy_from_slice(motion.displacement);
             self.good[1].copy_from_slice(motion.velocity);
-            self.output = Output { commanded: control, delivered: control, saturated: false };
+            self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
             self.judge(radius)
         } else {
             fused.place(&self.good[0], &self.good[1]);
             let control = fused.control();
-            self.output = Output { commanded: control, delivered: control, saturated: false };
+            self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
             self.stop(TripCause::NotFinite)
         }
     }
@@ -338,8 +340,10 @@ impl Machine {
             integrator.advance(from, self.grid.tau(), &mut self.motion);
         }
         // What is not finite is never told.
-        if integrator.output().delivered.is_finite() {
-            self.output = integrator.output();
+        for (own, output) in self.outputs.iter_mut().zip(integrator.outputs()) {
+            if output.delivered.is_finite() {
+                *own = output;
+            }
         }
     }
 
@@ -366,20 +370,22 @@ impl Machine {
         }
     }
 
-    /// Adds an excitation to the loop's command from now on until it ends by itself; `None` ends the one that there is. What was there
-    /// before is left in its place, to be freed elsewhere. Nothing is allocated.
-    pub fn excite(&mut self, excitation: &mut Option<Box<Excitation>>) {
+    /// Adds an excitation to the command of a control bearing, counted from 0, from now on until it ends by itself; `None` ends the one
+    /// that there is. What was there before is left in its place, to be freed elsewhere. Nothing is allocated.
+    pub fn excite(&mut self, bearing: usize, excitation: &mut Option<Box<Excitation>>) {
         if let Some(excitation) = excitation {
             excitation.begin(self.tau());
         }
-        self.program.integrator.controller.excite(excitation);
+        if let Some(controller) = self.program.integrator.controllers.get_mut(bearing) {
+            controller.excite(excitation);
+        }
         self.choose_path();
     }
 
     /// Whether an excitation acts.
     #[must_use]
     pub fn is_excited(&self) -> bool {
-        self.program.integrator.controller.is_excited(self.tau())
+        self.program.integrator.is_excited(self.tau())
     }
 
     /// Back to rest at `tau` = 0, at the speed that it has, or at which its profile begins; a trip is over.
@@ -393,7 +399,7 @@ impl Machine {
         self.motion.settle(0.0, 0.0, speed);
         self.motion.follow(0.0, &self.program.legs);
         self.good.iter_mut().for_each(|good| good.fill(C64::ZERO));
-        (self.output, self.trip) = (Output::default(), None);
+        (self.outputs, self.trip) = ([Output::default(); MAX_BEARINGS], None);
         self.choose_path();
     }
 }

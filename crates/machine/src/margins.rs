@@ -1,13 +1,13 @@
-//! Margins of a machine at one speed: its loop, whatever parts are on, opened at the control bearing's command.
+//! Margins of a machine at one speed: its loop, whatever parts are on, opened at the command of each of its control bearings in turn.
 //!
 //! Everything counts every support bearing at its full stiffness, as poles do. Noise, resolution and limits play no part.
 
 use control::LinearLoop;
-use linear::{AmplitudePeak, DelayError, DelayMargin, DelaySystem, LoopGain, Margins};
+use linear::{AmplitudePeak, DelayError, DelayMargin, DelaySystem, GainMargin, LoopGain, Margins, SeveralLoops};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant, Rotor, Settings, damping_ratio};
 
-use crate::frequency::top;
 use crate::poles::PolesError;
+use linear::peak::top;
 
 /// How far left of the first crossing a delay margin of samples is looked for, in periods.
 const STEPS_PER_PERIOD: f64 = 8.0;
@@ -49,18 +49,35 @@ pub struct MachineMargins {
     pub speed: f64,
     /// Its smallest damping ratio.
     pub min_damping: f64,
-    /// The margins of its loop.
+    /// The margins of its loop. Of several control bearings, each opened with the others closed, the worst of each; but the delay is
+    /// one in all commands at once, and the curve is that of the bearing with the largest sensitivity.
     pub margins: Margins,
     /// The largest force `|u|` per noise in the displacement that the sensors read, over all ways to spread noise of size 1
-    /// over them; the velocities that they read are clean.
+    /// over them; the velocities that they read are clean. The largest of all control bearings.
+    pub force: AmplitudePeak,
+    /// Each control bearing, opened with the others closed.
+    pub bearings: Vec<BearingMargins>,
+    /// What several bearings have together; `None` of one.
+    pub together: Option<SeveralLoops>,
+}
+
+/// The margins of one control bearing, the others closed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BearingMargins {
+    /// Its margins; the delay is one in its own command alone.
+    pub margins: Margins,
+    /// The largest force per noise: see [`MachineMargins::force`].
     pub force: AmplitudePeak,
 }
 
-/// A machine's loop at one speed, opened at the command of its control bearing.
+/// A machine's loop at one speed, opened at the command of one of its control bearings.
 #[derive(Clone, Debug)]
 pub struct MachineLoop {
     plant: Plant,
+    /// Which of the control bearings is opened.
     bearing: usize,
+    /// The station that carries it.
+    station: usize,
     form: LinearForm,
     around: LinearLoop,
     /// The gain.
@@ -68,20 +85,31 @@ pub struct MachineLoop {
 }
 
 impl MachineLoop {
-    /// The loop of `rotor` under `settings` at a speed.
+    /// The loop of `rotor` under `settings` at a speed, opened at its first control bearing.
     ///
     /// # Errors
     /// A loop that does not fit, or eigenvalues that cannot be had.
     pub fn at(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Self, MarginsError> {
+        Ok(Self::each(rotor, settings, speed)?.remove(0))
+    }
+
+    /// The same opened at each of its control bearings, the others closed: at least one.
+    ///
+    /// # Errors
+    /// A loop that does not fit, or eigenvalues that cannot be had.
+    pub fn each(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Vec<Self>, MarginsError> {
         let (feedback, plant, at) = (&settings.feedback, Plant::of(rotor), OperatingPoint::at(speed));
-        let around = LinearLoop::new(feedback, plant.stations().len(), speed)?;
         let form = LinearForm::of(&plant, feedback, &at)?;
-        let gain = match (form.sampled(), form.continuous()) {
-            (Some(step), _) => LoopGain::sampled(step.open, &step.b, &step.c, step.period)?,
-            (None, Some([a, b, c])) => LoopGain::of(&DelaySystem::new(a, b, c, form.delay)?)?,
+        let gains = match (form.sampled(), form.continuous()) {
+            (Some(step), _) => LoopGain::each_sampled(step.open, &step.b, &step.c, step.period)?,
+            (None, Some([a, b, c])) => LoopGain::each(&DelaySystem::new(a, b, c, form.delay)?)?,
             (None, None) => unreachable!("a loop is sampled or continuous"),
         };
-        Ok(Self { plant, bearing: feedback.bearing, form, around, gain })
+        let opened = feedback.bearings.iter().zip(gains).enumerate().map(|(bearing, (of, gain))| {
+            let around = LinearLoop::new(of, plant.stations().len(), speed)?;
+            Ok(Self { plant: plant.clone(), bearing, station: of.station, form: form.clone(), around, gain })
+        });
+        opened.collect()
     }
 
     /// The rotor without control.
@@ -90,10 +118,16 @@ impl MachineLoop {
         &self.plant
     }
 
-    /// Which control bearing.
+    /// Which of the control bearings is opened, counted from 0.
     #[must_use]
     pub fn bearing(&self) -> usize {
         self.bearing
+    }
+
+    /// The station that carries it.
+    #[must_use]
+    pub fn station(&self) -> usize {
+        self.station
     }
 
     /// The matrices.
@@ -129,29 +163,70 @@ impl MachineLoop {
 /// # Errors
 /// A machine that is not stable there, with its rightmost pole, or poles that cannot be had.
 pub fn margins(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<MachineMargins, MarginsError> {
-    let machine = MachineLoop::at(rotor, settings, speed)?;
-    let roots = Characteristic::of(&machine.form)?.roots()?;
+    let each = MachineLoop::each(rotor, settings, speed)?;
+    let roots = Characteristic::of(&each[0].form)?.roots()?;
     if let Some(worst) = roots.iter().max_by(|a, b| a.pole.re.total_cmp(&b.pole.re)).filter(|root| root.pole.re >= 0.0)
     {
         return Err(MarginsError::Unstable { speed, pole: worst.pole });
     }
     let min_damping = roots.iter().map(|root| damping_ratio(root.pole)).fold(f64::INFINITY, f64::min);
-    let mut margins = machine.gain.margins();
-    if machine.gain.period() > 0.0 {
+    let bearings: Vec<BearingMargins> = (each.iter())
+        .map(|machine| {
+            let margins = machine.gain.margins();
+            BearingMargins { force: machine.force_peak(&margins.curve), margins }
+        })
+        .collect();
+    let together = match each.len() {
+        1 => None,
+        _ => Some(SeveralLoops::of(&each.iter().map(|machine| machine.gain.clone()).collect::<Vec<_>>())?),
+    };
+    let mut margins = worst_of(&bearings);
+    if let Some(together) = &together {
+        margins.delay = together.delay;
+    }
+    if each[0].gain.period() > 0.0 {
         margins.delay = sampled_delay(rotor, settings, speed)?;
     }
-    let force = machine.force_peak(&margins.curve);
-    Ok(MachineMargins { speed, min_damping, margins, force })
+    let larger = |a: AmplitudePeak, b: AmplitudePeak| if b.amplitude > a.amplitude { b } else { a };
+    let force = bearings.iter().map(|of| of.force).reduce(larger).unwrap_or(none());
+    Ok(MachineMargins { speed, min_damping, margins, force, bearings, together })
+}
+
+fn none() -> AmplitudePeak {
+    AmplitudePeak { amplitude: f64::NAN, frequency: None }
+}
+
+/// The worst of each margin among the bearings, with the curve of the most sensitive.
+fn worst_of(bearings: &[BearingMargins]) -> Margins {
+    let all = || bearings.iter().map(|of| &of.margins);
+    let most = |of: fn(&Margins) -> AmplitudePeak| {
+        all().map(of).reduce(|a, b| if b.amplitude > a.amplitude { b } else { a }).unwrap_or(none())
+    };
+    let curve = all().max_by(|a, b| a.sensitivity().amplitude.total_cmp(&b.sensitivity().amplitude));
+    let nearest = |of: fn(&Margins) -> Option<GainMargin>| {
+        all().filter_map(of).min_by(|a, b| (a.factor - 1.0).abs().total_cmp(&(b.factor - 1.0).abs()))
+    };
+    Margins {
+        delay: all().filter_map(|m| m.delay).min_by(|a, b| a.delay.total_cmp(&b.delay)),
+        gain_up: nearest(|m| m.gain_up),
+        gain_down: nearest(|m| m.gain_down),
+        phase: all().filter_map(|m| m.phase).min_by(|a, b| a.angle.total_cmp(&b.angle)),
+        forward: most(|m| m.forward),
+        backward: most(|m| m.backward),
+        axis: most(|m| m.axis),
+        complementary: most(|m| m.complementary),
+        curve: curve.map_or_else(Vec::new, |m| m.curve.clone()),
+    }
 }
 
 /// What delay more a sampled loop bears: its step is made anew for each, as a delay shifts when a held command acts.
 fn sampled_delay(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Option<DelayMargin>, MarginsError> {
     let plant = Plant::of(rotor);
-    let (own, period) = (settings.feedback.parts.delay, settings.feedback.parts.sample);
+    let (own, period) = (settings.feedback.delay(), settings.feedback.sample());
     // The outermost root, with `more` delay.
     let outermost = |more: f64| -> Result<C64, MarginsError> {
         let mut feedback = settings.feedback.clone();
-        feedback.parts.delay = own + more;
+        feedback.set_delay(own + more);
         let form = LinearForm::of(&plant, &feedback, &OperatingPoint::at(speed))?;
         let roots = Characteristic::of(&form)?.roots()?;
         let outermost = roots.iter().map(|root| root.root).max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));

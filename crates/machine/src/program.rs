@@ -12,6 +12,9 @@ use crate::integrate::Integrator;
 use crate::poles::PolesError;
 use rotor::profile::{Leg, Profile};
 
+/// How far the seeds of the noise of two control bearings are apart.
+const SEEDS_APART: f64 = 65_536.0;
+
 /// Why settings cannot be stepped.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProgramError {
@@ -77,9 +80,9 @@ impl Program {
     #[must_use]
     pub fn words_at_most(&self) -> usize {
         // Form, step, path and grid; motion; output; trip; then the coordinates and their velocities.
-        let fixed = 6 + 9 + 3 * self.legs.len() + 5 + 4;
+        let fixed = 6 + 9 + 3 * self.legs.len() + 5 * self.feedback.bearings.len() + 4;
         let motion = 4 * self.integrator.displacement().len();
-        fixed + motion + self.integrator.words_at_most() + control::Excitation::WORDS_AT_MOST
+        fixed + motion + self.integrator.words_at_most() + 1 + control::Excitation::WORDS_AT_MOST
     }
 
     /// Settings of a chain, to be stepped in as many parts as they need at all speeds from `from_speed` to theirs.
@@ -128,13 +131,19 @@ impl Program {
         let feedback = &settings.feedback;
         let plant = Arc::new(Plant::of(rotor));
         let stations = plant.stations().len();
-        let bearing = control::FeedbackError::Bearing { found: feedback.bearing + 1, masses: stations };
-        let column = plant.column(feedback.bearing).ok_or(LoopError::Feedback(bearing))?.clone();
         let inner = dtau / f64::from(substeps);
-        let controller = Controller::new(feedback, stations, settings.speed, inner)?;
+        let (mut columns, mut controllers) = (Vec::new(), Vec::new());
+        for (k, bearing) in feedback.bearings.iter().enumerate() {
+            let missing = control::FeedbackError::Bearing { found: bearing.station + 1, masses: stations };
+            columns.push(plant.column(bearing.station).ok_or(LoopError::Feedback(missing))?.clone());
+            let mut own = bearing.clone();
+            // Sensors of different bearings do not hiss in step.
+            own.parts.seed += k as f64 * SEEDS_APART;
+            controllers.push(Controller::new(&own, stations, settings.speed, inner)?);
+        }
         Ok(Self {
-            fused: feedback.is_ideal().then(|| settings.closed_loop(rotor)),
-            integrator: Integrator::new(plant.clone(), column, settings.deadband.clone(), controller, inner),
+            fused: ClosedLoop::describes(feedback).then(|| settings.closed_loop(rotor)),
+            integrator: Integrator::new(plant.clone(), columns, settings.deadband.clone(), controllers, inner),
             plant,
             feedback: feedback.clone(),
             clearances: settings.deadband.clone(),
@@ -180,6 +189,12 @@ impl Program {
         ends.unwrap_or(0.0)
     }
 
+    /// How many control bearings there are.
+    #[must_use]
+    pub fn bearings(&self) -> usize {
+        self.feedback.bearings.len()
+    }
+
     /// How many coordinates the plant has.
     #[must_use]
     pub fn order(&self) -> usize {
@@ -219,7 +234,7 @@ impl Program {
 /// Settings that do not fit the rotor, or eigenvalues that do not converge.
 pub fn default_step(rotor: &Rotor, settings: &Settings) -> Result<f64, ProgramError> {
     let step = fastest(rotor, settings, settings.speed)?.default_step();
-    Ok(match settings.feedback.parts.sample {
+    Ok(match settings.feedback.sample() {
         0.0 => step,
         sample => step.min(sample),
     })
@@ -241,7 +256,7 @@ pub fn default_step_over(rotor: &Rotor, settings: &Settings, speeds: [f64; 2]) -
 /// Settings that do not fit the rotor, or eigenvalues that do not converge.
 pub fn fastest(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Fastest, ProgramError> {
     let feedback = &settings.feedback;
-    if feedback.is_ideal() {
+    if ClosedLoop::describes(feedback) {
         let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
         return Ok(Fastest::of(&closed_loop)?);
     }

@@ -40,7 +40,7 @@ fn any_machine() -> impl Strategy<Value = (Rotor, Feedback)> {
             let mut feedback = Feedback::new(bearing, signals);
             // Lags next to nothing make poles next to infinity.
             let part = |lag: f64| if lag < 0.01 { 0.0 } else { lag };
-            feedback.parts = Parts {
+            feedback.bearings[0].parts = Parts {
                 sensor_lag: part(sensor_lag),
                 delay,
                 lag: part(lag),
@@ -48,7 +48,7 @@ fn any_machine() -> impl Strategy<Value = (Rotor, Feedback)> {
                 ..Parts::default()
             };
             if filtered {
-                feedback.filters =
+                feedback.bearings[0].filters =
                     vec![Filter::Lowpass { corner: 20.0, order: 2 }, Filter::Notch { frequency: 3.0, width: 0.5 }];
             }
             (rotor, feedback)
@@ -82,7 +82,7 @@ fn plain(rotor: &Rotor) -> Rotor {
 /// The loop seen in a mirror: what turned forward turns backward.
 fn mirrored(feedback: &Feedback) -> Feedback {
     let mut feedback = feedback.clone();
-    for gains in feedback.signals.iter_mut().map(|signal| &mut signal.gains) {
+    for gains in feedback.bearings[0].signals.iter_mut().map(|signal| &mut signal.gains) {
         for gain in &mut gains[2..] {
             *gain = Gain::Constant(-gain.at(0.0));
         }
@@ -105,13 +105,13 @@ proptest! {
     /// Every pole of the ideal loop has one of the late or lagging loop by it, the nearer the less of it there is.
     #[test]
     fn a_loop_without_delay_or_lag_is_the_limit_of_those_with((rotor, feedback) in any_machine(), speed in 0.1..4.0f64) {
-        let ideal = Feedback::new(feedback.bearing, feedback.signals.clone());
+        let ideal = Feedback::new(feedback.bearings[0].station, feedback.bearings[0].signals.clone());
         let expected = poles(&rotor, &ideal, speed);
         for which in [0, 1] {
             let apart = |by: f64| {
                 let none = Parts::default();
                 let parts = [Parts { delay: by, ..none }, Parts { sensor_lag: by, lag: by, ..none }][which];
-                let near = poles(&rotor, &Feedback { parts, ..ideal.clone() }, speed);
+                let near = poles(&rotor, &ideal.clone().with_parts(parts), speed);
                 let nearest = |pole: &C64| near.iter().map(|other| (other - pole).norm()).fold(f64::INFINITY, f64::min);
                 expected.iter().map(nearest).fold(0.0, f64::max)
             };
@@ -125,16 +125,16 @@ proptest! {
     #[test]
     fn a_sampled_loop_is_half_a_period_late((rotor, feedback) in any_machine(), speed in 0.1..4.0f64) {
         let apart = |period: f64| -> f64 {
-            let mut sampled = Feedback::new(feedback.bearing, feedback.signals.clone());
+            let mut sampled = Feedback::new(feedback.bearings[0].station, feedback.bearings[0].signals.clone());
             let mut late = sampled.clone();
-            sampled.parts.sample = period;
-            late.parts.delay = 0.5 * period;
+            sampled.bearings[0].parts.sample = period;
+            late.bearings[0].parts.delay = 0.5 * period;
             let exact = poles(&rotor, &sampled, speed);
             // The rotor's own poles: those of the delay's chain are far left.
             let own = poles(&rotor, &late, speed).into_iter().filter(|pole| pole.norm() < 10.0);
             own.map(|pole| exact.iter().map(|other| (other - pole).norm()).fold(f64::INFINITY, f64::min)).fold(0.0, f64::max)
         };
-        prop_assume!(poles(&rotor, &Feedback::new(feedback.bearing, feedback.signals.clone()), speed).windows(2).all(|p| (p[0] - p[1]).norm() > 0.1));
+        prop_assume!(poles(&rotor, &Feedback::new(feedback.bearings[0].station, feedback.bearings[0].signals.clone()), speed).windows(2).all(|p| (p[0] - p[1]).norm() > 0.1));
         let (coarse, fine) = (apart(0.02), apart(0.005));
         // Second order: a quarter of the period, a sixteenth of the distance.
         prop_assert!(fine < 0.15 * coarse + 1e-8, "{coarse:e} {fine:e}");
@@ -164,13 +164,13 @@ proptest! {
     fn the_same_seed_is_the_same_noise((rotor, feedback) in any_machine(), seed in 1..1000u32) {
         let run = |seed: u32| {
             let mut feedback = feedback.clone();
-            (feedback.parts.noise, feedback.parts.sample, feedback.parts.seed) = (0.01, 0.05, f64::from(seed));
+            (feedback.bearings[0].parts.noise, feedback.bearings[0].parts.sample, feedback.bearings[0].parts.seed) = (0.01, 0.05, f64::from(seed));
             let settings = Settings::new(&rotor, 1.0, feedback);
             let mut machine = Machine::new(Program::in_substeps(&rotor, &settings, 0.01, 4).expect("can be stepped"));
             (0..100).for_each(|_| { machine.step(); });
             machine.sample().displacement.iter().map(|p| [p.re.to_bits(), p.im.to_bits()]).collect::<Vec<_>>()
         };
         prop_assert_eq!(run(seed), run(seed));
-        prop_assert!(feedback.signals.iter().all(|s| s.gains.iter().all(|g| g.at(0.0).abs() < 1e-6)) || run(seed) != run(seed + 1));
+        prop_assert!(feedback.bearings[0].signals.iter().all(|s| s.gains.iter().all(|g| g.at(0.0).abs() < 1e-6)) || run(seed) != run(seed + 1));
     }
 }

@@ -15,7 +15,7 @@ fn program(change: impl Fn(&mut Feedback), speed: f64, ramp: f64) -> Program {
 }
 
 fn everything(feedback: &mut Feedback) {
-    feedback.parts = Parts {
+    feedback.bearings[0].parts = Parts {
         sensor_lag: 0.01,
         noise: 1e-3,
         quantum: 1e-3,
@@ -26,8 +26,9 @@ fn everything(feedback: &mut Feedback) {
         slew: 900.0,
         ..Parts::default()
     };
-    feedback.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 3 }, Filter::Integrator { rate: 0.01 }];
-    feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+    feedback.bearings[0].signals[0].filters =
+        vec![Filter::Lowpass { corner: 60.0, order: 3 }, Filter::Integrator { rate: 0.01 }];
+    feedback.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.1 }];
 }
 
 const MULTISINE: Multisine =
@@ -44,7 +45,7 @@ fn step(machine: &mut Machine, times: usize) {
 
 #[test]
 fn steps_orders_and_new_programs_allocate_nothing() {
-    let late: fn(&mut Feedback) = |f| (f.parts.delay, f.parts.lag) = (0.033, 0.01);
+    let late: fn(&mut Feedback) = |f| (f.bearings[0].parts.delay, f.bearings[0].parts.lag) = (0.033, 0.01);
     let loops: [Loop; 3] = [("ideal", |_| ()), ("everything", everything), ("late", late)];
     for (from, first) in loops {
         for (to, second) in loops {
@@ -63,10 +64,10 @@ fn steps_orders_and_new_programs_allocate_nothing() {
                     step(&mut machine, 500);
                     save(&machine);
                     machine.kick(1, C64::new(0.1, 0.0));
-                    machine.excite(&mut excitation);
+                    machine.excite(0, &mut excitation);
                     step(&mut machine, 200);
                     save(&machine);
-                    machine.excite(&mut taken_out);
+                    machine.excite(0, &mut taken_out);
                     machine.load(&mut next);
                     save(&machine);
                     step(&mut machine, 500);

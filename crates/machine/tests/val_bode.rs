@@ -9,8 +9,8 @@ fn machine(feedback: &str, speed: f64) -> (Rotor, Settings) {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let feedback = builtin::feedback(&rotor, feedback).expect("built in");
     let mut settings = Settings::new(&rotor, speed, feedback);
-    settings.feedback.parts = Parts { delay: 0.03, lag: 0.01, ..Parts::default() };
-    settings.feedback.filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+    settings.feedback.bearings[0].parts = Parts { delay: 0.03, lag: 0.01, ..Parts::default() };
+    settings.feedback.bearings[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
     (rotor, settings)
 }
 

@@ -63,7 +63,7 @@ fn compare(what: &str, change: impl Fn(&mut rotor::Feedback)) {
 
 #[test]
 fn val_disturbances_grow_and_decay_as_the_poles_say_for_every_part_of_the_loop() {
-    let part = |change: fn(&mut Parts)| move |f: &mut rotor::Feedback| change(&mut f.parts);
+    let part = |change: fn(&mut Parts)| move |f: &mut rotor::Feedback| change(&mut f.bearings[0].parts);
     compare("ideal", |_| ());
     compare("sensor lag", part(|p| p.sensor_lag = 0.02));
     compare("actuator lag", part(|p| p.lag = 0.02));
@@ -77,22 +77,22 @@ fn val_disturbances_grow_and_decay_as_the_poles_say_for_every_part_of_the_loop()
     compare("sampling, delay of a period", part(|p| (p.sample, p.delay) = (0.05, 0.05)));
     compare("sampling, delay within a period", part(|p| (p.sample, p.delay) = (0.05, 0.03)));
     compare("sampling, delay beyond a period, off the grid", part(|p| (p.sample, p.delay) = (0.02, 0.0333)));
-    compare("low-pass", |f| f.signals[0].filters = vec![Filter::Lowpass { corner: 30.0, order: 2 }]);
-    compare("lead", |f| f.signals[0].filters = vec![Filter::Lead { zero: 20.0, pole: 60.0 }]);
-    compare("notch", |f| f.signals[0].filters = vec![Filter::Notch { frequency: 9.0, width: 0.4 }]);
-    compare("synchronous notch", |f| f.filters = vec![Filter::SynchronousNotch { width: 0.1 }]);
+    compare("low-pass", |f| f.bearings[0].signals[0].filters = vec![Filter::Lowpass { corner: 30.0, order: 2 }]);
+    compare("lead", |f| f.bearings[0].signals[0].filters = vec![Filter::Lead { zero: 20.0, pole: 60.0 }]);
+    compare("notch", |f| f.bearings[0].signals[0].filters = vec![Filter::Notch { frequency: 9.0, width: 0.4 }]);
+    compare("synchronous notch", |f| f.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.1 }]);
     compare("derivative and integrator", |f| {
-        f.signals[0].filters = vec![
+        f.bearings[0].signals[0].filters = vec![
             Filter::Integrator { rate: 0.01 },
             Filter::Transfer { numerator: vec![0.01, 1.0], denominator: vec![0.02, 1.0] },
         ];
     });
     let all = |sample: f64| {
         move |f: &mut rotor::Feedback| {
-            f.parts = Parts { sensor_lag: 0.01, delay: 0.012, lag: 0.01, sample, ..Parts::default() };
-            f.signals[0].filters =
+            f.bearings[0].parts = Parts { sensor_lag: 0.01, delay: 0.012, lag: 0.01, sample, ..Parts::default() };
+            f.bearings[0].signals[0].filters =
                 vec![Filter::Lowpass { corner: 60.0, order: 3 }, Filter::Lead { zero: 8.0, pole: 40.0 }];
-            f.filters = vec![Filter::SynchronousNotch { width: 0.05 }];
+            f.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.05 }];
         }
     };
     compare("all together", all(0.0));
@@ -121,13 +121,13 @@ fn an_ideal_loop_at_a_steady_speed_is_the_fused_path_to_the_last_bit() {
             (b.tau, b.angle, b.displacement, b.velocity),
             "step {k}"
         );
-        assert_eq!(a.output.delivered, stepper.control());
+        assert_eq!(a.outputs[0].delivered, stepper.control());
     }
 }
 
 /// A loop with everything on.
 fn everything(f: &mut rotor::Feedback) {
-    f.parts = Parts {
+    f.bearings[0].parts = Parts {
         sensor_lag: 0.01,
         noise: 0.001,
         quantum: 0.0005,
@@ -139,7 +139,7 @@ fn everything(f: &mut rotor::Feedback) {
         slew: 500.0,
         ..Parts::default()
     };
-    f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 3 }];
+    f.bearings[0].signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 3 }];
 }
 
 #[test]
@@ -148,7 +148,7 @@ fn a_machine_that_is_restored_goes_on_to_the_last_bit() {
     for (what, change) in [
         ("ideal", (|_| ()) as fn(&mut rotor::Feedback)),
         ("everything", everything),
-        ("delay and noise", |f| (f.parts.delay, f.parts.noise) = (0.033, 0.01)),
+        ("delay and noise", |f| (f.bearings[0].parts.delay, f.bearings[0].parts.noise) = (0.033, 0.01)),
     ] {
         for ramp in [f64::INFINITY, 0.05] {
             let mut settings = settings(&rotor, 4.0, change);
@@ -171,8 +171,8 @@ fn a_machine_that_is_restored_goes_on_to_the_last_bit() {
                     "{what}"
                 );
                 assert_eq!(
-                    (a.output, a.contact, machine.readings()),
-                    (b.output, b.contact, restored.readings()),
+                    (a.outputs, a.contact, machine.readings(0)),
+                    (b.outputs, b.contact, restored.readings(0)),
                     "{what}"
                 );
             }
@@ -207,7 +207,7 @@ fn val_a_slow_ramp_ends_in_the_steady_motion_and_takes_the_time_it_should() {
 #[test]
 fn a_force_is_kept_to_its_limit_and_its_rate() {
     let rotor = builtin::rotor("three-mass").expect("built in");
-    let mut settings = settings(&rotor, 6.0, |f| (f.parts.limit, f.parts.slew) = (3.0, 5.0));
+    let mut settings = settings(&rotor, 6.0, |f| (f.bearings[0].parts.limit, f.bearings[0].parts.slew) = (3.0, 5.0));
     settings.deadband.fill(1.0);
     let mut machine = Machine::new(Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped"));
     let (mut before, mut saturated) = (C64::ZERO, 0);
@@ -215,7 +215,7 @@ fn a_force_is_kept_to_its_limit_and_its_rate() {
         if machine.step().is_some() {
             break;
         }
-        let output = machine.sample().output;
+        let output = machine.sample().outputs[0];
         assert!(output.delivered.norm() <= 3.0 + 1e-12);
         assert!((output.delivered - before).norm() <= 5.0 * 0.01 + 1e-12);
         before = output.delivered;
@@ -248,7 +248,7 @@ fn val_the_delay_at_which_a_simulation_begins_to_grow_is_the_delay_margin() {
     // physics: composite gains at R = 6 reach the axis at a delay of 0.112792, at frequency 2.2158.
     let (rotor, dtau) = (balanced(), 0.01);
     let growth = |delay: f64| {
-        let settings = settings(&rotor, 6.0, |f| f.parts.delay = delay);
+        let settings = settings(&rotor, 6.0, |f| f.bearings[0].parts.delay = delay);
         let program = Program::in_substeps(&rotor, &settings, dtau, 1).expect("can be stepped");
         simulated(&mut Machine::new(program), dtau, 10, 600.0)
     };
@@ -269,8 +269,8 @@ fn regress_poles_of_samples_under_way_are_found() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let growth = |sample: f64| {
         let mut settings = settings(&rotor, 2.5, |f| {
-            f.parts = Parts { sensor_lag: 0.01, sample, delay: 0.02, lag: 0.01, ..Parts::default() };
-            f.signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
+            f.bearings[0].parts = Parts { sensor_lag: 0.01, sample, delay: 0.02, lag: 0.01, ..Parts::default() };
+            f.bearings[0].signals[0].filters = vec![Filter::Lowpass { corner: 60.0, order: 2 }];
         });
         settings.deadband.fill(1.0);
         let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
@@ -288,7 +288,7 @@ fn branches_of_equal_sensors_are_told_apart_as_far_as_they_can_be() {
     // Three sensor lags beside two sensors' worth of feedback: poles at -1 / lag that coincide at every speed.
     let rotor = builtin::rotor("three-mass").expect("built in");
     let mut settings = Settings::new(&rotor, 0.0, builtin::feedback(&rotor, "individual").expect("built in"));
-    settings.feedback.parts.sensor_lag = 0.1;
+    settings.feedback.bearings[0].parts.sensor_lag = 0.1;
     let speeds = [0.0, 1.5, 3.0, 4.5, 6.0];
     let branches = machine::trace(&rotor, &settings, &speeds).expect("poles");
     for (k, speed) in speeds.iter().enumerate() {

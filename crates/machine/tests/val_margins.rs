@@ -110,7 +110,7 @@ fn val_margins_are_those_of_the_source_to_every_digit_printed() {
 /// Loops with every part on, sampled and not.
 fn loops() -> Vec<(&'static str, Settings)> {
     let with = |mut settings: Settings, parts: Parts, filters: Vec<Filter>| {
-        (settings.feedback.parts, settings.feedback.filters) = (parts, filters);
+        (settings.feedback.bearings[0].parts, settings.feedback.bearings[0].filters) = (parts, filters);
         settings
     };
     let parts = Parts::default();
@@ -142,7 +142,7 @@ fn val_at_each_margin_a_root_is_on_the_axis() {
                 min_damping(&rotor, &changed, speed).expect("converges")
             };
             if let Some(DelayMargin { delay, .. }) = found.margins.delay {
-                let late = |part: f64| damping(&|f| f.parts.delay += part * delay);
+                let late = |part: f64| damping(&|f| f.bearings[0].parts.delay += part * delay);
                 assert!(
                     late(1.0).abs() < 1e-8 && late(0.999) > 0.0 && late(1.001) < 0.0,
                     "{what} at {speed}: delay {delay}"
@@ -151,7 +151,7 @@ fn val_at_each_margin_a_root_is_on_the_axis() {
             for gain in [found.margins.gain_up, found.margins.gain_down].into_iter().flatten() {
                 let scaled = |factor: f64| {
                     damping(&|f| {
-                        for gain in f.signals.iter_mut().flat_map(|signal| &mut signal.gains) {
+                        for gain in f.bearings[0].signals.iter_mut().flat_map(|signal| &mut signal.gains) {
                             *gain = rotor::Gain::Constant(gain.at(speed) * factor);
                         }
                     })

@@ -12,12 +12,12 @@ fn loops() -> Vec<(&'static str, Feedback)> {
     let individual = builtin::feedback(&rotor, "individual").expect("built in");
     let with = |parts: Parts, filters: Vec<Filter>| {
         let mut feedback = individual.clone();
-        (feedback.parts, feedback.filters) = (parts, filters);
+        (feedback.bearings[0].parts, feedback.bearings[0].filters) = (parts, filters);
         feedback
     };
     let parts = Parts::default();
     let mut signal = with(parts, vec![]);
-    signal.signals[1].filters = vec![Filter::Lead { zero: 4.0, pole: 20.0 }];
+    signal.bearings[0].signals[1].filters = vec![Filter::Lead { zero: 4.0, pole: 20.0 }];
     vec![
         ("sensor lag", with(Parts { sensor_lag: 0.02, ..parts }, vec![])),
         ("actuator lag", with(Parts { lag: 0.03, ..parts }, vec![])),
@@ -62,7 +62,7 @@ fn val_the_response_of_every_loop_is_what_the_machine_settles_on() {
             (0..300_000).for_each(|_| assert!(machine.step().is_none()));
             let sample = machine.sample();
             let radii: Vec<f64> = sample.displacement.iter().map(|p| p.norm()).collect();
-            let force = sample.output.delivered.norm();
+            let force = sample.outputs[0].delivered.norm();
             let near = |orbit: &&&Orbit| {
                 orbit.radii().iter().zip(&radii).all(|(a, b)| (a - b).abs() < 1e-5 * (1.0 + b))
                     && (orbit.force - force).abs() < 1e-5 * (1.0 + force)
@@ -107,7 +107,7 @@ fn whirling(delay: f64, change: impl Fn(&mut Feedback)) -> (Rotor, Feedback) {
     let rotor = Rotor::new("balanced", masses, rotor.shafts().to_vec()).expect("valid");
     let mut feedback =
         builtin::feedback(&builtin::rotor("three-mass").expect("built in"), "composite").expect("built in");
-    feedback.parts.delay = delay;
+    feedback.bearings[0].parts.delay = delay;
     change(&mut feedback);
     (rotor, feedback)
 }
@@ -116,7 +116,7 @@ fn whirling(delay: f64, change: impl Fn(&mut Feedback)) -> (Rotor, Feedback) {
 fn val_cycles_of_late_loops_are_what_the_machine_settles_on() {
     let mut met = 0;
     for (delay, lag) in [(0.02, 0.0), (0.02, 0.02), (0.0, 0.03)] {
-        let (rotor, feedback) = whirling(delay, |f| f.parts.lag = lag);
+        let (rotor, feedback) = whirling(delay, |f| f.bearings[0].parts.lag = lag);
         for speed in [3.0, 4.5, 6.0] {
             let settings = settings(&rotor, &feedback, speed, 1.0);
             let found = cycles(&rotor, &feedback, &settings.deadband, &[speed]).expect("converges");
@@ -142,7 +142,7 @@ fn a_loop_that_is_almost_ideal_has_the_orbits_of_the_ideal_one() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let ideal = builtin::feedback(&rotor, "composite").expect("built in");
     for tiny in [Parts { delay: 1e-8, ..Parts::default() }, Parts { lag: 1e-6, ..Parts::default() }] {
-        let late = Feedback { parts: tiny, ..ideal.clone() };
+        let late = ideal.clone().with_parts(tiny);
         for speed in [1.0, 3.0, 6.0] {
             let of = |feedback: &Feedback| {
                 let forced = synchronous(&rotor, feedback, &[1.0; 3], &[speed]).expect("converges").orbits;
@@ -171,7 +171,7 @@ fn orbits_that_the_actuator_cannot_hold_are_left_out_and_counted() {
         ("limit", Parts { limit: 0.5 * most, ..Parts::default() }),
         ("slew", Parts { slew: 0.5 * most, ..Parts::default() }),
     ] {
-        let limited = Feedback { parts, ..free.clone() };
+        let limited = free.clone().with_parts(parts);
         let found = synchronous(&rotor, &limited, &[0.0; 3], &speeds).expect("converges");
         assert!(found.complete.iter().all(|complete| !complete), "{key}");
         let (mut kept, mut left_out) = (0, 0);
@@ -194,7 +194,7 @@ fn orbits_that_the_actuator_cannot_hold_are_left_out_and_counted() {
 fn orbits_of_a_sampled_loop_are_refused_in_words() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let mut feedback = builtin::feedback(&rotor, "composite").expect("built in");
-    feedback.parts.sample = 0.05;
+    feedback.bearings[0].parts.sample = 0.05;
     let refused = synchronous(&rotor, &feedback, &[1.0; 3], &[1.0]).expect_err("no circle");
     assert_eq!(refused, CircularError::Sampled);
     assert!(refused.to_string().contains("sample=off"), "{refused}");

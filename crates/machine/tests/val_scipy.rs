@@ -11,8 +11,8 @@ fn val_sampled_poles_are_those_of_scipy_with_the_delay_split_exactly() {
     for case in cases.as_array().expect("a list") {
         let feedback = builtin::feedback(&rotor, "composite").expect("built in");
         let mut settings = Settings::new(&rotor, number(&case["speed"]), feedback);
-        settings.feedback.parts.sample = number(&case["sample"]);
-        settings.feedback.parts.delay = number(&case["delay"]);
+        settings.feedback.bearings[0].parts.sample = number(&case["sample"]);
+        settings.feedback.bearings[0].parts.delay = number(&case["delay"]);
         let found = MachinePoles::of(&rotor, &settings).expect("poles").z.expect("sampled");
         for z in case["z"].as_array().expect("a list") {
             let expected = C64::new(number(&z[0]), number(&z[1]));

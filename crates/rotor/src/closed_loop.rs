@@ -36,7 +36,13 @@ pub struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    /// Assembles the equations of motion.
+    /// Whether these equations are those of `feedback`: gains alone, at one control bearing.
+    #[must_use]
+    pub fn describes(feedback: &Feedback) -> bool {
+        feedback.only().is_some() && feedback.is_ideal()
+    }
+
+    /// Assembles the equations of motion under the gains of the first control bearing: see [`ClosedLoop::describes`].
     ///
     /// `feedback` must have passed [`Feedback::check`] for this rotor and `deadband` holds one clearance a mass;
     /// missing ones count as zero.
@@ -53,7 +59,7 @@ impl ClosedLoop {
             bearing: zero,
             deadband: zero,
             unbalance: zero,
-            control: feedback.at(speed),
+            control: feedback.first().at(speed),
         };
         for (i, m) in rotor.masses().iter().enumerate() {
             let before = if i == 0 { 0.0 } else { rotor.shafts()[i - 1] };

@@ -20,12 +20,16 @@ impl Difference {
     pub fn between(before: &Settings, after: &Settings) -> Self {
         let mut difference = Self::default();
         let (old, new) = (&before.feedback, &after.feedback);
-        let weights_differ = old.bearing != new.bearing
-            || old.signals.len() != new.signals.len()
+        let bearings_differ = old.bearings.len() != new.bearings.len()
             || old
-                .signals
+                .bearings
                 .iter()
-                .zip(&new.signals)
+                .zip(&new.bearings)
+                .any(|(a, b)| (a.station, &a.name, a.signals.len()) != (b.station, &b.name, b.signals.len()));
+        let weights_differ = bearings_differ
+            || old
+                .signals()
+                .zip(new.signals())
                 .any(|(a, b)| a.displacement != b.displacement || a.velocity != b.velocity);
         difference.law = weights_differ;
         let alike = |g: &[f64]| g.windows(2).all(|pair| pair[0] == pair[1]);
@@ -97,17 +101,17 @@ mod tests {
         assert_eq!(
             told(|s| {
                 s.trip = 5.0;
-                s.feedback.signals[0].gains[0] = Gain::Constant(0.25);
+                s.feedback.first_mut().signals[0].gains[0] = Gain::Constant(0.25);
             }),
             "trip 1000 -> 5, kd.1 -0.5879 -> 0.25"
         );
-        assert_eq!(told(|s| s.feedback.bearing = 2), "another feedback");
+        assert_eq!(told(|s| s.feedback.first_mut().station = 2), "another feedback");
         let same_here = Gain::Table(vec![(0.0, -0.5879), (9.0, -0.5879)]);
-        assert_eq!(told(|s| s.feedback.signals[0].gains[0] = same_here), "another feedback");
+        assert_eq!(told(|s| s.feedback.first_mut().signals[0].gains[0] = same_here), "another feedback");
         assert_eq!(
             told(|s| {
                 s.speed = 1.0;
-                s.feedback.signals.clear();
+                s.feedback.first_mut().signals.clear();
             }),
             "speed 2.5 -> 1, another feedback"
         );

@@ -19,8 +19,7 @@ pub(crate) struct Piece {
 /// The pieces that make up `from..=to`, in order: one, but for gains that are tables over speed.
 pub(crate) fn pieces(rotor: &Rotor, feedback: &Feedback, from: f64, to: f64) -> Vec<Piece> {
     let mut cuts: Vec<f64> = feedback
-        .signals
-        .iter()
+        .signals()
         .flat_map(|signal| &signal.gains)
         .flat_map(|gain| match gain {
             Gain::Table(points) => points.as_slice(),

@@ -67,7 +67,9 @@ pub mod typed;
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
 pub use characteristic::{Characteristic, CharacteristicRoot};
 pub use closed_loop::ClosedLoop;
-pub use control::{ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal};
+pub use control::{
+    ControlBearing, ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal,
+};
 pub use difference::Difference;
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
@@ -95,6 +97,8 @@ pub const J: C64 = control::J;
 
 /// The most masses a rotor can have. Fixed, because state crosses process borders in fixed-size messages.
 pub const MAX_MASSES: usize = control::MAX_SENSORS;
+
+pub use control::MAX_BEARINGS;
 
 /// The longest name a rotor can have, in bytes of UTF-8, for the same reason.
 pub const MAX_NAME: usize = 64;

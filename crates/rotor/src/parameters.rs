@@ -17,8 +17,10 @@ pub enum Scope {
     Machine,
     /// One value a mass; without an index, all of them.
     Mass,
-    /// One value a feedback signal; without an index, the first.
+    /// One value a feedback signal, counted through all control bearings; without an index, the first of the only bearing.
     Signal,
+    /// One value a control bearing; without an index, all of them.
+    Bearing,
 }
 
 /// One row of the table of settings.
@@ -42,7 +44,7 @@ pub struct Parameter {
     pub off: Option<f64>,
     /// Which gain it is, if it is one: gains may be schedules.
     pub gain: Option<GainKind>,
-    /// Reads it; the place is of a mass or signal that exists, and 0 for the whole machine.
+    /// Reads it; the place is of a mass, signal or control bearing that exists, and 0 for the whole machine.
     pub(crate) get: fn(&Settings, usize) -> f64,
     /// Writes it, likewise.
     pub(crate) set: fn(&mut Settings, usize, f64),
@@ -109,9 +111,14 @@ macro_rules! gains {
             GainKind::$kind,
             $name,
             $meaning,
-            |settings, signal| settings.feedback.signals[signal].gain(GainKind::$kind).at(settings.speed),
+            |settings, signal| {
+                let signal = settings.feedback.signal(signal);
+                signal.map_or(f64::NAN, |signal| signal.gain(GainKind::$kind).at(settings.speed))
+            },
             |settings, signal, value| {
-                *settings.feedback.signals[signal].gain_mut(GainKind::$kind) = Gain::Constant(value);
+                if let Some(signal) = settings.feedback.signal_mut(signal) {
+                    *signal.gain_mut(GainKind::$kind) = Gain::Constant(value);
+                }
             },
         )),+]
     };
@@ -135,11 +142,11 @@ macro_rules! part {
             min: PART.min,
             max: PART.max,
             step: PART.step,
-            scope: Scope::Machine,
+            scope: Scope::Bearing,
             off: Some(PART.absent),
             gain: None,
-            get: |settings, _| (PART.get)(&settings.feedback.parts),
-            set: |settings, _, value| (PART.set)(&mut settings.feedback.parts, value),
+            get: |settings, bearing| (PART.get)(&settings.feedback.bearings[bearing].parts),
+            set: |settings, bearing, value| (PART.set)(&mut settings.feedback.bearings[bearing].parts, value),
         }
     }};
 }
@@ -211,12 +218,12 @@ pub const PARAMETERS: [Parameter; 18] = [
     part!(9),
 ];
 
-/// One settable value: a row of [`PARAMETERS`], and the mass or signal it is meant for.
+/// One settable value: a row of [`PARAMETERS`], and the mass, signal or control bearing it is meant for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {
     /// The row.
     pub parameter: &'static Parameter,
-    /// Mass or signal, counted from 0. `None` is every mass, or the first signal.
+    /// Mass, signal or control bearing, counted from 0. `None` is every mass, every control bearing, or the first signal.
     pub index: Option<usize>,
 }
 
@@ -232,7 +239,8 @@ impl fmt::Display for Key {
 impl FromStr for Key {
     type Err = SettingsError;
 
-    /// Reads `speed`, `deadband`, `deadband.2`, `kd.2` ...; the index counts from 1.
+    /// Reads `speed`, `deadband`, `deadband.2`, `kd.2` ...; the index counts from 1. Keys that name a control bearing are read by
+    /// [`Settings::key`].
     fn from_str(typed: &str) -> Result<Self, SettingsError> {
         let unknown = || SettingsError::UnknownKey(typed.to_owned());
         let (name, index) = match typed.split_once('.') {

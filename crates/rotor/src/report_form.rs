@@ -70,7 +70,7 @@ pub fn control_distribution(masses: usize, bearing: usize) -> DMatrix<f64> {
 /// `G` of `u = -G x` at one speed: (3.29), and the product `G C` of (4.26) and (4.27).
 #[must_use]
 pub fn gain_matrix(feedback: &Feedback, masses: usize, speed: f64) -> DMatrix<f64> {
-    let row = feedback.at(speed);
+    let row = feedback.first().at(speed);
     let at = Layout { masses };
     let mut g = DMatrix::zeros(2, 4 * masses);
     for k in 0..masses {
@@ -85,7 +85,7 @@ pub fn gain_matrix(feedback: &Feedback, masses: usize, speed: f64) -> DMatrix<f6
 #[must_use]
 pub fn closed_loop_matrix(rotor: &Rotor, feedback: &Feedback, speed: f64) -> DMatrix<f64> {
     let n = rotor.len();
-    system_matrix(rotor, speed) - control_distribution(n, feedback.bearing) * gain_matrix(feedback, n, speed)
+    system_matrix(rotor, speed) - control_distribution(n, feedback.first().station) * gain_matrix(feedback, n, speed)
 }
 
 /// The report's real state vector of a complex state.

@@ -8,17 +8,25 @@ use crate::{ClosedLoop, Feedback, FeedbackError, Gain, Key, PARAMETERS, Paramete
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     /// No such key.
-    #[error("no setting '{0}': there are {known}, with .N for mass or signal N", known = known_keys())]
+    #[error("no setting '{0}': there are {known}, with .N for mass, signal or control bearing N", known = known_keys())]
     UnknownKey(String),
-    /// The mass or signal asked for does not exist.
+    /// The mass, signal or control bearing asked for does not exist.
     #[error("no {key}: there are {count} {of}")]
     NoSuchIndex {
         /// The key, with its index.
         key: String,
         /// How many there are.
         count: usize,
-        /// Of what: `masses` or `signals`.
+        /// Of what: `masses`, `signals` or `control bearings`.
         of: &'static str,
+    },
+    /// A gain of one of several control bearings, and it is not said of which.
+    #[error("{key} of which control bearing? There are {known}", known = known.join(", "))]
+    WhichBearing {
+        /// The key, as typed.
+        key: String,
+        /// The keys it may be.
+        known: Vec<String>,
     },
     /// The value is not a number.
     #[error("{key} = '{found}': expected a number{}", or_off_words(*or_off))]
@@ -111,20 +119,96 @@ impl Settings {
         Ok(())
     }
 
-    /// Every key these settings have: one a mass for deadbands, one a signal for gains.
+    /// Every key these settings have: one a mass for deadbands, one a signal for gains, one a control bearing for what differs
+    /// between several.
     #[must_use]
     pub fn keys(&self) -> Vec<Key> {
         let mut keys = Vec::new();
-        let mut add = |scope: Scope, can_be_off: bool, index| {
-            let rows = PARAMETERS.iter().filter(|p| p.scope == scope && p.off.is_some() == can_be_off);
+        let mut add = |scope: Scope, can_be_off: bool, of: fn(&Parameter) -> bool, index| {
+            let rows = PARAMETERS.iter().filter(|p| p.scope == scope && p.off.is_some() == can_be_off && of(p));
             keys.extend(rows.map(|parameter| Key { parameter, index }));
         };
-        add(Scope::Machine, false, None);
-        (0..self.deadband.len()).for_each(|i| add(Scope::Mass, false, Some(i)));
-        (0..self.feedback.signals.len()).for_each(|i| add(Scope::Signal, false, Some(i)));
+        let all = |_: &Parameter| true;
+        add(Scope::Machine, false, all, None);
+        (0..self.deadband.len()).for_each(|i| add(Scope::Mass, false, all, Some(i)));
+        (0..self.feedback.signal_count()).for_each(|i| add(Scope::Signal, false, all, Some(i)));
         // What most machines do not have stands last.
-        add(Scope::Machine, true, None);
+        add(Scope::Machine, true, all, None);
+        match self.feedback.bearings.len() {
+            1 => add(Scope::Bearing, true, all, None),
+            several => {
+                add(Scope::Bearing, true, is_of_all, None);
+                (0..several).for_each(|k| add(Scope::Bearing, true, |p| !is_of_all(p), Some(k)));
+            }
+        }
         keys
+    }
+
+    /// The key that is typed as `speed`, `deadband.2`, `kd.2`; where there are several control bearings also as `left.kd`, `left.kd.2`
+    /// or `kd.1.2` (of bearing 1 the second signal) and `left.lag`.
+    ///
+    /// # Errors
+    /// No such key, or a gain of one of several control bearings without saying of which.
+    pub fn key(&self, typed: &str) -> Result<Key, SettingsError> {
+        let words: Vec<&str> = typed.split('.').collect();
+        let unknown = || SettingsError::UnknownKey(typed.to_owned());
+        let row = |name: &str| PARAMETERS.iter().find(|p| p.name == name);
+        let (parameter, bearing, rest) = match words[..] {
+            [first, name, ref rest @ ..] if row(first).is_none() && row(name).is_some() => {
+                let bearing = self.feedback.find(first).ok_or_else(unknown)?;
+                (row(name).ok_or_else(unknown)?, Some(bearing), rest)
+            }
+            [name, first, second] if row(name).is_some_and(|p| p.scope == Scope::Signal) => {
+                let bearing = self.feedback.find(first).ok_or_else(unknown)?;
+                (row(name).ok_or_else(unknown)?, Some(bearing), &[second][..])
+            }
+            _ => {
+                let key: Key = typed.parse()?;
+                if key.parameter.scope == Scope::Signal && key.index.is_none() && self.feedback.only().is_none() {
+                    let first = |k| format!("{}.{typed}", self.feedback.label(k));
+                    let known = (0..self.feedback.bearings.len()).map(first).collect();
+                    return Err(SettingsError::WhichBearing { key: typed.to_owned(), known });
+                }
+                return Ok(key);
+            }
+        };
+        let bearing = bearing.ok_or_else(unknown)?;
+        let place = match rest {
+            [] => 0,
+            [number] => number.parse::<usize>().ok().and_then(|n| n.checked_sub(1)).ok_or_else(unknown)?,
+            _ => return Err(unknown()),
+        };
+        let of_bearing = &self.feedback.bearings[bearing];
+        match parameter.scope {
+            Scope::Bearing if rest.is_empty() => Ok(Key { parameter, index: Some(bearing) }),
+            Scope::Signal if place < of_bearing.signals.len() => {
+                let before: usize = self.feedback.bearings[..bearing].iter().map(|b| b.signals.len()).sum();
+                Ok(Key { parameter, index: Some(before + place) })
+            }
+            Scope::Signal => {
+                let (key, count) = (typed.to_owned(), of_bearing.signals.len());
+                Err(SettingsError::NoSuchIndex { key, count, of: "signals" })
+            }
+            _ => Err(unknown()),
+        }
+    }
+
+    /// A key as a person reads it: with the name of its control bearing where there are several.
+    #[must_use]
+    pub fn label(&self, key: Key) -> String {
+        let Key { parameter, index } = key;
+        match (parameter.scope, index, self.feedback.only()) {
+            (Scope::Bearing, Some(bearing), None) => format!("{}.{}", self.feedback.label(bearing), parameter.name),
+            (Scope::Signal, Some(place), None) => match self.feedback.place_of_signal(place) {
+                Some((bearing, own)) => {
+                    let signals = self.feedback.bearings[bearing].signals.len();
+                    let number = if signals > 1 { format!(".{}", own + 1) } else { String::new() };
+                    format!("{}.{}{number}", self.feedback.label(bearing), parameter.name)
+                }
+                None => key.to_string(),
+            },
+            _ => key.to_string(),
+        }
     }
 
     /// The value of `key`, a scheduled gain at the present speed. For all masses at once, the largest.
@@ -162,7 +246,7 @@ impl Settings {
             }
         };
         for place in self.places(key)? {
-            match gain.map(|kind| self.feedback.signals[place].gain_mut(kind)) {
+            match gain.and_then(|kind| Some(self.feedback.signal_mut(place)?.gain_mut(kind))) {
                 Some(gain) if !matches!(gain, Gain::Constant(_)) => *gain = gain.shifted(delta),
                 _ => set(self, place, raised(get(self, place))),
             }
@@ -175,7 +259,7 @@ impl Settings {
     /// # Errors
     /// An unknown key, a value that is not a number, or what [`Settings::set`] refuses; nothing changes then.
     pub fn assign(&mut self, key: &str, value: &str) -> Result<(), SettingsError> {
-        let parsed: Key = key.parse()?;
+        let parsed = self.key(key)?;
         let number = parsed.parameter.parse(value).ok_or_else(|| SettingsError::NotANumber {
             key: key.to_owned(),
             found: value.to_owned(),
@@ -193,7 +277,7 @@ impl Settings {
     /// The schedule behind a gain, if `key` is one.
     #[must_use]
     pub fn gain(&self, key: Key) -> Option<&Gain> {
-        let signal = self.feedback.signals.get(key.index.unwrap_or(0))?;
+        let signal = self.feedback.signal(key.index.unwrap_or(0))?;
         key.parameter.gain.map(|kind| signal.gain(kind))
     }
 
@@ -202,7 +286,8 @@ impl Settings {
         let (count, all) = match key.parameter.scope {
             Scope::Machine => return Ok(0..1),
             Scope::Mass => (self.deadband.len(), self.deadband.len()),
-            Scope::Signal => (self.feedback.signals.len(), 1),
+            Scope::Signal => (self.feedback.signal_count(), 1),
+            Scope::Bearing => (self.feedback.bearings.len(), self.feedback.bearings.len()),
         };
         match key.index {
             None if count > 0 => Ok(0..all),
@@ -213,11 +298,17 @@ impl Settings {
 
     fn no_such(&self, key: Key) -> SettingsError {
         let (count, of) = match key.parameter.scope {
-            Scope::Signal => (self.feedback.signals.len(), "signals"),
+            Scope::Signal => (self.feedback.signal_count(), "signals"),
+            Scope::Bearing => (self.feedback.bearings.len(), "control bearings"),
             Scope::Mass | Scope::Machine => (self.deadband.len(), "masses"),
         };
         SettingsError::NoSuchIndex { key: key.to_string(), count, of }
     }
+}
+
+/// Whether a part of the loop is the same for all control bearings: one computer samples and computes.
+fn is_of_all(parameter: &Parameter) -> bool {
+    matches!(parameter.name, "sample" | "delay")
 }
 
 fn in_range(key: Key, value: f64) -> Result<(), SettingsError> {
@@ -273,7 +364,7 @@ mod tests {
         settings.assign("deadband.2", "0.5").expect("fine");
         assert_eq!(settings.deadband, [2.0, 0.5, 2.0]);
         settings.assign("kd", "0.75").expect("fine");
-        assert_eq!(settings.feedback.signals[0].gains[0], Gain::Constant(0.75));
+        assert_eq!(settings.feedback.first().signals[0].gains[0], Gain::Constant(0.75));
     }
 
     #[test]
@@ -284,17 +375,17 @@ mod tests {
             (
                 "sped",
                 "1",
-                "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass or signal N",
+                "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass, signal or control bearing N",
             ),
             (
                 "speed.1",
                 "1",
-                "no setting 'speed.1': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass or signal N",
+                "no setting 'speed.1': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass, signal or control bearing N",
             ),
             (
                 "kd.0",
                 "1",
-                "no setting 'kd.0': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass or signal N",
+                "no setting 'kd.0': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass, signal or control bearing N",
             ),
             ("kd.3", "1", "no kd.3: there are 2 signals"),
             ("deadband.4", "1", "no deadband.4: there are 3 masses"),
@@ -324,7 +415,7 @@ mod tests {
         assert_eq!(refused(&|s| s.speed = f64::NAN), "speed = NaN: expected a number from 0 to 1000");
         assert_eq!(refused(&|s| s.deadband[1] = -1.0), "deadband.2 = -1: expected a number from 0 to 1000000");
         assert_eq!(
-            refused(&|s| s.feedback.signals[1].gains[2] = Gain::Table(vec![(0.0, 0.0), (1.0, 2e6)])),
+            refused(&|s| s.feedback.first_mut().signals[1].gains[2] = Gain::Table(vec![(0.0, 0.0), (1.0, 2e6)])),
             "kc.2 = 2000000: expected a number from -1000000 to 1000000"
         );
     }
@@ -355,9 +446,9 @@ mod tests {
         assert!(settings.feedback.is_ideal() && settings.ramp.is_infinite());
         let delay: Key = "delay".parse().expect("a key");
         settings.nudge(delay, 0.01).expect("exists");
-        assert_eq!(settings.feedback.parts.delay, 0.01);
+        assert_eq!(settings.feedback.delay(), 0.01);
         settings.nudge(delay, -0.01).expect("exists");
-        assert_eq!(settings.feedback.parts.delay, 0.0);
+        assert_eq!(settings.feedback.delay(), 0.0);
     }
 
     #[test]
@@ -366,6 +457,9 @@ mod tests {
         let mut settings = Settings::new(&rotor, 2.0, builtin::feedback(&rotor, "cancel").expect("built in"));
         let kc: Key = "kc".parse().expect("a key");
         settings.nudge(kc, 0.25).expect("exists");
-        assert_eq!(settings.feedback.signals[0].gain(GainKind::Kc), &Gain::Linear { at_zero: 0.25, slope: -0.5 });
+        assert_eq!(
+            settings.feedback.first().signals[0].gain(GainKind::Kc),
+            &Gain::Linear { at_zero: 0.25, slope: -0.5 }
+        );
     }
 }

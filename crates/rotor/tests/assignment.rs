@@ -32,8 +32,8 @@ proptest! {
         let off = feedback.off();
         let table = influence(&ClosedLoop::new(&rotor, &off, speed, &[])).expect("converges");
         // Barely controllable modes take gains so large that rounding moves the poles: not the law that is tested here.
-        prop_assume!(table.iter().all(|mode| mode.pbh[feedback.bearing] > 1e-4));
-        let made = assign_poles(&rotor, speed, feedback.bearing, &wanted).expect("controllable");
+        prop_assume!(table.iter().all(|mode| mode.pbh[feedback.bearings[0].station] > 1e-4));
+        let made = assign_poles(&rotor, speed, feedback.bearings[0].station, &wanted).expect("controllable");
         prop_assert!(made.error() < 1e-6, "off by {:e}", made.error());
         made.feedback.check(rotor.len()).expect("fits");
         // Seen from outside: the rotor with this feedback has these poles.
@@ -111,7 +111,7 @@ fn several_poles_in_one_place_are_achieved_to_the_root_of_rounding() {
     let made = assign_poles(&rotor, 3.0, 0, &[C64::new(-0.5, 1.0); 2]).expect("controllable");
     assert!(made.error() < 1e-6, "off by {:e}", made.error());
     // n = 1: the law is s^2 + 2 (zeta - j zeta_q) s + ... by hand, u = -(f1 p + f2 p').
-    let gain = |k: usize| made.feedback.signals[0].gains[k].at(3.0);
+    let gain = |k: usize| made.feedback.bearings[0].signals[0].gains[k].at(3.0);
     assert!((gain(0) - -1.75).abs() < 1e-9 && (gain(1) - 0.0).abs() < 1e-9, "{:?}", made.feedback);
 }
 

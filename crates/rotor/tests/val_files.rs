@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use rotor::file::{kind_of, read_feedback, read_feedback_for, read_rotor, write_feedback, write_rotor};
 use rotor::{
-    C64, ClosedLoop, Feedback, Filter, Gain, GainKind, Mass, Parts, PhysicalMass, Rotor, Scales, Signal, Spectrum,
-    builtin, stepper,
+    C64, ClosedLoop, ControlBearing, Feedback, Filter, Gain, GainKind, Mass, Parts, PhysicalMass, Rotor, Scales,
+    Signal, Spectrum, builtin, stepper,
 };
 use text::{MAX_BYTES, utf8};
 
@@ -217,9 +217,23 @@ fn any_feedback() -> impl Strategy<Value = (usize, Feedback)> {
         let signal = (signal, prop::collection::vec(any_filter(), 0..3))
             .prop_map(|(signal, filters)| Signal { filters, ..signal });
         let signals = prop::collection::vec(signal, 1..=4);
-        (Just(n), 0..n, signals, prop::collection::vec(any_filter(), 0..2), any_parts())
-            .prop_map(|(n, bearing, signals, filters, parts)| (n, Feedback { bearing, signals, filters, parts }))
+        let name = prop::option::of("[ab][a-z0-9_-]{5}");
+        let bearing = (name, signals, prop::collection::vec(any_filter(), 0..2), any_parts());
+        (Just(n), prop::collection::vec(bearing, 1..=n.min(3))).prop_map(|(n, bearings)| (n, joined(bearings)))
     })
+}
+
+/// Bearings at the first masses, with one clock and names of their own.
+fn joined(bearings: Vec<(Option<String>, Vec<Signal>, Vec<Filter>, Parts)>) -> Feedback {
+    let Parts { sample, delay, .. } = bearings[0].3;
+    let one = |(station, (name, signals, filters, parts)): (usize, (Option<String>, _, _, Parts))| ControlBearing {
+        name: name.map(|name| format!("{name}{station}")),
+        station,
+        signals,
+        filters,
+        parts: Parts { sample, delay, ..parts },
+    };
+    Feedback { bearings: bearings.into_iter().enumerate().map(one).collect() }
 }
 
 proptest! {
@@ -309,7 +323,7 @@ fn read_anything(text: &str) {
     }
     for masses in [None, Some(1), Some(3)] {
         if let Ok(feedback) = read_feedback(text, masses) {
-            let masses = masses.unwrap_or(feedback.signals[0].displacement.len());
+            let masses = masses.unwrap_or(feedback.bearings[0].signals[0].displacement.len());
             feedback.check(masses).expect("sound");
         }
     }
@@ -385,7 +399,7 @@ fn val_a_loop_in_si_units_is_the_dimensionless_one() {
                 filter = [{ kind = \"lowpass\", corner = 100.0, order = 2 }, { kind = \"transfer\", numerator = [2.0, 3.0], denominator = [5.0, 7.0] }]\n\
                 [loop]\ndelay = 1e-4\nlimit = 20.0\nslew = 3000.0\nquantum = 1e-7\n";
     let feedback = read_feedback_for(text, &rotor).expect("valid");
-    let (parts, mass) = (feedback.parts, rotor.masses()[0].mass);
+    let (parts, mass) = (feedback.bearings[0].parts, rotor.masses()[0].mass);
     let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
     close(parts.delay, 1e-4 * scales.w0);
     close(scales.newtons(parts.limit, mass), 20.0);
@@ -393,7 +407,7 @@ fn val_a_loop_in_si_units_is_the_dimensionless_one() {
     close(parts.quantum, 1e-7 / scales.e_t);
     // At 40 Hz both say what the formulas say.
     let s = rotor::C64::new(0.0, std::f64::consts::TAU * 40.0);
-    let through = |k: usize| feedback.signals[0].filters[k].at(s / scales.w0, 0.0);
+    let through = |k: usize| feedback.bearings[0].signals[0].filters[k].at(s / scales.w0, 0.0);
     close(through(0).norm(), (1.0 + 0.4f64.powi(4)).powf(-0.5));
     close(((s * 2.0 + 3.0) / (s * 5.0 + 7.0) / through(1)).norm(), 1.0);
 }

@@ -94,7 +94,7 @@ proptest! {
                 prop_assert!((found.norm() - exact.norm()).abs() <= PROMISE * size, "{found} for {exact}, R = {speed}");
             }
             // The force is gains times such displacements and velocities: where these terms cancel, its size is theirs.
-            let signal = &feedback.signals[0];
+            let signal = &feedback.bearings[0].signals[0];
             let [kd, cd, kc, cc] = GainKind::ALL.map(|kind| signal.gain(kind).at(speed));
             let terms = (kd.hypot(kc) + cd.hypot(cc) * speed.abs()) * 5e-2 * largest;
             let size = orbit.force.max(terms);

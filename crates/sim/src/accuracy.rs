@@ -24,7 +24,7 @@ fn shown(rotor: &Rotor, settings: &Settings, dtau: f64, tau: f64) -> State {
     for _ in 0..(tau / dtau).round() as u64 {
         assert_eq!(engine.step(), None);
     }
-    let mut state = State::new(Layout::of(rotor));
+    let mut state = State::new(Layout::new(rotor.len()));
     engine.fill(&mut state.row_mut(), 0, false);
     state
 }

@@ -218,7 +218,7 @@ impl Engine {
                 }
                 Order::Impulse { mass, velocity } => self.machine.kick(*mass, *velocity),
                 Order::Restart => self.machine.restart(),
-                Order::Excite(excitation) => self.machine.excite(excitation),
+                Order::Excite(excitation) => self.machine.excite(0, excitation),
                 Order::Mark => {}
             }
             // There is room: the request thread has no more orders under way than the queue holds.
@@ -257,7 +257,7 @@ impl Engine {
         let sample = self.machine.sample();
         let mut flags = Flags::contact(sample.contact);
         for (flag, is_set) in [
-            (Flags::SATURATED, sample.output.saturated),
+            (Flags::SATURATED, sample.outputs.iter().any(|output| output.saturated)),
             (Flags::TRIPPED, self.machine.trip().is_some()),
             (Flags::LATE, is_late),
         ] {
@@ -275,8 +275,9 @@ impl Engine {
         row.set(Channel::Angle, 0, sample.angle);
         row.set(Channel::Speed, 0, sample.speed);
         row.set(Channel::SpeedRate, 0, if self.machine.trip().is_some() { 0.0 } else { sample.acceleration });
-        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, parts(sample.output.commanded));
-        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, parts(sample.output.delivered));
+        for (bearing, output) in sample.outputs.iter().enumerate() {
+            row.set_force(bearing, [output.commanded, output.delivered].map(parts));
+        }
         for (mass, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
             row.set_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
             row.set_pair([Channel::ReadingY, Channel::ReadingZ], mass, parts(self.machine.reading(mass)));

@@ -162,7 +162,7 @@ pub fn run<C: Carrier>(
     let program = options.check(rotor, &settings)?;
     let substeps = program.substeps();
     let host = carrier.host(&options.bench)?;
-    let states = host.states(Layout::of(rotor))?;
+    let states = host.states(Layout::new(rotor.len()).with_bearings(settings.feedback.bearings.len()))?;
     ready();
 
     let started = Instant::now();

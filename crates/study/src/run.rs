@@ -291,11 +291,15 @@ impl Watch {
     /// Takes one sample; whether the run goes on.
     fn see(&mut self, rotor: &Machine, observers: &mut [&mut dyn Observer]) -> std::io::Result<bool> {
         let motion = rotor.motion();
-        let output = rotor.output();
-        let u = output.delivered;
-        self.saturated_steps += u64::from(output.saturated);
+        let outputs = rotor.outputs();
+        self.saturated_steps += u64::from(outputs.iter().any(|output| output.saturated));
         let mut samples = [0.0; 3 + rotor::MAX_MASSES];
-        samples[..3].copy_from_slice(&[u.norm_sqr(), u.re * u.re, u.im * u.im]);
+        for u in outputs.iter().map(|output| output.delivered) {
+            // Of several control bearings the largest; what is not a number must not be lost in it.
+            for (place, square) in samples.iter_mut().zip([u.norm_sqr(), u.re * u.re, u.im * u.im]) {
+                *place = if square.is_nan() { square } else { place.max(square) };
+            }
+        }
         let mut widest = 0.0_f64;
         for (sample, p) in samples[3..].iter_mut().zip(motion.displacement) {
             *sample = p.norm_sqr();

@@ -65,7 +65,7 @@ impl Observer for Writer {
             return Ok(());
         }
         let sample = machine.sample();
-        let control = sample.output.delivered;
+        let control = sample.outputs[0].delivered;
         self.row.clear();
         self.row.push(sample.tau);
         for (p, v) in sample.displacement.iter().zip(sample.velocity) {

@@ -82,7 +82,7 @@ fn an_unstable_machine_fails_and_a_sampled_one_is_told_what_it_cannot_be_asked()
     assert!(!answer.passed() && answer.cross_coupling.borne.is_none());
     assert_eq!(found(&answer, "sensitivity").passed, Some(false));
     let mut sampled = settings(&rotor, "individual");
-    sampled.feedback.parts.sample = 0.02;
+    sampled.feedback.bearings[0].parts.sample = 0.02;
     let answer = assess(&question(&rotor, &sampled, [0.0, 6.0], &limits)).unwrap();
     for what in ["critical speed", "vibration", "orbit", "dynamic force"] {
         let line = found(&answer, what);
@@ -206,7 +206,7 @@ fn val_a_resonance_between_two_speeds_is_not_missed() {
 fn a_machine_that_asks_for_more_than_its_limit_fails() {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let mut limited = settings(&rotor, "individual");
-    limited.feedback.parts.limit = 20.0;
+    limited.feedback.bearings[0].parts.limit = 20.0;
     limited.deadband.fill(1.0);
     let limits = Limits::default();
     let answer = assess(&question(&rotor, &limited, [4.0, 5.0], &limits)).unwrap();

@@ -38,20 +38,20 @@ fn measure(rotor: &Rotor, settings: &Settings, amplitude: f64) -> Vec<MeasuredPo
         machine.step();
     }
     let from = machine.tau();
-    machine.excite(&mut Some(Box::new(Excitation::of(&multisine).unwrap())));
+    machine.excite(0, &mut Some(Box::new(Excitation::of(&multisine).unwrap())));
     assert!(machine.is_excited());
     let mut record: Vec<(f64, C64)> = Vec::new();
     for _ in 0..steps {
         assert_eq!(machine.step(), None);
         let sample = machine.sample();
-        record.push((sample.tau, sample.output.commanded));
+        record.push((sample.tau, sample.outputs[0].commanded));
     }
     assert!(!machine.is_excited(), "it ends by itself");
     let tones = Tones {
         tones: multisine.tones().unwrap(),
         from,
         speed: settings.speed,
-        sample: settings.feedback.parts.sample,
+        sample: settings.feedback.bearings[0].parts.sample,
     };
     let periods: Vec<Vec<C64>> =
         record[settle..].chunks(PERIOD).map(|period| tones.identify(period).expect("long enough")).collect();
@@ -102,7 +102,7 @@ fn an_excited_machine_that_is_written_down_goes_on_to_the_last_bit() {
         let made = || Machine::new(Program::in_substeps(&rotor, &settings, DTAU, 2).unwrap());
         let mut machine = made();
         (0..100).for_each(|_| assert_eq!(machine.step(), None));
-        machine.excite(&mut Some(Box::new(Excitation::of(&multisine).unwrap())));
+        machine.excite(0, &mut Some(Box::new(Excitation::of(&multisine).unwrap())));
         (0..50).for_each(|_| assert_eq!(machine.step(), None));
         let mut words = Words::default();
         machine.save(&mut words);
@@ -114,13 +114,13 @@ fn an_excited_machine_that_is_written_down_goes_on_to_the_last_bit() {
             other.step();
             let [a, b] = [&machine, &other].map(|machine| {
                 let sample = machine.sample();
-                (sample.tau, sample.angle, sample.displacement.to_vec(), sample.output)
+                (sample.tau, sample.angle, sample.displacement.to_vec(), sample.outputs[0])
             });
             assert_eq!(a, b, "{change:?} at {step}");
         }
         assert!(!other.is_excited());
         // Back to rest there is none, and another loop has none either.
-        machine.excite(&mut Some(Box::new(Excitation::of(&multisine).unwrap())));
+        machine.excite(0, &mut Some(Box::new(Excitation::of(&multisine).unwrap())));
         machine.step();
         other = machine.clone();
         machine.restart();

@@ -121,7 +121,7 @@ fn we_write(path: &Path, head: &Head, states: &[State], rows: usize) {
     let mut sink = tape::create(path, head).unwrap();
     sink.revision(&head.revision(), Moment::default()).unwrap();
     for states in states.chunks(rows) {
-        let mut batch = Batch::new(3);
+        let mut batch = Batch::new(Layout::new(3));
         states.iter().for_each(|state| batch.push(state));
         sink.steps(&batch).unwrap();
     }

@@ -16,17 +16,16 @@ pub struct Batch {
 }
 
 impl Batch {
-    /// An empty batch for a rotor of `masses` masses.
+    /// An empty batch of steps that are laid out like this.
     #[must_use]
-    pub fn new(masses: usize) -> Self {
-        let layout = Layout::new(masses);
+    pub fn new(layout: Layout) -> Self {
         Self { layout, values: vec![Vec::new(); layout.numbers()], ..Self::default() }
     }
 
-    /// How many masses the rotor has.
+    /// How its steps are laid out.
     #[must_use]
-    pub fn masses(&self) -> usize {
-        self.layout.masses()
+    pub fn layout(&self) -> Layout {
+        self.layout
     }
 
     /// How many steps there are.
@@ -47,7 +46,7 @@ impl Batch {
         &self.values[self.layout.place(channel, index) - WHOLES]
     }
 
-    /// Adds a step. It must have as many masses as the batch.
+    /// Adds a step, which must be laid out like the batch.
     pub fn push(&mut self, step: &impl Step) {
         debug_assert_eq!(step.layout(), self.layout);
         self.seq.push(step.seq());
@@ -90,13 +89,12 @@ impl Batch {
 #[cfg(test)]
 pub(crate) mod tests {
     use proptest::prelude::*;
-    use rotor::MAX_MASSES;
+    use rotor::{MAX_BEARINGS, MAX_MASSES};
 
     use super::*;
 
-    /// Any step of a rotor of `masses` masses, its doubles any bits.
-    pub(crate) fn any_state(masses: usize) -> impl Strategy<Value = State> {
-        let layout = Layout::new(masses);
+    /// Any step of this layout, its doubles any bits.
+    pub(crate) fn any_state(layout: Layout) -> impl Strategy<Value = State> {
         let heads = (any::<u64>(), any::<u64>(), any::<u64>(), any::<u32>());
         (heads, proptest::collection::vec(any::<u64>(), layout.numbers())).prop_map(
             move |((seq, wall_ns, revision, flags), words)| {
@@ -112,12 +110,17 @@ pub(crate) mod tests {
         )
     }
 
+    /// Any layout.
+    pub(crate) fn any_layout() -> impl Strategy<Value = Layout> {
+        (1..=MAX_MASSES, 1..=MAX_BEARINGS).prop_map(|(masses, bearings)| Layout::new(masses).with_bearings(bearings))
+    }
+
     proptest! {
         #[test]
         fn a_step_comes_back_bit_for_bit(
-            states in (1..=MAX_MASSES).prop_flat_map(|n| proptest::collection::vec(any_state(n), 1..5))
+            states in any_layout().prop_flat_map(|layout| proptest::collection::vec(any_state(layout), 1..5))
         ) {
-            let mut batch = Batch::new(states[0].masses());
+            let mut batch = Batch::new(states[0].layout());
             states.iter().for_each(|state| batch.push(state));
             for (row, state) in states.iter().enumerate() {
                 prop_assert_eq!(&batch.state(row, 9), state);

@@ -171,7 +171,7 @@ impl Gatherer {
         self.run_id = Some(state.run_id());
         self.begun = false;
         self.last = None;
-        self.batch = Batch::new(state.masses());
+        self.batch = Batch::new(state.layout());
     }
 
     /// Begins the tape of a run once both a step and a bench status of it have come.
@@ -196,7 +196,7 @@ impl Gatherer {
         if self.batch.is_empty() {
             return;
         }
-        let empty = Batch::new(self.batch.masses());
+        let empty = Batch::new(self.batch.layout());
         let batch = std::mem::replace(&mut self.batch, empty);
         self.rows_out += batch.len();
         self.push(Item::Steps(batch));

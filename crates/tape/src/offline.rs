@@ -53,6 +53,11 @@ impl Drop for Unfinished {
 }
 
 /// One unit of `tau` on the made-up clock, which begins at 1970 so that the same run is the same file.
+/// How the steps of a machine under these settings are laid out.
+fn layout(settings: &Settings) -> Layout {
+    Layout::new(settings.deadband.len()).with_bearings(settings.feedback.bearings.len())
+}
+
 fn wall_ns(tau: f64) -> u64 {
     (tau * 1e9) as u64
 }
@@ -86,6 +91,7 @@ impl OfflineTape {
             started_ns: 0,
             rate_hz: 0.0,
             dtau,
+            bearings: settings.feedback.bearings.len(),
             limits: None,
         };
         let name = target.file_name().unwrap_or_default().to_string_lossy();
@@ -100,7 +106,7 @@ impl OfflineTape {
             existing,
             part,
             sink: Some(sink),
-            batch: Batch::new(rotor.len()),
+            batch: Batch::new(layout(settings)),
             settings: settings.clone(),
             events: 0,
             every: every.max(1),
@@ -127,20 +133,21 @@ impl OfflineTape {
             return Ok(());
         }
         let pair = |z: C64| [z.re, z.im];
-        let output = sample.output;
-        let mut state = State::new(Layout::new(sample.displacement.len()));
+        let mut state = State::new(layout(&self.settings));
         let mut row = state.row_mut();
         row.set_word(Channel::Seq, seq);
         row.set_word(Channel::WallNs, wall_ns(sample.tau));
         row.set_word(Channel::Revision, 1);
-        let saturated = if output.saturated { Flags::SATURATED } else { Flags::default() };
+        let is_saturated = sample.outputs.iter().any(|output| output.saturated);
+        let saturated = if is_saturated { Flags::SATURATED } else { Flags::default() };
         row.set_flags(Flags(Flags::contact(sample.contact).0 | saturated.0));
         row.set(Channel::Tau, 0, sample.tau);
         row.set(Channel::Angle, 0, sample.angle);
         row.set(Channel::Speed, 0, sample.speed);
         row.set(Channel::SpeedRate, 0, sample.acceleration);
-        row.set_pair([Channel::CommandY, Channel::CommandZ], 0, pair(output.commanded));
-        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, pair(output.delivered));
+        for (bearing, output) in sample.outputs.iter().enumerate() {
+            row.set_force(bearing, [output.commanded, output.delivered].map(pair));
+        }
         for (mass, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
             row.set_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
             row.set_pair([Channel::ReadingY, Channel::ReadingZ], mass, pair(machine.reading(mass)));
@@ -198,7 +205,7 @@ impl OfflineTape {
     }
 
     fn flush(&mut self) -> Result<(), TapeError> {
-        let batch = std::mem::replace(&mut self.batch, Batch::new(self.settings.deadband.len()));
+        let batch = std::mem::replace(&mut self.batch, Batch::new(layout(&self.settings)));
         self.sink.as_mut().map_or(Ok(()), |sink| sink.steps(&batch))
     }
 

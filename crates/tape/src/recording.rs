@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use alarms::Turn;
 use rotor::{Rotor, Scales};
 use wire::message::{Analysis, Flags, Trip};
-use wire::{BenchStatus, Channel, Happening, SettingsDocument, State, Step, Text};
+use wire::{BenchStatus, Channel, Happening, Layout, SettingsDocument, State, Step, Text};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
@@ -86,6 +86,12 @@ impl Recording {
     #[must_use]
     pub fn bytes(&self) -> u64 {
         self.contents.bytes
+    }
+
+    /// How its steps are laid out.
+    #[must_use]
+    pub fn layout(&self) -> Layout {
+        Layout::new(self.rotor().len()).with_bearings(self.session().bearings)
     }
 
     /// About the whole file.

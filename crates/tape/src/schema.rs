@@ -61,16 +61,16 @@ pub struct Column {
     pub unit: &'static str,
 }
 
-/// The columns of doubles for a rotor of `masses` masses, in order: those of the table of channels ([`wire::CHANNELS`]). The
+/// The columns of doubles of steps that are laid out like this, in order: those of the table of channels ([`wire::CHANNELS`]). The
 /// columns `revision` (64 bits) and `flags` (32 bits) follow them.
 #[must_use]
-pub fn columns(masses: usize) -> Vec<Column> {
+pub fn columns(layout: Layout) -> Vec<Column> {
     let described = |column: wire::Column| Column {
         name: column.name(),
         meaning: column.meaning(),
         unit: column.channel.row().dimension.unit(),
     };
-    Layout::new(masses).number_columns().map(described).collect()
+    layout.number_columns().map(described).collect()
 }
 
 /// Settings revision of a step.
@@ -87,8 +87,9 @@ mod tests {
     #[test]
     fn names_are_unique_and_counted() {
         for masses in [1, 3, MAX_MASSES] {
-            let columns = columns(masses);
-            assert_eq!(columns.len(), Layout::new(masses).numbers());
+            let layout = Layout::new(masses).with_bearings(masses.min(rotor::MAX_BEARINGS));
+            let columns = columns(layout);
+            assert_eq!(columns.len(), layout.numbers());
             let mut names: Vec<_> = columns.iter().map(|c| c.name.as_str()).chain([REVISION, FLAGS]).collect();
             names.sort_unstable();
             let count = names.len();

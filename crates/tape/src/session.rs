@@ -25,6 +25,8 @@ pub struct Session {
     pub rate_hz: f64,
     /// Advance of `tau` per step.
     pub dtau: f64,
+    /// How many control bearings its steps tell of.
+    pub bearings: usize,
     /// What alarms were held against; `None` if nobody judged, as in runs without a bench and before there were alarms.
     pub limits: Option<Limits>,
 }

@@ -142,6 +142,7 @@ impl Head {
             started_ns: bench_status.started_ns,
             rate_hz: bench_status.rate_hz,
             dtau: bench_status.dtau,
+            bearings: bench_status.settings.get().feedback.bearings.len(),
             limits: None,
         };
         Self { session, bench_status, alarms: Vec::new(), snapshot: None }

@@ -101,7 +101,7 @@ fn what_is_written_is_what_is_read() {
 
     assert_eq!(recording.settings_at(2099).unwrap().revision, 3);
     let changed = recording.settings_at(2100).unwrap();
-    assert_eq!((changed.revision, changed.settings.feedback.signals[0].gains[0].at(2.5)), (4, -0.125));
+    assert_eq!((changed.revision, changed.settings.feedback.bearings[0].signals[0].gains[0].at(2.5)), (4, -0.125));
     let before = recording.bench_status_at(2000);
     assert_eq!((before.revision, before.changed_by.as_str(), before.trip.is_tripped()), (3, "set:1", false));
     assert_eq!(before.settings.get().clone(), bench_status().settings.get().clone());
@@ -116,7 +116,7 @@ fn what_is_written_is_what_is_read() {
     assert_eq!((told, tripped.watch, tripped.at.seq), (turns(), Watch::Trip, 5000), "each once, and the trip");
     let events = recording.events();
     let sent = recording.wire_event(&events[0]);
-    assert_eq!(sent.settings.get().clone().feedback.signals[0].gains[0].at(2.5), -0.125);
+    assert_eq!(sent.settings.get().clone().feedback.bearings[0].signals[0].gains[0].at(2.5), -0.125);
     let notices = recording.notices();
     assert_eq!(notices.len(), 2, "{notices:?}");
     assert!(notices[0].starts_with("begins at step 100") && notices[1].starts_with("50 steps are missing"));

@@ -160,13 +160,12 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
         };
         rows.extend([row("sensitivity", both.map(peak)), row("delay margin", both.map(delay))]);
     }
-    let signals = now.settings.feedback.signals.iter().zip(&found.settings.feedback.signals).enumerate();
+    let signals = now.settings.feedback.signals().zip(found.settings.feedback.signals()).enumerate();
     for (i, (before, after)) in signals {
         for kind in GainKind::ALL {
-            let name = if now.settings.feedback.signals.len() > 1 {
-                format!("{}.{}", kind.name(), i + 1)
-            } else {
-                kind.name().to_owned()
+            let name = match now.settings.feedback.signal_count() {
+                1 => kind.name().to_owned(),
+                _ => format!("{}.{}", kind.name(), i + 1),
             };
             let at = |signal: &rotor::Signal| significant(signal.gain(kind).at(now.settings.speed), 4).to_string();
             rows.push(row(&name, [at(before), at(after)]));

@@ -231,7 +231,7 @@ fn problem(rotor: &Rotor, feedback: &Feedback, goal: &SearchGoal) -> Result<Prob
         family.any_deadband(true).map_err(|error| error.to_string())?;
     }
     let structure = Structure::new(rotor, feedback, Schedule::Fixed).map_err(|error| error.to_string())?;
-    let gains = feedback.signals.iter().flat_map(|signal| &signal.gains);
+    let gains = feedback.signals().flat_map(|signal| &signal.gains);
     let largest = gains.filter_map(|gain| if let Gain::Constant(value) = gain { Some(value.abs()) } else { None });
     let mut problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
     (problem.max_sensitivity, problem.min_delay) = (goal.max_sensitivity, goal.min_delay);

@@ -39,7 +39,8 @@ impl Around {
         }
         let (plant, at) = (Plant::of(&problem.family.rotor_at(point)), OperatingPoint::at(point[0]));
         let delay = problem.delay(point);
-        let with = |only: Option<usize>| matrices(&LinearForm::of(&plant, &structure.unit(only, delay), &at).ok()?);
+        let with =
+            |only: Option<usize>| matrices(&LinearForm::of(&plant, &structure.unit(only, delay).into(), &at).ok()?);
         let ([a, b, c], period) = with(None)?;
         let by = (0..structure.gains())
             .map(|k| with(Some(k)).map(|([with_a, _, with_c], _)| [with_a - &a, with_c - &c]))
@@ -99,7 +100,7 @@ pub(crate) fn poles(closed: &Characteristic, near: &[C64]) -> Option<(Vec<C64>, 
 /// The same for the gains `variables` at one condition, if the loop has anything of the kind.
 pub(crate) fn poles_of(problem: &Problem, variables: &[f64], point: &[f64]) -> Option<(Vec<C64>, Option<f64>)> {
     let mut feedback = problem.structure.feedback(variables);
-    feedback.parts.delay = problem.delay(point);
+    feedback.set_delay(problem.delay(point));
     let plant = Plant::of(&problem.family.rotor_at(point));
     let form = LinearForm::of(&plant, &feedback, &OperatingPoint::at(point[0])).ok()?;
     poles(&Characteristic::of(&form).ok()?, &[])

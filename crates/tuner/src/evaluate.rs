@@ -519,9 +519,9 @@ mod tests {
     /// Loops of every kind.
     fn around(feedback: &mut rotor::Feedback, kind: i32) {
         match kind {
-            1 => feedback.parts.lag = 0.05,
-            2 => feedback.signals[0].filters = vec![rotor::Filter::Lead { zero: 3.0, pole: 12.0 }],
-            3 => feedback.parts.sample = 0.1,
+            1 => feedback.bearings[0].parts.lag = 0.05,
+            2 => feedback.bearings[0].signals[0].filters = vec![rotor::Filter::Lead { zero: 3.0, pole: 12.0 }],
+            3 => feedback.bearings[0].parts.sample = 0.1,
             _ => (),
         }
     }

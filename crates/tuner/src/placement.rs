@@ -48,7 +48,7 @@ impl Question<'_> {
         let rotor = self.family.rotor();
         let make = if self.composite { Structure::composite } else { Structure::individual };
         let mut template = self.template.clone().unwrap_or_else(|| make(rotor.len(), bearing, sensors));
-        template.parts = self.parts;
+        template.first_mut().parts = self.parts;
         let structure = Structure::new(rotor, &template, self.schedule.clone()).expect("masses that exist");
         Problem {
             family: self.family.clone(),

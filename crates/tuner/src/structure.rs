@@ -3,7 +3,7 @@
 //! A *variable* is the value of one gain at one knot; between knots a gain is linear in speed. So every gain at every
 //! speed is linear in the variables, and a bound on the variables bounds the gains over the whole range.
 
-use rotor::{C64, ControlRow, Feedback, FeedbackError, Gain, GainKind, Rotor, Signal};
+use rotor::{C64, ControlBearing, ControlRow, Feedback, FeedbackError, Gain, GainKind, Rotor, Signal};
 
 /// How gains depend on speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,8 +67,8 @@ impl Schedule {
 /// The feedback that is searched: everything about it but the values of its gains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
-    /// The signals, their gains meaningless.
-    template: Feedback,
+    /// The one control bearing and its signals, their gains meaningless.
+    template: ControlBearing,
     schedule: Schedule,
     masses: usize,
 }
@@ -77,10 +77,13 @@ impl Structure {
     /// The structure of `template` for `rotor`: its bearing and the weights of its signals.
     ///
     /// # Errors
-    /// A template that does not fit the rotor.
+    /// A template that does not fit the rotor, or has several control bearings.
     pub fn new(rotor: &Rotor, template: &Feedback, schedule: Schedule) -> Result<Self, FeedbackError> {
-        let template = template.off();
         template.check(rotor.len())?;
+        let Some(bearing) = template.only() else {
+            return Err(FeedbackError::Bearings(template.bearings.len()));
+        };
+        let template = bearing.off();
         Ok(Self { template, schedule, masses: rotor.len() })
     }
 
@@ -106,7 +109,7 @@ impl Structure {
     /// The mass that carries the control bearing, counted from 0.
     #[must_use]
     pub fn bearing(&self) -> usize {
-        self.template.bearing
+        self.template.station
     }
 
     /// How many masses the rotor has that it is for.
@@ -140,7 +143,7 @@ impl Structure {
                 Schedule::Table(speeds) => Gain::Table(speeds.iter().copied().zip(values.iter().copied()).collect()),
             };
         }
-        made
+        made.into()
     }
 
     /// The variables that come nearest to `feedback`, which has the same signals: its gains at the knots.
@@ -151,7 +154,7 @@ impl Structure {
             Schedule::Linear { from, to } => vec![*from, *to],
             Schedule::Table(speeds) => speeds.clone(),
         };
-        let gains = feedback.signals.iter().flat_map(|signal| &signal.gains);
+        let gains = feedback.signals().flat_map(|signal| &signal.gains);
         gains.flat_map(|gain| speeds.iter().map(|&speed| gain.at(speed))).collect()
     }
 
@@ -200,7 +203,7 @@ impl Structure {
     }
 
     /// The feedback with every gain 0, but for gain `only`, which is 1; with this delay.
-    pub(crate) fn unit(&self, only: Option<usize>, delay: f64) -> Feedback {
+    pub(crate) fn unit(&self, only: Option<usize>, delay: f64) -> ControlBearing {
         let mut made = self.template.clone();
         made.parts.delay = delay;
         let gains = made.signals.iter_mut().flat_map(|signal| &mut signal.gains);
@@ -210,7 +213,7 @@ impl Structure {
 
     /// The control law at one speed, with the gains `variables`.
     pub(crate) fn row(&self, variables: &[f64], speed: f64) -> ControlRow {
-        let mut row = ControlRow { bearing: self.template.bearing, ..ControlRow::default() };
+        let mut row = ControlRow { bearing: self.template.station, ..ControlRow::default() };
         let (knots, [(i, at_i), (j, at_j)]) = (self.schedule.knots(), self.schedule.weights(speed));
         for (signal, values) in self.template.signals.iter().zip(variables.chunks_exact(4 * knots)) {
             let gain = |kind: GainKind| {
@@ -271,7 +274,7 @@ mod tests {
                 assert!((a - b).abs() < 1e-14);
             }
             for speed in [0.0, 1.0, 2.0, 3.7, 6.0] {
-                let (fast, slow) = (structure.row(&variables, speed), feedback.at(speed));
+                let (fast, slow) = (structure.row(&variables, speed), feedback.first().at(speed));
                 for k in 0..3 {
                     assert!((fast.displacement[k] - slow.displacement[k]).norm() < 1e-14);
                     assert!((fast.velocity[k] - slow.velocity[k]).norm() < 1e-14);

@@ -10,7 +10,7 @@ fn three_mass() -> Rotor {
 
 fn template(parts: Parts, filters: Vec<Filter>) -> Feedback {
     let mut template = Structure::composite(3, 0, &[0, 1]);
-    (template.parts, template.filters) = (parts, filters);
+    (template.bearings[0].parts, template.bearings[0].filters) = (parts, filters);
     template
 }
 
@@ -28,7 +28,7 @@ fn search(problem: &Problem) -> Tuned {
 fn loops() -> [(&'static str, Feedback); 4] {
     let parts = Parts::default();
     let mut filtered = template(parts, vec![Filter::Lowpass { corner: 40.0, order: 2 }]);
-    filtered.signals[0].filters = vec![Filter::SynchronousNotch { width: 0.05 }];
+    filtered.bearings[0].signals[0].filters = vec![Filter::SynchronousNotch { width: 0.05 }];
     [
         ("lags", template(Parts { sensor_lag: 0.01, lag: 0.02, lag_damping: 0.8, ..parts }, vec![])),
         ("filters", filtered),
@@ -44,8 +44,11 @@ fn what_a_search_through_a_loop_tells_no_speed_of_the_machine_is_worse_than() {
         let problem = problem(&template);
         let found = search(&problem);
         assert!(found.worst.value > 0.004 && !found.worst.proven, "{what}: {:?}", found.worst);
-        assert_eq!(found.feedback.parts, template.parts, "{what}: the loop stays in the answer");
-        assert_eq!(found.feedback.filters, template.filters);
+        assert_eq!(
+            found.feedback.bearings[0].parts, template.bearings[0].parts,
+            "{what}: the loop stays in the answer"
+        );
+        assert_eq!(found.feedback.bearings[0].filters, template.bearings[0].filters);
         let settings = Settings::new(&rotor, 0.0, found.feedback.clone());
         let at = |speed: f64| machine::min_damping(&rotor, &settings, speed).expect("converges");
         assert!((at(found.worst.point[0]) - found.worst.value).abs() < 1e-9, "{what}");

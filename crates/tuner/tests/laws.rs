@@ -149,7 +149,7 @@ fn tracked_gains_are_smoother_the_more_changes_cost() {
     assert!(sum(&stiff.values) <= sum(&loose.values) + 1e-6);
     // The feedback has the tracked gains at the tracked speeds.
     for (speed, gains) in speeds.iter().zip(&loose.gains) {
-        let signal = &loose.feedback().signals[0];
+        let signal = &loose.feedback().bearings[0].signals[0];
         assert!(signal.gains.iter().zip(gains).all(|(gain, tracked)| (gain.at(*speed) - tracked).abs() < 1e-12));
     }
 }

@@ -16,7 +16,7 @@ fn val_margins_of_given_gains_are_those_of_the_machine() {
     for (name, peak, delay) in [("composite", 10.3495, 0.112_792), ("individual", 1.19172, 0.232_233)] {
         for lag in [0.0, 0.03] {
             let mut feedback = builtin::feedback(&rotor, name).expect("built in");
-            feedback.parts.lag = lag;
+            feedback.bearings[0].parts.lag = lag;
             let asked = Problem { max_sensitivity: Some(f64::INFINITY), ..problem(6.0, 6.0, &feedback) };
             let gains = asked.structure.variables_of(&feedback);
             let found = evaluate(&asked, &Options::for_problem(&asked), &gains, Stop::NEVER).expect("makes sense");
@@ -83,7 +83,7 @@ fn limits_that_no_loop_keeps_and_sampled_loops_are_refused() {
         assert!(matches!(Problem { min_delay: Some(least), ..fine.clone() }.check(), Err(ProblemError::Delay(_))));
     }
     let mut template = Structure::individual(3, 0, &[0, 1]);
-    template.parts.sample = 0.05;
+    template.bearings[0].parts.sample = 0.05;
     let sampled = Problem { min_delay: Some(0.1), ..problem(0.0, 6.0, &template) };
     assert_eq!(sampled.check(), Err(ProblemError::Sampled));
 }

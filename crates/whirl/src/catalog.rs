@@ -243,7 +243,7 @@ impl Machine {
     /// Mass ratio `Rm` of the mass that carries the control bearing, by which accelerations are forces.
     #[must_use]
     pub(crate) fn bearing_mass(&self) -> f64 {
-        self.rotor.masses()[self.settings.feedback.bearing].mass
+        self.rotor.masses()[self.settings.feedback.bearings[0].station].mass
     }
 
     /// What its numbers are typed and shown in.

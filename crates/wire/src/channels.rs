@@ -16,6 +16,8 @@ pub enum Scope {
     Mass,
     /// For every sensor: there is one at every mass.
     Sensor,
+    /// For every control bearing after the first, whose channels occur once.
+    Further,
 }
 
 /// A row of the table.
@@ -23,9 +25,9 @@ pub enum Scope {
 pub struct ChannelRow {
     /// Which one it is.
     pub channel: Channel,
-    /// Its name in files; of a mass or a sensor followed by its number.
+    /// Its name in files; of a mass, a sensor or a further control bearing followed by its number.
     pub name: &'static str,
-    /// Its name on screens; of a mass or a sensor followed by `.N`.
+    /// Its name on screens; of a mass, a sensor or a further control bearing followed by `.N`.
     pub label: &'static str,
     /// How often it occurs.
     pub scope: Scope,
@@ -44,7 +46,7 @@ macro_rules! channels {
         }
 
         /// The table, in the order of a step's words: first all that occurs once, whole numbers leading, then the channels of
-        /// each mass, then those of each sensor.
+        /// each mass, then those of each sensor, then those of each control bearing after the first.
         pub const CHANNELS: &[ChannelRow] = &[
             $(ChannelRow {
                 channel: Channel::$channel,
@@ -63,21 +65,25 @@ channels! {
     Seq "seq" "step" Once Whole "number of the step since the process started: up by 1 each, also while tripped";
     WallNs "wall_ns" "wall" Once Whole "wall clock when the step was due to be sent, nanoseconds since 1970";
     Revision "revision" "revision" Once Whole "revision of the settings that the step was made with";
-    Flags "flags" "flags" Once Whole "bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 63: how many sensors";
+    Flags "flags" "flags" Once Whole "bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 55: how many sensors; 56 to 63: how many control bearings after the first";
     Tau "tau" "tau" Once Time "time since the rotor was last at rest; stands still while tripped";
     Angle "angle" "angle" Once Angle "spin angle, unwrapped: the unbalance points along it";
     Speed "speed" "speed" Once Speed "spin speed R";
     SpeedRate "speed_rate" "rate" Once SpeedRate "rate of change of the spin speed";
-    CommandY "uy_commanded" "command.y" Once Force "control that the feedback asks for, y";
-    CommandZ "uz_commanded" "command.z" Once Force "control that the feedback asks for, z";
-    ForceY "uy" "u.y" Once Force "control that the bearing delivers, y";
-    ForceZ "uz" "u.z" Once Force "control that the bearing delivers, z";
+    CommandY "uy_commanded" "command.y" Once Force "control that the feedback asks for at the first control bearing, y";
+    CommandZ "uz_commanded" "command.z" Once Force "control that the feedback asks for at the first control bearing, z";
+    ForceY "uy" "u.y" Once Force "control that the first control bearing delivers, y";
+    ForceZ "uz" "u.z" Once Force "control that the first control bearing delivers, z";
     Y "y" "y" Mass Length "displacement, y";
     Z "z" "z" Mass Length "displacement, z";
     Vy "vy" "vy" Mass Velocity "velocity, y";
     Vz "vz" "vz" Mass Velocity "velocity, z";
     ReadingY "reading_y" "reading.y" Sensor Length "displacement as the loop reads it, y";
     ReadingZ "reading_z" "reading.z" Sensor Length "displacement as the loop reads it, z";
+    FurtherCommandY "bearing_uy_commanded" "bearing.command.y" Further Force "control that the feedback asks for, y";
+    FurtherCommandZ "bearing_uz_commanded" "bearing.command.z" Further Force "control that the feedback asks for, z";
+    FurtherForceY "bearing_uy" "bearing.u.y" Further Force "control that the bearing delivers, y";
+    FurtherForceZ "bearing_uz" "bearing.u.z" Further Force "control that the bearing delivers, z";
 }
 
 impl Channel {
@@ -123,10 +129,11 @@ pub enum Substitute {
 }
 
 /// Channels of each scope.
-const COUNTS: [usize; 3] = [
+const COUNTS: [usize; 4] = [
     count_before(Scope::Once, CHANNELS.len()),
     count_before(Scope::Mass, CHANNELS.len()),
     count_before(Scope::Sensor, CHANNELS.len()),
+    count_before(Scope::Further, CHANNELS.len()),
 ];
 
 /// The place of each channel among those of its scope.
@@ -179,11 +186,13 @@ pub struct Pair {
 }
 
 /// Every pair whose size is shown.
-pub const PAIRS: [Pair; 4] = [
+pub const PAIRS: [Pair; 6] = [
     Pair { label: "command", channels: [Channel::CommandY, Channel::CommandZ] },
     Pair { label: "force", channels: [Channel::ForceY, Channel::ForceZ] },
     Pair { label: "radius", channels: [Channel::Y, Channel::Z] },
     Pair { label: "reading", channels: [Channel::ReadingY, Channel::ReadingZ] },
+    Pair { label: "bearing.command", channels: [Channel::FurtherCommandY, Channel::FurtherCommandZ] },
+    Pair { label: "bearing.force", channels: [Channel::FurtherForceY, Channel::FurtherForceZ] },
 ];
 
 #[cfg(test)]

@@ -142,7 +142,7 @@ impl<T> PartialEq for Document<T> {
 /// Settings of no machine, for who has none to tell of.
 impl Default for SettingsDocument {
     fn default() -> Self {
-        let feedback = Feedback { bearing: 0, signals: vec![], filters: vec![], parts: control::Parts::default() };
+        let feedback = Feedback { bearings: vec![] };
         Self::of(&Settings { speed: 0.0, deadband: vec![], trip: 0.0, ramp: f64::INFINITY, feedback })
     }
 }
@@ -166,7 +166,7 @@ impl Content for Settings {
         let Self { speed, trip, ramp, deadband, feedback } = self;
         let clearances = deadband.iter().copied().map(number).collect::<Vec<_>>().join(", ");
         // As many as the weights say: whether that fits the rotor is for who checks them.
-        let masses = feedback.signals.first().map_or(deadband.len(), |signal| signal.displacement.len());
+        let masses = feedback.signals().next().map_or(deadband.len(), |signal| signal.displacement.len());
         let mut text = String::new();
         for (key, value) in [("speed", *speed), ("trip", *trip), ("ramp", *ramp)] {
             let _ = writeln!(text, "{key} = {}", number(value));
@@ -220,12 +220,13 @@ mod tests {
                 let mut settings = Settings::new(&rotor, 0.1 + 0.2, builtin::feedback(&rotor, feedback).unwrap());
                 survives(&settings);
                 settings.deadband[0] = 1.0 / 3.0;
-                settings.feedback.signals[0].gains[0] = Gain::Linear { at_zero: -0.0, slope: f64::MIN_POSITIVE };
-                settings.feedback.signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 1e-17)]);
+                settings.feedback.first_mut().signals[0].gains[0] =
+                    Gain::Linear { at_zero: -0.0, slope: f64::MIN_POSITIVE };
+                settings.feedback.first_mut().signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 1e-17)]);
                 settings.ramp = 0.25;
-                settings.feedback.parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..Parts::default() };
-                settings.feedback.filters = vec![Filter::SynchronousNotch { width: 0.1 }];
-                settings.feedback.signals[0].filters = vec![
+                settings.feedback.first_mut().parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..Parts::default() };
+                settings.feedback.first_mut().filters = vec![Filter::SynchronousNotch { width: 0.1 }];
+                settings.feedback.first_mut().signals[0].filters = vec![
                     Filter::Lowpass { corner: 8.0, order: 3 },
                     Filter::Lead { zero: 1.0, pole: 2.0 },
                     Filter::Notch { frequency: 3.0, width: 0.2 },

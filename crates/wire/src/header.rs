@@ -47,6 +47,7 @@ pub fn text() -> String {
     let constants = [
         ("SCHEMA", SCHEMA as usize, "version of all messages together"),
         ("MAX_MASSES", rotor::MAX_MASSES, "masses of the largest rotor"),
+        ("MAX_BEARINGS", rotor::MAX_BEARINGS, "control bearings of the largest machine"),
         ("MAX_BURST", MAX_BURST, "steps of the largest message of whirl/NAME/state"),
         ("EVENTS_KEPT", EVENTS_KEPT, "events that reach readers that come late"),
         ("DOCUMENTS_KEPT", DOCUMENTS_KEPT, "documents that reach readers that come late"),
@@ -67,15 +68,16 @@ pub fn text() -> String {
 
 /// The words of a step.
 fn steps(out: &mut String) {
-    let (once, mass, sensor) = (channels_of(Scope::Once), channels_of(Scope::Mass), channels_of(Scope::Sensor));
+    let [once, mass, sensor, further] = [Scope::Once, Scope::Mass, Scope::Sensor, Scope::Further].map(channels_of);
     comment(
         out,
         "",
         "whirl/NAME/state carries slices of 64-bit words: rows of WHIRL_WIDTH words, one after the other, one row a step, up \
-         to WHIRL_MAX_BURST. Each row says itself how many masses and sensors it has. Below are the places of its words; masses \
-         and sensors are counted from 0. Doubles are read with whirl_number.",
+         to WHIRL_MAX_BURST. Each row says itself how many masses, sensors and control bearings it has. Below are the places \
+         of its words; masses and sensors are counted from 0, and so are control bearings after the first. Doubles are read with \
+         whirl_number.",
     );
-    let mut within = [0; 3];
+    let mut within = [0; 4];
     for row in CHANNELS {
         let place = within[row.scope as usize];
         within[row.scope as usize] += 1;
@@ -86,14 +88,22 @@ fn steps(out: &mut String) {
             Scope::Sensor => {
                 ("(masses, sensor)", format!("({once} + {mass} * (masses) + {sensor} * (sensor) + {place})"))
             }
+            Scope::Further => (
+                "(masses, sensors, further)",
+                format!("({once} + {mass} * (masses) + {sensor} * (sensors) + {further} * (further) + {place})"),
+            ),
         };
         let unit = row.dimension.unit();
         let unit = if unit.is_empty() { "uint64_t".to_owned() } else { format!("double, {unit}") };
         let _ = writeln!(out, "#define WHIRL_{name}{arguments} {value} /* {unit}: {} */", row.meaning);
     }
-    let _ = writeln!(out, "\n#define WHIRL_WIDTH(masses, sensors) ({once} + {mass} * (masses) + {sensor} * (sensors))");
+    let _ = writeln!(
+        out,
+        "\n#define WHIRL_WIDTH(masses, sensors, further) ({once} + {mass} * (masses) + {sensor} * (sensors) + {further} * (further))"
+    );
     out.push_str("#define WHIRL_MASSES(row) ((unsigned)((row)[WHIRL_FLAGS] >> 32 & 0xffff))\n");
-    out.push_str("#define WHIRL_SENSORS(row) ((unsigned)((row)[WHIRL_FLAGS] >> 48))\n\n");
+    out.push_str("#define WHIRL_SENSORS(row) ((unsigned)((row)[WHIRL_FLAGS] >> 48 & 0xff))\n");
+    out.push_str("/* Control bearings after the first. */\n#define WHIRL_FURTHER(row) ((unsigned)((row)[WHIRL_FLAGS] >> 56))\n\n");
     out.push_str("/* Bit m of the flags is set while mass m presses on its bearing. */\n");
     let flags = [
         ("SATURATED", Flags::SATURATED, "the control bearing is at its limit"),

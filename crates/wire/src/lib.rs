@@ -11,7 +11,7 @@
 //! // Between processes: `SharedMemory::new(&Root::from_environment()?, "reader")?`.
 //! let carrier = Memory::default();
 //! let rotor = rotor::builtin::rotor("three-mass").ok_or("built in")?;
-//! let mut states = carrier.host(&bench)?.states(Layout::of(&rotor))?;
+//! let mut states = carrier.host(&bench)?.states(Layout::new(rotor.len()))?;
 //!
 //! let mut listener = carrier.listen(&bench)?;
 //! states.send(1, |_, row| row.set_point(0, Point { y: 0.5, ..Point::default() }))?;
@@ -89,7 +89,7 @@ pub use shared_glance::SharedGlance;
 pub use shared_memory::{SharedListener, SharedMemory};
 pub use shared_news::{SharedNews, SharedRecorder};
 pub use snapshot::{MAX_SNAPSHOT, SnapshotHead};
-pub use step::{Point, Row, RowMut, State, Step};
+pub use step::{Point, Row, RowMut, State, Step, force_channels};
 pub use text::Text;
 pub use topic::Topic;
 pub use wire_struct::{Field, Message, MessageTable};

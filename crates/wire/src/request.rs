@@ -190,7 +190,8 @@ mod tests {
         assert_eq!(Change::of(&request), Ok(change));
         let damaged = Request { document: request.document.replace("speed", "speck"), ..*request };
         assert!(matches!(Change::of(&damaged), Err(RequestError::Document(DocumentError::OtherHash { .. }))));
-        settings.feedback.signals[0].gains[0] = Gain::Table((0..9000).map(|i| (f64::from(i), 0.125)).collect());
+        settings.feedback.first_mut().signals[0].gains[0] =
+            Gain::Table((0..9000).map(|i| (f64::from(i), 0.125)).collect());
         let refused = Change::Settings { base_revision: 1, settings }.request("me", "").unwrap_err().to_string();
         assert!(refused.ends_with("expected at most 65536"), "{refused}");
         let told = RequestMessage { kind: 5, text: Text::new("seed=1"), ..RequestMessage::default() };

@@ -1,8 +1,8 @@
 //! A step as words, and views of them.
 //!
 //! A step is a row of 64-bit words, one a channel ([`crate::CHANNELS`]), doubles as their bits, as wide as the rotor needs.
-//! Rows lie one after the other in a message, filled and read where they lie. Each says itself how many masses and sensors it
-//! has, so that no reader takes a row of another run for one of this.
+//! Rows lie one after the other in a message, filled and read where they lie. Each says itself how many masses, sensors and
+//! control bearings it has, so that no reader takes a row of another run for one of this.
 
 use crate::channels::{Channel, WHOLES};
 use crate::layout::{Layout, MAX_WIDTH};
@@ -26,6 +26,18 @@ impl Point {
     #[must_use]
     pub fn radius(&self) -> f64 {
         self.y.hypot(self.z)
+    }
+}
+
+/// The channels of a control bearing, counted from 0: what is asked for and what is delivered, `[y, z]` each, and their index.
+#[must_use]
+pub const fn force_channels(bearing: usize) -> ([[Channel; 2]; 2], usize) {
+    match bearing.checked_sub(1) {
+        None => ([[Channel::CommandY, Channel::CommandZ], [Channel::ForceY, Channel::ForceZ]], 0),
+        Some(further) => (
+            [[Channel::FurtherCommandY, Channel::FurtherCommandZ], [Channel::FurtherForceY, Channel::FurtherForceZ]],
+            further,
+        ),
     }
 }
 
@@ -97,14 +109,25 @@ pub trait Step {
         self.number(Channel::SpeedRate, 0)
     }
 
-    /// Control `[y, z]` that the feedback asks for.
+    /// Control `[y, z]` that the feedback asks for at the first control bearing.
     fn force_commanded(&self) -> [f64; 2] {
-        [Channel::CommandY, Channel::CommandZ].map(|channel| self.number(channel, 0))
+        self.force(0)[0]
     }
 
-    /// Control `[y, z]` that the bearing delivers.
+    /// Control `[y, z]` that the first control bearing delivers.
     fn force_delivered(&self) -> [f64; 2] {
-        [Channel::ForceY, Channel::ForceZ].map(|channel| self.number(channel, 0))
+        self.force(0)[1]
+    }
+
+    /// How many control bearings there are.
+    fn bearings(&self) -> usize {
+        self.layout().bearings()
+    }
+
+    /// Control `[y, z]` that is asked for at a control bearing, counted from 0, and that it delivers.
+    fn force(&self, bearing: usize) -> [[f64; 2]; 2] {
+        let (channels, index) = force_channels(bearing);
+        channels.map(|pair| pair.map(|channel| self.number(channel, index)))
     }
 
     /// How many masses there are.
@@ -194,6 +217,13 @@ impl<'a> RowMut<'a> {
     pub fn set_pair(&mut self, [y, z]: [Channel; 2], index: usize, [of_y, of_z]: [f64; 2]) {
         self.set(y, index, of_y);
         self.set(z, index, of_z);
+    }
+
+    /// Says what is asked for at a control bearing, counted from 0, and what it delivers, `[y, z]` each.
+    pub fn set_force(&mut self, bearing: usize, [commanded, delivered]: [[f64; 2]; 2]) {
+        let ([command, force], index) = force_channels(bearing);
+        self.set_pair(command, index, commanded);
+        self.set_pair(force, index, delivered);
     }
 
     /// Sets all doubles, in the order of [`Layout::number_columns`].

@@ -33,23 +33,24 @@ fn program() -> (String, String) {
         }
     }
     for masses in [1, 3, 16] {
-        let layout = Layout::new(masses);
-        tell(&format!("WHIRL_WIDTH({masses}, {masses})"), layout.width());
+        let layout = Layout::new(masses).with_bearings(3);
+        tell(&format!("WHIRL_WIDTH({masses}, {masses}, 2)"), layout.width());
         for row in CHANNELS {
-            let index = if row.scope == Scope::Once { 0 } else { masses - 1 };
+            let index = layout.count(row.scope) - 1;
             let arguments = match row.scope {
                 Scope::Once => String::new(),
                 Scope::Mass => format!("({index})"),
                 Scope::Sensor => format!("({masses}, {index})"),
+                Scope::Further => format!("({masses}, {masses}, {index})"),
             };
             let name = row.name.to_ascii_uppercase();
             tell(&format!("WHIRL_{name}{arguments}"), layout.place(row.channel, index));
         }
     }
-    code.push_str("    uint64_t row[5] = {0, 0, 0, 0, UINT64_C(0x0003000300020005)};\n");
-    code.push_str("    printf(\"%u %u\\n\", WHIRL_MASSES(row), WHIRL_SENSORS(row));\n");
+    code.push_str("    uint64_t row[5] = {0, 0, 0, 0, UINT64_C(0x0203000300020005)};\n");
+    code.push_str("    printf(\"%u %u %u\\n\", WHIRL_MASSES(row), WHIRL_SENSORS(row), WHIRL_FURTHER(row));\n");
     code.push_str("    printf(\"%g\\n\", whirl_number(UINT64_C(0x4004000000000000)));\n    return 0;\n}\n");
-    expected.push_str("3 3\n2.5\n");
+    expected.push_str("3 3 2\n2.5\n");
     (code, expected)
 }
 

@@ -23,8 +23,8 @@ fn is_there(machine: &Machine, state: &State) -> bool {
     let (sample, pair) = (machine.sample(), |z: C64| [z.re, z.im]);
     let mut points = sample.displacement.iter().zip(sample.velocity).zip(state.points());
     (sample.tau, sample.angle) == (state.tau(), state.angle())
-        && pair(sample.output.delivered) == state.force_delivered()
-        && pair(sample.output.commanded) == state.force_commanded()
+        && pair(sample.outputs[0].delivered) == state.force_delivered()
+        && pair(sample.outputs[0].commanded) == state.force_commanded()
         && points.all(|((p, v), point)| pair(*p) == [point.y, point.z] && pair(*v) == [point.vy, point.vz])
         && (0..state.masses()).all(|mass| pair(machine.reading(mass)) == state.reading(mass))
 }

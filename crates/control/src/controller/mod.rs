@@ -21,7 +21,7 @@ use row::{Chain, Noise, Row};
 
 use crate::block::Sampled;
 use crate::delay_line::{DelayLine, Stretch};
-use crate::{C64, Excitation, Feedback, FeedbackError, LinearLoop, Parts};
+use crate::{C64, ControlBearing, Excitation, FeedbackError, LinearLoop, Parts};
 
 /// More stretches of delay than this are refused: 5 MB.
 const MOST_STRETCHES: f64 = 65_536.0;
@@ -120,9 +120,9 @@ impl Controller {
     ///
     /// # Errors
     /// Feedback that does not fit `stations` stations, or parts that cannot work at this step.
-    pub fn new(feedback: &Feedback, stations: usize, speed: f64, dtau: f64) -> Result<Self, LoopError> {
-        feedback.check(stations)?;
-        let parts = feedback.parts;
+    pub fn new(bearing: &ControlBearing, stations: usize, speed: f64, dtau: f64) -> Result<Self, LoopError> {
+        bearing.check(stations)?;
+        let parts = bearing.parts;
         let is_sampled = parts.sample > 0.0;
         if is_sampled && parts.sample < dtau * (1.0 - SAME_TIME) {
             return Err(LoopError::SampleWithinStep { sample: parts.sample, dtau });
@@ -133,16 +133,22 @@ impl Controller {
             return Err(LoopError::DelayTooLong { delay: parts.delay, dtau: stretch });
         }
         let room = (1.25 * stretches) as usize + 16;
-        Ok(Self::with_room(feedback, stations, speed, room, SAME_TIME * dtau))
+        Ok(Self::with_room(bearing, stations, speed, room, SAME_TIME * dtau))
     }
 
-    /// A loop that can remember so many stretches, or commands under way; the feedback has been checked.
-    pub(crate) fn with_room(feedback: &Feedback, stations: usize, speed: f64, room: usize, tolerance: f64) -> Self {
-        let parts = feedback.parts;
+    /// A loop that can remember so many stretches, or commands under way; the bearing has been checked.
+    pub(crate) fn with_room(
+        bearing: &ControlBearing,
+        stations: usize,
+        speed: f64,
+        room: usize,
+        tolerance: f64,
+    ) -> Self {
+        let parts = bearing.parts;
         let is_sampled = parts.sample > 0.0;
         let sensed = |station: &usize| {
             let weighs = |weights: &[f64]| weights.get(*station).is_some_and(|w| *w != 0.0);
-            feedback.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
+            bearing.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
         };
         let sensors: Vec<usize> = (0..stations).filter(sensed).collect();
         let count = sensors.len();
@@ -156,8 +162,8 @@ impl Controller {
             Chain { blocks, first }
         };
         let rows: Vec<Row> =
-            feedback.signals.iter().map(|signal| Row::new(signal, &sensors, chain(&signal.filters))).collect();
-        let bearing = chain(&feedback.filters);
+            bearing.signals.iter().map(|signal| Row::new(signal, &sensors, chain(&signal.filters))).collect();
+        let behind = chain(&bearing.filters);
         let noise = (parts.noise > 0.0).then(|| Noise {
             deviation: parts.noise,
             random: fastrand::Rng::with_seed(parts.seed as u64),
@@ -168,9 +174,9 @@ impl Controller {
             parts,
             scheduled: rows.iter().any(Row::is_scheduled)
                 || rows.iter().any(|row| row.filters.follows_speed())
-                || bearing.follows_speed(),
+                || behind.follows_speed(),
             rows,
-            bearing,
+            bearing: behind,
             speed: f64::NAN,
             sensor_states: if parts.sensor_lag > 0.0 { 2 * count } else { 0 },
             filter_states: if is_sampled { 0 } else { filter_states },

@@ -111,7 +111,7 @@ impl App<'_> {
             },
             Action::RunUp { from, to, rate } => self.run_up(*from, *to, *rate),
             Action::Stay => self.stay().ok_or_else(|| "the speed is not on its way".into()),
-            Action::StrikeBearing => Ok(Edit::Impulse(present.feedback.bearing, C64::new(IMPULSE, 0.0))),
+            Action::StrikeBearing => Ok(Edit::Impulse(present.feedback.bearings[0].station, C64::new(IMPULSE, 0.0))),
             Action::SwapHeld => {
                 let held = self.held.clone().map(|held| Edit::Swap(Box::new(held)));
                 held.ok_or_else(|| "nothing is held to switch to: hold the settings first".into())

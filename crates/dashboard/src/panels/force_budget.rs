@@ -121,7 +121,7 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let mut lines = Vec::new();
     if let Some(era) = &data.era {
         let speed = track.speed(now);
-        for (at, signal) in era.settings.feedback.signals.iter().enumerate() {
+        for (at, signal) in era.settings.feedback.bearings[0].signals.iter().enumerate() {
             let terms = Terms::of(signal, speed, track, now);
             let told = |term: C64| short(term.norm() * factor, 4);
             let (p, v) = (told(terms.kd + terms.kc), told(terms.cd + terms.cc));
@@ -194,8 +194,8 @@ mod tests {
             let mut feed = Feed::new("");
             feed.push_step(&state, now);
             let track = feed.frame_data(&ViewTime::LIVE, now).track;
-            let sum: C64 = feedback.signals.iter().map(|signal| Terms::of(signal, speed, &track, 0).sum()).sum();
-            let row = feedback.at(speed);
+            let sum: C64 = feedback.signals().map(|signal| Terms::of(signal, speed, &track, 0).sum()).sum();
+            let row = feedback.first().at(speed);
             let law = -(0..rotor.len()).map(|m| row.displacement[m] * p[m] + row.velocity[m] * v[m]).sum::<C64>();
             prop_assert!((sum - law).norm() < 1e-12 * (1.0 + law.norm()), "{sum} and {law}");
         }

@@ -254,7 +254,7 @@ mod tests {
         assert!(frame.contains("UNSTABLE") && frame.contains("10.35 D"), "{frame}");
         let mut late = at_six();
         let mut era = (**late.era.as_ref().unwrap()).clone();
-        era.settings.feedback.parts.delay = 0.2;
+        era.settings.feedback.bearings[0].parts.delay = 0.2;
         late.era = Some(Arc::new(era));
         let frame = drawn(60, 8, |area, buffer| {
             draw(&View { what_if: what_if.as_ref(), ..view(&late) }, area, buffer);

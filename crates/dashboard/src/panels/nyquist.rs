@@ -200,7 +200,7 @@ mod tests {
         assert!(frame.contains('◇') && frame.contains('◆'), "{frame}");
         let mut off = tests::frame_data();
         let mut era = (**off.era.as_ref().unwrap()).clone();
-        era.settings.feedback.parts.delay = 1.0;
+        era.settings.feedback.bearings[0].parts.delay = 1.0;
         off.era = Some(std::sync::Arc::new(era));
         let frame = drawn(60, 24, |area, buffer| Nyquist::default().draw(&view(&off), area, buffer));
         assert!(frame.contains("UNSTABLE: pole "), "{frame}");

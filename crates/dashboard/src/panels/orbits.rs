@@ -124,7 +124,7 @@ fn draw_one(
     if let Some(place) = others.last() {
         mark(*place, "◆", theme::CANDIDATE);
     }
-    let carries = data.era.as_ref().is_some_and(|era| era.settings.feedback.bearing == mass);
+    let carries = data.era.as_ref().is_some_and(|era| era.settings.feedback.bearings[0].station == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
     // What is told of one mass must not touch what is told of the next.
     let cell = Rect { width: cell.width.saturating_sub(1), ..cell };

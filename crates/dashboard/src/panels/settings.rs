@@ -28,11 +28,12 @@ use telemetry::units::Units;
 /// the gains of a single signal.
 pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
     let alike = settings.deadband.windows(2).all(|pair| pair[0] == pair[1]);
-    let one_signal = settings.feedback.signals.len() == 1;
+    let one_signal = settings.feedback.signal_count() == 1;
     let is_one = |key: &Key| match key.parameter.scope {
         Scope::Machine => false,
         Scope::Mass => alike,
         Scope::Signal => one_signal,
+        Scope::Bearing => false,
     };
     let rows = settings.keys().into_iter().filter(|key| !is_one(key) || key.index == Some(0));
     rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()

@@ -68,7 +68,7 @@ pub(super) struct Spectral {
 impl Spectral {
     /// The mass that is looked at.
     pub(super) fn mass(&self, data: &FrameData) -> usize {
-        let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
+        let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearings[0].station);
         self.mass.unwrap_or(bearing).min(data.masses().saturating_sub(1))
     }
 

@@ -157,7 +157,7 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
         );
     }
     let rows = Layout::vertical(vec![Constraint::Fill(1); room]).split(inner);
-    let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearing);
+    let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearings[0].station);
     let on_top = strips.mass.unwrap_or(bearing);
     let units = data.units();
     for (strip, row) in shown.iter().zip(rows.iter()) {

@@ -10,7 +10,7 @@ impl Machine {
         // A drive may have left the spin at another speed than that which the fused path knows.
         let speed = self.motion.speed_at(self.tau());
         let knows = self.program.fused.as_ref().is_some_and(|closed_loop| closed_loop.speed() == speed);
-        let is_excited = self.program.integrator.controller.is_excited(self.tau());
+        let is_excited = self.is_excited();
         let fusable = knows && !self.motion.is_moving() && !is_excited;
         if fusable == self.is_fused {
             return;
@@ -28,7 +28,7 @@ impl Machine {
         } else if let Some(fused) = &self.fused {
             let motion = fused.motion();
             self.program.integrator.place(motion.displacement, motion.velocity);
-            self.program.integrator.controller.begin_with(fused.control());
+            self.program.integrator.controllers[0].begin_with(fused.control());
         }
         self.is_fused = fusable;
     }
@@ -39,7 +39,7 @@ impl Machine {
     /// Both programs are of one plant. Nothing is allocated. An excitation is over: it was meant for another loop.
     pub fn load(&mut self, program: &mut Box<Program>) {
         if self.is_excited() {
-            self.program.integrator.controller.stop_excitation();
+            self.program.integrator.controllers.iter_mut().for_each(control::Controller::stop_excitation);
             self.choose_path();
         }
         let (tau, speed) = (self.tau(), self.motion.speed_at(self.tau()));
@@ -48,7 +48,7 @@ impl Machine {
         if let Some(fused) = self.fused.as_ref().filter(|_| was_fused) {
             let motion = fused.motion();
             self.program.integrator.place(motion.displacement, motion.velocity);
-            self.program.integrator.controller.begin_with(fused.control());
+            self.program.integrator.controllers[0].begin_with(fused.control());
             // The angle as the fused path has it.
             if goes_elsewhere {
                 self.motion.settle(tau, motion.angle, speed);

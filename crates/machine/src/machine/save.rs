@@ -24,10 +24,11 @@ impl Machine {
         words.put(self.grid.steps);
         words.put_f64(self.grid.dtau);
         self.motion.save(words);
-        for z in [self.output.commanded, self.output.delivered] {
-            words.put_c64(z);
+        for output in self.outputs() {
+            words.put_c64(output.commanded);
+            words.put_c64(output.delivered);
+            words.put(u64::from(output.saturated));
         }
-        words.put(u64::from(self.output.saturated));
         match self.trip {
             None => words.put(0),
             Some(Trip { cause, station, radius, limit }) => {
@@ -42,7 +43,7 @@ impl Machine {
         if !self.is_fused {
             self.program.integrator.save(words);
             // Last, and only while there is one: words of a machine that is not excited are those that they always were.
-            self.program.integrator.controller.save_excitation(self.tau(), words);
+            self.program.integrator.save_excitation(self.tau(), words);
         }
     }
 
@@ -76,9 +77,11 @@ impl Machine {
         let is_fused = words.take()? == 1;
         self.grid = Grid { from: words.take_f64()?, steps: words.take()?, dtau: words.take_f64()? };
         self.motion.restore(words)?;
-        self.output.commanded = words.take_c64()?;
-        self.output.delivered = words.take_c64()?;
-        self.output.saturated = words.take()? != 0;
+        for output in &mut self.outputs[..self.program.bearings()] {
+            output.commanded = words.take_c64()?;
+            output.delivered = words.take_c64()?;
+            output.saturated = words.take()? != 0;
+        }
         self.trip = match words.take()? {
             0 => None,
             cause => Some(Trip {
@@ -100,7 +103,7 @@ impl Machine {
         } else {
             self.program.integrator.restore(words)?;
         }
-        self.program.integrator.controller.restore_excitation(words)?;
+        self.program.integrator.restore_excitation(words)?;
         self.is_fused = is_fused;
         Some(())
     }

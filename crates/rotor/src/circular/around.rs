@@ -11,20 +11,35 @@ use linear::{DelayError, DelaySystem};
 use nalgebra::DMatrix;
 
 use super::stability::PHASE_ZERO;
-use crate::{C64, Feedback, FeedbackError, J, LinearForm, OperatingPoint, Plant};
+use crate::{C64, ControlBearing, Feedback, FeedbackError, J, LinearForm, OperatingPoint, Plant};
 
 /// Right of this a pole is looked for first; then four times as far left, until there is one or only echoes are left.
 const FIRST_LINE: f64 = -1.0;
 /// Last places a state that rounding may cost.
 const LAST_PLACES: f64 = 64.0;
 
-/// A loop at one spin speed.
+/// The loops of all control bearings at one spin speed.
 #[derive(Clone)]
 pub(super) struct Around {
     plant: Rc<Plant>,
-    bearing: usize,
     speed: f64,
-    linear: Rc<LinearLoop>,
+    /// Each with the mass that carries its bearing.
+    loops: Rc<Vec<(usize, LinearLoop)>>,
+    delay: f64,
+}
+
+/// What one control bearing answers to the whirl of one sensor.
+pub(super) struct Answer {
+    /// Which control bearing, counted from 0.
+    pub place: usize,
+    /// The mass that carries it.
+    pub bearing: usize,
+    /// The mass that carries the sensor.
+    pub sensor: usize,
+    /// What it does to the bearing's mass per displacement of the sensor.
+    pub gain: C64,
+    /// The derivative of that by `s`.
+    pub slope: C64,
 }
 
 impl Around {
@@ -33,33 +48,43 @@ impl Around {
     /// # Errors
     /// Feedback that does not fit.
     pub(super) fn new(plant: &Rc<Plant>, feedback: &Feedback, speed: f64) -> Result<Self, FeedbackError> {
-        let linear = Rc::new(LinearLoop::new(feedback, plant.stations().len(), speed)?);
-        Ok(Self { plant: plant.clone(), bearing: feedback.bearing, speed, linear })
+        let stations = plant.stations().len();
+        let linear = |bearing: &ControlBearing| Ok((bearing.station, LinearLoop::new(bearing, stations, speed)?));
+        let loops: Result<Vec<_>, FeedbackError> = feedback.bearings.iter().map(linear).collect();
+        Ok(Self { plant: plant.clone(), speed, loops: Rc::new(loops?), delay: feedback.delay() })
     }
 
-    /// The mass that carries the bearing, and what it does to it per displacement of each sensor in the whirl `exp(s tau)`,
-    /// with the derivative by `s`: `(mass of the sensor, [value, slope])`.
-    pub(super) fn gains(&self, s: C64) -> impl Iterator<Item = (usize, [C64; 2])> + '_ {
-        // At a pole of the loop there is no orbit: what is not a number is refused by whoever solves with it.
-        let missing = || [const { C64::new(f64::NAN, f64::NAN) }; 2].map(|x| vec![x; self.linear.sensors.len()]);
-        let [value, slope] = self.linear.response(s).unwrap_or_else(missing);
-        self.linear.sensors.iter().copied().zip(value.into_iter().zip(slope).map(|(v, s)| [v, s]))
+    /// How many control bearings there are.
+    pub(super) fn count(&self) -> usize {
+        self.loops.len()
     }
 
-    /// The mass that carries the bearing.
-    pub(super) fn bearing(&self) -> usize {
-        self.bearing
+    /// What the bearings answer to the whirl `exp(s tau)` of each of their sensors.
+    pub(super) fn answers(&self, s: C64) -> impl Iterator<Item = Answer> + '_ {
+        self.loops.iter().enumerate().flat_map(move |(place, (bearing, around))| {
+            // At a pole of the loop there is no orbit: what is not a number is refused by whoever solves with it.
+            let missing = || [const { C64::new(f64::NAN, f64::NAN) }; 2].map(|x| vec![x; around.sensors.len()]);
+            let [value, slope] = around.response(s).unwrap_or_else(missing);
+            let answers = around.sensors.iter().zip(value.into_iter().zip(slope));
+            answers.map(move |(sensor, (gain, slope))| Answer {
+                place,
+                bearing: *bearing,
+                sensor: *sensor,
+                gain,
+                slope,
+            })
+        })
     }
 
     /// `A`, `B` and `C` of the machine with shares of its bearings' stiffness, and the delay.
     fn matrices(&self, factors: Vec<f64>) -> Option<[DMatrix<C64>; 3]> {
         let at = OperatingPoint { speed: self.speed, contact_factors: factors };
-        LinearForm::joined(&self.plant, self.bearing, &self.linear, &at)?.continuous()
+        LinearForm::joined(&self.plant, &self.loops, &at)?.continuous()
     }
 
     /// The state matrix, displacements and then velocities first; `None` with a delay.
     pub(super) fn state_matrix(&self, factors: Vec<f64>) -> Option<DMatrix<C64>> {
-        let [a, b, c] = self.matrices(factors).filter(|_| self.linear.delay == 0.0)?;
+        let [a, b, c] = self.matrices(factors).filter(|_| self.delay == 0.0)?;
         Some(a + b * c)
     }
 
@@ -69,7 +94,7 @@ impl Around {
     /// Poles that cannot be had.
     pub(super) fn poles(&self, factors: Vec<f64>) -> Result<Vec<C64>, DelayError> {
         let Some([a, b, c]) = self.matrices(factors) else { return Ok(Vec::new()) };
-        let system = DelaySystem::new(a, b, c, self.linear.delay)?;
+        let system = DelaySystem::new(a, b, c, self.delay)?;
         Ok(system.roots_right_of(system.echo_line())?.roots)
     }
 
@@ -94,7 +119,7 @@ impl Around {
     ) -> Result<f64, DelayError> {
         let Some([a, b, c]) = self.matrices(factors) else { return Ok(f64::NAN) };
         let (n, size) = (turned.len(), a.nrows());
-        let delay = self.linear.delay;
+        let delay = self.delay;
         let late = (-J * frequency * delay).exp();
         let mut joined = DMatrix::zeros(2 * size, 2 * size);
         for i in 0..size {
@@ -109,12 +134,15 @@ impl Around {
             joined[(n + k, size + k)] -= by;
             joined[(size + n + k, k)] -= by.conj();
         }
-        let (mut column, mut row) = (DMatrix::zeros(2 * size, 2), DMatrix::zeros(2, 2 * size));
+        let count = b.ncols();
+        let (mut column, mut row) = (DMatrix::zeros(2 * size, 2 * count), DMatrix::zeros(2 * count, 2 * size));
         for i in 0..size {
-            column[(i, 0)] = b[i] * late;
-            column[(size + i, 1)] = column[(i, 0)].conj();
-            row[(0, i)] = c[i];
-            row[(1, size + i)] = c[i].conj();
+            for k in 0..count {
+                column[(i, k)] = b[(i, k)] * late;
+                column[(size + i, count + k)] = column[(i, k)].conj();
+                row[(k, i)] = c[(k, i)];
+                row[(count + k, size + i)] = c[(k, i)].conj();
+            }
         }
         let closed = &joined + &column * &row;
         let rounding = LAST_PLACES * f64::EPSILON * closed.nrows() as f64 * closed.norm();

@@ -46,7 +46,7 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Cir
         let mut beyond: Vec<Orbit> = Vec::new();
         for (x, contact) in found {
             let orbit = describe(problem, &x, contact)?;
-            if !problem.delivers(orbit.force, orbit.frequency) {
+            if !problem.delivers(&orbit.forces, orbit.frequency) {
                 if !beyond.iter().any(|o| o.is_same(&orbit, SAME)) {
                     beyond.push(orbit);
                 }
@@ -75,7 +75,7 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Cir
                 for (at, &speed) in speeds.iter().enumerate() {
                     let Some(x) = problem.between(&pair[0], &pair[1], speed) else { continue };
                     let orbit = describe(problem, &x, pair[1].contact)?;
-                    if !problem.delivers(orbit.force, orbit.frequency) {
+                    if !problem.delivers(&orbit.forces, orbit.frequency) {
                         continue;
                     }
                     if let Some(known) = orbits[at].iter().position(|o| o.is_same(&orbit, SAME)) {
@@ -104,7 +104,7 @@ fn within_limits(problem: &Problem<'_>, nodes: &[Node], orbits: Vec<Orbit>, ends
     let last = orbits.len().saturating_sub(1);
     let mut is_open = false;
     for (at, (orbit, node)) in orbits.into_iter().zip(nodes).enumerate() {
-        if !problem.delivers(orbit.force, orbit.frequency) {
+        if !problem.delivers(&orbit.forces, orbit.frequency) {
             is_open = false;
             continue;
         }
@@ -131,14 +131,15 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
     let (c, frequency, speed) = problem.unpack(x);
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
-    let force = equation.force(c.as_slice(), frequency);
+    let forces = equation.forces(c.as_slice(), frequency);
+    let force = forces.iter().copied().fold(0.0, f64::max);
     let mut amplitude = c.as_slice().to_vec();
     if !problem.forced {
         // Of equal amplitudes the first decides, so that rounding does not.
         let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });
         amplitude.iter_mut().for_each(|c| *c *= largest.conj() / largest.norm());
     }
-    Ok(Orbit { speed, frequency, amplitude, contact, force, growth })
+    Ok(Orbit { speed, frequency, amplitude, contact, force, forces, growth })
 }
 
 impl Problem<'_> {

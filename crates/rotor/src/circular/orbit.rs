@@ -13,8 +13,10 @@ pub struct Orbit {
     pub amplitude: Vec<C64>,
     /// Bit `k` is set while mass `k` presses on a support bearing with clearance.
     pub contact: u32,
-    /// The control acceleration `|u|`, constant on the orbit, in `w0^2 e_t`.
+    /// The control acceleration `|u|`, constant on the orbit, in `w0^2 e_t`: the largest of those of the control bearings.
     pub force: f64,
+    /// That of each control bearing.
+    pub forces: Vec<f64>,
     /// Largest real part among the eigenvalues of the motion linearised about the orbit in the frame that turns with
     /// it; for a limit cycle without the zero that belongs to its free phase. Exactly zero where it is rounding.
     pub growth: f64,

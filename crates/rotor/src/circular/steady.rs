@@ -55,9 +55,10 @@ pub fn orbit_of(
         return Ok(None);
     }
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !forced && !rests)?;
-    let force = equation.force(c.as_slice(), frequency);
+    let forces = equation.forces(c.as_slice(), frequency);
+    let force = forces.iter().copied().fold(0.0, f64::max);
     let amplitude = c.as_slice().to_vec();
-    Ok(Some(Orbit { speed, frequency, amplitude, contact, force, growth }))
+    Ok(Some(Orbit { speed, frequency, amplitude, contact, force, forces, growth }))
 }
 
 /// The balanced rotor at rest in its centre, support bearings with clearance out of action: what starts to whirl by
@@ -69,5 +70,5 @@ pub fn centre(closed_loop: &ClosedLoop) -> Result<Orbit, CircularError> {
     let equation = Equation::of(closed_loop, false);
     let amplitude = vec![C64::ZERO; closed_loop.masses];
     let growth = stability::growth(&equation, &amplitude, 0.0, 0, false)?;
-    Ok(Orbit { speed: closed_loop.speed, frequency: 0.0, amplitude, contact: 0, force: 0.0, growth })
+    Ok(Orbit { speed: closed_loop.speed, frequency: 0.0, amplitude, contact: 0, force: 0.0, forces: vec![0.0], growth })
 }

@@ -5,8 +5,8 @@ use std::rc::Rc;
 use nalgebra::{DMatrix, DVector};
 
 use super::CircularError;
-use super::around::Around;
-use crate::{C64, ClosedLoop, ControlRow, Feedback, J, Plant, PoleError, Rotor, eigenvalues};
+use super::around::{Answer, Around};
+use crate::{C64, ClosedLoop, ControlBearing, ControlRow, Feedback, J, Plant, PoleError, Rotor, eigenvalues};
 
 /// Which masses press on their support bearing: bit `k` for mass `k`.
 pub(super) type Contact = u32;
@@ -50,12 +50,13 @@ impl<'a> Problem<'a> {
         forced: bool,
     ) -> Result<Self, CircularError> {
         feedback.check(rotor.len())?;
-        if feedback.parts.sample > 0.0 {
+        if feedback.sample() > 0.0 {
             return Err(CircularError::Sampled);
         }
-        let around = (!feedback.is_ideal()).then(|| (Rc::new(Plant::of(rotor)), feedback));
+        let around = (!ClosedLoop::describes(feedback)).then(|| (Rc::new(Plant::of(rotor)), feedback));
         let gains = if around.is_some() {
-            std::borrow::Cow::Owned(Feedback::new(feedback.bearing, feedback.off().signals))
+            let first = feedback.first();
+            std::borrow::Cow::Owned(Feedback::new(first.station, first.off().signals))
         } else {
             std::borrow::Cow::Borrowed(feedback)
         };
@@ -123,20 +124,22 @@ impl<'a> Problem<'a> {
 
     /// Whether the loop has a limit of force or of its rate beyond which no orbit is sought.
     pub(super) fn is_limited(&self) -> bool {
-        self.around.as_ref().is_some_and(|(_, feedback)| feedback.parts.limit.min(feedback.parts.slew).is_finite())
+        let is_limited = |bearing: &ControlBearing| bearing.parts.limit.min(bearing.parts.slew).is_finite();
+        self.around.as_ref().is_some_and(|(_, feedback)| feedback.bearings.iter().any(is_limited))
     }
 
-    /// Whether the actuator can deliver the force of a whirl, and as fast as that turns.
-    pub(super) fn delivers(&self, force: f64, frequency: f64) -> bool {
+    /// Whether the actuators can deliver the forces of a whirl, one a control bearing, and as fast as that turns.
+    pub(super) fn delivers(&self, forces: &[f64], frequency: f64) -> bool {
         self.around.as_ref().is_none_or(|(_, feedback)| {
-            let parts = &feedback.parts;
-            force <= parts.limit * (1.0 + 1e-12) && force * frequency.abs() <= parts.slew * (1.0 + 1e-12)
+            feedback.bearings.iter().zip(forces).all(|(ControlBearing { parts, .. }, force)| {
+                *force <= parts.limit * (1.0 + 1e-12) && force * frequency.abs() <= parts.slew * (1.0 + 1e-12)
+            })
         })
     }
 
     /// Whether what the loop answers is a ratio of polynomials in the frequency.
     pub(super) fn is_rational(&self) -> bool {
-        self.around.as_ref().is_none_or(|(_, feedback)| feedback.parts.delay == 0.0)
+        self.around.as_ref().is_none_or(|(_, feedback)| feedback.delay() == 0.0)
     }
 
     /// The largest clearance that matters, in `e_t`; 0 without any.
@@ -228,8 +231,8 @@ impl Equation {
             z[(k, k)] += s * s;
         }
         if let Some(around) = &self.around {
-            for (k, [gain, _]) in around.gains(s) {
-                z[(around.bearing(), k)] -= gain;
+            for Answer { bearing, sensor, gain, .. } in around.answers(s) {
+                z[(bearing, sensor)] -= gain;
             }
         }
         z
@@ -345,7 +348,9 @@ impl Equation {
         let s = C64::new(self.growth, frequency);
         let mut by = &self.damping * c + c * (s * 2.0);
         if let Some(around) = &self.around {
-            by[around.bearing()] -= around.gains(s).map(|(k, [_, slope])| slope * c[k]).sum::<C64>();
+            for Answer { bearing, sensor, slope, .. } in around.answers(s) {
+                by[bearing] -= slope * c[sensor];
+            }
         }
         by
     }
@@ -360,14 +365,18 @@ impl Equation {
         &self.damping
     }
 
-    /// The control acceleration of the orbit, `|u|`, in `w0^2 e_t`.
-    pub(super) fn force(&self, c: &[C64], frequency: f64) -> f64 {
+    /// The control acceleration of the orbit at each control bearing, `|u|`, in `w0^2 e_t`.
+    pub(super) fn forces(&self, c: &[C64], frequency: f64) -> Vec<f64> {
         if let Some(around) = &self.around {
-            return around.gains(J * frequency).map(|(k, [gain, _])| gain * c[k]).sum::<C64>().norm();
+            let mut forces = vec![C64::ZERO; around.count()];
+            for Answer { place, sensor, gain, .. } in around.answers(J * frequency) {
+                forces[place] += gain * c[sensor];
+            }
+            return forces.iter().map(|force| force.norm()).collect();
         }
         let row = &self.control;
         let gains = row.displacement.iter().zip(&row.velocity).map(|(p, v)| p + v * J * frequency);
-        gains.zip(c).map(|(gain, c)| gain * c).sum::<C64>().norm()
+        vec![gains.zip(c).map(|(gain, c)| gain * c).sum::<C64>().norm()]
     }
 }
 

@@ -5,26 +5,58 @@ use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
 use super::feedback_toml::sensor;
-use crate::{Feedback, Gain, GainKind, Signal};
+use crate::{ControlBearing, Feedback, Gain, GainKind, Signal};
 
 /// Feedback that serialises to the content of its file: `{bearing, filter, signal: [{mass | displacement, velocity, kd, cd, kc,
-/// cc, filter}], loop}`, masses counted from 1.
+/// cc, filter}], loop}`, masses counted from 1; of several control bearings `{bearing: [{name, station, ..the same..}]}`.
 #[derive(Clone, Copy, Debug)]
 pub struct FeedbackDocument<'a>(pub &'a Feedback);
 
 impl Serialize for FeedbackDocument<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let mut map = serializer.serialize_map(None)?;
-        map.serialize_entry("bearing", &(self.0.bearing + 1))?;
-        if !self.0.filters.is_empty() {
-            map.serialize_entry("filter", &self.0.filters)?;
-        }
-        map.serialize_entry("signal", &self.0.signals.iter().map(SignalDocument).collect::<Vec<_>>())?;
-        if self.0.parts != Parts::default() {
-            map.serialize_entry("loop", &LoopDocument(&self.0.parts))?;
+        match is_plain(self.0) {
+            Some(bearing) => {
+                map.serialize_entry("bearing", &(bearing.station + 1))?;
+                entries(bearing, &mut map)?;
+            }
+            None => {
+                map.serialize_entry("bearing", &self.0.bearings.iter().map(BearingDocument).collect::<Vec<_>>())?;
+            }
         }
         map.end()
     }
+}
+
+/// The one bearing of feedback whose file says it by a number alone.
+pub(super) fn is_plain(feedback: &Feedback) -> Option<&ControlBearing> {
+    feedback.only().filter(|bearing| bearing.name.is_none())
+}
+
+struct BearingDocument<'a>(&'a ControlBearing);
+
+impl Serialize for BearingDocument<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(None)?;
+        if let Some(name) = &self.0.name {
+            map.serialize_entry("name", name)?;
+        }
+        map.serialize_entry("station", &(self.0.station + 1))?;
+        entries(self.0, &mut map)?;
+        map.end()
+    }
+}
+
+/// What drives a bearing.
+fn entries<M: SerializeMap>(bearing: &ControlBearing, map: &mut M) -> Result<(), M::Error> {
+    if !bearing.filters.is_empty() {
+        map.serialize_entry("filter", &bearing.filters)?;
+    }
+    map.serialize_entry("signal", &bearing.signals.iter().map(SignalDocument).collect::<Vec<_>>())?;
+    if bearing.parts != Parts::default() {
+        map.serialize_entry("loop", &LoopDocument(&bearing.parts))?;
+    }
+    Ok(())
 }
 
 struct SignalDocument<'a>(&'a Signal);

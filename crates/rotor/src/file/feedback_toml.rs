@@ -6,9 +6,11 @@ use text::{Domain, Faults, Reader, Table, Value, as_number};
 use toml::de::DeValue;
 use units::Units;
 
+use super::document::is_plain;
 use super::loop_toml;
-use super::write::{Lines, number, numbers};
-use crate::{Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
+use super::write::{Lines, number, numbers, string};
+use crate::{ControlBearing, Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
+use control::MAX_BEARINGS;
 
 /// Reads feedback for `rotor`, whose units a file may use for its loop: `units = "si"`.
 ///
@@ -27,27 +29,97 @@ pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Faul
     read(text, masses, None)
 }
 
+/// The rotor that feedback is read for, as far as it is known.
+struct Place<'r> {
+    /// How many masses it has.
+    masses: usize,
+    /// What a number of a mass is, in words that follow "expected".
+    of: &'static str,
+    rotor: Option<&'r Rotor>,
+}
+
 fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feedback, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
-    reader.only(&file, &["units", "bearing", "filter", "signal", "loop"]);
-    let count = masses.unwrap_or_else(|| implied_masses(&file));
-
     let of = if masses.is_some() { "a mass of the rotor" } else { "a mass" };
-    let bearing = reader.counted(&file, "bearing", count, of).unwrap_or_else(|| {
-        reader.fault(0..0, "no bearing", format!("bearing = {of} that carries the control bearing, 1 to {count}"));
-        0
-    });
-    let units = units(&mut reader, &file, rotor, bearing);
-    let tables = reader.tables(&file, "signal", Some(MAX_MASSES));
+    let place = Place { masses: masses.unwrap_or_else(|| implied_masses(&file)), of, rotor };
+    let bearings = match file.get("bearing").map(Value::get_ref) {
+        Some(DeValue::Array(_)) => {
+            reader.only(&file, &["units", "bearing"]);
+            let tables = reader.tables(&file, "bearing", Some(MAX_BEARINGS));
+            let one = |(i, (table, at)): (usize, (&Table<'_>, Span<usize>))| {
+                reader.only(table, &["name", "mass", "filter", "signal", "loop"]);
+                let station = station(&mut reader, table, "mass", &place).unwrap_or_else(|| {
+                    let expected = format!("mass = {of} that carries it, 1 to {}", place.masses);
+                    reader.fault(at, format!("[[bearing]] {} without mass", i + 1), expected);
+                    0
+                });
+                let name = reader.string(table, "name", "a name in quotes").map(str::to_owned);
+                if let (Some(name), Some(value)) = (&name, table.get("name"))
+                    && !is_label(name)
+                {
+                    reader.wrong(
+                        "name",
+                        value,
+                        "a name of letters, digits, - and _ that begins with a letter and is no setting",
+                    );
+                }
+                ControlBearing { name, ..bearing(&mut reader, &file, table, station, &place) }
+            };
+            tables.into_iter().enumerate().map(one).collect()
+        }
+        _ => {
+            reader.only(&file, &["units", "bearing", "filter", "signal", "loop"]);
+            let station = station(&mut reader, &file, "bearing", &place).unwrap_or_else(|| {
+                let expected = format!("bearing = {of} that carries the control bearing, 1 to {}", place.masses);
+                reader.fault(0..0, "no bearing", expected);
+                0
+            });
+            vec![bearing(&mut reader, &file, &file, station, &place)]
+        }
+    };
+    reader.check()?;
+    let feedback = Feedback { bearings };
+    if let Err(error) = feedback.check(place.masses) {
+        // What each bearing has wrong was told at its place.
+        let at = file.get("bearing").map_or(0..0, |value| value.span());
+        reader.told(at, &error.to_string(), "bearings that can be closed together");
+    }
+    reader.finish(feedback)
+}
+
+/// The mass under a key, counted from 0.
+fn station(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, place: &Place<'_>) -> Option<usize> {
+    reader.counted(table, key, place.masses, place.of)
+}
+
+/// Whether a control bearing can be called so: in front of a key it must not be taken for one.
+fn is_label(name: &str) -> bool {
+    let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+    name.starts_with(|c: char| c.is_ascii_alphabetic())
+        && name.chars().all(plain)
+        && PARAMETERS.iter().all(|p| p.name != name)
+        && name != "feedback"
+}
+
+/// What drives the bearing at `station`: its keys stand in `table`, the units in `file`.
+fn bearing(
+    reader: &mut Reader<'_>,
+    file: &Table<'_>,
+    table: &Table<'_>,
+    station: usize,
+    place: &Place<'_>,
+) -> ControlBearing {
+    let units = units(reader, file, place.rotor, station);
+    let tables = reader.tables(table, "signal", Some(MAX_MASSES));
     let signals = (tables.into_iter().enumerate())
         .map(|(i, (table, at))| Signal {
-            filters: loop_toml::filters(&mut reader, table, &units),
-            ..signal(&mut reader, table, &format!("[[signal]] {}", i + 1), &at, count, of)
+            filters: loop_toml::filters(reader, table, &units),
+            ..signal(reader, table, &format!("[[signal]] {}", i + 1), &at, place)
         })
         .collect();
-    let filters = loop_toml::filters(&mut reader, &file, &units);
-    let parts = loop_toml::parts(&mut reader, &file, &units);
-    reader.finish(Feedback { bearing, signals, filters, parts })
+    let filters = loop_toml::filters(reader, table, &units);
+    let parts = loop_toml::parts(reader, table, &units);
+    ControlBearing { signals, filters, parts, ..ControlBearing::new(station, vec![]) }
 }
 
 /// What the numbers of the loop count in.
@@ -66,26 +138,26 @@ fn implied_masses(file: &Table<'_>) -> usize {
         DeValue::Integer(i) => i.as_str().parse().unwrap_or(0),
         _ => 0,
     };
-    let signals = file.get("signal").and_then(|value| value.get_ref().as_array());
-    let tables = || signals.into_iter().flatten().filter_map(|item| item.get_ref().as_table());
-    let listed = tables()
+    fn tables<'v, 't>(table: &'v Table<'t>, key: &str) -> Vec<&'v Table<'t>> {
+        let list = table.get(key).and_then(|value| value.get_ref().as_array());
+        list.into_iter().flatten().filter_map(|item| item.get_ref().as_table()).collect()
+    }
+    let bearings = tables(file, "bearing");
+    let signals: Vec<&Table<'_>> =
+        std::iter::once(file).chain(bearings.iter().copied()).flat_map(|table| tables(table, "signal")).collect();
+    let listed = (signals.iter())
         .flat_map(|table| ["displacement", "velocity"].map(|key| table.get(key)))
         .find_map(|value| value?.get_ref().as_array().map(|list| list.len()));
-    let named = file.get("bearing").into_iter().chain(tables().filter_map(|table| table.get("mass"))).map(counted);
+    let masses = bearings.iter().chain(&signals).filter_map(|table| table.get("mass"));
+    let named = file.get("bearing").into_iter().chain(masses).map(counted);
     listed.unwrap_or_else(|| named.max().unwrap_or(0)).clamp(1, MAX_MASSES)
 }
 
 /// The largest weight of a sensor, as large as the largest gain: beyond it sums leave the range of numbers.
 const MOST_WEIGHT: f64 = 1e6;
 
-fn signal(
-    reader: &mut Reader<'_>,
-    table: &Table<'_>,
-    within: &str,
-    at: &Span<usize>,
-    masses: usize,
-    of: &str,
-) -> Signal {
+fn signal(reader: &mut Reader<'_>, table: &Table<'_>, within: &str, at: &Span<usize>, place: &Place<'_>) -> Signal {
+    let masses = place.masses;
     reader.only(table, &["mass", "displacement", "velocity", "kd", "cd", "kc", "cc", "filter"]);
     let mut weights = |key: &str| {
         let list = reader.numbers(table, key, "weights, one a mass")?;
@@ -105,7 +177,7 @@ fn signal(
         Some(list.into_iter().map(|(weight, _)| weight).collect::<Vec<_>>())
     };
     let listed = (weights("displacement"), weights("velocity"));
-    let mass = reader.counted(table, "mass", masses, of);
+    let mass = station(reader, table, "mass", place);
     let mut signal = match (mass, listed) {
         (Some(mass), (None, None)) => Signal::at_mass(mass, masses, [0.0; 4]),
         (None, (Some(displacement), Some(velocity))) => {
@@ -210,10 +282,27 @@ pub fn write_feedback(feedback: &Feedback) -> String {
     lines.comment(
         "Dimensionless for any rotor: displacements in e_t, time tau = w0 t, schedules over speed R = w / w0.",
     );
-    lines.key("bearing", feedback.bearing + 1, "the mass that carries the control bearing");
-    loop_toml::write_filters(&mut lines, &feedback.filters, "what shapes the sum of the signals");
-    for signal in &feedback.signals {
-        lines.header("signal");
+    if let Some(bearing) = is_plain(feedback) {
+        lines.key("bearing", bearing.station + 1, "the mass that carries the control bearing");
+        write_bearing(&mut lines, bearing, "");
+    } else {
+        for bearing in &feedback.bearings {
+            lines.header("bearing");
+            if let Some(name) = &bearing.name {
+                lines.key("name", string(name), "what it is called in front of its settings");
+            }
+            lines.key("mass", bearing.station + 1, "the mass that carries it");
+            write_bearing(&mut lines, bearing, "bearing.");
+        }
+    }
+    lines.into_text()
+}
+
+/// What drives a bearing, its tables under `within`.
+fn write_bearing(lines: &mut Lines, bearing: &ControlBearing, within: &str) {
+    loop_toml::write_filters(lines, &bearing.filters, "what shapes the sum of the signals");
+    for signal in &bearing.signals {
+        lines.header(&format!("{within}signal"));
         match sensor(signal) {
             Some(mass) => lines.key("mass", mass + 1, "the mass that carries the sensor"),
             None => {
@@ -225,10 +314,9 @@ pub fn write_feedback(feedback: &Feedback) -> String {
             let meaning = PARAMETERS.iter().find(|p| p.name == kind.name()).map_or("", |p| p.meaning);
             lines.key(kind.name(), gain_text(signal.gain(kind)), meaning);
         }
-        loop_toml::write_filters(&mut lines, &signal.filters, "what shapes it");
+        loop_toml::write_filters(lines, &signal.filters, "what shapes it");
     }
-    loop_toml::write_parts(&mut lines, &feedback.parts);
-    lines.into_text()
+    loop_toml::write_parts(lines, &bearing.parts, &format!("{within}loop"));
 }
 
 /// The one mass that a signal measures, if its weights pick exactly one.

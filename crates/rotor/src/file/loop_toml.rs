@@ -141,12 +141,12 @@ fn filter_text(filter: &Filter) -> String {
     format!("{{ kind = \"{}\", {pairs} }}", filter.kind())
 }
 
-/// Writes `[loop]`, unless it is ideal.
-pub(super) fn write_parts(lines: &mut Lines, parts: &Parts) {
+/// Writes `[header]` with the parts of a loop, unless it is ideal.
+pub(super) fn write_parts(lines: &mut Lines, parts: &Parts, header: &str) {
     if *parts == Parts::default() {
         return;
     }
-    lines.table("loop");
+    lines.table(header);
     for part in &PARTS {
         let value = (part.get)(parts);
         if value != part.absent {

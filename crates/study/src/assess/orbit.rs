@@ -99,12 +99,12 @@ fn orbit_line(question: &Question<'_>, what: &str, largest: Option<&Orbit>, sour
 }
 
 fn force_line(question: &Question<'_>, what: &str, hardest: Option<&Orbit>, source: &str) -> Line {
-    let limit = question.settings.feedback.parts.limit;
+    let limit = question.settings.feedback.bearings[0].parts.limit;
     let holds = question.force.or((limit > 0.0 && limit.is_finite()).then_some(limit));
     let Some(orbit) = hardest else {
         return Line::without(what, Quantity::Force, "no stable orbit was found", source);
     };
-    let place = Where::speed(orbit.speed).of(question.settings.feedback.bearing);
+    let place = Where::speed(orbit.speed).of(question.settings.feedback.bearings[0].station);
     match holds {
         Some(most) => {
             let asked = Asked::AtMost(question.limits.force_share * most);

@@ -60,7 +60,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     let limits = question.limits;
     let (vibration_source, share_source) = (limits.source("vibration"), limits.source("clearance_share"));
     let plain = "vibration under 2 U_r, peak to peak";
-    if question.settings.feedback.parts.sample > 0.0 {
+    if question.settings.feedback.sample() > 0.0 {
         let why = "a sampled loop: its response is not a circle";
         return Ok((vec![Line::without(plain, Quantity::Length, why, &vibration_source)], vec![]));
     }
@@ -68,7 +68,12 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         let why = "needs a rotor in SI units: residual unbalance is told in g mm, vibration in um";
         return Ok((vec![Line::without(plain, Quantity::Length, why, &vibration_source)], vec![]));
     };
-    let sensors = LinearLoop::new(&question.settings.feedback, question.rotor.len(), question.operating[1])?.sensors;
+    let mut sensors = Vec::new();
+    for bearing in &question.settings.feedback.bearings {
+        sensors.extend(LinearLoop::new(bearing, question.rotor.len(), question.operating[1])?.sensors);
+    }
+    sensors.sort_unstable();
+    sensors.dedup();
     let all: Vec<usize> = (0..question.rotor.len()).collect();
     let seen = if sensors.is_empty() { &all } else { &sensors };
 

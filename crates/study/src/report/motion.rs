@@ -60,7 +60,7 @@ struct StridedSamples {
 
 impl Observer for StridedSamples {
     fn sample(&mut self, machine: &Machine) -> io::Result<()> {
-        let (motion, control) = (machine.motion(), machine.output().delivered);
+        let (motion, control) = (machine.motion(), machine.outputs()[0].delivered);
         let wanted = motion.tau <= self.until + 1e-9 || motion.tau >= self.from - 1e-9;
         if wanted && self.seen.is_multiple_of(self.stride) {
             self.samples.push(Sample { tau: motion.tau, displacement: motion.displacement.to_vec(), control });

@@ -147,5 +147,8 @@ fn reach(at: &dyn Fn(f64) -> Problem, near: f64, stop: Stop) -> Result<f64, tune
 /// The constant gains of the built-in feedback of this structure, in the order `kd cd kc cc`.
 pub(super) fn constant_gains(rotor: &Rotor) -> [f64; 4] {
     let feedback = builtin::feedback(rotor, "composite").expect("built-in feedback");
-    feedback.signals.first().map_or([0.0; 4], |signal: &Signal| signal.gains.each_ref().map(|gain: &Gain| gain.at(0.0)))
+    feedback.bearings[0]
+        .signals
+        .first()
+        .map_or([0.0; 4], |signal: &Signal| signal.gains.each_ref().map(|gain: &Gain| gain.at(0.0)))
 }

@@ -276,7 +276,7 @@ impl Book {
             speed: sample.speed,
             displacement: sample.displacement,
             velocity: sample.velocity,
-            force: sample.output.delivered.norm(),
+            force: sample.outputs[0].delivered.norm(),
         };
         tracker.see(&read, |tracker| {
             *count += 1;

@@ -11,6 +11,7 @@ use alarms::{Limits, Watch};
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Mass, Rotor, Scales, Settings};
 use serde::{Deserialize, Serialize};
+use wire::Layout;
 
 use crate::schema::{self, Column};
 use crate::session::{Revision, Session, Source};
@@ -36,6 +37,10 @@ pub(crate) fn parse<'a, D: Deserialize<'a>>(text: &'a str) -> Result<D, BadDocum
     serde_json::from_str(text).map_err(bad)
 }
 
+fn one_bearing() -> usize {
+    1
+}
+
 /// About the whole file.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct SessionDocument {
@@ -48,6 +53,9 @@ pub(crate) struct SessionDocument {
     started_ns: u64,
     rate_hz: f64,
     dtau: f64,
+    /// How many control bearings there are; one in recordings made before there could be more.
+    #[serde(default = "one_bearing")]
+    bearings: usize,
     /// What alarms are held against: warning and alarm, or null where there is no limit. Absent if nobody judges.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     alarm_limits: Option<BTreeMap<String, Option<[f64; 2]>>>,
@@ -111,6 +119,7 @@ impl SessionDocument {
             started_ns: session.started_ns,
             rate_hz: session.rate_hz,
             dtau: session.dtau,
+            bearings: session.bearings,
             alarm_limits: session.limits.as_ref().map(|limits| {
                 let limited = Watch::ALL.into_iter().filter(|watch| watch.has_limits());
                 limited.map(|watch| (watch.name().to_owned(), limits.pair(watch))).collect()
@@ -125,7 +134,10 @@ impl SessionDocument {
                 shafts: rotor.shafts().to_vec(),
                 scales: scales.map(|Scales { w0, k_t, m_t, e_t }| ScalesDocument { w0, k_t, m_t, e_t }),
             },
-            columns: schema::columns(rotor.len()).into_iter().map(column).collect(),
+            columns: schema::columns(Layout::new(rotor.len()).with_bearings(session.bearings))
+                .into_iter()
+                .map(column)
+                .collect(),
         }
     }
 
@@ -154,6 +166,7 @@ impl SessionDocument {
             rate_hz: self.rate_hz,
             dtau: self.dtau,
             limits: self.alarm_limits.map(|set| limits_of(set, &self.alarm_limits_of_machine)).transpose()?,
+            bearings: self.bearings,
         };
         Ok((session, rotor, scales))
     }

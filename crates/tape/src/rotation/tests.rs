@@ -88,7 +88,7 @@ impl Bench {
 
     /// One second of steps at 10 a second.
     fn second(&mut self, second: u64) {
-        let mut batch = Batch::new(3);
+        let mut batch = Batch::new(Layout::new(3));
         for seq in 10 * second..10 * (second + 1) {
             let wall_ns = 1_000_000_000_000 + seq * 100_000_000;
             let state = State::new(Layout::new(3)).with_word(Channel::RunId, 1).with_word(Channel::Seq, seq);

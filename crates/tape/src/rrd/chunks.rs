@@ -75,7 +75,7 @@ fn content(what: &str) -> Unreadable {
 pub(super) fn steps(batch: &Batch) -> Result<Chunk, ChunkError> {
     let mut fields = Vec::new();
     let mut arrays: Vec<ArrayRef> = Vec::new();
-    for (column, values) in schema::columns(batch.masses()).into_iter().zip(&batch.values) {
+    for (column, values) in schema::columns(batch.layout()).into_iter().zip(&batch.values) {
         fields.push(Field::new(column.name, DataType::Float64, false));
         arrays.push(Arc::new(Float64Array::new(ScalarBuffer::from(values.clone()), None)));
     }
@@ -91,6 +91,16 @@ pub(super) fn steps(batch: &Batch) -> Result<Chunk, ChunkError> {
     Chunk::from_columns(schema::STEPS, times, [(ComponentDescriptor::partial(schema::ROW), list)])
 }
 
+/// How many control bearings rows of steps tell of.
+fn bearings(rows: &StructArray) -> usize {
+    let is_told = |bearing: &usize| {
+        let (channels, index) = wire::force_channels(*bearing);
+        let column = Column { channel: channels[1][0], index };
+        rows.column_by_name(&column.name()).is_some()
+    };
+    1 + (1..rotor::MAX_BEARINGS).take_while(is_told).count()
+}
+
 /// The steps of a chunk that [`steps`] has made, by whichever version.
 pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadable> {
     let list = chunk.components().get_array(schema::ROW.into()).ok_or_else(|| content("steps without rows"))?;
@@ -100,8 +110,9 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadab
     let rows = list.values().as_any().downcast_ref::<StructArray>().ok_or_else(|| content("steps of another shape"))?;
     let column =
         |name: &str| rows.column_by_name(name).ok_or_else(|| content(&format!("steps without the column '{name}'")));
-    let mut batch = Batch::new(masses);
-    for (place, wanted) in batch.values.iter_mut().zip(Layout::new(masses).number_columns()) {
+    let layout = Layout::new(masses).with_bearings(bearings(rows));
+    let mut batch = Batch::new(layout);
+    for (place, wanted) in batch.values.iter_mut().zip(layout.number_columns()) {
         let name = wanted.name();
         *place = match (rows.column_by_name(&name), wanted.channel.substitute()) {
             (Some(found), _) => doubles_of(found, &name)?,
@@ -176,19 +187,19 @@ mod tests {
     use wire::{Channel, Step};
 
     use super::*;
-    use crate::batch::tests::any_state;
+    use crate::batch::tests::{any_layout, any_state};
 
     proptest! {
         #[test]
         fn steps_come_back_from_a_chunk_bit_for_bit(
-            states in (1usize..=16).prop_flat_map(|n| proptest::collection::vec(any_state(n), 1..20))
+            states in any_layout().prop_flat_map(|layout| proptest::collection::vec(any_state(layout), 1..20))
         ) {
-            let mut batch = Batch::new(states[0].masses());
+            let mut batch = Batch::new(states[0].layout());
             for (i, state) in states.into_iter().enumerate() {
                 let state = state.with_word(Channel::Seq, 7 + 3 * i as u64);
                 batch.push(&state.with_word(Channel::WallNs, state.wall_ns() >> 1));
             }
-            let read = read_steps(&steps(&batch).unwrap(), batch.masses()).unwrap();
+            let read = read_steps(&steps(&batch).unwrap(), batch.layout().masses()).unwrap();
             prop_assert_eq!(read.len(), batch.len());
             for row in 0..batch.len() {
                 prop_assert_eq!(read.state(row, 1), batch.state(row, 1));

@@ -105,7 +105,7 @@ mod tests {
     fn messages() -> Vec<LogMsg> {
         let store = StoreId::new(StoreKind::Recording, "whirl", "run");
         let message = |first: u64| {
-            let mut batch = Batch::new(1);
+            let mut batch = Batch::new(Layout::new(1));
             (first..first + 10).for_each(|seq| batch.push(&State::new(Layout::new(1)).with_word(Channel::Seq, seq)));
             LogMsg::ArrowMsg(store.clone(), chunks::steps(&batch).unwrap().to_arrow_msg().unwrap())
         };

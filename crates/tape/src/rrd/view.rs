@@ -46,7 +46,7 @@ fn layout(rotor: &Rotor, source: Source) -> Blueprint {
     };
     let poles: ContainerLike = Spatial2DView::new("poles (w0, im up)").with_origin(schema::POLES).into();
     let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<Column> {
-        schema::columns(masses).into_iter().filter(|column| wanted(&column.name)).collect()
+        schema::columns(Layout::new(masses)).into_iter().filter(|column| wanted(&column.name)).collect()
     };
     let place = named(&|name| name.starts_with(['y', 'z']));
     let velocity = named(&|name| name.starts_with("vy") || name.starts_with("vz"));

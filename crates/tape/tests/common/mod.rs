@@ -49,7 +49,7 @@ pub(crate) fn state(seq: u64) -> State {
 }
 
 pub(crate) fn batch(range: std::ops::Range<u64>) -> Batch {
-    let mut batch = Batch::new(3);
+    let mut batch = Batch::new(Layout::new(3));
     range.for_each(|seq| batch.push(&state(seq)));
     batch
 }

@@ -113,7 +113,7 @@ fn an_edit_is_applied_anew_over_what_others_changed_and_undo_leaves_theirs_alone
     let (outcomes, settings) = carried(&edits, &[(1, "speed", 6.0)]);
     assert!(outcomes.iter().all(|outcome| matches!(outcome, EditOutcome::Done(_))), "{outcomes:?}");
     assert_eq!((settings.speed, settings.deadband), (6.0, vec![1.0; 3]));
-    assert_eq!(settings.feedback.signals[0].gains[0], rotor::Gain::Constant(-0.4879));
+    assert_eq!(settings.feedback.bearings[0].signals[0].gains[0], rotor::Gain::Constant(-0.4879));
 }
 
 #[test]

@@ -101,7 +101,7 @@ mod tests {
         settings.deadband.fill(0.0);
         assert_eq!(DeadbandRequest::with(rotor.clone(), &settings), None);
         settings.deadband.fill(1.0);
-        settings.feedback.parts.sample = 0.1;
+        settings.feedback.bearings[0].parts.sample = 0.1;
         let sampled = DeadbandEffects::of(&DeadbandRequest::with(rotor, &settings).unwrap());
         assert_eq!(sampled.cycle, Err(CircularError::Sampled));
     }

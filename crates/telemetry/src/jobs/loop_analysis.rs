@@ -165,7 +165,7 @@ mod tests {
         let late = {
             let rotor = builtin::rotor("three-mass").unwrap();
             let mut feedback = builtin::feedback(&rotor, "composite").unwrap();
-            feedback.parts.delay = 0.2;
+            feedback.bearings[0].parts.delay = 0.2;
             LoopAnalysis::of(&LoopRequest { rotor: Arc::new(rotor), feedback, speed: 6.0 })
         };
         assert!(late.margins.is_err() && late.curve.len() > 100, "{}", late.curve.len());

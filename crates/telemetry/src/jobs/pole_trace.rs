@@ -247,7 +247,7 @@ mod tests {
         ) {
             let rotor = builtin::rotor("three-mass").unwrap();
             let mut feedback = builtin::feedback(&rotor, "composite").unwrap();
-            feedback.signals = vec![rotor::Signal::composite(&weights, gains)];
+            feedback.bearings[0].signals = vec![rotor::Signal::composite(&weights, gains)];
             let request = PoleTraceRequest::at(Arc::new(rotor), feedback, 1.0);
             let pole_trace = PoleTrace::of(&request);
             let speed = pole_trace.speeds[at];

@@ -69,14 +69,15 @@ impl BranchPoint {
             self.state.points().map(|point| C64::new(point.y, point.z)).collect(),
             self.state.points().map(|point| C64::new(point.vy, point.vz)).collect(),
         ];
-        let output = Output {
-            commanded: complex(self.state.force_commanded()),
-            delivered: complex(self.state.force_delivered()),
-            saturated: self.state.flags().has(wire::Flags::SATURATED),
+        let saturated = self.state.flags().has(wire::Flags::SATURATED);
+        let output = |bearing| {
+            let [commanded, delivered] = self.state.force(bearing).map(complex);
+            Output { commanded, delivered, saturated }
         };
+        let outputs: Vec<Output> = (0..self.state.bearings()).map(output).collect();
         let program = self.program(&self.settings, self.substeps)?;
         let at = [&displacement[..], &velocity[..]];
-        Ok(machine::Machine::resumed(program, self.line, self.state.speed(), at, output))
+        Ok(machine::Machine::resumed(program, self.line, self.state.speed(), at, &outputs))
     }
 
     /// The machine with all that it held, run on from a snapshot of it before step `next`, when it was under `settings` in so many
@@ -120,7 +121,8 @@ impl BranchPoint {
         let (sample, state) = (machine.sample(), &self.state);
         let mut motion = sample.displacement.iter().zip(sample.velocity).zip(state.points());
         (sample.tau, sample.angle) == (state.tau(), state.angle())
-            && sample.output.delivered == complex(state.force_delivered())
+            && sample.outputs.len() == state.bearings()
+            && (sample.outputs.iter().enumerate()).all(|(k, output)| output.delivered == complex(state.force(k)[1]))
             && motion.all(|((p, v), point)| *p == C64::new(point.y, point.z) && *v == C64::new(point.vy, point.vz))
     }
 
@@ -151,7 +153,7 @@ fn load(machine: &mut machine::Machine, program: Program) {
 
 /// Tones that the bench took are in order.
 fn excite(machine: &mut machine::Machine, multisine: Option<&Multisine>) {
-    machine.excite(&mut multisine.and_then(|multisine| Excitation::of(multisine).ok()).map(Box::new));
+    machine.excite(0, &mut multisine.and_then(|multisine| Excitation::of(multisine).ok()).map(Box::new));
 }
 
 /// The machine as it is after a step.
@@ -233,7 +235,7 @@ impl Machine {
     /// Its numbers in a row: `u_y`, `u_z`, then `y`, `z` of every mass.
     pub(super) fn row(&self) -> impl Iterator<Item = f64> + '_ {
         let sample = self.machine.sample();
-        let control = sample.output.delivered;
+        let control = sample.outputs[0].delivered;
         let places = sample.displacement.iter().flat_map(|p| [p.re, p.im]);
         [control.re, control.im].into_iter().chain(places)
     }

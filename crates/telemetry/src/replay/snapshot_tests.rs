@@ -54,8 +54,8 @@ fn state(machine: &Machine, seq: u64, revision: usize) -> State {
     row.set(Channel::Tau, 0, sample.tau);
     row.set(Channel::Angle, 0, sample.angle);
     row.set(Channel::Speed, 0, sample.speed);
-    row.set_pair([Channel::CommandY, Channel::CommandZ], 0, pair(sample.output.commanded));
-    row.set_pair([Channel::ForceY, Channel::ForceZ], 0, pair(sample.output.delivered));
+    row.set_pair([Channel::CommandY, Channel::CommandZ], 0, pair(sample.outputs[0].commanded));
+    row.set_pair([Channel::ForceY, Channel::ForceZ], 0, pair(sample.outputs[0].delivered));
     for (mass, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
         row.set_point(mass, Point { y: p.re, z: p.im, vy: v.re, vz: v.im });
     }
@@ -109,11 +109,11 @@ fn run(rotor: Rotor, begun: Settings, script: &[(u64, Done)]) -> Recorded {
                     Happening::Restarted
                 }
                 Done::Excite(Some(multisine)) => {
-                    machine.excite(&mut Some(Box::new(Excitation::of(multisine).unwrap())));
+                    machine.excite(0, &mut Some(Box::new(Excitation::of(multisine).unwrap())));
                     Happening::Excited(multisine.clone())
                 }
                 Done::Excite(None) => {
-                    machine.excite(&mut None);
+                    machine.excite(0, &mut None);
                     Happening::ExcitationOver
                 }
                 Done::ExcitationOver => Happening::ExcitationOver,

@@ -116,7 +116,7 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
         footer.push("no self-excited circular limit cycle found at any of these speeds".into());
     }
     // With a delay the frequencies of cycles are no roots of a polynomial: they are sought.
-    let enumerated = if settings.feedback.parts.delay > 0.0 { 0 } else { ENUMERATED_FREE };
+    let enumerated = if settings.feedback.delay() > 0.0 { 0 } else { ENUMERATED_FREE };
     let (completeness, proven) = completeness(&machine, &found, enumerated);
     footer.push(proven);
     let document = Document {

@@ -87,8 +87,8 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         output::warn(&format!("{}: {notice}", file.display()));
     }
     interrupt::end_at_once()?;
-    let masses = recording.rotor().len();
-    let names: Vec<String> = tape::schema::columns(masses).into_iter().map(|column| column.name).collect();
+    let layout = recording.layout();
+    let names: Vec<String> = tape::schema::columns(layout).into_iter().map(|column| column.name).collect();
     let mut table = Table::create(&target, form, &names, &WHOLES, args.force.existing())?;
     let (mut rows, mut failed) = (0_u64, None);
     recording.visit(0..u64::MAX, args.every, |state| {

@@ -36,7 +36,8 @@ fn for_people(info: &Info, recording: &Recording) -> String {
     let (length_unit, force_unit) = (units.length_unit(), units.force_unit());
     // A control is an acceleration: what force it is depends on the mass that carried the bearing then.
     let force_of = |control: f64, at: &MomentInfo| {
-        let bearing = recording.settings_at(at.step).map_or(0, |revision| revision.settings.feedback.bearing);
+        let bearing =
+            recording.settings_at(at.step).map_or(0, |revision| revision.settings.feedback.bearings[0].station);
         units.force(control, recording.rotor().masses().get(bearing).map_or(1.0, |mass| mass.mass))
     };
     let mut text = String::new();

@@ -1,7 +1,9 @@
 //! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range.
 
-use ::linear::{AmplitudePeak, DelayMargin, GainMargin, PhaseMargin};
-use machine::{ISO_14839_3, MachineMargins, MarginsError, WORST, margins, sensitivity_zone, worst_margins};
+use ::linear::{AmplitudePeak, DelayMargin, GainMargin, Margins, PhaseMargin};
+use machine::{
+    BearingMargins, ISO_14839_3, MachineMargins, MarginsError, WORST, margins, sensitivity_zone, worst_margins,
+};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 
@@ -87,20 +89,46 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let found = margins(rotor, &machine.settings, machine.settings.speed).map_err(|error| told(&error, units))?;
-    let told = Told { found: &found, units, zones, mass: machine.bearing_mass() };
-    let mut table = Table::new(units.pick(&COLUMNS, &COLUMNS_SI));
-    (0..WORST.len()).for_each(|kind| table.row(told.row(kind, None)));
-    let fields = told.fields();
-    let mut bearing = Map::new();
-    bearing.insert("name".into(), json!(format!("mass {}", machine.settings.feedback.bearing + 1)));
-    bearing.extend(fields.clone());
+    let told = Told::of_all(&found, units, zones, machine.bearing_mass());
+    let feedback = &machine.settings.feedback;
+    let name = |k: usize| {
+        feedback.bearings[k].name.clone().unwrap_or_else(|| format!("mass {}", feedback.bearings[k].station + 1))
+    };
+    let columns = units.pick(&COLUMNS, &COLUMNS_SI);
+    let several = found.bearings.len() > 1;
+    let mut table = if several { Table::new(&[&columns[..], &["bearing"]].concat()) } else { Table::new(columns) };
+    let mut rows = |told: &Told<'_>, of: &str| {
+        for kind in 0..WORST.len() {
+            let mut row = told.row(kind, None);
+            row.extend(several.then(|| Cell::from(&of)));
+            table.row(row);
+        }
+    };
+    let mut bearings = Vec::with_capacity(found.bearings.len());
+    rows(&told, "all");
+    for (k, BearingMargins { margins, force }) in found.bearings.iter().enumerate() {
+        let mass = rotor.masses()[feedback.bearings[k].station].mass;
+        let own = Told { speed: found.speed, margins, force: *force, units, zones, mass };
+        if several {
+            rows(&own, &name(k));
+        }
+        let mut fields = Map::new();
+        fields.insert("name".into(), json!(name(k)));
+        fields.extend(own.fields());
+        bearings.push(Value::Object(fields));
+    }
+    let mut fields = told.fields();
+    if let Some(together) = &found.together {
+        let largest = together.largest_sensitivity;
+        fields.insert("largest_sensitivity".into(), json!({"peak": largest.amplitude, "frequency": largest.frequency}));
+    }
     let document = Document {
         rotor: rotor.name(),
         speed: found.speed,
         stable: true,
         min_damping: found.min_damping,
         margins: fields,
-        bearings: vec![Value::Object(bearing)],
+        bearings,
         units: units.document(),
     };
     let heading =
@@ -125,7 +153,7 @@ fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failu
             fields.insert(format!("{key}_null"), json!(WITHOUT[kind]));
             continue;
         };
-        let told = Told { found, units, zones, mass: machine.bearing_mass() };
+        let told = Told::of_all(found, units, zones, machine.bearing_mass());
         table.row(told.row(kind, Some(found.speed)));
         let mut all = Map::new();
         all.insert("speed".into(), json!(found.speed));
@@ -187,21 +215,28 @@ const WITHOUT: [&str; WORST.len()] = [
 
 /// One set of margins, for people and scripts.
 struct Told<'a> {
-    found: &'a MachineMargins,
+    speed: f64,
+    margins: &'a Margins,
+    force: AmplitudePeak,
     units: Units,
     zones: [f64; 3],
     /// Mass ratio of the control bearing's mass.
     mass: f64,
 }
 
-impl Told<'_> {
+impl<'a> Told<'a> {
+    /// Those of a machine; of several control bearings the worst of each.
+    fn of_all(found: &'a MachineMargins, units: Units, zones: [f64; 3], mass: f64) -> Self {
+        Self { speed: found.speed, margins: &found.margins, force: found.force, units, zones, mass }
+    }
+
     fn zone(&self, peak: f64) -> &'static str {
         sensitivity_zone(peak, self.zones)
     }
 
     /// A row of the table for one of [`WORST`].
     fn row(&self, kind: usize, at: Option<f64>) -> Vec<Cell> {
-        let (units, margins) = (self.units, &self.found.margins);
+        let (units, margins) = (self.units, self.margins);
         let peak = |peak: AmplitudePeak| Some((peak.amplitude, "", peak.frequency));
         let force = units.force(1.0, self.mass) / units.length(1.0);
         let entry = match kind {
@@ -212,7 +247,7 @@ impl Told<'_> {
             4 => peak(margins.sensitivity()),
             5 => peak(margins.axis),
             6 => peak(margins.complementary),
-            _ => Some((self.found.force.amplitude * force, units.pick("w0^2", "N/m"), self.found.force.frequency)),
+            _ => Some((self.force.amplitude * force, units.pick("w0^2", "N/m"), self.force.frequency)),
         };
         let mut row = vec![Cell::from(&WORST[kind])];
         match entry {
@@ -229,21 +264,21 @@ impl Told<'_> {
 
     /// Every margin as scripts read it.
     fn fields(&self) -> Map<String, Value> {
-        let margins = &self.found.margins;
+        let margins = self.margins;
         let peak = |peak: AmplitudePeak| json!({"peak": peak.amplitude, "frequency": peak.frequency});
         let delay = |DelayMargin { delay, frequency }: DelayMargin| {
-            let turns = delay * self.found.speed / std::f64::consts::TAU;
+            let turns = delay * self.speed / std::f64::consts::TAU;
             let seconds = self.units.scales().map(|scales| scales.seconds(delay));
             let mut made = json!({
                 "tau": delay,
                 "seconds": seconds,
-                "turns": (self.found.speed != 0.0).then_some(turns),
+                "turns": (self.speed != 0.0).then_some(turns),
                 "frequency": frequency,
             });
             if seconds.is_none() {
                 made["seconds_null"] = json!("the rotor is dimensionless");
             }
-            if self.found.speed == 0.0 {
+            if self.speed == 0.0 {
                 made["turns_null"] = json!("the rotor is at rest");
             }
             made
@@ -278,13 +313,13 @@ impl Told<'_> {
             }),
         );
         made.insert("complementary".into(), peak(margins.complementary));
-        made.insert("force".into(), peak(self.found.force));
+        made.insert("force".into(), peak(self.force));
         made
     }
 
     /// What must be known of all this, in lines.
     fn remarks(&self, machine: &Machine) -> String {
-        let parts = &machine.settings.feedback.parts;
+        let feedback = &machine.settings.feedback;
         let origin = if self.zones == ISO_14839_3 { "the limits of ISO 14839-3" } else { "limits as typed" };
         let [a, b, c] = self.zones;
         let mut lines = vec![
@@ -294,10 +329,16 @@ impl Told<'_> {
                 self.units.pick("radians per tau", "Hz")
             ),
         ];
-        if parts.sample > 0.0 {
+        if feedback.bearings.len() > 1 {
+            lines.push("each bearing is opened with the others closed; all: the worst of them, the delay one in all commands at once".into());
+        }
+        if feedback.sample() > 0.0 {
             lines.push("sampled: the gain is that from sample to sample, up to half the sampling rate".into());
         }
-        if parts.limit.min(parts.slew).is_finite() || parts.noise > 0.0 || parts.quantum > 0.0 {
+        let is_bent = |parts: &control::Parts| {
+            parts.limit.min(parts.slew).is_finite() || parts.noise > 0.0 || parts.quantum > 0.0
+        };
+        if feedback.bearings.iter().any(|bearing| is_bent(&bearing.parts)) {
             lines.push("noise, resolution and limits play no part".into());
         }
         lines.join("\n")

@@ -72,7 +72,7 @@ pub(super) fn completeness(machine: &Machine, found: &Circular, enumerated: usiz
     let bearings = machine.rotor.masses().iter().zip(&machine.settings.deadband);
     let clearances = bearings.filter(|(mass, g)| mass.bearing_stiffness > 0.0 && **g > 0.0).count();
     let (complete, total) = (found.complete.iter().filter(|all| **all).count(), found.complete.len());
-    let parts = &machine.settings.feedback.parts;
+    let parts = &machine.settings.feedback.bearings[0].parts;
     let is_limited = parts.limit.min(parts.slew).is_finite();
     let words = if complete == total {
         "proven complete: no other circular orbit at these speeds, but for rounding".to_owned()

@@ -110,7 +110,7 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
 
 /// What else must be known of the poles of a loop that is not ideal.
 fn remark(machine: &catalog::Machine, right_of: Option<f64>) -> String {
-    let (units, parts) = (machine.units(), &machine.settings.feedback.parts);
+    let (units, parts) = (machine.units(), &machine.settings.feedback.bearings[0].parts);
     if let Some(line) = right_of {
         let line = rounded(units.rate(line));
         return format!(

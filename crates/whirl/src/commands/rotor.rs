@@ -193,7 +193,7 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
                 fine += &format!("{file}: ok, {}\n", describe(&content));
                 match content {
                     Content::Rotor(rotor) => document.masses = Some(rotor.len()),
-                    Content::Feedback(feedback) => document.signals = Some(feedback.signals.len()),
+                    Content::Feedback(feedback) => document.signals = Some(feedback.signal_count()),
                 }
             }
             Err(error) => {
@@ -234,8 +234,8 @@ fn describe(content: &Content) -> String {
             format!("{masses}, {units}")
         }
         Content::Feedback(feedback) => {
-            let signals = counted(feedback.signals.len(), "signal", "signals");
-            format!("feedback, {signals}, bearing at mass {}", feedback.bearing + 1)
+            let signals = counted(feedback.signal_count(), "signal", "signals");
+            format!("feedback, {signals}, bearing at mass {}", feedback.bearings[0].station + 1)
         }
     }
 }

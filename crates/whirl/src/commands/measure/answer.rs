@@ -187,7 +187,7 @@ fn bent_by(subject: &Subject, measured: &Measured) -> Vec<String> {
     if measured.saturated > 0.0 {
         told.push(format!("the control bearing was at its limit {}", percent(measured.saturated)));
     }
-    let parts = &settings.feedback.parts;
+    let parts = &settings.feedback.bearings[0].parts;
     for (value, name) in [(parts.noise, "noise of the sensors"), (parts.quantum, "resolution of the sensors")] {
         if value > 0.0 {
             told.push(format!("{name}: a larger amplitude or more periods make it smaller"));

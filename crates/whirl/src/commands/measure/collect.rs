@@ -106,12 +106,8 @@ impl Collector {
     /// # Errors
     /// Fewer than two are.
     pub(super) fn finish(self, plan: &Plan, subject: &Subject, from: f64) -> Result<Measured, String> {
-        let tones = Tones {
-            tones: plan.tones.clone(),
-            from,
-            speed: self.speed,
-            sample: subject.settings.feedback.parts.sample,
-        };
+        let tones =
+            Tones { tones: plan.tones.clone(), from, speed: self.speed, sample: subject.settings.feedback.sample() };
         let whole = self.periods.iter().filter(|period| period.len() as u64 == self.period);
         let periods: Vec<Vec<C64>> = whole.filter_map(|period| tones.identify(period)).collect();
         if periods.len() < 2 {

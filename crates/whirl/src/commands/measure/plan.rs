@@ -114,7 +114,7 @@ impl Plan {
     /// Says what will bend what is measured, if it is known before.
     pub(super) fn warn(&self, subject: &Subject) {
         let added: f64 = self.tones.iter().map(|tone| (tone.amplitude * sensitivity(subject, tone)).norm()).sum();
-        if subject.present_force + added > subject.settings.feedback.parts.limit {
+        if subject.present_force + added > subject.settings.feedback.bearings[0].parts.limit {
             output::warn("the force may reach its limit under these tones, which bends what is measured");
         }
     }
@@ -127,7 +127,7 @@ fn sensitivity(subject: &Subject, tone: &Tone) -> C64 {
 /// The band as asked for, in radians per `tau`.
 fn band(subject: &Subject, typed: Option<Range>) -> Result<[f64; 2], Failure> {
     let per = subject.units.frequency(1.0);
-    let most = PI / subject.dtau.max(subject.settings.feedback.parts.sample);
+    let most = PI / subject.dtau.max(subject.settings.feedback.sample());
     let Some(typed) = typed else {
         let to = (0.5 * subject.machine.band()[1]).min(0.9 * most);
         return Ok([to / SPAN, to]);

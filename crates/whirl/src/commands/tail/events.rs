@@ -65,7 +65,7 @@ impl Teller {
         self.lost += lost;
         let changed = known.map(|(.., before)| Difference::between(&before, &settings));
         let happening = event.happening();
-        let units = (units, self.masses.get(settings.feedback.bearing).copied().unwrap_or(1.0));
+        let units = (units, self.masses.get(settings.feedback.bearings[0].station).copied().unwrap_or(1.0));
         let line = if json {
             let line = document(event, lost, happening.as_ref(), changed.as_ref(), &settings);
             // A line of plain numbers and words always serialises.

@@ -228,7 +228,7 @@ fn heading(asked: &Asked, best: &Placement) -> String {
 /// The gains, one a row; a scheduled one as its file says it.
 fn gains(tuned: &Tuned) -> Table {
     let mut table = Table::new(&["signal", "gain", "value"]);
-    for (k, signal) in tuned.feedback.signals.iter().enumerate() {
+    for (k, signal) in tuned.feedback.signals().enumerate() {
         for kind in GainKind::ALL {
             let value = match signal.gain(kind) {
                 rotor::Gain::Constant(value) => Cell::from(*value),

@@ -57,7 +57,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let (units, worst) = (asked.units(), &found.evaluated.worst);
     known(asked, &found.evaluated)?;
     let stable = worst.stable();
-    let names: Vec<String> = (0..found.evaluated.feedback.signals.len())
+    let names: Vec<String> = (0..found.evaluated.feedback.signal_count())
         .flat_map(|k| GainKind::ALL.map(|kind| format!("{}.{}", kind.name(), k + 1)))
         .collect();
     let head = [units.pick("speed", "speed (rpm)"), "min damping"].map(str::to_owned);

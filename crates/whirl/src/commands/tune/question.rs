@@ -237,7 +237,7 @@ impl Asked {
         };
         let (rotor, units) = (machine.rotor.clone(), machine.units());
         let feedback = machine.settings.feedback.clone();
-        if args.delay.is_some() && feedback.parts.delay > 0.0 {
+        if args.delay.is_some() && feedback.delay() > 0.0 {
             return Err(Failure::Usage("--delay: the loop has a delay already: leave one of the two out".into()));
         }
         let mut family = Family::new(&rotor, from, to)?;
@@ -296,7 +296,7 @@ impl Asked {
         let mut asked = Self {
             family,
             range_text,
-            parts: feedback.parts,
+            parts: feedback.bearings[0].parts,
             template,
             composite: args.signal == Signal::Composite,
             schedule,
@@ -309,7 +309,7 @@ impl Asked {
             sensors: args.sensors.as_ref().map_or(Ok(Vec::new()), |typed| masses(typed, &rotor, "sensors"))?,
         };
         if let Some(limit) = args.force_limit {
-            let own = asked.template.as_ref().map(|template| &template.bearing);
+            let own = asked.template.as_ref().map(|template| &template.bearings[0].station);
             let only = asked.bearings.first().filter(|_| asked.bearings.len() == 1);
             let Some(&bearing) = own.or(only) else {
                 return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
@@ -334,9 +334,10 @@ impl Asked {
     /// Every choice of bearing and sensors.
     pub(super) fn choices(&self) -> Vec<(usize, Vec<usize>)> {
         if let Some(template) = &self.template {
-            let is_read =
-                |k: &usize| template.signals.iter().any(|s| s.displacement[*k] != 0.0 || s.velocity[*k] != 0.0);
-            return vec![(template.bearing, (0..self.rotor().len()).filter(is_read).collect())];
+            let is_read = |k: &usize| {
+                template.bearings[0].signals.iter().any(|s| s.displacement[*k] != 0.0 || s.velocity[*k] != 0.0)
+            };
+            return vec![(template.bearings[0].station, (0..self.rotor().len()).filter(is_read).collect())];
         }
         let of = |&bearing: &usize| {
             let sensors = if self.sensors.is_empty() {
