@@ -188,6 +188,16 @@ fn margins_have_the_promised_fields_and_the_printed_values() {
     }
     assert!(document["complementary"]["peak"].is_number() && document["force"]["peak"].is_number());
     assert_eq!(document["bearings"][0]["name"], "mass 1");
+    // A bound that nothing exceeds, a little above what was found; none of samples.
+    let (peak, below) = (number(&sensitivity["peak"]), number(&sensitivity["below"]));
+    assert!(peak <= below && below < 1.000_001 * peak && sensitivity["proof"] == "hamiltonian", "{sensitivity}");
+    let with = |set| {
+        run(&["margin", "three-mass", "--speed", "2.5", "--feedback", "composite", "--set", set, "--json"]).json()
+    };
+    let (late, sampled) = (with("delay=0.02"), with("sample=0.05"));
+    let [peak, below] = ["peak", "below"].map(|name| number(&late["sensitivity"][name]));
+    assert!(peak <= below && below < 1.002 * peak && late["sensitivity"]["proof"] == "covered", "{late}");
+    assert!(sampled["sensitivity"]["below"].is_null() && sampled["sensitivity"]["below_null"].is_string(), "{sampled}");
     assert_eq!(document["bearings"][0]["sensitivity"], *sensitivity);
     // What is not there says why.
     let off = run(&["margin", "three-mass", "--speed", "1", "--json"]).json();

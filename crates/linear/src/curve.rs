@@ -71,25 +71,36 @@ impl LoopGain {
         }
     }
 
-    /// Where `value`, of `(value, slope)`, changes sign between two points: by Newton's method within the bracket.
+    /// Where `value`, of `(value, slope)`, changes sign between two points: by Newton's method within the bracket; by false position
+    /// (Illinois) where the slope is not a number.
     pub(crate) fn zero(&self, a: f64, b: f64, of: &dyn Fn(&FrequencyGain) -> [f64; 2]) -> FrequencyGain {
-        let (mut low, mut high) = (a, b);
-        let rises = of(&self.at(b))[0] > 0.0;
+        let [mut low, mut high] = [a, b].map(|w| (w, of(&self.at(w))[0]));
+        let rises = high.1 > 0.0;
         let mut w = 0.5 * (a + b);
-        for _ in 0..80 {
+        let (mut width, mut last_high) = (b - a, None);
+        for k in 0..120 {
             let here = self.at(w);
             let [value, slope] = of(&here);
             if value == 0.0 {
                 return here;
             }
-            if (value > 0.0) == rises {
-                high = w;
-            } else {
-                low = w;
+            let is_high = (value > 0.0) == rises;
+            let (end, other) = if is_high { (&mut high, &mut low) } else { (&mut low, &mut high) };
+            // An end that stays counts half, lest it stay for ever.
+            if last_high.replace(is_high) == Some(is_high) {
+                other.1 *= 0.5;
             }
-            let newton = w - value / slope;
-            let next = if newton > low && newton < high { newton } else { 0.5 * (low + high) };
-            if (next - w).abs() <= 1e-15 * (1.0 + w.abs()) {
+            *end = (w, value);
+            let straight = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
+            let guess = if slope.is_nan() { straight } else { w - value / slope };
+            // Now and then it is halved, whatever the guesses say.
+            let is_slow = k % 4 == 3 && high.0 - low.0 > 0.5 * width;
+            if k % 4 == 3 {
+                width = high.0 - low.0;
+            }
+            let next = if guess > low.0 && guess < high.0 && !is_slow { guess } else { 0.5 * (low.0 + high.0) };
+            let last = 1e-15 * (1.0 + w.abs());
+            if (next - w).abs() <= last || high.0 - low.0 <= last {
                 return self.at(next);
             }
             w = next;

@@ -27,12 +27,16 @@
 //! ```
 //!
 //! [`eigenvalues`] are those of any complex matrix. A [`LoopGain`] is the gain of one loop over frequency, sampled or not;
-//! [`LoopGain::margins`] are its margins and peaks. Of several loops closed together each has one, and [`SeveralLoops`] is what they share.
+//! [`LoopGain::margins`] are its margins and peaks, found on a curve. Of several loops closed together each has one, and [`SeveralLoops`] is what
+//! they share. [`DelaySystem::certified_peak`] is the peak of the sensitivity, of several loops too, with a value that no frequency exceeds.
+//! [`peak`] is where a function of one number is largest or least.
 //!
 //! No part of it knows what the matrices describe. No files, no terminal, no threads.
 
 mod balance;
+mod certified_peak;
 mod count;
+mod covered;
 mod curve;
 mod eigenvalues;
 mod guess;
@@ -46,10 +50,13 @@ mod sensitivity;
 mod several;
 mod system;
 
+pub use certified_peak::{CertifiedPeak, PeakProof};
+pub use covered::{AffineTerm, CoveredPeak};
 pub use eigenvalues::{EigenvalueError, eigenvalues, eigenvalues_in_place};
 pub use loop_gain::{FrequencyGain, GainMatrix, LoopGain};
 pub use margin::DelayMargin;
 pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};
+pub use peak::least;
 pub use roots::Roots;
 pub use sensitivity::Sensitivity;
 pub use several::SeveralLoops;

@@ -138,9 +138,7 @@ impl LoopGain {
         }
         for pair in points.windows(2) {
             let [a, b] = [of(pair[0]), of(pair[1])];
-            // Below both tangents: where those meet below the best there is nothing to look for.
-            let width = pair[1].frequency - pair[0].frequency;
-            if a[1] > 0.0 && b[1] < 0.0 && (a[0] + a[1] * width).min(b[0] - b[1] * width) > best.0 {
+            if may_peak(pair[1].frequency - pair[0].frequency, [a, b], best.0) {
                 let top = self.zero(pair[0].frequency, pair[1].frequency, &|p| [-of(p)[1], f64::NAN]);
                 let value = of(&top)[0];
                 if value > best.0 {
@@ -184,8 +182,7 @@ impl LoopGain {
         }
         for (ends, pair) in at.windows(2).zip(values.windows(2)) {
             let [a, b] = [pair[0], pair[1]];
-            let width = ends[1] - ends[0];
-            if a[1] > 0.0 && b[1] < 0.0 && (a[0] + a[1] * width).min(b[0] - b[1] * width) > best.0 {
+            if may_peak(ends[1] - ends[0], [a, b], best.0) {
                 let [mut low, mut high] = [ends[0], ends[1]];
                 while high - low > 1e-13 * (1.0 + high) {
                     let middle = 0.5 * (low + high);
@@ -199,6 +196,16 @@ impl LoopGain {
         }
         self.told(best, 1.0)
     }
+}
+
+/// Whether a logarithm with these values and slopes at two places may be larger than `best` between them.
+///
+/// About a close pass of -1, at `d` by a straight line, it is `-ln (d^2 + x^2)`: below its tangents as long as `x < d`, and then its
+/// slope times the distance of the two places is less than 1. Else it is a needle between its flanks, as high as the pass is close.
+fn may_peak(width: f64, [a, b]: [[f64; 2]; 2], best: f64) -> bool {
+    let is_between = a[1] > 0.0 && b[1] < 0.0;
+    let tangents = (a[0] + a[1] * width).min(b[0] - b[1] * width);
+    is_between && (tangents > best || a[1].max(-b[1]) * width > 1.0)
 }
 
 /// `ln |S|^2` and its slope.

@@ -63,6 +63,19 @@ pub enum DelayError {
     /// The delay margin is of one loop alone.
     #[error("a delay margin is that of one loop, but {0} are closed")]
     Several(usize),
+    /// A root is on the axis, or as near as rounding: the sensitivity has no bound that could be told.
+    #[error("a root is so near the imaginary axis that the sensitivity has no bound")]
+    NoBound,
+    /// A way to move that does not fit the matrix that is to move.
+    #[error("a direction of {rows} x {columns}: expected {expected} x {expected}")]
+    Direction {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// Those of `A`.
+        expected: usize,
+    },
 }
 
 /// `x' = A x + B C x(t - T)`, time and delay in the same unit; `B C` carries the sign of the feedback.
@@ -83,6 +96,8 @@ pub(crate) struct Balanced {
     pub(crate) b: DMatrix<C64>,
     pub(crate) c: DMatrix<C64>,
     pub(crate) delay: f64,
+    /// By which each coordinate is divided.
+    scales: Vec<f64>,
 }
 
 impl DelaySystem {
@@ -119,6 +134,7 @@ impl DelaySystem {
             b: DMatrix::from_fn(n, b.ncols(), |i, j| b[(i, j)] / scales[i]),
             c: DMatrix::from_fn(c.nrows(), n, |i, j| c[(i, j)] * scales[j]),
             delay,
+            scales,
         };
         Ok(Self { a, b, c, delay, balanced })
     }
@@ -162,6 +178,11 @@ impl Balanced {
     /// How many states.
     pub(crate) fn size(&self) -> usize {
         self.a.nrows()
+    }
+
+    /// A matrix on the states, in these coordinates.
+    pub(crate) fn scaled(&self, a: &DMatrix<C64>) -> DMatrix<C64> {
+        DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * (self.scales[j] / self.scales[i]))
     }
 
     /// `M(s) = s I - A - B C exp(-s T)`.

@@ -4,8 +4,9 @@
 use linear::peak::top;
 use linear::{DelaySystem, LoopGain};
 use nalgebra::{DMatrix, DVector};
-use rotor::{C64, Direction, LinearForm, OperatingPoint, Plant, Rotor, Settings};
+use rotor::{C64, Direction, LinearForm, OperatingPoint, Plant, Rotor, Settings, Station};
 
+use crate::forced::forced_response;
 use crate::margins::{MachineLoop, MarginsError};
 
 /// How far off the straight line between two points the middle may be, relative to its size.
@@ -226,16 +227,11 @@ pub fn unbalance_response(
     }
     let at = |speed: f64| -> Result<UnbalancePoint, MarginsError> {
         let form = LinearForm::of(&plant, &settings.feedback, &OperatingPoint::at(speed))?;
-        let Some([a, b, c]) = form.continuous() else { unreachable!("not sampled") };
-        let (n, s) = (form.coordinates, C64::new(0.0, speed));
-        let mut m = -(a + b * c * (-s * form.delay).exp());
-        (0..m.nrows()).for_each(|i| m[(i, i)] += s);
-        let mut drive = DVector::zeros(m.nrows());
-        plant.unbalance().iter().enumerate().for_each(|(k, u)| drive[n + k] = u * speed * speed);
-        let x =
-            m.lu().solve(&drive).unwrap_or_else(|| DVector::from_element(drive.len(), C64::new(f64::NAN, f64::NAN)));
-        let q = &x.as_slice()[..n];
-        Ok(UnbalancePoint { speed, stations: plant.stations().iter().map(|station| station.row.read(q)).collect() })
+        let drive = DMatrix::from_fn(form.coordinates, 1, |k, _| plant.unbalance()[k] * speed * speed);
+        let moved = forced_response(&form, speed, &drive);
+        let moved = moved.unwrap_or_else(|| DMatrix::from_element(drive.nrows(), 1, C64::new(f64::NAN, f64::NAN)));
+        let read = |station: &Station| station.row.read(moved.as_slice());
+        Ok(UnbalancePoint { speed, stations: plant.stations().iter().map(read).collect() })
     };
     let mut points = vec![at(from)?];
     for k in 1..=STRETCHES {

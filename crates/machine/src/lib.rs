@@ -26,6 +26,7 @@
 //! Not its business: real time, messages, and what settings may be.
 
 mod excited;
+mod forced;
 mod frequency;
 mod integrate;
 mod machine;
@@ -40,6 +41,7 @@ mod trip;
 mod zones;
 
 pub use control::{Excitation, ExcitationError, Multisine, Output, Tone, Words};
+pub use forced::forced_response;
 pub use frequency::{
     FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,
 };

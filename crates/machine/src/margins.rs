@@ -3,14 +3,18 @@
 //! Everything counts every support bearing at its full stiffness, as poles do. Noise, resolution and limits play no part.
 
 use control::LinearLoop;
-use linear::{AmplitudePeak, DelayError, DelayMargin, DelaySystem, GainMargin, LoopGain, Margins, SeveralLoops};
+use linear::peak::top;
+use linear::{
+    AmplitudePeak, CertifiedPeak, DelayError, DelayMargin, DelaySystem, GainMargin, LoopGain, Margins, SeveralLoops,
+};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant, Rotor, Settings, damping_ratio};
 
 use crate::poles::PolesError;
-use linear::peak::top;
 
 /// How far left of the first crossing a delay margin of samples is looked for, in periods.
 const STEPS_PER_PERIOD: f64 = 8.0;
+/// How far above what was found the bound of a sensitivity with a delay is, relative to it.
+const CERTIFIED_WITHIN: f64 = 1e-3;
 /// The longest delay of a sampled loop that is looked at, in periods.
 const MOST_PERIODS: f64 = 60.0;
 
@@ -134,6 +138,15 @@ impl MachineLoop {
     #[must_use]
     pub fn form(&self) -> &LinearForm {
         &self.form
+    }
+
+    /// The peak of the sensitivity with what no frequency exceeds, within about 1e-3 where there is a delay; nothing of a sampled loop.
+    ///
+    /// # Errors
+    /// Eigenvalues that cannot be had, or a pole on the axis.
+    pub fn certified_peak(&self) -> Result<Option<CertifiedPeak>, MarginsError> {
+        let Some([a, b, c]) = self.form.continuous() else { return Ok(None) };
+        Ok(Some(DelaySystem::new(a, b, c, self.form.delay)?.certified_peak(CERTIFIED_WITHIN)?))
     }
 
     /// The largest amplification from noise of displacement readings to force, without the loop's feedback, at a frequency.

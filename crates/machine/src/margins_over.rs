@@ -6,6 +6,8 @@ use crate::margins::{MachineMargins, MarginsError, margins};
 
 /// A speed is pinned down to this part of the distance of two speeds looked at.
 const PINNED: f64 = 1e-7;
+/// How far inside the range, likewise, it is asked whether an end of it is the worst.
+const INSIDE: f64 = 1e-3;
 
 /// What can be worst, each where it is.
 pub const WORST: [&str; 8] =
@@ -61,38 +63,31 @@ pub fn worst_among(
     let mut worst = [const { None }; WORST.len()];
     for (kind, place) in worst.iter_mut().enumerate() {
         let known = all.iter().enumerate().filter_map(|(at, found)| Some((at, in_hand(kind, found)?)));
-        let Some((at, least)) = known.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
+        let Some((at, value)) = known.min_by(|a, b| a.1.total_cmp(&b.1)) else { continue };
         *place = Some(all[at].clone());
-        let [mut low, mut high] = [at.saturating_sub(1), (at + 1).min(all.len() - 1)].map(|k| speeds[k]);
-        // Golden section between the neighbours.
-        let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-        let end = PINNED * (high - low);
-        let look = |speed: f64| -> Result<(f64, MachineMargins), MarginsError> {
-            let found = margins(rotor, settings, speed)?;
-            Ok((in_hand(kind, &found).unwrap_or(f64::INFINITY), found))
-        };
-        if low == high {
+        let ends = [at.saturating_sub(1), (at + 1).min(all.len() - 1)].map(|k| speeds[k]);
+        let width = ends[1] - ends[0];
+        if width == 0.0 {
             continue;
         }
-        let mut best = least;
-        let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)].map(|speed| (speed, None));
-        while high - low > end {
-            for side in [&mut a, &mut b] {
-                if side.1.is_none() {
-                    let (value, found) = look(side.0)?;
-                    if value < best {
-                        (best, *place) = (value, Some(found));
-                    }
-                    side.1 = Some(value);
-                }
+        let mut best = value;
+        let mut look = |speed: f64| -> Result<f64, MarginsError> {
+            let found = margins(rotor, settings, speed)?;
+            let value = in_hand(kind, &found).unwrap_or(f64::INFINITY);
+            if value < best {
+                (best, *place) = (value, Some(found));
             }
-            if a.1 < b.1 {
-                (high, b) = (b.0, a);
-                a = (high - golden * (high - low), None);
-            } else {
-                (low, a) = (a.0, b);
-                b = (low + golden * (high - low), None);
-            }
+            Ok(value)
+        };
+        // Worst at an end of the range, if it is better a little inside.
+        let inside = match at {
+            0 => Some(ends[0] + INSIDE * width),
+            _ if at + 1 == all.len() => Some(ends[1] - INSIDE * width),
+            _ => None,
+        };
+        let is_at_end = inside.map(&mut look).transpose()?.is_some_and(|inside| inside >= value);
+        if !is_at_end {
+            linear::least(ends, PINNED * width, look)?;
         }
     }
     Ok(worst)

@@ -173,6 +173,12 @@ impl Program {
         self.substeps
     }
 
+    /// The step that others see, in `tau`.
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        self.dtau
+    }
+
     /// The equations of motion of the fused path; `None` where the loop is not ideal.
     #[must_use]
     pub fn closed_loop(&self) -> Option<&ClosedLoop> {

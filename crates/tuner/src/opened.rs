@@ -13,9 +13,11 @@
 //!
 //! Distances are what is asked for, not peaks: `|1 + L|` goes to 0 where the machine goes unstable, and `|S|` to infinity.
 
+use std::convert::Infallible;
 use std::f64::consts::TAU;
 
 use control::LinearLoop;
+use linear::least;
 use rotor::{C64, Quadratic};
 
 use crate::Problem;
@@ -26,8 +28,8 @@ const GRID: usize = 80;
 const DECADES: f64 = 3.0;
 /// The band ends at so many times the fastest pole of the open loop, or of the largest gains.
 const BAND: f64 = 4.0;
-/// Steps of golden section to a minimum, which is flat to the last place after half the digits.
-const STEPS: usize = 36;
+/// How near a minimum is found, in parts of the stretch that it is on: it is flat to the last place after half the digits.
+const NEAR: f64 = 3e-8;
 /// Gains of the loop this little below 1 may soon cross it.
 const NEARLY: f64 = 0.8;
 /// What has so many times what is asked for is far from falling short.
@@ -144,13 +146,13 @@ impl Opened {
                 }
             }
         }
-        if let Some(least) = problem.min_delay {
+        if let Some(asked) = problem.min_delay {
             for p in curve.windows(2) {
                 let [a, b] = [0, 1].map(|k| p[k].1.norm() - 1.0);
                 let bears = || [0, 1].map(|k| borne(p[k].1, p[k].0)).into_iter().fold(f64::INFINITY, f64::min);
                 // Between two points the delay may jump by a turn, from much to nothing.
                 let jumps = || (p[0].1.im < 0.0) != (p[1].1.im < 0.0);
-                if (a < 0.0) != (b < 0.0) && (bears() < 1.5 * far * least || jumps()) {
+                if (a < 0.0) != (b < 0.0) && (bears() < 1.5 * far * asked || jumps()) {
                     let at = zero(p[0].0, p[1].0, |w| self.gain(problem, &gains, w).norm() - 1.0);
                     places.push(self.place(problem, &gains, Ask::Delay, at));
                 }
@@ -234,22 +236,10 @@ fn sum(answer: &[C64], gains: &[f64]) -> C64 {
     answer.iter().zip(gains).map(|(own, gain)| own * gain).sum()
 }
 
-/// Where `of` is smallest between two places around one minimum, by golden section.
-fn minimum(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let [mut a, mut b] = [high - golden * (high - low), low + golden * (high - low)].map(|x| (x, of(x)));
-    for _ in 0..STEPS {
-        if a.1 < b.1 {
-            (high, b) = (b.0, a);
-            let x = high - golden * (high - low);
-            a = (x, of(x));
-        } else {
-            (low, a) = (a.0, b);
-            let x = low + golden * (high - low);
-            b = (x, of(x));
-        }
-    }
-    if a.1 < b.1 { a.0 } else { b.0 }
+/// Where `of` is smallest between two places around one minimum.
+fn minimum(low: f64, high: f64, of: impl Fn(f64) -> f64) -> f64 {
+    let Ok((at, _)) = least([low, high], NEAR * (high - low), |x| Ok::<_, Infallible>(of(x)));
+    at
 }
 
 /// Where `of` changes sign between two places, by halving.

@@ -6,7 +6,7 @@ use machine::{MachinePoles, trace};
 use plot::{Axis, Chart, Color, Look, Series};
 use rotor::C64;
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where, between};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
 
 /// Modes damped so many times as well as is asked are summed up in one line.
 const WELL_DAMPED: f64 = 10.0;
@@ -66,15 +66,15 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
 /// The least of a mode between the neighbours of the speed at which it was least.
 fn between(question: &Question<'_>, speeds: &[f64], at: usize, mut least: Least) -> Result<Least, AssessError> {
     let [low, high] = [at.saturating_sub(1), (at + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
-    between::climb([low, high], NEAR * (high - low), |speed| -> Result<f64, AssessError> {
+    linear::least([low, high], NEAR * (high - low), |speed| -> Result<f64, AssessError> {
         let modes = MachinePoles::at(question.rotor, question.settings, speed)?.modes;
         let near = |mode: &rotor::Mode| (mode.pole - least.pole).norm_sqr();
-        let Some(mode) = modes.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { return Ok(f64::NEG_INFINITY) };
+        let Some(mode) = modes.iter().min_by(|a, b| near(a).total_cmp(&near(b))) else { return Ok(f64::INFINITY) };
         let found = decrement(mode.pole).unwrap_or(f64::INFINITY);
         if found < least.decrement {
             least = Least { decrement: found, speed, pole: mode.pole };
         }
-        Ok(-found)
+        Ok(found)
     })?;
     Ok(least)
 }

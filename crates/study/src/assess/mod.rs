@@ -6,7 +6,6 @@
 //! Linear lines (decrement, cross-coupling, critical speeds, sensitivity, response to unbalance) count every support bearing at its
 //! full stiffness; orbit and force are those of the exact circular orbits, clearances and all.
 
-mod between;
 mod critical_speeds;
 mod cross_coupling;
 mod decrement;

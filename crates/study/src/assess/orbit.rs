@@ -4,7 +4,7 @@
 use rotor::Stability;
 use rotor::circular::{self, CircularError, Orbit};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where, between};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where};
 
 pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     let (settings, limits) = (question.settings, question.limits);
@@ -76,9 +76,9 @@ fn largest(
         if value > size(&best) {
             best = here;
         }
-        Ok(value)
+        Ok(-value)
     };
-    between::climb([low, high], 1e-8 * (1.0 + high), look)?;
+    linear::least([low, high], 1e-8 * (1.0 + high), look)?;
     Ok(Some(best))
 }
 

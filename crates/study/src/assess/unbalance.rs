@@ -5,10 +5,12 @@
 use std::str::FromStr;
 
 use control::LinearLoop;
+use linear::least;
+use machine::forced_response;
 use nalgebra::DMatrix;
 use rotor::{C64, LinearForm, OperatingPoint, Plant, Scales};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where, between};
+use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
 
 /// The speed in rpm from which less vibration is allowed (API 617).
 const KNEE: f64 = 12_000.0;
@@ -146,12 +148,12 @@ fn largest(question: &Question<'_>, range: [f64; 2], places: &[usize]) -> Result
     let best = (0..found.len()).max_by(|a, b| found[*a].radius.total_cmp(&found[*b].radius)).unwrap_or(0);
     let mut largest = found[best];
     let [low, high] = [best.saturating_sub(1), (best + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
-    between::climb([low, high], 1e-9 * (1.0 + high), |speed| -> Result<f64, AssessError> {
+    least([low, high], 1e-9 * (1.0 + high), |speed| -> Result<f64, AssessError> {
         let seen = at(speed)?;
         if seen.radius > largest.radius {
             largest = seen;
         }
-        Ok(seen.radius)
+        Ok(-seen.radius)
     })?;
     Ok(largest)
 }
@@ -159,15 +161,12 @@ fn largest(question: &Question<'_>, range: [f64; 2], places: &[usize]) -> Result
 /// For every station the sum over the masses of its response to a unit of eccentricity there, in magnitude.
 fn worst_radii(plant: &Plant, form: &LinearForm, speed: f64) -> Vec<f64> {
     let stations = plant.stations().len();
-    let Some([a, b, c]) = form.continuous() else { return vec![f64::NAN; stations] };
-    let (n, s) = (form.coordinates, C64::new(0.0, speed));
-    let mut m = -(a + b * c * (-s * form.delay).exp());
-    (0..m.nrows()).for_each(|i| m[(i, i)] += s);
-    let mut drive = DMatrix::zeros(m.nrows(), n);
-    (0..n).for_each(|k| drive[(n + k, k)] = C64::from(speed * speed));
-    let Some(x) = m.lu().solve(&drive) else { return vec![f64::INFINITY; stations] };
+    let n = form.coordinates;
+    let drive = DMatrix::from_diagonal_element(n, n, C64::from(speed * speed));
+    // A pole at the very speed: no sampled loop gets here.
+    let Some(x) = forced_response(form, speed, &drive) else { return vec![f64::INFINITY; stations] };
     let radius = |station: &rotor::Station| -> f64 {
-        x.column_iter().map(|column| station.row.read(&column.as_slice()[..n]).norm()).sum()
+        x.column_iter().map(|column| station.row.read(column.as_slice()).norm()).sum()
     };
     plant.stations().iter().map(radius).collect()
 }

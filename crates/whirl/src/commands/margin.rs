@@ -1,8 +1,9 @@
 //! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range.
 
-use ::linear::{AmplitudePeak, DelayMargin, GainMargin, Margins, PhaseMargin};
+use ::linear::{AmplitudePeak, CertifiedPeak, DelayMargin, GainMargin, Margins, PeakProof, PhaseMargin};
 use machine::{
-    BearingMargins, ISO_14839_3, MachineMargins, MarginsError, WORST, margins, sensitivity_zone, worst_margins,
+    BearingMargins, ISO_14839_3, MachineLoop, MachineMargins, MarginsError, WORST, margins, sensitivity_zone,
+    worst_margins,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -104,6 +105,8 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
             table.row(row);
         }
     };
+    // Of several bearings the bound is that of the worst mixture of their commands.
+    let certified = certified(&machine, found.speed);
     let mut bearings = Vec::with_capacity(found.bearings.len());
     rows(&told, "all");
     for (k, BearingMargins { margins, force }) in found.bearings.iter().enumerate() {
@@ -115,6 +118,9 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         let mut fields = Map::new();
         fields.insert("name".into(), json!(name(k)));
         fields.extend(own.fields());
+        if !several {
+            put_certified(&mut fields, "sensitivity", certified.as_ref());
+        }
         bearings.push(Value::Object(fields));
     }
     let mut fields = told.fields();
@@ -122,6 +128,7 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         let largest = together.largest_sensitivity;
         fields.insert("largest_sensitivity".into(), json!({"peak": largest.amplitude, "frequency": largest.frequency}));
     }
+    put_certified(&mut fields, if several { "largest_sensitivity" } else { "sensitivity" }, certified.as_ref());
     let document = Document {
         rotor: rotor.name(),
         speed: found.speed,
@@ -133,8 +140,31 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     };
     let heading =
         format!("{}: margins at {}, deadband neglected", rotor.name(), units.speed_text(machine.settings.speed));
-    let footer = format!("minimum damping {}\n{}", rounded(found.min_damping), told.remarks(&machine));
+    let above = certified.as_ref().map_or(String::new(), |peak| {
+        let how = match peak.proof {
+            PeakProof::Hamiltonian => "by its Hamiltonian matrix",
+            PeakProof::Covered => "by bounds over the whole axis",
+        };
+        format!("no frequency has a sensitivity above {} ({how})\n", rounded(peak.below))
+    });
+    let footer = format!("minimum damping {}\n{above}{}", rounded(found.min_damping), told.remarks(&machine));
     args.format.print(&document, &heading, &table, &footer)
+}
+
+/// What no frequency exceeds; nothing of a sampled loop, or where there is no bound.
+fn certified(machine: &Machine, speed: f64) -> Option<CertifiedPeak> {
+    MachineLoop::at(&machine.rotor, &machine.settings, speed).ok()?.certified_peak().ok()?
+}
+
+/// Writes it beside the peak of the sensitivity: `below`, or why there is none.
+fn put_certified(fields: &mut Map<String, Value>, name: &str, certified: Option<&CertifiedPeak>) {
+    let Some(sensitivity) = fields.get_mut(name) else { return };
+    sensitivity["below"] = json!(certified.map(|peak| peak.below));
+    match certified.map(|peak| peak.proof) {
+        Some(PeakProof::Hamiltonian) => sensitivity["proof"] = json!("hamiltonian"),
+        Some(PeakProof::Covered) => sensitivity["proof"] = json!("covered"),
+        None => sensitivity["below_null"] = json!("a bound is told of loops that are not sampled"),
+    }
 }
 
 fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failure> {
