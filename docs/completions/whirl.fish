@@ -275,7 +275,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand runup" -l to -d 'Spin speed 
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l rate -d 'Rate of change of R per unit of tau, more than 0 (SI rotors: rpm per second)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l profile -d 'Legs of speed from a file instead' -r
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l points -d 'How many points of the response, evenly over time' -r
-complete -c whirl -n "__fish_whirl_using_subcommand runup" -l out -d 'Draw amplitude and phase over speed into FILE.svg or FILE.png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l out -d 'Draw amplitude and phase over speed into FILE.svg or FILE.png, or keep every step of it as a recording, FILE.rrd' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l draw -d 'Draw amplitude and phase over speed in the terminal, above the table of critical speeds'
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l json -d 'Print one JSON document'

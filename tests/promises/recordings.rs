@@ -20,6 +20,7 @@ fn a_build_without_recordings_says_how_to_get_them() {
         &["info", "x.rrd", "--json"],
         &["export", "x.rrd", "--csv"],
         &["run", "jeffcott", "--speed", "1", "--duration", "5", "--out", "x.rrd"],
+        &["runup", "jeffcott", "--to", "2", "--rate", "0.1", "--out", "x.rrd"],
         &["up", "--record", "x.rrd"],
     ] {
         let ran = run(arguments);
@@ -106,6 +107,59 @@ mod with {
         assert!(radius(&orbit["from"]["step"]) > 0.001, "{orbit}");
         assert_eq!((&orbit["level"], &info["alarm_limits"]["orbit"][0]), (&"alarm".into(), &0.001.into()), "{info}");
         assert!(info["max_force"]["value"].is_f64() && info["min_damping"]["value"].is_f64());
+    }
+
+    #[test]
+    fn a_run_up_on_file_tells_its_legs_its_critical_speeds_and_its_trip() {
+        let root = Root::new();
+        let path = root.path().join("up.rrd");
+        let legs = root.path().join("legs.toml");
+        std::fs::write(&legs, "[[leg]]\nto = 3\nrate = 0.01\n[[leg]]\ndwell = 40\n[[leg]]\nto = 0.5\nrate = 0.02\n")
+            .unwrap();
+        let machine = ["runup", "three-mass", "--feedback", "individual"];
+        let out = ["--profile", text(&legs), "--out", text(&path), "--json"];
+        let ran = run(&[&machine[..], &out].concat());
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let (found, told) = (ran.json(), info(&path));
+        assert_eq!(told["legs"].as_array().unwrap().len(), 3, "{}", told["legs"]);
+        for (leg, expected) in told["legs"].as_array().unwrap().iter().zip(found["legs"].as_array().unwrap()) {
+            for (name, near) in [("tau", 0.1), ("speed", 2e-3)] {
+                for end in 0..2 {
+                    let [a, b] = [leg, expected].map(|leg| leg[name][end].as_f64().unwrap());
+                    assert!((a - b).abs() < near, "{leg} {expected}");
+                }
+            }
+        }
+        let [told, found] = [&told, &found].map(|document| document["criticals"].as_array().unwrap().clone());
+        assert!(told.len() >= 3 && told.len() == found.len(), "{told:?} {found:?}");
+        for (told, found) in told.iter().zip(&found) {
+            assert_eq!((&told["leg"], &told["station"]), (&found["leg"], &found["station"]), "{told} {found}");
+            let [a, b] = [told, found].map(|of| of["speed"].as_f64().unwrap());
+            assert!((a - b).abs() < 1e-6, "{told} {found}");
+        }
+        let words = run(&["info", text(&path)]).stdout;
+        for word in ["leg 1", "0 to R = 3", "leg 2", "at R = 3", "critical", "amplification"] {
+            assert!(words.contains(word), "{word}: {words}");
+        }
+        // Every step is there, and the machine with all that it held.
+        assert_eq!(run(&["export", text(&path), "--csv"]).code, Some(0));
+        assert!(info(&path)["snapshots"].as_u64().unwrap() > 10);
+        // One that trips ends there.
+        let tripped = root.path().join("tripped.rrd");
+        let off = ["runup", "three-mass", "--feedback", "off", "--to", "5", "--rate", "0.005", "--out", text(&tripped)];
+        let ran = run(&off);
+        assert_eq!(ran.code, Some(1), "{ran:?}");
+        let told = info(&tripped);
+        assert_eq!(told["trips"].as_array().unwrap().len(), 1, "{told}");
+        // A name of no known kind.
+        let ran = run(&["runup", "jeffcott", "--to", "2", "--rate", "0.1", "--out", "x.txt"]);
+        assert!(ran.code == Some(2) && ran.stderr.contains("ends in .svg, .png or .rrd"), "{ran:?}");
+        // And opens as any recording does.
+        let mut screen = Screen::start(root.path(), &["replay", text(&path)], (120, 40));
+        screen.wait_words("REPLAY");
+        screen.press_for("g100\r", "tau 100");
+        screen.press("q");
+        assert!(screen.ended().success());
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use machine::{Machine, Pace, Program};
 use rotor::profile::{Leg, Profile};
 use rotor::{C64, Feedback, Mass, Rotor, Settings, Signal, builtin};
-use study::runup::{RunUp, RunUpPlan};
+use study::runup::{OrderSample, RecordedCourse, RunUp, RunUpPlan};
 
 fn reference() -> serde_json::Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/runup.json");
@@ -181,4 +181,81 @@ fn a_fast_run_up_keeps_the_largest_peak() {
     let found = run(&RunUpPlan::new(rotor, settings, Profile::ramp(0.0, 6.0, 0.1), 400).expect("can be stepped"));
     let stations: Vec<usize> = found.criticals.iter().map(|critical| critical.station).collect();
     assert_eq!(stations, [2, 1, 0], "{:?}", found.criticals);
+}
+
+/// What a recording's reader finds in the steps of a motion is what the run-up itself found, and legs are where they were.
+#[test]
+fn steps_tell_the_legs_and_critical_speeds_of_the_run_that_made_them() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let settings = Settings::new(&rotor, 0.0, builtin::feedback(&rotor, "individual").expect("built in"));
+    let legs = vec![
+        Leg::To { speed: 4.0, rate: 0.01 },
+        Leg::Dwell { duration: 50.0 },
+        Leg::Decay { speed: 0.5, rate: 0.02 },
+        Leg::To { speed: 1.0, rate: 0.05 },
+    ];
+    let profile = Profile { from: 0.0, lines: vec![0; legs.len()], legs };
+    let plan = RunUpPlan::new(rotor.clone(), settings.clone(), profile, 100).expect("can be stepped");
+    let mut course = RecordedCourse::new(&rotor);
+    let mut seq = 0;
+    let in_force = |_: u64| Some(&settings);
+    let mut see = |machine: &Machine| {
+        let sample = machine.sample();
+        let read = OrderSample {
+            tau: sample.tau,
+            angle: sample.angle,
+            speed: sample.speed,
+            displacement: sample.displacement,
+            velocity: sample.velocity,
+            force: 0.0,
+        };
+        course.see(seq, &read, sample.acceleration, &in_force);
+        seq += 1;
+    };
+    let found = plan.run(&mut see, &AtomicBool::new(false)).expect("runs");
+    let told = course.legs(&in_force);
+    assert_eq!(told.len(), 4, "{told:?}");
+    assert_eq!(told.iter().map(|leg| leg.rests()).collect::<Vec<_>>(), [false, true, false, false]);
+    for (leg, ends) in told.iter().zip(found.course.windows(2)) {
+        let step = 1.1 * plan.dtau;
+        assert!((leg.tau[0] - ends[0].0).abs() < step && (leg.tau[1] - ends[1].0).abs() < step, "{leg:?} {ends:?}");
+        assert!((leg.speed[0] - ends[0].1).abs() < 0.05 * step && (leg.speed[1] - ends[1].1).abs() < 0.05 * step);
+    }
+    let criticals: Vec<_> = told.iter().flat_map(|leg| leg.criticals.iter().flatten()).collect();
+    assert_eq!(criticals.len(), found.criticals.len());
+    assert!(criticals.len() >= 3, "{criticals:?}");
+    for (told, found) in criticals.iter().zip(&found.criticals) {
+        assert_eq!((told.leg, told.station), (found.leg, found.station));
+        assert!((told.peak.speed - found.peak.speed).abs() < 1e-9, "{told:?} {found:?}");
+        assert!((told.peak.height / found.peak.height - 1.0).abs() < 1e-9, "{told:?} {found:?}");
+    }
+}
+
+/// A steady machine has no legs; one whose speed jumps has two; steps far apart tell legs without critical speeds.
+#[test]
+fn jumps_restarts_and_steps_far_apart() {
+    let rotor = builtin::rotor("jeffcott").expect("built in");
+    let settings = Settings::new(&rotor, 1.0, Feedback::new(0, vec![]));
+    let legs = |steps: &[(f64, f64, f64)]| {
+        let mut course = RecordedCourse::new(&rotor);
+        let in_force = |_: u64| Some(&settings);
+        for (seq, (tau, angle, speed)) in steps.iter().enumerate() {
+            let still = [C64::ZERO];
+            let [tau, angle, speed] = [*tau, *angle, *speed];
+            let read = OrderSample { tau, angle, speed, displacement: &still, velocity: &still, force: 0.0 };
+            course.see(seq as u64, &read, 0.0, &in_force);
+        }
+        course.legs(&in_force)
+    };
+    let at = |k: usize, speed: f64| (0.1 * k as f64, 0.1 * k as f64 * speed, speed);
+    assert_eq!(legs(&(0..50).map(|k| at(k, 1.0)).collect::<Vec<_>>()), []);
+    let jumped = legs(&(0..50).map(|k| at(k, if k < 20 { 1.0 } else { 2.0 })).collect::<Vec<_>>());
+    assert_eq!(
+        jumped.iter().map(|leg| (leg.steps, leg.speed)).collect::<Vec<_>>(),
+        [([0, 19], [1.0; 2]), ([20, 49], [2.0; 2])]
+    );
+    let again = legs(&(0..40).map(|k| at(k % 20, if k < 20 { 1.0 } else { 2.0 })).collect::<Vec<_>>());
+    assert_eq!((again.len(), again[1].tau), (2, [0.0, 0.1 * 19.0]));
+    let coarse = legs(&(0..40).map(|k| (f64::from(k), f64::from(k), 1.0 + f64::from(k / 20))).collect::<Vec<_>>());
+    assert!(coarse.iter().all(|leg| leg.criticals.is_none()), "{coarse:?}");
 }

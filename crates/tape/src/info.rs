@@ -6,7 +6,7 @@ use std::ops::ControlFlow;
 use alarms::{Alarms, Entry, Limits, Watch};
 use serde::Serialize;
 
-use wire::{Happening, Moment, Step};
+use wire::{Happening, Moment, State, Step};
 
 use crate::damage::Damage;
 use crate::error::TapeError;
@@ -170,6 +170,15 @@ impl Info {
     /// # Errors
     /// The file has changed or cannot be read.
     pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
+        Self::seeing(recording, |_| ())
+    }
+
+    /// The same, and shows every step of a machine in motion, in order: those of one that is held after a trip repeat the step that
+    /// tripped it.
+    ///
+    /// # Errors
+    /// As [`Info::of`].
+    pub fn seeing(recording: &mut Recording, mut see: impl FnMut(&State)) -> Result<Self, TapeError> {
         let (mut force, mut radius) = (None::<PeakInfo>, None::<PeakInfo>);
         let mut held = false;
         // Of the settings that were in force while steps were recorded; the first do not count as a change.
@@ -194,6 +203,7 @@ impl Info {
             if is_held {
                 return ControlFlow::Continue(());
             }
+            see(state);
             let [y, z] = state.force_delivered();
             // A turn tells the worst until then: that of an alarm that never ended is for us to find.
             for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.rose.seq <= state.seq()) {

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use files::Existing;
 use machine::{Machine, Words};
 use rotor::{C64, Rotor, Settings};
-use wire::message::Flags;
+use wire::message::{Flags, Trip};
 use wire::{BenchStatus, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Text};
 
 use crate::batch::Batch;
@@ -63,7 +63,7 @@ fn wall_ns(tau: f64) -> u64 {
 }
 
 impl OfflineTape {
-    /// Begins to record `rotor` under `settings` into `target`, one sample in every `every`.
+    /// Begins to record `rotor` under `settings`, stepped by `dtau` in so many `substeps`, into `target`: one sample in every `every`.
     ///
     /// # Errors
     /// The target is no place for a file, or is there and is to be kept, or this build has no encoder.
@@ -72,7 +72,7 @@ impl OfflineTape {
         existing: Existing,
         rotor: &Rotor,
         settings: &Settings,
-        dtau: f64,
+        (dtau, substeps): (f64, u32),
         every: u64,
     ) -> Result<Self, TapeError> {
         files::check(target, existing)?;
@@ -80,7 +80,8 @@ impl OfflineTape {
         bench_status.version = Text::new(env!("CARGO_PKG_VERSION"));
         bench_status.set_rotor(rotor);
         bench_status.settings = SettingsDocument::of(settings);
-        (bench_status.dtau, bench_status.revision, bench_status.changed_by) = (dtau, 1, Text::new("run"));
+        (bench_status.dtau, bench_status.substeps) = (dtau, substeps);
+        (bench_status.revision, bench_status.changed_by) = (1, Text::new("run"));
         let session = Session {
             schema: schema::VERSION,
             whirl: env!("CARGO_PKG_VERSION").to_owned(),
@@ -161,18 +162,35 @@ impl OfflineTape {
     /// # Errors
     /// It cannot be written.
     pub fn impulse(&mut self, at: f64, mass: usize, velocity: C64) -> io::Result<()> {
-        self.events += 1;
         // It was before the impulse.
         self.snapshot = None;
-        let event = Event {
-            at: Moment { seq: self.seen, tau: at, wall_ns: wall_ns(at) },
-            number: self.events,
-            revision: 1,
-            happening: Happening::Impulse { mass, velocity },
-            who: "run".to_owned(),
-            why: String::new(),
-            change: String::new(),
-        };
+        let next = Moment { seq: self.seen, tau: at, wall_ns: wall_ns(at) };
+        self.happened(next, Happening::Impulse { mass, velocity })
+    }
+
+    /// The machine has tripped with the last sample.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn tripped(&mut self, trip: machine::Trip) -> io::Result<()> {
+        let machine::Trip { cause, station, radius, limit } = trip;
+        let trip = Trip::new(self.last.seq, cause as u32, station, [radius, limit]);
+        self.happened(self.last, Happening::Tripped(trip))
+    }
+
+    /// Something that is to be known of what follows, in words.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn note(&mut self, text: &str) -> io::Result<()> {
+        let next = Moment { seq: self.seen, ..self.last };
+        self.happened(next, Happening::Note(text.to_owned()))
+    }
+
+    fn happened(&mut self, at: Moment, happening: Happening) -> io::Result<()> {
+        self.events += 1;
+        let (number, who) = (self.events, "run".to_owned());
+        let event = Event { at, number, revision: 1, happening, who, why: String::new(), change: String::new() };
         self.sink.as_mut().map_or(Ok(()), |sink| sink.event(&event)).map_err(io::Error::other)
     }
 

@@ -3,8 +3,13 @@
 use std::fmt::Write as _;
 use std::path::PathBuf;
 
-use tape::{AlarmInfo, Info, MomentInfo, Recording};
+use rotor::C64;
+use serde::Serialize;
+use study::runup::{OrderSample, RecordedCourse, RecordedLeg};
+use tape::{AlarmInfo, Info, MomentInfo, Recording, Revision};
+use wire::{State, Step};
 
+use super::runup::CriticalDocument;
 use crate::failure::Failure;
 use crate::output::{self, rounded};
 use crate::units::Units;
@@ -20,18 +25,109 @@ pub(crate) struct InfoArgs {
     json: bool,
 }
 
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    #[serde(flatten)]
+    info: &'a Info,
+    /// Stretches of the speed, in order; none where it is the same throughout.
+    legs: Vec<LegDocument>,
+    /// Critical speeds passed on them, as `whirl runup` finds them.
+    criticals: Vec<CriticalDocument>,
+    /// Why there may be some that are not told.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    criticals_incomplete: Option<&'static str>,
+}
+
+#[derive(Debug, Serialize)]
+struct LegDocument {
+    steps: [u64; 2],
+    tau: [f64; 2],
+    speed: [f64; 2],
+    rate: [f64; 2],
+}
+
+/// What legs without critical speeds are told with.
+const TOO_COARSE: &str = "steps are too far apart to be read turn by turn";
+
 /// Reads the recording whole, and tells.
 ///
 /// # Errors
 /// No such file, or no recording of ours.
 pub(crate) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let mut recording = Recording::open_row(&args.files)?;
-    let info = Info::of(&mut recording)?;
-    if args.json { output::print_json(&info) } else { output::print_text(&for_people(&info, &recording)) }
+    let (info, legs) = read(&mut recording)?;
+    if !args.json {
+        return output::print_text(&for_people(&info, &legs, &recording));
+    }
+    let criticals = legs.iter().flat_map(|leg| leg.criticals.iter().flatten()).map(CriticalDocument::from).collect();
+    let leg = |leg: &RecordedLeg| LegDocument { steps: leg.steps, tau: leg.tau, speed: leg.speed, rate: leg.rate };
+    output::print_json(&Document {
+        info: &info,
+        legs: legs.iter().map(leg).collect(),
+        criticals,
+        criticals_incomplete: legs.iter().any(|leg| leg.criticals.is_none()).then_some(TOO_COARSE),
+    })
+}
+
+/// What is in it, with the legs of its speed, in one pass over its steps.
+fn read(recording: &mut Recording) -> Result<(Info, Vec<RecordedLeg>), Failure> {
+    let revisions = recording.revisions().to_vec();
+    let settings = |seq: u64| {
+        let after = revisions.partition_point(|revision| revision.from <= seq);
+        revisions.get(after.max(1) - 1).map(|Revision { settings, .. }| settings)
+    };
+    let mut course = RecordedCourse::new(recording.rotor());
+    let mut motion: [Vec<C64>; 2] = Default::default();
+    let info = Info::seeing(recording, |state: &State| {
+        let [displacement, velocity] = &mut motion;
+        displacement.clear();
+        velocity.clear();
+        for point in state.points() {
+            displacement.push(C64::new(point.y, point.z));
+            velocity.push(C64::new(point.vy, point.vz));
+        }
+        let [y, z] = state.force_delivered();
+        let sample = OrderSample {
+            tau: state.tau(),
+            angle: state.angle(),
+            speed: state.speed(),
+            displacement,
+            velocity,
+            force: y.hypot(z),
+        };
+        course.see(state.seq(), &sample, state.speed_rate(), &settings);
+    })?;
+    Ok((info, course.legs(&settings)))
+}
+
+/// Legs and the critical speeds on each, a line each.
+fn legs_for_people(legs: &[RecordedLeg], units: Units) -> Vec<(String, String)> {
+    let speed = |value: f64| units.speed_text(rounded(value).parse().unwrap_or(value));
+    let mut lines = Vec::new();
+    for (k, leg) in legs.iter().enumerate() {
+        let ([from, to], [begins, ends]) = (leg.speed, leg.tau);
+        let way = if leg.rests() { format!("at {}", speed(to)) } else { format!("{} to {}", speed(from), speed(to)) };
+        let lasts = units.time_text(rounded(ends - begins).parse().unwrap_or(ends - begins));
+        lines.push((format!("leg {}", k + 1), format!("{way}, for {lasts}, from step {}", leg.steps[0])));
+        match &leg.criticals {
+            None if !leg.rests() => lines.push(("critical".into(), format!("not known: {TOO_COARSE}"))),
+            found => lines.extend(found.iter().flatten().map(|critical| {
+                let peak = critical.peak;
+                let factor = peak
+                    .amplification()
+                    .map_or("no half-power points".into(), |factor| format!("amplification {}", rounded(factor)));
+                let height = format!("{} {}", rounded(units.length(peak.height)), units.length_unit());
+                let mass = critical.station + 1;
+                ("critical".into(), format!("{}, mass {mass}: {height}, {factor}", speed(peak.speed)))
+            })),
+        }
+    }
+    lines
 }
 
 /// In words, in the units of the rotor that was recorded.
-fn for_people(info: &Info, recording: &Recording) -> String {
+fn for_people(info: &Info, legs: &[RecordedLeg], recording: &Recording) -> String {
     let units = Units::with(recording.scales());
     let (length_unit, force_unit) = (units.length_unit(), units.force_unit());
     // A control is an acceleration: what force it is depends on the mass that carried the bearing then.
@@ -74,6 +170,9 @@ fn for_people(info: &Info, recording: &Recording) -> String {
             info.events
         ),
     );
+    for (name, told) in legs_for_people(legs, units) {
+        line(&name, told);
+    }
     for trip in &info.trips {
         line("trip", format!("{}, revision {}: {}", at(&trip.at), trip.revision, trip.why));
     }

@@ -1,8 +1,9 @@
 //! `whirl runup`: the transient response while the speed changes, and the critical speeds that it passes.
 
 mod draw;
+mod recorder;
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use rotor::profile::Profile;
@@ -18,6 +19,8 @@ use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
 use crate::units::{Units, UnitsDocument};
+
+use recorder::Recorder;
 
 /// Options of `whirl runup`.
 ///
@@ -42,7 +45,7 @@ pub(crate) struct RunupArgs {
     /// How many points of the response, evenly over time
     #[arg(long, value_name = "N", default_value_t = 400, value_parser = clap::value_parser!(u64).range(2..=100_000))]
     points: u64,
-    /// Draw amplitude and phase over speed into FILE.svg or FILE.png
+    /// Draw amplitude and phase over speed into FILE.svg or FILE.png, or keep every step of it as a recording, FILE.rrd
     #[arg(long, value_name = "FILE", group = "written")]
     out: Option<PathBuf>,
     #[command(flatten)]
@@ -105,8 +108,9 @@ impl From<&C64> for FirstOrder {
     }
 }
 
+/// A critical speed, as scripts read it.
 #[derive(Debug, Serialize)]
-struct CriticalDocument {
+pub(super) struct CriticalDocument {
     speed: f64,
     /// `null` where the leg has not both half-power points.
     amplification: Option<f64>,
@@ -159,24 +163,40 @@ struct TripDocument {
 pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
     args.machine.leaves_speed_alone(if args.profile.is_some() { "--profile" } else { "--to and --rate" })?;
     let machine = Machine::open(&args.machine, None, catalog::Default::Trips)?;
-    if let Some(path) = &args.out {
-        picture::check(path, args.force)?;
+    let tape_path = args.out.as_deref().filter(|path| path.extension().is_some_and(|end| end == "rrd"));
+    match (&args.out, tape_path) {
+        (Some(path), None) => check_picture(path, args.force)?,
+        (_, Some(path)) => {
+            tape::available()?;
+            args.force.check(path)?;
+        }
+        _ => {}
     }
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
     let profile = profile(args, &machine)?;
     let stop = interrupt::flag()?;
     let began = Instant::now();
     let plan = RunUpPlan::new(rotor.clone(), settings.clone(), profile, args.points as usize)?;
-    let found = plan.run(&mut |_| (), &stop).map_err(|error| match (error, &args.profile) {
+    let told = |error| match (error, &args.profile) {
         (RunUpError::Interrupted, _) => Failure::Interrupted,
         (error, Some(path)) => Failure::Usage(format!("{path}: {error}")),
         (error, None) => Failure::Usage(error.to_string()),
-    })?;
+    };
+    let mut recorder = match tape_path {
+        Some(path) => Some(Recorder::create(path, args.force, &plan, plan.program().map_err(told)?.0)?),
+        None => None,
+    };
+    let mut see = |machine: &machine::Machine| recorder.iter_mut().for_each(|recorder| recorder.see(machine));
+    let found = plan.run(&mut see, &stop).map_err(told)?;
     let seconds = began.elapsed().as_secs_f64();
-    if args.out.is_some() || args.draw {
+    if let Some(recorder) = recorder {
+        recorder.finish(&found)?;
+    }
+    let picture_path = args.out.as_deref().filter(|_| tape_path.is_none());
+    if picture_path.is_some() || args.draw {
         let steady = study::runup::steady_response(&plan);
         let charts = draw::charts(&plan, &found, steady.as_ref(), units);
-        if let Some(path) = &args.out {
+        if let Some(path) = picture_path {
             picture::draw(path, args.force, &charts)?;
         }
         if args.draw {
@@ -188,6 +208,14 @@ pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
         Some(_) => Err(Failure::Work(trip_text(&found, units))),
         None => Ok(()),
     }
+}
+
+/// Refuses a file that is neither a picture nor a recording, or one that is there.
+fn check_picture(path: &Path, force: Force) -> Result<(), Failure> {
+    if picture::is_picture(path) {
+        return picture::check(path, force);
+    }
+    Err(Failure::Usage(format!("'{}': expected a file name that ends in .svg, .png or .rrd", path.display())))
 }
 
 /// The profile that was asked for.

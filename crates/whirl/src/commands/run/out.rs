@@ -47,7 +47,7 @@ impl Out {
         if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("rrd")) {
             tape::available()?;
             force.check(path)?;
-            let tape = OfflineTape::create(path, force.existing(), rotor, settings, plan.longest_step(), every)?;
+            let tape = OfflineTape::create(path, force.existing(), rotor, settings, (plan.longest_step(), 1), every)?;
             return Ok(Self::Tape(Box::new(Recorder(tape))));
         }
         let form = Form::of(path).map_err(|error| match error {
