@@ -151,7 +151,8 @@ impl Check {
     }
 
     fn number(&mut self, at: At, key: &'static str, value: f64, domain: text::Domain) {
-        if !domain.admits(value) && !(self.told && value.is_nan()) {
+        let known = self.told && value.is_nan();
+        if !known && !domain.admits(value) {
             self.fault(at, key, format!("{key} = {value}"), domain.words());
         }
     }

@@ -150,6 +150,7 @@ fn what_cannot_be_taken_over_is_refused_by_name() {
             "n = 2\naxial",
             "78:2: ShaftElement_Shaft Element 4: n = 4: expected 3: elements from left to right without a gap",
         ),
+        ("n = 5\naxial", "n = 1e308\naxial", "expected 5: elements from left to right without a gap"),
         ("odl = 0.05", "odl = 0.0", "ShaftElement_Shaft Element 0: outer = 0: expected a finite number greater than 0"),
         (
             "odl = 0.05",

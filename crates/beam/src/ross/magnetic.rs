@@ -21,7 +21,7 @@ pub(super) fn is_magnetic(element: &Element) -> bool {
 pub(super) fn magnetic(import: &mut Import<'_>, at: usize, element: &Element) {
     let station = import.document.node(element, import.nodes);
     let [gap, area, turns] = ["g0", "ag", "nw"].map(|key| import.document.number(element, key, None));
-    let angle = import.document.number(element, "alpha", Some(0.392_699_08));
+    let angle = import.document.number(element, "alpha", Some(std::f64::consts::FRAC_PI_8));
     let bias = both(import, element, "i0", None);
     if element.get("n_link").is_some() {
         let found = format!("{}: n_link", element.name);

@@ -55,7 +55,7 @@ pub(super) fn shaft(import: &mut Import<'_>, elements: &[Element]) {
         import.sketch.sections.push(layer);
         next = if n.is_finite() { n + 1.0 } else { next };
     }
-    import.nodes = next as usize + 1;
+    import.nodes = (next as usize).saturating_add(1);
 }
 
 /// Proportional damping that is said of the whole rotor, and whether there is any: it is then the only one.
