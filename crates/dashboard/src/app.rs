@@ -292,6 +292,7 @@ impl<'a> App<'a> {
             popup: &popup,
             filter: &self.filter,
             keymap: &self.keymap,
+            held: self.held.as_ref(),
             what_if: what_if.as_ref(),
             read_only: self.read_only,
             locked: self.locked,

@@ -129,8 +129,7 @@ mod tests {
         let data = tests::frame_data();
         for (width, height) in [SMALLEST, (80, 24), (200, 60)] {
             let frame = frame(&data, width, height, false);
-            for panel in ["poles", "minimum damping", "orbits", "tau", "settings", "control force", "RUNNING", "select"]
-            {
+            for panel in ["poles", "minimum damping", "orbits", "tau", "settings", "force", "RUNNING", "select"] {
                 assert!(frame.contains(panel), "{panel} at {width} x {height}:\n{frame}");
             }
         }

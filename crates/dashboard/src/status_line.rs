@@ -41,42 +41,39 @@ pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color)
 pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
     let (word, color) = run_state(data, !view.time.is_live());
-    // Each with how soon it goes where there is no room for all: the largest first, whole.
+    // Each with how soon it goes where there is no room for all: the largest first, whole. What is healthy goes before what tells how
+    // the machine stands.
     let mut line = vec![(0, Span::styled(format!(" {word} "), theme::badge(color)))];
-    let mut soon = 1;
-    let mut add = |text: String, style: Style| {
-        soon += 1;
-        line.push((soon, Span::styled(format!("  {text}"), style)));
-    };
+    let mut add = |soon: u8, text: String, style: Style| line.push((soon, Span::styled(format!("  {text}"), style)));
     let plain = Style::new();
     // A machine that stands still is first told why.
     if let Some(trip) = data.trip().filter(|_| data.connection == Connection::Live) {
-        add(format!("{}: R restarts", data.units().trip(&trip)), theme::loud(theme::BAD));
+        add(2, format!("{}: R restarts", data.units().trip(&trip)), theme::loud(theme::BAD));
     }
     let starts = || ("● REC starting".to_owned(), theme::loud(theme::CURSOR));
     let told = data.recorder.as_deref().filter(|status| status.is_recording() || !data.recorder_starts);
     let sign = told.and_then(recording).or_else(|| data.recorder_starts.then(starts));
     if let Some((sign, style)) = sign {
-        add(sign, style);
+        add(1, sign, style);
     }
     if let Connection::Waiting(why) = &data.connection {
-        add(why.clone(), theme::loud(theme::WARN));
+        add(1, why.clone(), theme::loud(theme::WARN));
     }
     if !view.time.is_live()
         && let Some(now) = data.now
     {
         let (ago, tau) = (data.ago().as_secs_f64(), data.track.tau(now));
-        add(format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
+        add(1, format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
     }
     if view.read_only {
-        add("read-only".to_owned(), theme::loud(theme::CURSOR));
+        add(4, "read-only".to_owned(), theme::loud(theme::CURSOR));
     }
     if view.locked {
-        add("LOCKED".to_owned(), theme::loud(theme::CURSOR));
+        add(4, "LOCKED".to_owned(), theme::loud(theme::CURSOR));
     }
-    add(view.bench.to_owned(), plain.bold());
+    add(6, view.bench.to_owned(), plain.bold());
     if let (Some(bench_status), Some(settings)) = (&data.bench_status, &data.settings) {
-        add(bench_status.rotor_name.as_str().to_owned(), plain);
+        add(7, bench_status.rotor_name.as_str().to_owned(), plain);
         // Old recordings, and benches that have told no poles yet, know of no other speed.
         let told = data.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
         let is_there = |speed: f64| (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
@@ -91,33 +88,33 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
                 None => format!("R {}", units.value_digits(settings.speed)),
             },
         };
-        add(speed, plain);
+        add(1, speed, plain);
         if let Some(now) = on_its_way
             && let Some(told) = rate_told(data, now)
         {
-            add(told, plain);
+            add(5, told, plain);
         }
-        add(format!("{:.0}/s", data.rate), plain);
+        add(9, format!("{:.0}/s", data.rate), plain);
         if bench_status.substeps > 1 {
-            add(format!("{} substeps", bench_status.substeps), plain);
+            add(8, format!("{} substeps", bench_status.substeps), plain);
         }
         let health = &bench_status.health;
         let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
-        add(format!("late {p50:.0}/{p99:.0} us"), plain);
+        add(10, format!("late {p50:.0}/{p99:.0} us"), plain);
         if health.missed > 0 {
-            add(format!("missed {}", health.missed), theme::loud(theme::WARN));
+            add(3, format!("missed {}", health.missed), theme::loud(theme::WARN));
         }
-        add(format!("lost {}", data.lost), if data.lost > 0 { theme::loud(theme::WARN) } else { plain });
+        match data.lost {
+            0 => add(11, "lost 0".to_owned(), plain),
+            lost => add(3, format!("lost {lost}"), theme::loud(theme::WARN)),
+        }
     }
     if let Some(age) = data.age {
-        let stale = matches!(data.connection, Connection::Gone | Connection::Stalled);
-        let style = if stale { theme::loud(theme::BAD) } else { plain };
-        let text = if stale {
-            format!("last step {:.1} s ago", age.as_secs_f64())
+        if matches!(data.connection, Connection::Gone | Connection::Stalled) {
+            add(1, format!("last step {:.1} s ago", age.as_secs_f64()), theme::loud(theme::BAD));
         } else {
-            format!("age {} ms", age.as_millis())
-        };
-        add(text, style);
+            add(12, format!("age {} ms", age.as_millis()), plain);
+        }
     }
     // Alarms have their place whatever else is told.
     let told = alarms_line(view.alarms).width() as u16;
@@ -141,8 +138,8 @@ fn rate_told(data: &FrameData, speed: f64) -> Option<String> {
 }
 
 /// As many of the parts as have room: one that goes, goes whole.
-fn fitted(mut parts: Vec<(usize, Span<'_>)>, room: usize) -> Line<'_> {
-    let wide = |parts: &[(usize, Span<'_>)]| parts.iter().map(|(_, part)| part.width()).sum::<usize>();
+fn fitted(mut parts: Vec<(u8, Span<'_>)>, room: usize) -> Line<'_> {
+    let wide = |parts: &[(u8, Span<'_>)]| parts.iter().map(|(_, part)| part.width()).sum::<usize>();
     while parts.len() > 1 && wide(&parts) > room {
         let first = (0..parts.len()).max_by_key(|at| parts[*at].0).unwrap_or(0);
         // What has no room even by itself stays to be cut: a word of it is better than none.
@@ -236,17 +233,18 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             Span::styled(" y ", Style::new().bold()),
             Span::styled("applies it, any other key forgets it", theme::quiet()),
         ]),
-        _ => told(view),
+        _ => told(view, area.width),
     };
     write_line(buffer, area, line);
 }
 
-fn told<'a>(view: &'a View<'_>) -> Line<'a> {
+fn told<'a>(view: &'a View<'_>, width: u16) -> Line<'a> {
     match view.message {
         Message::Good(text) => Line::styled(format!(" {text}"), theme::loud(theme::CURSOR)),
         Message::Bad(text) => Line::styled(format!(" {text}"), theme::loud(theme::BAD)),
         Message::Hints => {
-            let mut spans = Vec::new();
+            // What has no room goes whole, from the end.
+            let (mut spans, mut wide) = (Vec::new(), 0);
             for row in ACTIONS {
                 for keys in row.keys {
                     let Some(hint) = keys.hint else { continue };
@@ -257,8 +255,13 @@ fn told<'a>(view: &'a View<'_>) -> Line<'a> {
                     if shown.is_empty() {
                         continue;
                     }
-                    spans.push(Span::styled(format!(" {} ", key.join(" ")), Style::new().bold()));
-                    spans.push(Span::styled(format!("{hint} "), theme::quiet()));
+                    let keys = Span::styled(format!(" {} ", key.join(" ")), Style::new().bold());
+                    let hint = Span::styled(format!("{hint} "), theme::quiet());
+                    wide += keys.width() + hint.width();
+                    if wide > usize::from(width) {
+                        return Line::from(spans);
+                    }
+                    spans.extend([keys, hint]);
                 }
             }
             Line::from(spans)

@@ -1,6 +1,7 @@
 //! All that a frame shows, as panels see it: the moment, and what a person is doing with it.
 
 use alarms::Alarms;
+use rotor::Settings;
 use wire::message::Flags;
 
 use crate::keymap::Keymap;
@@ -32,6 +33,8 @@ pub(crate) struct View<'a> {
     /// What lists shall show; everything if it is empty.
     pub(crate) filter: &'a str,
     pub(crate) keymap: &'a Keymap,
+    /// Settings that are held to compare with.
+    pub(crate) held: Option<&'a Settings>,
     /// What the change that is being typed or asked about would mean.
     pub(crate) what_if: Option<&'a WhatIf>,
     pub(crate) read_only: bool,
@@ -114,6 +117,7 @@ pub(crate) mod tests {
             popup: &[],
             filter: "",
             keymap: &KEYMAP,
+            held: None,
             what_if: None,
             read_only: false,
             locked: false,

@@ -26,6 +26,23 @@ fn every_built_in_layout_is_whole_at_every_size() {
     }
 }
 
+/// Speed, trip, deadband and the four gains, in their frame.
+const ROOM_FOR_GAINS: u16 = 9;
+
+#[test]
+fn the_gains_are_on_every_layout_at_every_usual_size() {
+    for layout in built_in() {
+        for (width, height) in [(200, 60), (120, 40), (80, 24), SMALLEST] {
+            // A recording has a line of time more.
+            let lines = if layout.name() == "replay" { 3 } else { 2 };
+            let placed = layout.places(Rect::new(0, 1, width, height - lines));
+            let settings = placed.iter().find(|(kind, _)| PANELS[*kind].name == "settings");
+            let has_room = settings.is_some_and(|(_, area)| area.height >= ROOM_FOR_GAINS);
+            assert!(has_room, "{} at {width} x {height}: {placed:?}", layout.name());
+        }
+    }
+}
+
 #[test]
 fn small_terminals_get_a_later_screen() {
     let layout = Layout::read(BUILT_IN[1].0, BUILT_IN[1].1).unwrap();

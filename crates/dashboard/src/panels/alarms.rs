@@ -151,7 +151,12 @@ fn draw_standings(
         (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
     });
     for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
-        let text = format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  ");
+        // What it is and how it stands come before the limits, and those before the name's last letters.
+        let text = match row.width {
+            47.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
+            38.. => format!("{name:<12}{now:>8}{alarm:>9}  "),
+            _ => format!("{name:<12}{now:>7} "),
+        };
         let style = if name.is_empty() { theme::quiet() } else { Style::new() };
         let x = write(buffer, row, row.x, row.y, &text, style);
         write(buffer, row, x, row.y, &state.content, state.style);

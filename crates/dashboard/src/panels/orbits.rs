@@ -231,11 +231,19 @@ fn shown_steps(track: &Track, now: Option<usize>) -> std::ops::Range<usize> {
     start..last + 1
 }
 
+/// Up to so many orbits stand in a row or in a column: a hole among few is read as one that is missing.
+const IN_A_ROW: u16 = 3;
+
 /// Divides an area into `count` cells, in the number of columns that makes the largest round plot.
 fn grid(area: Rect, count: usize) -> Vec<Rect> {
     let count = count as u16;
     let side = |columns: u16| (area.width / columns).min(2 * (area.height / count.div_ceil(columns)));
-    let Some(columns) = (1..=count).max_by_key(|columns| (side(*columns), *columns)) else { return Vec::new() };
+    let Some(columns) = (1..=count)
+        .filter(|columns| count > IN_A_ROW || count.is_multiple_of(*columns))
+        .max_by_key(|columns| (side(*columns), *columns))
+    else {
+        return Vec::new();
+    };
     let (width, height) = (area.width / columns, area.height / count.div_ceil(columns));
     (0..count)
         .map(|at| Rect::new(area.x + at % columns * width, area.y + at / columns * height, width, height))

@@ -6,6 +6,7 @@
 //! │  trip           1000      ±10 e_t
 //! │▶ kd          -0.5879    ±0.01   │   ▶ selected: left and right lower and raise it
 //! │  kc      -1.25 linear   ±0.01   │   a scheduled gain at the present speed
+//! │  cd         0.4948  held 0.25   │   in place of the step: what it is in the settings that are held, or "-> 0.25" would be
 //! └─────────────────────────────────┘
 //! ```
 
@@ -95,17 +96,28 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let first = first_row(&shown, cursor.row, inner.height);
     for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
         let row = Rect { y, height: 1, ..inner };
-        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), row, buffer);
+        let other = other_of(view, settings, &units, keys[*at]);
+        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), other, row, buffer);
     }
     // On the frame, where no value is hidden by it.
     let last = (first + usize::from(inner.height)).min(shown.len());
     draw_overflow(&(first..last), shown.len(), area, buffer);
 }
 
+/// What else the setting may become, where that is another value: that of a change that is being typed or asked about, else the one that is
+/// held to compare with.
+fn other_of(view: &View<'_>, settings: &Settings, units: &Units, key: Key) -> Option<String> {
+    let differs = |other: &&Settings| other.get(key) != settings.get(key) || other.gain(key) != settings.gain(key);
+    let told = |other: &Settings| value_of(other, units, key);
+    let then = view.what_if.map(|what_if| &what_if.settings).filter(differs).map(|then| format!("-> {}", told(then)));
+    then.or_else(|| view.held.filter(differs).map(|held| format!("held {}", told(held))))
+}
+
 fn draw_row(
     (settings, units): (&Settings, &Units),
     key: Key,
     cursor: Option<&SettingsCursor>,
+    other: Option<String>,
     row: Rect,
     buffer: &mut Buffer,
 ) {
@@ -131,10 +143,15 @@ fn draw_row(
         26..34 => format!("±{}", compact(step)),
         _ => format!("±{:<4} {unit:<3}", compact(step)),
     };
+    // What it may become stands in place of the step.
+    let (step, color) = match other {
+        Some(other) => (other, theme::loud(theme::CANDIDATE)),
+        None => (step, theme::quiet()),
+    };
     let beside = if step.is_empty() { 0 } else { width(&step).max(5) as u16 + 2 };
     let beside = if value.width() as u16 + beside > room { 0 } else { beside };
     if beside > 0 {
-        write(buffer, row, row.right().saturating_sub(beside - 2), row.top(), &step, theme::quiet());
+        write(buffer, row, row.right().saturating_sub(beside - 2), row.top(), &step, color);
     }
     let wide = (value.width() as u16).min(room);
     let place = Rect { x: row.right() - beside - wide, width: wide, ..row };
@@ -187,6 +204,19 @@ mod tests {
         let typing = SettingsCursor { row: 3, typed: Some("-0.4".into()) };
         let frame = drawn(36, 10, |area, buffer| draw(&View { cursor: &typing, ..view(&data) }, area, buffer));
         assert!(frame.contains("▶ kd") && frame.contains("-0.4_"), "{frame}");
+    }
+
+    #[test]
+    fn what_is_held_and_what_would_be_stand_beside_what_is() {
+        let data = tests::frame_data();
+        let mut held = data.settings.clone().unwrap();
+        held.set("cd".parse().unwrap(), 0.25).unwrap();
+        let of = |view: View<'_>| drawn(36, 10, |area, buffer| draw(&view, area, buffer));
+        let beside = of(View { held: Some(&held), ..view(&data) });
+        assert!(beside.contains("0.4948  held 0.25│") && beside.matches("held").count() == 1, "{beside}");
+        let what_if = telemetry::what_if::WhatIf::of(data.rotor.as_ref().unwrap(), held.clone()).unwrap();
+        let then = of(View { held: Some(&held), what_if: Some(&what_if), ..view(&data) });
+        assert!(then.contains("0.4948  -> 0.25│") && !then.contains("held"), "{then}");
     }
 
     #[test]

@@ -40,7 +40,7 @@ fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
     let mass = axes.mass(data);
     let word = axes.word();
-    let title = |tau: &str| Line::from(format!(" full spectrum  mass {}{tau}{word} ", mass + 1));
+    let title = |tau: &str| Line::from(format!(" full spectrum  mass {}{word}{tau} ", mass + 1));
     let asked = data.now.filter(|_| data.masses() > 0).and_then(|now| {
         let view_steps = data.window.len();
         view.jobs.spectrum(&SpectrumRequest::until(&data.track, mass, now, view_steps, data.seconds))
@@ -239,7 +239,7 @@ mod tests {
         shown.command(&PanelCommand::Along(Scaling::Fix([1.0, 3.0]), &selection));
         let panel = std::cell::RefCell::new(shown);
         let frame = drawn(72, 14, |area, buffer| panel.borrow_mut().draw(&seen, area, buffer));
-        assert!(frame.contains("tau fixed ") && frame.contains("│=1e2"), "{frame}");
+        assert!(frame.contains("mass 1 fixed ") && frame.contains("│=1e2"), "{frame}");
         assert!(frame.contains("└ ┆ 2.500  1X  2.000 e_t ─"), "{frame}");
         assert!(frame.contains('◈') && !frame.contains("-1X "), "backward is out of view, the mode is not:\n{frame}");
         let wrong = panel.borrow_mut().command(&PanelCommand::Value(&[Scaling::Fix([-1.0, 2.0])]));

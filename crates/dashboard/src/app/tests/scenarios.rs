@@ -46,7 +46,7 @@ const SCENARIOS: &[(&str, &[Then])] = &[
             (":read off<enter>", &[], &["┆ R 4"]),
             (":layout whirl<enter>:choose spectrum<enter>", &["┏ full spectrum"], &[]),
             (":read 1.25<enter>", &["┆ 1.2", "1.5"], &[]),
-            (":spectrum 2 -3..3<enter>", &["full spectrum  mass 2  30.0 tau fixed"], &[]),
+            (":spectrum 2 -3..3<enter>", &["full spectrum  mass 2 fixed"], &[]),
             (":spectrum 9<enter>", &["spectrum 9: expected a mass from 1 to 3"], &[]),
             (":spectrum auto<enter>", &["full spectrum  mass 1  30.0 tau "], &[]),
             (":choose orbits<enter>,", &["the moment under the cursor"], &[]),
