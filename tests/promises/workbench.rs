@@ -164,7 +164,8 @@ fn the_alarm_that_fired_is_found_and_acknowledged() {
     screen.press_for(":trip=8\r", "trip = 8, from step");
     screen.press_for("0", "UNSTABLE with that");
     screen.press_for("y", "TRIPPED");
-    screen.press_for("2", "not acknowledged");
+    screen.wait_words("not acknowledged");
+    screen.press_for("2", "now  warning    alarm");
     screen.wait("the alarm, at the top", |text| text.lines().next()?.contains("!! ALARM").then_some(()));
     screen.press_until("a", "its acknowledgement", |text| {
         (text.contains("alarm acknowledged") || text.contains("alarms acknowledged")).then_some(())
@@ -179,7 +180,7 @@ fn keys_of_ones_own_are_bound_and_mistakes_refused_before_anything_starts() {
     std::fs::create_dir_all(&folder).unwrap();
     std::fs::write(folder.join("config.toml"), "layout = \"operator\"\n[keys]\nx = \"layout whirl\"\n").unwrap();
     let mut screen = Screen::start(root.path(), &[], SIZE);
-    screen.wait_words("force budget");
+    screen.wait_words("now  warning    alarm");
     screen.press_for("x", "spectrum");
     quit(screen);
     std::fs::write(folder.join("config.toml"), "[keys]\nx = \"undo\"\nx = \"redo\"\n").unwrap();

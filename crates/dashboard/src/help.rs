@@ -14,17 +14,19 @@ use crate::theme;
 use crate::view::View;
 
 /// Signs whose meaning the panels do not spell out.
-const SIGNS: [(&str, &str); 10] = [
+const SIGNS: [(&str, &str); 12] = [
     ("▲ ▼", "poles of forward and backward whirl"),
-    ("◆", "the least damped mode; right of the yellow line it grows"),
+    ("◆", "the least damped mode; right of the upright line through 0 it grows"),
     ("◇", "where the poles would be with what is being typed"),
     ("◈", "the mode that is pointed at"),
     ("┆", "the frequency or the speed that is pointed at"),
     ("fixed, =", "a scale that stands still"),
-    (".05 .1 .2 .5", "rays of equal damping ratio"),
+    ("ζ 0.05 .. 0.5", "rays of equal damping ratio"),
     ("●", "where a mass was when the rotor had made another turn"),
     ("⊕", "the mass that carries the control bearing"),
-    ("blue circle", "clearance of the support bearing"),
+    ("thin circle", "clearance of the support bearing"),
+    ("✗ ! ▼ ◇ ↑", "recording: a trip, an alarm, a note, a change, an impulse or a restart"),
+    ("░ ━ █ ◆", "recording: missing steps, the loop, the moment, where what-if begins"),
 ];
 
 /// Draws it over `area`, from line `from` on.

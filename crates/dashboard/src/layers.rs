@@ -9,14 +9,16 @@ use crate::actions::Action;
 use crate::input::Mouse;
 use crate::line_editor::{LineEditor, LineEvent};
 
-/// The last line from which the help can be shown: it stops at its end by itself.
-const LAST_LINE: usize = 1000;
+/// The last line from which help and log can be shown: they stop at their end by themselves.
+const LAST_LINE: usize = 5000;
 
 /// One layer.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Layer {
     /// The help, from this line on.
     Help(usize),
+    /// Every event and alarm in full, from this line on.
+    Log(usize),
     /// A value is being typed for the selected setting.
     Value(LineEditor),
     /// A command is being typed.
@@ -106,7 +108,7 @@ impl Layer {
     /// What a key means on it; `action` is what it stands for where nothing lies on top.
     pub(crate) fn press(&mut self, key: KeyEvent, action: Option<Action>) -> LayerEvent {
         match self {
-            Self::Help(from) => scroll_help(from, key, action),
+            Self::Help(from) | Self::Log(from) => scroll(from, key, action),
             Self::Value(line) => match line.press_number(key) {
                 LineEvent::Done => LayerEvent::Value(line.text().to_owned()),
                 LineEvent::Dropped => LayerEvent::Closed,
@@ -142,20 +144,22 @@ impl Layer {
     /// Lets the mouse act on it. Returns whether it does: what is typed at the foot leaves the panels to the mouse.
     pub(crate) fn mouse(&mut self, mouse: Mouse) -> bool {
         match (self, mouse) {
-            (Self::Help(from), Mouse::Wheel(lines)) => {
+            (Self::Help(from) | Self::Log(from), Mouse::Wheel(lines)) => {
                 *from = from.saturating_add_signed(3 * lines as isize).min(LAST_LINE);
                 true
             }
-            (Self::Help(_) | Self::AskUnstable(..) | Self::AskFound(..) | Self::AskPreset(..), _) => true,
+            (Self::Help(_) | Self::Log(_) | Self::AskUnstable(..) | Self::AskFound(..) | Self::AskPreset(..), _) => {
+                true
+            }
             (Self::Value(_) | Self::Command(_) | Self::Filter(_), _) => false,
         }
     }
 }
 
-fn scroll_help(from: &mut usize, key: KeyEvent, action: Option<Action>) -> LayerEvent {
+fn scroll(from: &mut usize, key: KeyEvent, action: Option<Action>) -> LayerEvent {
     let by = match (action, key.code) {
         (Some(action @ Action::Filter), _) => return LayerEvent::Act(action),
-        (Some(Action::Help | Action::Escape | Action::Type), _) => return LayerEvent::Closed,
+        (Some(Action::Help | Action::Log | Action::Escape | Action::Type), _) => return LayerEvent::Closed,
         (Some(Action::Select(rows)), _) => rows,
         (_, KeyCode::PageDown | KeyCode::Char(' ')) => 10,
         (_, KeyCode::PageUp) => -10,

@@ -39,6 +39,7 @@ mod layers;
 mod layout;
 mod line_editor;
 mod list;
+mod log;
 mod manual;
 mod options;
 mod panels;
@@ -54,6 +55,7 @@ mod signals;
 mod status_line;
 mod terminal;
 mod theme;
+mod ticks;
 mod time_line;
 mod view;
 

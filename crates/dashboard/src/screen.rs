@@ -12,7 +12,7 @@ use crate::panels::panel::PanelCommand;
 use crate::panels::registry::{PANELS, Panels};
 use crate::theme;
 use crate::view::View;
-use crate::{help, popup, status_line, time_line};
+use crate::{help, log, popup, status_line, time_line};
 
 /// Draws everything.
 pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: Rect, buffer: &mut Buffer) {
@@ -51,6 +51,13 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
         _ => popup::COMPLETES,
     };
     popup::draw(title, view.popup, body, buffer);
+    let log = view.layers.iter().find_map(|layer| match layer {
+        Layer::Log(from) => Some(*from),
+        _ => None,
+    });
+    if let Some(from) = log {
+        log::draw(view, from, body, buffer);
+    }
     let help = view.layers.iter().find_map(|layer| match layer {
         Layer::Help(from) => Some(*from),
         _ => None,

@@ -68,9 +68,9 @@ impl EventLog {
         true
     }
 
-    /// Takes in an event of a recording.
-    pub fn push_past(&mut self, event: &RecordedEvent, units: &Units) {
-        let what = units.past(&event.what);
+    /// Takes in an event of a recording; of a change with what it changed, in words.
+    pub fn push_past(&mut self, event: &RecordedEvent, difference: Option<String>, units: &Units) {
+        let what = difference.unwrap_or_else(|| units.past(&event.what));
         let (happening, level) = match &event.what {
             RecordedKind::Happening(happening) => (happening.clone(), Level::Fine),
             RecordedKind::Alarm(turn) => (Happening::Note(what.clone()), turn.level),

@@ -133,10 +133,11 @@ impl Feed {
         self.changes += u64::from(is_news);
     }
 
-    /// Adds an event of a recording.
-    pub fn push_past_event(&mut self, event: &RecordedEvent) {
+    /// Adds an event of a recording; of a change with the settings before and after it.
+    pub fn push_past_event(&mut self, event: &RecordedEvent, change: Option<[&Settings; 2]>) {
         let units = self.units();
-        self.event_log.push_past(event, &units);
+        let told = change.map(|[before, after]| units.difference(before, after));
+        self.event_log.push_past(event, told.filter(|told| !told.is_empty()), &units);
     }
 
     /// Sets whether the simulation is there and sends; what has come from it stays.
@@ -145,6 +146,12 @@ impl Feed {
             self.connection = connection;
             self.changes += 1;
         }
+    }
+
+    /// Has the largest force count from the newest step on.
+    pub fn reset_peak(&mut self) {
+        self.history.reset_peak();
+        self.changes += 1;
     }
 
     /// Takes what is to be held against the alarms' limits: the worst of all that has come since this was last asked.

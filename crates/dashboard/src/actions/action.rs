@@ -94,6 +94,10 @@ pub(crate) enum Action {
     Scroll(isize),
     /// Start to type what the lists shall show.
     Filter,
+    /// Show every event and alarm in full.
+    Log,
+    /// Look at the step with the largest control force, or forget it.
+    Peak(bool),
     /// Show and hide the help.
     Help,
     /// Close the top layer.

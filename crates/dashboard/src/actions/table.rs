@@ -273,6 +273,24 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         make: |_| Ok(Action::Acknowledge),
     },
     ActionRow {
+        name: "log",
+        argument: "",
+        meaning: "events and alarms in full",
+        keys: &[keys(&[("e", "")], "events and alarms in full", None)],
+        make: |_| Ok(Action::Log),
+    },
+    ActionRow {
+        name: "peak",
+        argument: "[reset]",
+        meaning: "look at the step with the largest force; reset counts anew",
+        keys: &[keys(&[("p", "")], "look at the step with the largest control force", None)],
+        make: |word| match word {
+            "" => Ok(Action::Peak(false)),
+            "reset" => Ok(Action::Peak(true)),
+            other => Err(format!("'{other}': expected reset, or nothing")),
+        },
+    },
+    ActionRow {
         name: "alarm",
         argument: "WATCH WARNING ALARM|off|machine",
         meaning: "limits of what is watched; machine: by its settings",

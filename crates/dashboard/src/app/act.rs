@@ -68,6 +68,8 @@ impl App<'_> {
                 }
             }
             Action::Help => self.layers.push(Layer::Help(0)),
+            Action::Log => self.layers.push(Layer::Log(0)),
+            Action::Peak(reset) => self.peak(reset),
             Action::Command(line) => self.layers.push(Layer::Command(LineEditor::from(&*line))),
             Action::Filter => self.layers.push(Layer::Filter(LineEditor::from(&*self.filter))),
             Action::Suspend => self.suspend = true,
@@ -120,6 +122,21 @@ impl App<'_> {
             Action::FrameData(file) => self.keep_screenshot(&file),
             // These are for recordings alone.
             Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_) => {}
+        }
+    }
+
+    /// Looks at the step with the largest control force of those that count, or has the count begin anew.
+    fn peak(&mut self, reset: bool) {
+        if reset {
+            lock(&self.feed).reset_peak();
+            self.tell(Message::Good("the largest force counts from now on".into()));
+            return;
+        }
+        let now = self.with_view(|view, _, _| view.data.now.map(|now| view.data.track.index_of(now)));
+        let found = now.and_then(|now| lock(&self.feed).history().peak_place(now));
+        match found {
+            Some(place) => self.look(|time, kept, seconds| time.look_at(place, kept, seconds)),
+            None => self.tell(Message::Bad("no step with a control force is kept".into())),
         }
     }
 

@@ -93,6 +93,9 @@ impl Look {
 
     /// Turns roles into colours, and glyphs into their ASCII twins if need be.
     pub(crate) fn finish(&self, buffer: &mut Buffer) {
+        if self.ascii {
+            spell_out(buffer);
+        }
         for cell in &mut buffer.content {
             cell.fg = self.color(cell.fg, |palette| palette.text);
             cell.bg = self.color(cell.bg, |palette| palette.background);
@@ -110,6 +113,18 @@ impl Look {
             (Some(palette), Color::Reset) => plain(palette),
             (Some(palette), Color::Indexed(role)) => palette.roles[usize::from(role)],
             (Some(_), color) => color,
+        }
+    }
+}
+
+/// Writes plus-minus as two signs where there is a blank before it: one sign alone would be read as another.
+fn spell_out(buffer: &mut Buffer) {
+    let width = usize::from(buffer.area.width);
+    for at in 1..buffer.content.len() {
+        if buffer.content[at].symbol() == "±" && at % width != 0 && buffer.content[at - 1].symbol() == " " {
+            let style = buffer.content[at].style();
+            buffer.content[at - 1].set_symbol("+").set_style(style);
+            buffer.content[at].set_symbol("-");
         }
     }
 }
@@ -189,5 +204,16 @@ mod tests {
         for (symbol, twin) in [("◆", "*"), ("│", "|"), ("⠤", "-"), ("x", "x"), ("²", "2")] {
             assert_eq!(finished(look, symbol, Style::new()).0, twin);
         }
+    }
+
+    #[test]
+    fn plus_minus_is_two_signs_where_it_has_room() {
+        let area = Rect::new(0, 0, 12, 2);
+        let mut buffer = Buffer::empty(area);
+        buffer.set_string(0, 0, "Im ±3 kd±0.1", Style::new());
+        buffer.set_string(0, 1, "±4", Style::new());
+        look(AppearanceOptions { ascii: true, ..AppearanceOptions::default() }, &[]).finish(&mut buffer);
+        let row = |y| (0..12).map(|x| buffer[(x, y)].symbol().to_owned()).collect::<String>();
+        assert_eq!([row(0), row(1).trim_end().to_owned()], ["Im+-3 kd~0.1", "~4"]);
     }
 }

@@ -19,6 +19,7 @@ use ratatui::text::{Line, Span};
 
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
+use crate::fit_text::longest;
 use crate::input::Mouse;
 use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
@@ -102,7 +103,8 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
         && judged
         && let Some(row) = rows.next()
     {
-        write(buffer, row, row.x, row.y, "nothing has been past its limit", theme::quiet());
+        let told = longest(&["nothing has been past its limit", "nothing past its limit"], usize::from(row.width));
+        write(buffer, row, row.x, row.y, &told, theme::quiet());
     }
     (
         usize::from(below.y - inner.y),
@@ -173,7 +175,7 @@ fn when(entry: &Entry) -> String {
     format!("{} to {fell}  ", clock(entry.rose.wall_ns))
 }
 
-fn what(entry: &Entry, units: &Units) -> String {
+pub(crate) fn what(entry: &Entry, units: &Units) -> String {
     if entry.cause.is_empty() {
         let unit = unit_of(entry.watch, units);
         let limit = if units.scales.is_some() { unit.told(entry.limit, 5) } else { unit.short(entry.limit, 5) };

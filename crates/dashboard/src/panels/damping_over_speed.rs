@@ -19,17 +19,18 @@ use ratatui::text::{Line, Span};
 use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
 use crate::axis::PlotAxis;
-use crate::drawing::{framed, write, write_right};
+use crate::drawing::{framed, write, write_free, write_right};
 use crate::fit_text::{longest, width};
 use crate::input::Mouse;
 use crate::plot::{Plot, Window};
 use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::theme;
+use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::{PoleTrace, PoleTraceRequest};
 use telemetry::units::Units;
-use text::number::{nice_ceiling, short};
+use text::number::{neat, nice_ceiling, short};
 
 /// What the panel shows.
 #[derive(Clone, Copy, Debug)]
@@ -148,7 +149,12 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
     let from = from.clamp(0.0, 0.999 * pole_trace.top());
     let speeds = [from, to.clamp(from + 1e-3 * pole_trace.top(), pole_trace.top())];
     panel.shown = Some((speeds, plotted.width));
-    draw_curves(facts, speeds, &mut panel.value, plotted, buffer);
+    draw_curves(facts, speeds, &mut panel.value, (area, plotted), buffer);
+    let column = |speed: f64| {
+        let along = (speed / factor - speeds[0]) / (speeds[1] - speeds[0]);
+        (0.0..=1.0).contains(&along).then(|| plotted.x + (along * f64::from(plotted.width)) as u16)
+    };
+    ticks::level(area, speeds.map(|speed| speed * factor), column, buffer);
 
     let foot = plotted.bottom();
     let now = format!("{}  {:.4} {word}", units.speed_told(facts.speed), facts.min_damping);
@@ -186,7 +192,13 @@ fn draw_facts(facts: &Facts<'_>, panel: &mut DampingOverSpeed, area: Rect, buffe
     }
 }
 
-fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
+fn draw_curves(
+    facts: &Facts<'_>,
+    speeds: [f64; 2],
+    value: &mut PlotAxis,
+    (frame, area): (Rect, Rect),
+    buffer: &mut Buffer,
+) {
     if area.is_empty() {
         return;
     }
@@ -220,10 +232,11 @@ fn draw_curves(facts: &Facts<'_>, speeds: [f64; 2], value: &mut PlotAxis, area: 
     curve(pole_trace, |damping| theme::verdict(damping).0, false, &mut plot);
     plot.paint(buffer);
 
-    write(buffer, area, area.left(), area.top(), &format!("{}{}", value.sign(), short(top, 2)), theme::quiet());
+    write_free(buffer, area, area.left(), area.top(), &format!("{}{}", value.sign(), short(top, 2)), theme::quiet());
     if let Some((_, y)) = plot.cell(speeds[0], 0.0).filter(|(_, y)| *y > area.top()) {
         write(buffer, area, area.left(), y, "0", theme::quiet());
     }
+    ticks::upright(frame, area, [bottom, top], |damping| plot.cell(speeds[0], damping).map(|(_, y)| y), neat, buffer);
     for (at, sign, color) in [
         Some((facts.speed, "◆", theme::verdict(facts.min_damping).0, facts.min_damping)),
         facts.candidate.map(|(_, speed, damping)| (speed, "◇", theme::CANDIDATE, damping)),

@@ -100,7 +100,7 @@ fn draw_entry(entry: &LoggedEvent, is_after: bool, row: Rect, buffer: &mut Buffe
 }
 
 /// What stands before an event, and its colour.
-fn sign(entry: &LoggedEvent) -> (&'static str, Option<Color>) {
+pub(crate) fn sign(entry: &LoggedEvent) -> (&'static str, Option<Color>) {
     match entry.happening {
         _ if entry.level == Level::Alarm => ("!! ", Some(theme::BAD)),
         _ if entry.level == Level::Warning => ("! ", Some(theme::WARN)),

@@ -1,12 +1,13 @@
 //! The control force: now, and the most since the settings last changed.
 //!
 //! ```text
-//! ┌ control force  m_b w0² e_t ─────┐
-//! │ now  1.423  ████████████░░░░░░░ │   "was" under a cursor in the past; the bar ends at the most, or where it is fixed
+//! ┌ control force  N  bar to 40 ────┐
+//! │ now  1.423  ████████████░░░░░░░ │   "was" under a cursor in the past; the bar ends at the alarm's limit, or where it is fixed
 //! │ max  2.655  since revision 3    │
 //! └─────────────────────────────────┘
 //! ```
 
+use alarms::Watch;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::Line;
@@ -17,7 +18,7 @@ use crate::drawing::{framed, write, write_right};
 use crate::fit_text::longest;
 use crate::theme;
 use crate::view::View;
-use text::number::short;
+use text::number::{neat, nice_ceiling, short};
 
 /// Width of a label and its number.
 const HEAD: u16 = 13;
@@ -46,14 +47,26 @@ pub(super) fn when(view: &View<'_>) -> &'static str {
 fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
     let unit = data.units().force;
-    let inner = framed(Line::from(format!(" control force  {} ", unit.name)), area, buffer);
-    let Some(at) = data.now else { return };
+    let name = format!(" control force  {} ", unit.name);
+    let Some(at) = data.now else {
+        framed(Line::from(name), area, buffer);
+        return;
+    };
     let [y, z] = data.track.force(at);
     let (now, peak) = (y.hypot(z) * unit.factor, data.peak_force * unit.factor);
-    let [_, full] = axis.over([0.0, peak]);
+    // What the bearing may do, or else a round number: a bar against its own maximum says nothing.
+    let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * unit.factor);
+    let [_, full] = axis.over([0.0, limit.unwrap_or_else(|| nice_ceiling(1.2 * peak))]);
+    let past = |value: f64| match limit {
+        Some(limit) if value > limit => theme::BAD,
+        _ => theme::FORCE,
+    };
+    let to = format!("{name} bar to {} ", neat(full));
+    let room = usize::from(area.width.saturating_sub(2));
+    let inner = framed(Line::from(longest(&[&to, &name], room)), area, buffer);
     let mut line = |row: u16, name: &str, value: f64| {
         let text = format!("{name} {:>8}", short(value, 5));
-        write(buffer, inner, inner.left(), inner.top() + row, &text, theme::loud(theme::FORCE));
+        write(buffer, inner, inner.left(), inner.top() + row, &text, theme::loud(past(value)));
     };
     line(0, when(view), now);
     line(1, "max", peak);
@@ -62,7 +75,7 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
         let part = (now / full * f64::from(cells)).round().clamp(0.0, f64::from(cells));
         let filled = if full > 0.0 { part as usize } else { 0 };
         let bar = "█".repeat(filled) + &"░".repeat(usize::from(cells) - filled);
-        write(buffer, inner, inner.left() + HEAD, inner.top(), &bar, theme::loud(theme::FORCE));
+        write(buffer, inner, inner.left() + HEAD, inner.top(), &bar, theme::loud(past(now)));
     }
     if axis.is_fixed() {
         write_right(buffer, inner, inner.top() + 1, &format!("{} fixed", short(full, 3)), theme::quiet());

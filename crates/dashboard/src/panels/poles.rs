@@ -2,13 +2,13 @@
 //!
 //! ```text
 //! ┌ poles ──────────────────────────┐
-//! │ .1   .05  ⡇ Im           ±5    │   rays of equal damping lean left from the origin
-//! │  ⠑⡀    ▲ ⡇                     │   ▲ forward, Im > 0
+//! │ ζ .1 ζ .05⡇ Im           ±5    │   rays of equal damping lean left from the origin
+//! ├2 ⠑⡀    ▲ ⡇                     │   ▲ forward, Im > 0; round values of both axes on the frame
 //! │    ⠑⡀  ▲ ⡇                     │
 //! │      ⠑⡀  ⡇◆  unstable          │   ◆ the least damped mode; right of the line Re = 0 it grows
 //! │⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⡏⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉⠉│
 //! │     ▼    ⡇                     │   ▼ backward, Im < 0; blue lines: where poles go over speed, from 0 up
-//! └ ◆ -0.1216 +2.2693j  ζ 0.0535 ───┘   of the least damped mode, or ◈ of the one that is pointed at
+//! └ ◆ -0.1216 +2.2693j  ζ 0.0535 ─0─┘   of the least damped mode, or ◈ of the one that is pointed at
 //! ```
 
 use ratatui::buffer::Buffer;
@@ -26,6 +26,7 @@ use crate::plot::{Plot, Window};
 use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::theme;
+use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::PoleTraceRequest;
 use telemetry::units::Units;
@@ -170,6 +171,10 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
     plot.line([0.0, bottom], [0.0, top], theme::CURSOR);
     plot.paint(buffer);
 
+    let factor = units.rate.factor;
+    let [shown_re, shown_im] = [[left, right], [bottom, top]].map(|range| range.map(|end| end * factor));
+    let row = |im: f64| plot.cell(left, im / factor).map(|(_, y)| y);
+    ticks::upright(area, inner, shown_im, row, neat, buffer);
     // A scale that stands still was chosen: it is told as it is.
     let number = |value: f64| match axes.re.is_fixed() || axes.im.is_fixed() {
         true => neat(value * units.rate.factor),
@@ -213,7 +218,7 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
         let slope = (1.0 - zeta * zeta).sqrt() / zeta;
         let end = 0.97 * (-left).min(top / slope);
         if let Some((x, y)) = plot.cell(-end, end * slope) {
-            write_free(buffer, inner, x, y, &format!("{zeta}"), theme::quiet());
+            write_free(buffer, inner, x, y, &format!("ζ {zeta}"), theme::quiet());
         }
     }
     let selection = view.selection.mode;
@@ -227,6 +232,7 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
         let style = theme::loud(theme::verdict(damping_ratio(pole)).0);
         write(buffer, edge, area.left() + 1, area.bottom().saturating_sub(1), &label, style);
     }
+    ticks::level(area, shown_re, |re| plot.cell(re / factor, 0.5 * (bottom + top)).map(|(x, _)| x), buffer);
 }
 
 /// Where the poles go over speed for the gains in force, faintly. Nothing where modes cannot be told

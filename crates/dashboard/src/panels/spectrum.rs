@@ -18,10 +18,13 @@ use spectrum::Spectrum;
 
 use super::spectral::{Spectral, SpectralPanel, shift, told};
 use crate::drawing::{framed, write, write_right};
+use crate::fit_text::width;
 use crate::plot::{Plot, Window};
 use crate::theme;
+use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::{OrbitSpectrum, SpectrumRequest};
+use telemetry::units::Units;
 use text::number::short;
 
 /// Orders that are marked, on both sides, the most important first.
@@ -115,7 +118,7 @@ fn draw_spectrum(
     let mut taken: Vec<[u16; 2]> = Vec::new();
     let mode = view.selection.mode.map(|pole| (pole.im, "◈".to_owned()));
     for (frequency, name) in mode.into_iter().chain(marks) {
-        let width = crate::fit_text::width(&name) as u16;
+        let width = width(&name) as u16;
         let Some((x, _)) = plot.cell(frequency, 0.5 * (top + bottom)) else { continue };
         let x = x.saturating_sub(width / 2).max(area.left());
         // A name that would run into another is left out: the important ones come first.
@@ -125,21 +128,67 @@ fn draw_spectrum(
             taken.push([x, x + width]);
         }
     }
-    for (row, peak) in answer.peaks.iter().take(NAMED).enumerate() {
-        let y = area.top() + row as u16;
-        if y < plotted.bottom() && area.width > 30 {
-            let color = if peak.frequency >= 0.0 { theme::FORWARD } else { theme::BACKWARD };
-            let name = if peak.name.is_empty() { units.frequency.short(peak.frequency, 3) } else { peak.name.clone() };
-            let radius = format!("{:>8} {}", units.length.short(peak.radius, 4), units.length.name);
-            write_right(buffer, area, y, &format!("{name:>7} {radius}"), theme::loud(color));
-        }
-    }
+    ticks::upright(
+        frame,
+        plotted,
+        [bottom, top],
+        |decade| plot.cell(low, decade).map(|(_, y)| y),
+        |decade| format!("1e{decade}"),
+        buffer,
+    );
+    let factor = units.frequency.factor;
+    let column = |shown: f64| plot.cell(shown / factor, 0.5 * (top + bottom)).map(|(x, _)| x);
+    name_peaks(answer, &units, plotted, (frame, &densities, [bottom, top]), buffer);
     // A line is as wide as a column, and its window two bins: what is nearest is the line.
     let within = axes.half_column().max(1.01 * spectrum.resolution());
     if let Some(line) = view.selection.frequency.and_then(|frequency| spectrum.at(frequency, within, speed)) {
         let edge = Rect { width: frame.width.saturating_sub(1), ..frame };
         let text = told(&line, &units);
         write(buffer, edge, frame.x + 1, frame.bottom().saturating_sub(1), &text, theme::loud(theme::CURSOR));
+    }
+    ticks::level(frame, [low, high].map(|end| end * factor), column, buffer);
+}
+
+/// Names the highest lines in the upper corner in which more of them have room above the curve; where none has, the highest on the
+/// frame.
+fn name_peaks(
+    answer: &OrbitSpectrum,
+    units: &Units,
+    area: Rect,
+    (frame, densities, [bottom, top]): (Rect, &[f64], [f64; 2]),
+    buffer: &mut Buffer,
+) {
+    let told = |peak: &spectrum::Peak| {
+        let color = if peak.frequency >= 0.0 { theme::FORWARD } else { theme::BACKWARD };
+        let name = if peak.name.is_empty() { units.frequency.short(peak.frequency, 3) } else { peak.name.clone() };
+        let radius = format!("{:>8} {}", units.length.short(peak.radius, 4), units.length.name);
+        (format!("{name:>7} {radius}"), theme::loud(color))
+    };
+    let lines: Vec<_> = answer.peaks.iter().take(NAMED).map(told).collect();
+    let wide = lines.iter().map(|(text, _)| width(text) as u16).max().unwrap_or(0);
+    // Rows above the curve over these columns of dots.
+    let free = |columns: std::ops::Range<usize>| {
+        let highest = densities.get(columns).unwrap_or_default().iter().copied().fold(bottom, f64::max);
+        ((top - highest) / (top - bottom) * f64::from(area.height)).floor().clamp(0.0, f64::from(area.height)) as usize
+    };
+    let cells = usize::from(wide) * 2;
+    let right = free(densities.len().saturating_sub(cells)..densities.len());
+    // Below the scale.
+    let left = free(0..cells.min(densities.len())).saturating_sub(1);
+    let has_room = wide + 8 <= area.width;
+    if !has_room || (right, left) == (0, 0) {
+        if let Some((text, style)) = lines.first() {
+            let edge = Rect { width: frame.width.saturating_sub(1), ..frame };
+            write_right(buffer, edge, frame.bottom().saturating_sub(1), &format!(" {} ", text.trim_start()), *style);
+        }
+        return;
+    }
+    for (row, (text, style)) in lines.iter().take(right.max(left)).enumerate() {
+        if right >= left {
+            write_right(buffer, area, area.top() + row as u16, text, *style);
+        } else {
+            write(buffer, area, area.left(), area.top() + 1 + row as u16, text, *style);
+        }
     }
 }
 

@@ -5,7 +5,7 @@
 //! │y ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±5 │   one strip a word of `:strips`; "=" before a scale that stands still
 //! │z ⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈⠢⠤⠊⠈     ±5 │
 //! │u ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀  ⡠⠤⡀   ±1 │   with a cursor, its values there
-//! └ 4.1 s ──────────────────────────┘
+//! └ 4.1 s ───────-2──────-1─────────┘   seconds before the end; a strip of three rows or fewer shows how far its lines reach within a turn
 //! ```
 
 use std::ops::Range;
@@ -25,6 +25,7 @@ use crate::series::{Strip, Trace};
 
 use crate::plot::{Plot, Window};
 use crate::theme;
+use crate::ticks;
 use crate::view::View;
 use telemetry::history::{Mark, StepQuantity};
 use telemetry::replay::WhatIfRun;
@@ -35,8 +36,10 @@ use text::number::{neat, nice_ceiling, short};
 const USUAL: &str = "y z u";
 /// The share of the width that the unit of a scale may take.
 const ROOM_FOR_UNIT: usize = 8;
+/// Rows up to which a strip of several lines is one of how far they reach.
+const LOW: u16 = 3;
 /// Height from which the lines of a strip are told apart by marks too.
-const ROOM_FOR_MARKS: u16 = 3;
+const ROOM_FOR_MARKS: u16 = 4;
 
 /// The strips: a click looks at a moment, the wheel shows more or less time.
 pub(crate) struct Strips {
@@ -162,8 +165,15 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
     let units = data.units();
     for (strip, row) in shown.iter().zip(rows.iter()) {
         let unit = strip.unit(&units);
-        draw_strip(strip, unit, strips.scale(&strip.name), view, (on_top, *row), buffer);
+        draw_strip(strip, unit, strips.scale(&strip.name), view, (on_top, area, *row), buffer);
     }
+    // Seconds before the end of what is shown.
+    let seconds = window.len() as f64 * data.seconds;
+    let column = |at: f64| {
+        let along = 1.0 + at / seconds;
+        (0.0..1.0).contains(&along).then(|| inner.x + (along * f64::from(inner.width)) as u16)
+    };
+    ticks::level(area, [-seconds, 0.0], column, buffer);
 }
 
 fn draw_strip(
@@ -171,7 +181,7 @@ fn draw_strip(
     unit: Unit,
     axis: &mut PlotAxis,
     view: &View<'_>,
-    (on_top, area): (usize, Rect),
+    (on_top, frame, area): (usize, Rect, Rect),
     buffer: &mut Buffer,
 ) {
     let data = view.data;
@@ -214,12 +224,16 @@ fn draw_strip(
     if let Some(now) = cursor {
         upright(now, theme::CURSOR);
     }
+    if area.height <= LOW && traces.len() > 1 {
+        envelope(&lines, &traces, view, &mut plot);
+    }
     // The first lies on top, and on it the mass that is looked at.
     let mut recorded: Vec<_> = traces.iter().map(|trace| trace.color).zip(&lines).rev().collect();
     if strip.is_of_every_mass() && on_top < recorded.len() {
         let chosen = recorded.remove(traces.len() - 1 - on_top);
         recorded.push(chosen);
     }
+    let recorded = recorded.into_iter().filter(|_| area.height > LOW || traces.len() == 1);
     for (color, columns) in others.iter().map(|columns| (theme::CANDIDATE, columns)).chain(recorded) {
         for (at, (x, [low, high])) in columns.iter().enumerate() {
             plot.line([*x, *low], [*x, *high], color);
@@ -237,6 +251,7 @@ fn draw_strip(
             }
         }
     }
+    ticks::upright(frame, area, [bottom, top], |value| plot.cell(left, value).map(|(_, y)| y), neat, buffer);
     let label = scale_text(
         [bottom, top],
         axis,
@@ -245,6 +260,32 @@ fn draw_strip(
     write_right(buffer, area, area.top(), &label, theme::quiet());
     let room = Rect { width: area.width.saturating_sub(width(&label) as u16), ..area };
     write_labels(strip, &traces, cursor.map(|now| (now, unit)), view, room, buffer);
+}
+
+/// Draws how far each line reaches within a turn of the rotor about each moment: what can still be read where there is no room for the
+/// lines.
+fn envelope(lines: &[Vec<Column>], traces: &[Trace], view: &View<'_>, plot: &mut Plot) {
+    let data = view.data;
+    let dtau = data.bench_status.as_ref().map_or(0.0, |bench_status| bench_status.dtau);
+    let speed = data.now.map_or(0.0, |now| data.track.speed(now));
+    let steps_a_turn = std::f64::consts::TAU / (speed * dtau);
+    for (trace, line) in traces.iter().zip(lines).rev() {
+        let [Some((first, _)), Some((last, _))] = [line.first(), line.last()] else { continue };
+        let columns_a_turn = steps_a_turn * (line.len() - 1) as f64 / (last - first).max(1.0);
+        // Half a turn to each side, unless the machine hardly turns.
+        let reach = if columns_a_turn.is_finite() { (0.5 * columns_a_turn).ceil() as usize } else { 0 };
+        let reach = reach.min(line.len() / 8);
+        let about = |at: usize| {
+            let near = &line[at.saturating_sub(reach)..(at + reach + 1).min(line.len())];
+            near.iter().fold(line[at].1, |[a, b], (_, [low, high])| [a.min(*low), b.max(*high)])
+        };
+        for at in 1..line.len() {
+            let (before, here) = (about(at - 1), about(at));
+            for edge in [0, 1] {
+                plot.line([line[at - 1].0, before[edge]], [line[at].0, here[edge]], trace.color);
+            }
+        }
+    }
 }
 
 /// The range that shows all of some lines, and as much of others as leaves these readable.
@@ -385,11 +426,11 @@ mod tests {
         let [y, z] = data.track.displacement(1000, 0).map(|part| short(part, 4));
         let damping = short(data.era.as_ref().unwrap().min_damping, 4);
         for words in [
-            "│radius.2 2.500 ",
-            &format!("│y.1 {y} z.1 {z} "),
-            "│force 0.800 ",
-            &format!("│damping {damping} "),
-            "│speed 2.500 ",
+            "radius.2 2.500 ",
+            &format!("y.1 {y} z.1 {z} "),
+            "force 0.800 ",
+            &format!("damping {damping} "),
+            "speed 2.500 ",
             "0 to 3 e_t│",
             "±1.5 e_t│",
             "=2 to 3 R│",

@@ -18,6 +18,7 @@ use spectrum::Peak;
 
 use super::spectral::{Spectral, SpectralPanel, shift, told};
 use crate::drawing::{framed, write, write_right};
+use crate::fit_text::longest;
 use crate::theme;
 use crate::view::View;
 use telemetry::jobs::{SpectrumRequest, Waterfall, WaterfallOrder, WaterfallRequest, WaterfallRow};
@@ -75,7 +76,12 @@ fn draw(view: &View<'_>, over: WaterfallOrder, axes: &mut Spectral, area: Rect, 
     };
     let Some(answer) = view.jobs.waterfall(&WaterfallRequest { orbit, over, rows, hop, reach }) else { return };
     if answer.rows.is_empty() {
-        write(buffer, inner, inner.left(), inner.top(), "too little motion yet", theme::quiet());
+        let (has, needs) = (answer.longest, WaterfallRow::STEPS);
+        let seconds = |steps: usize| short(steps as f64 * data.seconds, 3);
+        let full = format!("too little motion yet: {} of {} s without a gap", seconds(has), seconds(needs));
+        let brief = format!("{} of {} s", seconds(has), seconds(needs));
+        let told = longest(&[&full, &format!("too little yet: {brief}"), &brief], usize::from(inner.width));
+        write(buffer, inner, inner.left(), inner.top(), &told, theme::quiet());
         return;
     }
     let shift = shift(&units);
@@ -285,6 +291,6 @@ mod tests {
     fn too_little_motion_is_told() {
         let data = tests::frame_data();
         let frame = drawn(40, 6, |area, buffer| over_time().draw(&view(&data), area, buffer));
-        assert!(frame.contains("too little motion yet"), "{frame}");
+        assert!(frame.contains("too little yet: 3.00 of 4.10 s"), "{frame}");
     }
 }

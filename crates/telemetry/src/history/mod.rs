@@ -47,6 +47,8 @@ pub struct History {
     lost: u64,
     tripped: bool,
     peak_force: f64,
+    /// The place from which a person has had the largest control count.
+    peak_from: u64,
 }
 
 impl History {
@@ -67,6 +69,7 @@ impl History {
             lost: 0,
             tripped: false,
             peak_force: 0.0,
+            peak_from: 0,
         }
     }
 
@@ -249,12 +252,32 @@ impl History {
             // Also counts what has gone out of the history.
             return self.peak_force;
         }
-        let before = self.marks.partition_point(|(at, _)| *at <= place);
-        let since = self.marks.iter().take(before).rev().find(|(_, mark)| mark.resets_peaks());
-        let since = since.map_or(self.first, |(at, _)| *at);
+        let since = self.peak_since(place);
         self.track(&(since..place + 1))
             .range(StepQuantity::FORCE, 0..(place + 1 - since) as usize)
             .map_or(0.0, |[_, most]| most)
+    }
+
+    /// From which place on the largest control up to `place` counts.
+    fn peak_since(&self, place: u64) -> u64 {
+        let before = self.marks.partition_point(|(at, _)| *at <= place);
+        let since = self.marks.iter().take(before).rev().find(|(_, mark)| mark.resets_peaks());
+        let since = since.map_or(self.first, |(at, _)| (*at).max(self.first));
+        if self.peak_from <= place { since.max(self.peak_from) } else { since }
+    }
+
+    /// The place of the step with the largest control of those that [`Self::peak_force`] counts, as far as they are kept; the first of
+    /// several.
+    pub fn peak_place(&self, place: u64) -> Option<u64> {
+        let since = self.peak_since(place);
+        let track = self.track(&(since..place + 1));
+        let [_, most] = track.range(StepQuantity::FORCE, 0..track.len())?;
+        (0..track.len()).find(|step| track.value(StepQuantity::FORCE, *step) >= most).map(|step| track.index_of(step))
+    }
+
+    /// Has the largest control count from the newest step on.
+    pub fn reset_peak(&mut self) {
+        (self.peak_force, self.peak_from) = (0.0, self.end());
     }
 
     /// The steps that are kept, by their places.

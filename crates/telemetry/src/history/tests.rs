@@ -196,3 +196,22 @@ fn the_peak_force_resets_peaks_with_every_change_and_is_known_for_the_past() {
     history.push(&with(3, 1.5, 2));
     assert_eq!((history.peak_force(3), history.peak_force(2), history.peak_force(1)), (2.0, 2.0, 5.0));
 }
+
+#[test]
+fn the_largest_force_is_found_and_counts_anew_when_told_to() {
+    let mut history = History::new(BOUND);
+    let push = |history: &mut History, range: std::ops::Range<u64>| {
+        for seq in range {
+            let u = if seq == 700 || seq == 1500 { 3.0 + seq as f64 / 1000.0 } else { 0.5 };
+            history.push(&state(3, seq).with(wire::Channel::ForceY, 0, u).with(wire::Channel::ForceZ, 0, 0.0));
+        }
+    };
+    push(&mut history, 0..1000);
+    assert_eq!((history.peak_force(999), history.peak_place(999)), (3.7, Some(700)));
+    history.reset_peak();
+    push(&mut history, 1000..1400);
+    assert_eq!((history.peak_force(1399), history.peak_place(1399)), (0.5, Some(1000)));
+    assert_eq!(history.peak_place(800), Some(700), "what was looked at before keeps its own");
+    push(&mut history, 1400..1600);
+    assert_eq!((history.peak_force(1599), history.peak_place(1599)), (4.5, Some(1500)));
+}

@@ -142,17 +142,28 @@ pub struct Waterfall {
     pub rows: Vec<WaterfallRow>,
     /// The speeds that rows over speed stand for: one more than rows asked for.
     pub edges: Vec<f64>,
+    /// Steps without a restart or a loss up to the end of what was asked for: a row needs [`WaterfallRow::STEPS`].
+    pub longest: usize,
+}
+
+impl WaterfallRow {
+    /// The steps that a row is made of.
+    pub const STEPS: usize = ROW;
 }
 
 impl Waterfall {
     /// Computes the rows: some milliseconds for sixty.
     pub fn of(fall: &WaterfallRequest) -> Self {
         let ends = Self::ends(fall);
+        let end = fall.orbit.index_of_end();
+        let longest = fall.orbit.even(end.saturating_sub(ROW)..end).0.len();
         let mut welch = Welch::new(ROW);
         match fall.over {
-            WaterfallOrder::Time => {
-                Self { rows: ends.iter().filter_map(|end| row(fall, *end, &mut welch)).collect(), edges: vec![] }
-            }
+            WaterfallOrder::Time => Self {
+                rows: ends.iter().filter_map(|end| row(fall, *end, &mut welch)).collect(),
+                edges: vec![],
+                longest,
+            },
             WaterfallOrder::Speed => {
                 let speeds: Vec<f64> = ends.iter().map(|end| mean_speed(fall, *end)).collect();
                 let [low, high] = speeds
@@ -165,7 +176,7 @@ impl Waterfall {
                     let end = ends.iter().zip(&speeds).rev().find(|(_, speed)| here(**speed))?;
                     row(fall, *end.0, &mut welch)
                 };
-                Self { rows: (0..fall.rows).filter_map(newest).collect(), edges }
+                Self { rows: (0..fall.rows).filter_map(newest).collect(), edges, longest }
             }
         }
     }

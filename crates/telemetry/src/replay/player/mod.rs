@@ -7,6 +7,7 @@ use std::ops::Range;
 use std::time::Instant;
 
 use alarms::{Alarms, Limits, Turn};
+use wire::Happening;
 
 use crate::feed::Feed;
 use crate::replay::branch::Branch;
@@ -88,7 +89,15 @@ impl Player {
             branch: None,
             past,
         };
-        player.events.iter().for_each(|event| feed.push_past_event(event));
+        // Units come with the first moment, changes with the settings around them.
+        feed.set_present(bench_status);
+        for event in &player.events {
+            let is_change = event.happening() == Some(&Happening::Settings);
+            let around = is_change
+                .then(|| [event.at.seq.saturating_sub(1), event.at.seq].map(|seq| player.past.bench_status_at(seq)));
+            let around = around.as_ref().map(|around| around.each_ref().map(|status| status.settings.get()));
+            feed.push_past_event(event, around);
+        }
         player.show(feed, time, true)?;
         Ok(player)
     }
