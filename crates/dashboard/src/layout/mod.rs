@@ -134,7 +134,7 @@ impl Layout {
         let mut found = None;
         for screen in &self.screens {
             let placed = screen.place(area);
-            let is_enough = fits(&placed);
+            let is_enough = screen.has_cells(area) && fits(&placed);
             found = Some((screen, placed));
             if is_enough {
                 break;
@@ -152,7 +152,21 @@ fn fits(placed: &[(usize, Rect)]) -> bool {
     })
 }
 
+/// Whether so many cells are enough for all of these sizes.
+fn enough(sizes: &[Size], cells: u16) -> bool {
+    let least = |size: &Size| match *size {
+        Size::Share(_) => 1,
+        Size::Cells(cells) => u32::from(cells),
+    };
+    sizes.iter().map(least).sum::<u32>() <= u32::from(cells)
+}
+
 impl Screen {
+    /// Whether there are the cells that it asks for, and one for every share: what is shared out of too few comes out one way or another.
+    fn has_cells(&self, area: Rect) -> bool {
+        enough(&self.columns, area.width) && enough(&self.rows, area.height)
+    }
+
     fn place(&self, area: Rect) -> Vec<(usize, Rect)> {
         let along = |sizes: &[Size]| -> Vec<Constraint> {
             let constraint = |size: &Size| match *size {
@@ -189,11 +203,11 @@ impl Screen {
         };
         let wide = |width| {
             let placed = self.place(Rect::new(0, 0, width, MOST));
-            placed.iter().all(|(kind, area)| area.width >= PANELS[*kind].least.0)
+            enough(&self.columns, width) && placed.iter().all(|(kind, area)| area.width >= PANELS[*kind].least.0)
         };
         let high = |height| {
             let placed = self.place(Rect::new(0, 0, MOST, height));
-            placed.iter().all(|(kind, area)| area.height >= PANELS[*kind].least.1)
+            enough(&self.rows, height) && placed.iter().all(|(kind, area)| area.height >= PANELS[*kind].least.1)
         };
         (search(&wide), search(&high))
     }

@@ -53,6 +53,18 @@ fn small_terminals_get_a_later_screen() {
 }
 
 #[test]
+fn regress_which_screen_is_shown_does_not_change_from_one_frame_to_the_next() {
+    // Cells that are asked for and not there came out one way or another, and with them the screen.
+    for layout in built_in() {
+        for (width, height) in [(60, 16), (80, 24), (100, 30), (120, 40), (140, 42), (200, 60)] {
+            let area = Rect::new(0, 1, width, height - 2);
+            let first = layout.places(area);
+            assert!((0..20).all(|_| layout.places(area) == first), "{} at {width} x {height}", layout.name());
+        }
+    }
+}
+
+#[test]
 fn a_block_of_words_is_a_panel() {
     let text = "about = 'x'\n[[screen]]\ncolumns = '1 =20'\npicture = '''\npoles .\npoles force\n'''";
     let layout = Layout::read("mine", text).unwrap();
