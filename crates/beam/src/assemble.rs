@@ -2,15 +2,19 @@
 
 use nalgebra::DMatrix;
 
-use crate::Coefficient;
 use crate::drawing::{Bearing, Drawing};
 use crate::element::elements;
 use crate::model::{FullModel, Inside, Place, Spring, SpringPart};
+use crate::{Coefficient, Matrices};
 
 impl Drawing {
     /// All elements, discs and masses assembled; bearings, seals and magnetic bearings listed beside.
     #[must_use]
     pub fn full(&self) -> FullModel {
+        self.matrices.as_ref().map_or_else(|| self.of_elements(), |matrices| self.of_matrices(matrices))
+    }
+
+    fn of_elements(&self) -> FullModel {
         let nodes = self.elements() + 1;
         let zeros = || DMatrix::zeros(2 * nodes, 2 * nodes);
         let [mut mass, mut damping, mut gyroscopic] = [zeros(), zeros(), zeros()];
@@ -76,9 +80,39 @@ impl Drawing {
             cross_stiffness,
             internal,
             springs: self.springs(&node_of),
+            displacements: (0..nodes).map(|node| 2 * node).collect(),
             nodes: places,
             station_nodes: node_of,
             inside,
+            unbalances: self.unbalances.clone(),
+            rotor_mass: self.mass(),
+        }
+    }
+
+    /// The matrices of another program with the masses that the drawing adds.
+    fn of_matrices(&self, matrices: &Matrices) -> FullModel {
+        let mut mass = matrices.mass.clone();
+        let points = self.point_masses.iter().map(|point| (point.station, point.mass));
+        let bearings = self.bearings.iter().chain(&self.seals).map(|bearing| (bearing.station, bearing.mass));
+        for (station, added) in points.chain(bearings) {
+            let p = matrices.stations[station];
+            mass[(p, p)] += added;
+        }
+        let size = mass.nrows();
+        let station_nodes: Vec<usize> = (0..matrices.stations.len()).collect();
+        let places = matrices.positions.iter().enumerate();
+        FullModel {
+            mass,
+            damping: matrices.damping.clone(),
+            gyroscopic: matrices.gyroscopic.clone(),
+            stiffness: matrices.stiffness.clone(),
+            cross_stiffness: matrices.cross_stiffness.clone(),
+            internal: DMatrix::zeros(size, size),
+            springs: self.springs(&station_nodes),
+            displacements: matrices.stations.clone(),
+            nodes: places.map(|(station, &position)| Place::station(position, station)).collect(),
+            station_nodes,
+            inside: Vec::new(),
             unbalances: self.unbalances.clone(),
             rotor_mass: self.mass(),
         }

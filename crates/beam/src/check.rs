@@ -6,7 +6,7 @@ use std::fmt;
 use text::number::counted;
 
 use crate::drawing::{Amount, Bearing, Section, Sketch};
-use crate::{Coefficient, MAX_COORDINATES, MAX_ELEMENTS, MAX_NAME};
+use crate::{Coefficient, MAX_COORDINATES, MAX_ELEMENTS, MAX_NAME, Matrices};
 
 /// One thing that is wrong with a drawing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -61,7 +61,7 @@ pub(crate) fn is_key(name: &str) -> bool {
 
 /// All that is wrong with `sketch`. Whoever has told already what is no number at all says so with `told`, and hears of it no more.
 pub(crate) fn faults(sketch: &Sketch, told: bool) -> Vec<DrawingFault> {
-    let mut check = Check { faults: Vec::new(), stations: sketch.sections.len() + 1, told };
+    let mut check = Check { faults: Vec::new(), stations: sketch.station_count(), told };
     check.whole(sketch);
     for (i, material) in sketch.materials.iter().enumerate() {
         let at = ("material", i);
@@ -196,6 +196,10 @@ impl Check {
         self.not_negative(at, "mass_damping", sketch.mass_damping);
         self.not_negative(at, "stiffness_damping", sketch.stiffness_damping);
         sketch.reference_length.into_iter().for_each(|length| self.positive(at, "reference_length", length));
+        if let Some(matrices) = &sketch.matrices {
+            self.matrices(sketch, matrices);
+            return;
+        }
         let elements = sketch.sections.iter().fold(0, |sum: usize, section| sum.saturating_add(section.elements));
         if sketch.sections.is_empty() || elements > MAX_ELEMENTS {
             let found = if elements == 0 { "no [[section]]".to_owned() } else { format!("{elements} elements") };
@@ -208,6 +212,37 @@ impl Check {
         {
             let expected = format!("1 to {most}, at most {MAX_COORDINATES} and two an end of an element");
             self.fault(at, "coordinates", format!("coordinates = {coordinates}"), expected);
+        }
+    }
+
+    /// Matrices stand for all that is made of sections.
+    fn matrices(&mut self, sketch: &Sketch, matrices: &Matrices) {
+        for (key, found, expected) in matrices.faults() {
+            self.fault(("plant", 0), key, found, expected);
+        }
+        for (table, count) in [
+            ("section", sketch.sections.len()),
+            ("sleeve", sketch.sleeves.len()),
+            ("disc", sketch.discs.len()),
+            ("material", sketch.materials.len()),
+        ] {
+            if count > 0 {
+                let expected = "none beside [plant], whose matrices stand for the shaft and all discs";
+                self.fault((table, 0), "", format!("{table} beside matrices"), expected);
+            }
+        }
+        for (key, value) in [("mass_damping", sketch.mass_damping), ("stiffness_damping", sketch.stiffness_damping)] {
+            if value != 0.0 {
+                let expected = "none beside [plant], which has a matrix of damping";
+                self.fault(("", 0), key, format!("{key} = {value}"), expected);
+            }
+        }
+        let most = MAX_COORDINATES.min(self.stations);
+        if let Some(coordinates) = sketch.coordinates
+            && !(1..=most).contains(&coordinates)
+        {
+            let expected = format!("1 to {most}, at most {MAX_COORDINATES} and one a station");
+            self.fault(("", 0), "coordinates", format!("coordinates = {coordinates}"), expected);
         }
     }
 

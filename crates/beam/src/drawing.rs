@@ -2,8 +2,8 @@
 
 use std::ops::Deref;
 
-use crate::Coefficient;
 use crate::check::{DrawingError, faults};
+use crate::{Coefficient, Matrices};
 
 /// What a shaft or disc is made of.
 #[derive(Clone, Debug, PartialEq)]
@@ -235,6 +235,8 @@ pub struct Unbalance {
 pub struct Sketch {
     /// The rotor's name: 1 to [`MAX_NAME`](crate::MAX_NAME) bytes of printable text.
     pub name: String,
+    /// What stands in place of a shaft, where another program has made it.
+    pub matrices: Option<Matrices>,
     /// What there is to make it of.
     pub materials: Vec<Material>,
     /// The shaft from left to right. Stations are the ends of its sections.
@@ -263,6 +265,13 @@ pub struct Sketch {
     pub reference_length: Option<f64>,
     /// How many coordinates to keep for stepping.
     pub coordinates: Option<usize>,
+}
+
+impl Sketch {
+    /// How many stations there are.
+    pub(crate) fn station_count(&self) -> usize {
+        self.matrices.as_ref().map_or(self.sections.len() + 1, |matrices| matrices.stations.len())
+    }
 }
 
 /// A rotor as a drawing, checked when it was made. Its content is read as fields: `drawing.sections`.
@@ -294,15 +303,18 @@ impl Drawing {
         self.0
     }
 
-    /// How many stations there are: one more than sections.
+    /// How many stations there are: one more than sections, or as many as the matrices have.
     #[must_use]
     pub fn stations(&self) -> usize {
-        self.sections.len() + 1
+        self.0.station_count()
     }
 
     /// Where the stations are, in m from the left end.
     #[must_use]
     pub fn station_positions(&self) -> Vec<f64> {
+        if let Some(matrices) = &self.matrices {
+            return matrices.positions.clone();
+        }
         let ends = self.sections.iter().scan(0.0, |at, section| {
             *at += section.length;
             Some(*at)
@@ -316,7 +328,7 @@ impl Drawing {
         self.sections.iter().map(|section| section.elements).sum()
     }
 
-    /// Mass of shaft, sleeves, discs and point masses in kg.
+    /// Mass of shaft, sleeves, discs and point masses in kg; of matrices, what moves when all stations move together.
     #[must_use]
     pub fn mass(&self) -> f64 {
         let layers = self.sections.iter().chain(self.sleeves.iter().map(|sleeve| &sleeve.layer));
@@ -326,6 +338,7 @@ impl Drawing {
             self.materials[layer.material].density * std::f64::consts::PI / 12.0 * layer.length * squares
         });
         let points = self.point_masses.iter().map(|point| point.mass);
-        shaft.sum::<f64>() + self.discs.iter().map(|disc| disc.mass).sum::<f64>() + points.sum::<f64>()
+        let given = self.matrices.as_ref().map_or(0.0, Matrices::whole_mass);
+        given + shaft.sum::<f64>() + self.discs.iter().map(|disc| disc.mass).sum::<f64>() + points.sum::<f64>()
     }
 }

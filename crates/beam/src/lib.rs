@@ -38,7 +38,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! * [`Sketch`], [`Drawing`]: what there is, before and after it has been checked; [`read`] and [`write`] as a file.
+//! * [`Sketch`], [`Drawing`]: what there is, before and after it has been checked; [`read()`] and [`write()`] as a file.
+//! * [`Matrices`]: a rotor as another program has it, in place of a shaft; [`read_matrices`] from its files.
 //! * [`FullModel`]: the matrices of all elements, with what holds the rotor listed beside ([`Spring`]).
 //! * [`Reduced`]: few coordinates, each the displacement of a place; [`lost`] says what that costs.
 //! * [`import_ross`]: the files of ROSS.
@@ -52,6 +53,7 @@ mod drawing;
 mod element;
 mod file;
 mod lost;
+mod matrices;
 mod model;
 mod modes;
 mod poles;
@@ -66,9 +68,10 @@ pub use drawing::{
     Amount, Bearing, Disc, Drawing, ImportedController, Magnetic, Material, PointMass, Section, Sensor, Shear, Sketch,
     Sleeve, Unbalance,
 };
-pub use file::{Also, is_drawing, read, read_and, write, write_and};
+pub use file::{Also, Open, is_drawing, read, read_and, write, write_and};
 pub use linear::C64;
-pub use lost::{Lost, LostPole, lost};
+pub use lost::{Lost, LostError, LostPole, lost};
+pub use matrices::{Matrices, MatrixError, read_matrices};
 pub use model::{FullModel, Place, Spring, SpringPart};
 pub use poles::PoleError;
 pub use reduce::{Reduced, ReductionError};
@@ -76,6 +79,9 @@ pub use ross::{Note, import_ross};
 
 /// The most elements of a shaft.
 pub const MAX_ELEMENTS: usize = 256;
+
+/// The most coordinates of a rotor that is given as matrices.
+pub const MAX_ROWS: usize = 128;
 
 /// The most coordinates that a rotor is reduced to.
 pub const MAX_COORDINATES: usize = 16;

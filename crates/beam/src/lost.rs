@@ -1,6 +1,6 @@
 //! What a reduction has cost.
 
-use crate::{C64, FullModel, PoleError, Reduced};
+use crate::{C64, Drawing, FullModel, MAX_COORDINATES, PoleError, Reduced, ReductionError};
 
 /// A pole of the full model and what the reduction makes of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,18 +44,65 @@ impl Lost {
 /// # Errors
 /// Those of [`FullModel::eigenvalues`].
 pub fn lost(full: &FullModel, reduced: &Reduced, speeds: &[f64], up_to: f64) -> Result<Lost, PoleError> {
+    compare(full, reduced, &poles(full, speeds)?, up_to)
+}
+
+impl FullModel {
+    /// Reduces the rotor to as few coordinates as keep every pole up to `up_to` in rad/s at each of `speeds` in rad/s within the
+    /// relative error `within`, and says what they lose. Where even [`MAX_COORDINATES`] do not, those are it. Few coordinates are not only
+    /// faster to step: fast modes that mean nothing would force short steps.
+    ///
+    /// # Errors
+    /// Those of [`FullModel::reduce`] and of [`FullModel::eigenvalues`].
+    pub fn reduce_within(
+        &self,
+        drawing: &Drawing,
+        speeds: &[f64],
+        up_to: f64,
+        within: f64,
+    ) -> Result<(Reduced, Lost), LostError> {
+        let poles = poles(self, speeds)?;
+        let mut coordinates = 2;
+        loop {
+            let reduced = self.reduce(drawing, coordinates)?;
+            let lost = compare(self, &reduced, &poles, up_to)?;
+            let most = coordinates == MAX_COORDINATES || reduced.coordinates() < coordinates;
+            if most || lost.worst_frequency() <= within {
+                return Ok((reduced, lost));
+            }
+            coordinates += 1;
+        }
+    }
+}
+
+/// Why a rotor could not be reduced, or compared with what it was reduced to.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LostError {
+    /// It could not be reduced.
+    #[error(transparent)]
+    Reduction(#[from] ReductionError),
+    /// Poles were not found.
+    #[error(transparent)]
+    Poles(#[from] PoleError),
+}
+
+fn poles(full: &FullModel, speeds: &[f64]) -> Result<Vec<(f64, Vec<C64>)>, PoleError> {
+    speeds.iter().map(|&speed| Ok((speed, full.eigenvalues(speed)?))).collect()
+}
+
+fn compare(full: &FullModel, reduced: &Reduced, of: &[(f64, Vec<C64>)], up_to: f64) -> Result<Lost, PoleError> {
     let least = 1e-3 * up_to;
     let mut poles = Vec::new();
-    for &speed in speeds {
-        let mut left = reduced.eigenvalues(&full.springs, speed)?;
-        for pole in full.eigenvalues(speed)?.into_iter().filter(|pole| pole.norm() <= up_to) {
+    for (speed, all) in of {
+        let mut left = reduced.eigenvalues(&full.springs, *speed)?;
+        for &pole in all.iter().filter(|pole| pole.norm() <= up_to) {
             let distance = |other: &C64| (other - pole).norm();
             let nearest = left.iter().enumerate().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
             // A pole without a partner is lost whole.
             let found = nearest.map(|(at, _)| at).map_or(C64::ZERO, |at| left.swap_remove(at));
             let ratio = |s: C64| if s.norm() > least { -s.re / s.norm() } else { 0.0 };
             poles.push(LostPole {
-                speed,
+                speed: *speed,
                 full: pole,
                 reduced: found,
                 frequency: (found - pole).norm() / pole.norm().max(least),

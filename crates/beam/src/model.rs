@@ -55,7 +55,7 @@ pub struct Spring {
     pub part: SpringPart,
     /// At which station, counted from 0.
     pub station: usize,
-    /// At which node: its `p` is coordinate `2 node` of the full model.
+    /// At which node of the full model; [`FullModel::displacements`] says which coordinate its displacement is.
     pub node: usize,
     /// `k` in N/m.
     pub stiffness: Coefficient,
@@ -89,7 +89,7 @@ impl Spring {
     }
 }
 
-/// The equations of motion with two complex coordinates a node, `p` and `psi = beta - j alpha`:
+/// The equations of motion, of a drawing with a shaft with two complex coordinates a node, `p` and `psi = beta - j alpha`:
 ///
 /// ```text
 /// M p'' + (C + Cr - j w G) p' + (K - j (Kc + w Cr)) p = springs + forces
@@ -115,6 +115,8 @@ pub struct FullModel {
     pub springs: Vec<Spring>,
     /// The ends of all elements, from left to right.
     pub nodes: Vec<Place>,
+    /// Which coordinate the displacement of each node is: of a drawing with a shaft, every other one.
+    pub displacements: Vec<usize>,
     /// Which node each station is.
     pub station_nodes: Vec<usize>,
     pub(crate) inside: Vec<Inside>,
@@ -132,7 +134,7 @@ impl FullModel {
         let cross = self.cross_stiffness.zip_map(&self.internal, |kc, internal| kc + speed * internal);
         let mut s = self.stiffness.zip_map(&cross, |k, cross| C64::new(k, -cross));
         for spring in self.springs.iter().filter(|spring| !spring.is_touchdown()) {
-            let p = 2 * spring.node;
+            let p = self.displacements[spring.node];
             d[(p, p)] += spring.damping_at(speed);
             s[(p, p)] += spring.stiffness_at(speed);
         }

@@ -51,8 +51,10 @@ pub struct Reduced {
     /// The places whose displacements are the coordinates, from left to right: stations where they will do, other places of the shaft
     /// where those are too few.
     pub stations: Vec<Place>,
-    /// `p` and `psi` of all nodes of the full model from the coordinates: its coordinates by `n`.
+    /// All coordinates of the full model, of a shaft `p` and `psi` of its nodes, from these: as many rows as it has, `n` columns.
     pub shape: DMatrix<f64>,
+    /// Which of those rows is the displacement of each node of the full model.
+    pub displacements: Vec<usize>,
     /// The condition number of the displacements of the places: how many digits choosing them has cost.
     pub condition: f64,
 }
@@ -67,7 +69,8 @@ impl FullModel {
         if !(1..=MAX_COORDINATES).contains(&coordinates) {
             return Err(ReductionError::Coordinates(coordinates));
         }
-        let basis = self.shapes(coordinates.min(self.mass.nrows()))?;
+        let places = self.nodes.len() + self.inside.len();
+        let basis = self.shapes(coordinates.min(self.mass.nrows()).min(places))?;
         let (places, rows): (Vec<_>, Vec<_>) = candidates(self, drawing, &basis).into_iter().unzip();
         let chosen = choose(&places, &rows, basis.ncols()).ok_or(ReductionError::Places(basis.ncols()))?;
 
@@ -79,13 +82,14 @@ impl FullModel {
         };
         Ok(Reduced {
             mass: even(&self.mass),
-            damping: even(&self.damping),
+            damping: place(&self.damping),
             gyroscopic: even(&self.gyroscopic),
             stiffness: even(&self.stiffness),
             cross_stiffness: place(&self.cross_stiffness),
             internal: even(&self.internal),
             stations: chosen.places.iter().map(|&at| places[at].place.clone()).collect(),
             shape: &basis * &chosen.inverse,
+            displacements: self.displacements.clone(),
             condition: chosen.condition,
         })
     }
@@ -101,7 +105,7 @@ impl FullModel {
         let shifted = (&self.stiffness + &self.mass * (scale * scale)).cholesky().ok_or(ReductionError::Mass)?;
         let statics = held.iter().map(|node| {
             let mut force = DVector::zeros(self.mass.nrows());
-            force[2 * node] = 1.0;
+            force[self.displacements[*node]] = 1.0;
             shifted.solve(&force)
         });
         let first = modes.column_iter().take(count - held.len()).map(|shape| shape.into_owned());
@@ -144,7 +148,7 @@ impl Reduced {
     /// The displacement of a node of the full model as a row of the coordinates.
     #[must_use]
     pub fn displacement(&self, node: usize) -> RowDVector<f64> {
-        self.shape.row(2 * node).into_owned()
+        self.shape.row(self.displacements[node]).into_owned()
     }
 
     /// `(M, D, S)` of `M q'' + D q' + S q = 0` at a spin speed in rad/s, held by the `springs` of the full model as if there were no

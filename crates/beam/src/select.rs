@@ -46,12 +46,9 @@ pub(crate) fn candidates(
     let sensors = sensors.chain(drawing.magnetics.iter().map(|magnetic| magnetic.sensor));
     sensors.for_each(|station| want(full.station_nodes[station], 0));
 
-    let nodes = full
-        .nodes
-        .iter()
-        .zip(ranks)
-        .enumerate()
-        .map(|(node, (place, rank))| (Candidate { place: place.clone(), rank }, basis.row(2 * node).into_owned()));
+    let nodes = full.nodes.iter().zip(ranks).enumerate().map(|(node, (place, rank))| {
+        (Candidate { place: place.clone(), rank }, basis.row(full.displacements[node]).into_owned())
+    });
     let inside = full.inside.iter().map(|inside| {
         let row = inside.row * basis.fixed_rows::<4>(2 * inside.node);
         let row = RowDVector::from_iterator(basis.ncols(), row.iter().copied());

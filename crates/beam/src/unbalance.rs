@@ -53,7 +53,7 @@ impl FullModel {
         let square = C64::from(speed * speed);
         let mut force = DVector::from_element(mass.nrows(), C64::ZERO);
         for (&node, &amount) in self.station_nodes.iter().zip(unbalance) {
-            force[2 * node] = square * amount;
+            force[self.displacements[node]] = square * amount;
         }
         let dynamic = stiffness + damping * C64::new(0.0, speed) - mass * square;
         let whirl = dynamic.lu().solve(&force).filter(|whirl| whirl.iter().all(|q| q.is_finite()));

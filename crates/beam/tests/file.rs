@@ -148,7 +148,7 @@ fn what_is_written_reads_back_to_the_last_bit() {
 fn what_somebody_else_reads_is_no_fault() {
     let text = format!("{RIG}\n[loop]\nrate = 5.0\n").replace("name = \"left\"", "name = \"left\"\nsignal = 7");
     assert!(read(&text, "rig").is_err(), "nobody reads it");
-    let also = Also { file: &["loop"], magnetic: &["signal"] };
+    let also = Also { file: &["loop"], magnetic: &["signal"], ..Also::default() };
     let (rig, rate) = read_and(&text, "rig", also, |reader, file, drawing| {
         assert_eq!(drawing.magnetics.len(), 1);
         let table = reader.table(file, "loop").expect("[loop]");
@@ -326,7 +326,7 @@ fn what_is_wrong_is_told_at_its_place() {
         (
             "[[sensor]]",
             "[[sensors]]",
-            "80:3: unknown key 'sensors': expected one of name, units, reference_length, coordinates, mass_damping, stiffness_damping, material, section, sleeve, disc, point_mass, bearing, seal, magnetic, sensor, unbalance; did you mean 'sensor'?",
+            "80:3: unknown key 'sensors': expected one of name, units, reference_length, coordinates, mass_damping, stiffness_damping, plant, material, section, sleeve, disc, point_mass, bearing, seal, magnetic, sensor, unbalance; did you mean 'sensor'?",
         ),
     ];
     let mut wrong = Vec::new();

@@ -50,6 +50,19 @@ fn fewer_coordinates_lose_more_and_it_is_said() {
 }
 
 #[test]
+fn as_few_coordinates_as_will_do_are_found() {
+    let (drawing, full) = rotor(MAGNETS);
+    let speeds = [0.0, 1200.0];
+    let (reduced, lost) = full.reduce_within(&drawing, &speeds, 5000.0, 1e-3).expect("a reduction");
+    assert!(lost.worst_frequency() <= 1e-3 && reduced.coordinates() < 12, "{}", reduced.coordinates());
+    let fewer = full.reduce(&drawing, reduced.coordinates() - 1).expect("a reduction");
+    assert!(beam::lost(&full, &fewer, &speeds, 5000.0).expect("poles").worst_frequency() > 1e-3);
+    // What cannot be had is not claimed.
+    let (reduced, lost) = full.reduce_within(&drawing, &speeds, 1e6, 1e-3).expect("a reduction");
+    assert!(reduced.coordinates() == 16 && lost.worst_frequency() > 1e-3);
+}
+
+#[test]
 fn as_many_coordinates_as_there_are_lose_nothing() {
     let (reduced, lost) = compared(include_str!("cases/isotropic.toml"), 16, &[0.0, 1000.0], 1e6);
     assert_eq!(reduced.coordinates(), 14, "two a node");

@@ -5,18 +5,23 @@ use std::ops::Range as Span;
 use text::{Domain, Faults, Reader, Table};
 use toml::de::DeValue;
 
-use super::parts;
 use super::shaft;
+use super::{parts, plant};
 use crate::check::{faults, is_name};
 use crate::{Drawing, DrawingFault, MAX_NAME, Sketch};
 
+/// Gives the bytes of a file by the name that another file has for it, or says why not, as `FOUND: expected EXPECTED`.
+pub type Open = dyn Fn(&str) -> Result<Vec<u8>, String>;
+
 /// What a file of a drawing may hold beside the drawing, because somebody else reads it.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 pub struct Also<'a> {
     /// Keys at the top.
     pub file: &'a [&'a str],
     /// Keys of a `[[magnetic]]`.
     pub magnetic: &'a [&'a str],
+    /// Opens the files of matrices that it names; without it those are refused.
+    pub open: Option<&'a Open>,
 }
 
 /// Whether a file that was parsed is a drawing: it has sections, or a plant made of matrices.
@@ -81,6 +86,7 @@ pub fn read_and<T>(
         "coordinates",
         "mass_damping",
         "stiffness_damping",
+        "plant",
         "material",
         "section",
         "sleeve",
@@ -97,6 +103,11 @@ pub fn read_and<T>(
 
     let mut reading = Reading { reader, file: &file, places: Vec::new(), sketch: Sketch::default(), also };
     reading.top(default_name);
+    if file.contains_key("plant") {
+        plant::plant(&mut reading);
+        // Stations, and so all parts, are counted by what it holds.
+        reading.reader.check()?;
+    }
     shaft::materials(&mut reading);
     shaft::sections(&mut reading);
     parts::all(&mut reading);
@@ -180,7 +191,7 @@ impl<'v, 'f> Reading<'v, 'f, '_> {
 
     /// The station under `key`, counted from 0.
     pub(super) fn station(&mut self, table: &Table<'_>, within: (&str, Span<usize>), key: &str) -> usize {
-        let stations = self.sketch.sections.len() + 1;
+        let stations = self.sketch.station_count();
         self.reader.counted(table, key, stations, "a station of the shaft").unwrap_or_else(|| {
             let expected = format!("{key} = a station of the shaft, 1 to {stations}");
             self.reader.fault(within.1, format!("{} without {key}", within.0), expected);

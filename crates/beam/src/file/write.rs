@@ -5,7 +5,7 @@ use text::{Lines, numbers, string};
 
 use super::shaft::SHEAR;
 use crate::drawing::Sketch;
-use crate::{Amount, Bearing, Coefficient, Drawing, Magnetic, Section};
+use crate::{Amount, Bearing, Coefficient, Drawing, Magnetic, Matrices, Section};
 
 /// Writes a drawing as TOML with comments. What [`read`](super::read) makes of it is the same drawing, bit for bit.
 #[must_use]
@@ -18,6 +18,9 @@ pub fn write(drawing: &Drawing) -> String {
 pub fn write_and(drawing: &Drawing, magnetic: impl Fn(&mut Lines, usize), rest: impl FnOnce(&mut Lines)) -> String {
     let mut lines = Lines::default();
     top(&mut lines, drawing);
+    if let Some(matrices) = &drawing.matrices {
+        plant(&mut lines, matrices);
+    }
     for section in &drawing.sections {
         lines.header("section");
         lines.key("length", number(section.length), "m");
@@ -89,6 +92,20 @@ fn top(lines: &mut Lines, drawing: &Drawing) {
         lines.key("density", number(material.density), "kg/m^3");
         lines.key("youngs_modulus", number(material.youngs_modulus), "N/m^2");
         lines.key("shear_modulus", number(material.shear_modulus), "N/m^2");
+    }
+}
+
+fn plant(lines: &mut Lines, matrices: &Matrices) {
+    lines.table("plant");
+    let stations: Vec<String> = matrices.stations.iter().map(|row| (row + 1).to_string()).collect();
+    lines.key("stations", format!("[{}]", stations.join(", ")), "coordinates that are displacements");
+    lines.key("positions", numbers(matrices.positions.iter().copied()), "m");
+    for (name, matrix) in matrices.all() {
+        // Without a matrix there is nothing; a mass there is always.
+        if name == "mass" || matrix.iter().any(|entry| entry.to_bits() != 0) {
+            let rows = matrix.row_iter().map(|row| format!("    {},\n", numbers(row.iter().copied())));
+            lines.key(name, format!("[\n{}]", rows.collect::<String>()), "");
+        }
     }
 }
 
