@@ -48,6 +48,12 @@ impl Coefficient {
         self.values().all(|value| value == 0.0)
     }
 
+    /// The spin speeds of the table, in rad/s; none of what is constant.
+    pub fn speeds(&self) -> impl Iterator<Item = f64> + '_ {
+        let table = if let Self::Table(points) = self { points.as_slice() } else { &[] };
+        table.iter().map(|&(rpm, _)| rpm * RAD_PER_S)
+    }
+
     /// The value, or all of the table.
     pub fn values(&self) -> impl Iterator<Item = f64> + '_ {
         let (one, table) = match self {

@@ -1,6 +1,6 @@
 //! A rotor as matrices, with all the coordinates of its elements.
 
-use nalgebra::{DMatrix, RowVector4};
+use nalgebra::{DMatrix, RowDVector, RowVector4};
 
 use crate::drawing::Unbalance;
 use crate::poles::{PoleError, eigenvalues};
@@ -139,6 +139,19 @@ impl FullModel {
             s[(p, p)] += spring.stiffness_at(speed);
         }
         (self.mass.map(C64::from), d, s)
+    }
+
+    /// The displacement of a place as a row of the coordinates; of one that is no place of this rotor, of its left end.
+    #[must_use]
+    pub fn row(&self, place: &Place) -> RowDVector<f64> {
+        let mut row = RowDVector::zeros(self.mass.nrows());
+        let at = |position: f64| (position - place.position).abs() <= 1e-12 * (1.0 + position.abs());
+        if let Some(node) = self.nodes.iter().position(|node| at(node.position)) {
+            row[2 * node] = 1.0;
+        } else if let Some(inside) = self.inside.iter().find(|inside| at(inside.position)) {
+            row.fixed_columns_mut::<4>(2 * inside.node).copy_from(&inside.row);
+        }
+        row
     }
 
     /// The eigenvalues at a spin speed in rad/s, in 1/s and rad/s: two a coordinate, least in size first. With their conjugates

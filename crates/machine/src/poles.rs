@@ -54,7 +54,7 @@ impl MachinePoles {
     /// A loop that does not fit, or poles that cannot be had.
     pub fn at(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Self, PolesError> {
         let feedback = &settings.feedback;
-        if ClosedLoop::describes(feedback) {
+        if ClosedLoop::describes(rotor, feedback) {
             let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
             return Ok(Self { modes: Spectrum::of(&closed_loop)?.modes, z: None, right_of: None });
         }
@@ -89,7 +89,7 @@ impl MachinePoles {
 /// A loop that does not fit, or poles that cannot be had.
 pub fn min_damping(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<f64, PolesError> {
     let feedback = &settings.feedback;
-    if ClosedLoop::describes(feedback) {
+    if ClosedLoop::describes(rotor, feedback) {
         let poles = rotor::poles(&ClosedLoop::new(rotor, feedback, speed, &settings.deadband))?;
         return Ok(poles.first().map_or(f64::NAN, |pole| damping_ratio(*pole)));
     }

@@ -12,6 +12,8 @@ use crate::integrate::Integrator;
 use crate::poles::PolesError;
 use rotor::profile::{Leg, Profile};
 
+/// Modes so many times as fast as the spin are not what it makes resonate.
+const FAR: f64 = 4.0;
 /// How far the seeds of the noise of two control bearings are apart.
 const SEEDS_APART: f64 = 65_536.0;
 
@@ -142,7 +144,7 @@ impl Program {
             controllers.push(Controller::new(&own, stations, settings.speed, inner)?);
         }
         Ok(Self {
-            fused: ClosedLoop::describes(feedback).then(|| settings.closed_loop(rotor)),
+            fused: ClosedLoop::describes(rotor, feedback).then(|| settings.closed_loop(rotor)),
             integrator: Integrator::new(plant.clone(), columns, settings.deadband.clone(), controllers, inner),
             plant,
             feedback: feedback.clone(),
@@ -262,7 +264,7 @@ pub fn default_step_over(rotor: &Rotor, settings: &Settings, speeds: [f64; 2]) -
 /// Settings that do not fit the rotor, or eigenvalues that do not converge.
 pub fn fastest(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Fastest, ProgramError> {
     let feedback = &settings.feedback;
-    if ClosedLoop::describes(feedback) {
+    if ClosedLoop::describes(rotor, feedback) {
         let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
         return Ok(Fastest::of(&closed_loop)?);
     }
@@ -286,5 +288,6 @@ pub fn fastest(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Fastest
     }
     // A state of the loop costs about as much as half a mass, and what has no fused path about twice as much.
     let states = poles.len() / 2;
-    Ok(Fastest::of_poles(states, speed, poles))
+    let far = if rotor.is_chain() { f64::INFINITY } else { FAR * speed };
+    Ok(Fastest::of_poles_near(states, speed, poles, far))
 }

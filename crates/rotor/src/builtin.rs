@@ -1,9 +1,12 @@
-//! The report's two rotors (Tables 3.2 and 4.2) and the feedback that comes with each.
+//! The report's two rotors (Tables 3.2 and 4.2), a machine on magnetic bearings, and the feedback that comes with each.
 
 use crate::{Feedback, Gain, GainKind, Mass, Rotor, Signal};
 
 /// Names of the built-in rotors, in the order they are listed.
-pub const ROTORS: [&str; 2] = ["jeffcott", "three-mass"];
+pub const ROTORS: [&str; 3] = ["jeffcott", "three-mass", "rig"];
+
+/// A test-rig rotor on two magnetic bearings, with the law of its controller.
+const RIG: &str = include_str!("rig.toml");
 
 /// The built-in rotor of that name, with its deadband at zero.
 #[must_use]
@@ -28,6 +31,7 @@ pub fn rotor(name: &str) -> Option<Rotor> {
             let centre = Mass { mass: 0.5, unbalance: 1.0, ..Mass::default() };
             Rotor::new(name, vec![end, centre, end], vec![0.5, 0.5])
         }
+        "rig" => return crate::file::read_rotor(RIG, name).ok(),
         _ => return None,
     };
     Some(made.expect("built-in parameters are valid"))
@@ -38,14 +42,19 @@ pub fn rotor(name: &str) -> Option<Rotor> {
 pub fn about(name: &str) -> &'static str {
     match name {
         "jeffcott" => "one mass between its bearings (the report's Table 3.2)",
+        "rig" => "a flexible shaft with discs on two magnetic bearings, in SI units",
         "three-mass" => "a flexible shaft with three masses, bearings at its ends (Table 4.2)",
         _ => "",
     }
 }
 
-/// Names of the feedback that fits a rotor: `off` for any, the rest for the built-in rotor they were made for.
+/// Names of the feedback that fits a rotor: `off` for any, `own` for one whose drawing has a law for its magnetic bearings, the rest for
+/// the built-in rotor they were made for.
 #[must_use]
 pub fn feedback_names(rotor: &Rotor) -> &'static [&'static str] {
+    if let Some(beam) = rotor.beam() {
+        return if beam.own_feedback().is_some() { &["off", "own"] } else { &["off"] };
+    }
     match (rotor.name(), rotor.len()) {
         ("jeffcott", 1) => &["off", "cancel"],
         ("three-mass", 3) => &["off", "composite", "individual"],
@@ -59,13 +68,23 @@ pub fn live_feedback_name(rotor: &Rotor) -> &'static str {
     feedback_names(rotor).get(1).copied().unwrap_or("off")
 }
 
-/// The built-in feedback of that name for this rotor, with the control bearing at mass 1.
+/// The feedback that analysis takes where none is named: `off`, the rotor as it is; but what hangs in magnetic bearings is no machine
+/// without its law.
+#[must_use]
+pub fn analysis_feedback_name(rotor: &Rotor) -> &'static str {
+    if rotor.beam().is_some() { live_feedback_name(rotor) } else { "off" }
+}
+
+/// The built-in feedback of that name for this rotor, with the control bearing of a chain at mass 1.
 ///
 /// `off` has the structure of the rotor's first real feedback with every gain zero, so that it can be tuned up.
 #[must_use]
 pub fn feedback(rotor: &Rotor, name: &str) -> Option<Feedback> {
     if !feedback_names(rotor).contains(&name) {
         return None;
+    }
+    if let Some(beam) = rotor.beam() {
+        return if name == "own" { beam.own_feedback() } else { Some(beam.no_feedback()) };
     }
     let signals = match name {
         "off" => {

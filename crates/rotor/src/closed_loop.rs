@@ -36,18 +36,22 @@ pub struct ClosedLoop {
 }
 
 impl ClosedLoop {
-    /// Whether these equations are those of `feedback`: gains alone, at one control bearing.
+    /// Whether these equations are those of `rotor` under `feedback`: a chain under gains alone, at one control bearing.
     #[must_use]
-    pub fn describes(feedback: &Feedback) -> bool {
-        feedback.only().is_some() && feedback.is_ideal()
+    pub fn describes(rotor: &Rotor, feedback: &Feedback) -> bool {
+        rotor.is_chain() && feedback.only().is_some() && feedback.is_ideal()
     }
 
-    /// Assembles the equations of motion under the gains of the first control bearing: see [`ClosedLoop::describes`].
+    /// Assembles the equations of motion of a chain under the gains of the first control bearing: see [`ClosedLoop::describes`].
     ///
     /// `feedback` must have passed [`Feedback::check`] for this rotor and `deadband` holds one clearance a mass;
     /// missing ones count as zero.
+    ///
+    /// # Panics
+    /// A rotor that is no chain.
     #[must_use]
     pub fn new(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: &[f64]) -> Self {
+        assert!(rotor.is_chain(), "only chains have these equations");
         let zero = [0.0; MAX_MASSES];
         let mut made = Self {
             masses: rotor.len(),

@@ -1,5 +1,5 @@
-//! The machine: a chain of lumped masses on flexible shafts, held by seals, support bearings with
-//! deadband and one magnetic control bearing.
+//! The machine: a rotor, held by seals, support bearings with deadband and magnetic control bearings. It is a chain of lumped masses on
+//! flexible shafts, or shaft elements and discs as crate [`beam`] has them.
 //!
 //! Everything here is pure: no I/O, no clock, no threads. The working form is complex: the whirl of
 //! mass `i` is one number `p = y + j z`, in units of `e_t`, over dimensionless time `tau = w0 t`, so
@@ -37,6 +37,7 @@
 //! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
 
 mod assign;
+mod beam_rotor;
 pub mod builtin;
 mod characteristic;
 pub mod circular;
@@ -65,6 +66,7 @@ mod trace;
 pub mod typed;
 
 pub use assign::{AssignError, Assignment, assign_poles, cancelling};
+pub use beam_rotor::BeamRotor;
 pub use characteristic::{Characteristic, CharacteristicRoot};
 pub use closed_loop::ClosedLoop;
 pub use control::{
@@ -78,8 +80,8 @@ pub use linear_form::{LinearForm, SampledStep};
 pub use marginal::{Stability, stability};
 pub use modes::{Mode, PoleError, Spectrum, Whirl, damping_ratio, poles, scale_to_largest};
 pub use parameters::{Key, PARAMETERS, Parameter, Scope};
-pub use params::{FIELDS, Field, Mass, Rotor, RotorError};
-pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station};
+pub use params::{BeamError, FIELDS, Field, Mass, Rotor, RotorError};
+pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station, Tabulated};
 pub use quadratic::Quadratic;
 pub use settings::{Settings, SettingsError};
 pub use si::{Physical, PhysicalMass};

@@ -1,8 +1,11 @@
 //! What a rotor is made of, and which values are allowed. Not its motion: see [`crate::ClosedLoop`].
 
+use std::sync::Arc;
+
+use beam::Drawing;
 use text::Domain;
 
-use crate::{MAX_MASSES, MAX_NAME, Physical};
+use crate::{BeamRotor, C64, MAX_MASSES, MAX_NAME, Physical, PlantError};
 
 /// One lumped mass with what acts on it, in the dimensionless ratios of Tables 3.1 and 4.1.
 #[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
@@ -92,15 +95,65 @@ pub(crate) use parameters_in_order;
 
 parameters_in_order!(Mass);
 
-/// A chain of 1 to 16 masses joined by massless flexible shafts. Always valid: it is checked where it is made.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+/// A rotor: a chain of 1 to 16 masses joined by massless flexible shafts, or shaft elements and discs. Always valid: it is checked
+/// where it is made.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Rotor {
     pub(crate) name: String,
-    pub(crate) masses: Vec<Mass>,
-    pub(crate) shafts: Vec<f64>,
-    /// The numbers it was made of, if they were physical.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub(crate) physical: Option<Physical>,
+    pub(crate) body: Body,
+}
+
+/// What a rotor is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Body {
+    /// Lumped masses.
+    Chain {
+        masses: Vec<Mass>,
+        shafts: Vec<f64>,
+        /// The numbers it was made of, if they were physical.
+        physical: Option<Physical>,
+    },
+    /// Shaft elements; large, and never changed.
+    Beam(Arc<BeamRotor>),
+}
+
+/// Why a drawing is not a rotor that can be stepped.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BeamError {
+    /// It cannot be reduced.
+    #[error(transparent)]
+    Reduction(#[from] beam::ReductionError),
+    /// Its matrices are no plant.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// Its places can hardly be told apart.
+    #[error(
+        "the places of the rotor are too near each other for its coordinates (condition {condition:.1e}): fewer coordinates are needed, or stations farther apart"
+    )]
+    Crowded {
+        /// The condition of their displacements.
+        condition: f64,
+    },
+    /// A station that has to be among the coordinates is not.
+    #[error(
+        "station {station} is not among the places that are simulated: more coordinates are needed, or stations farther apart"
+    )]
+    NotSimulated {
+        /// The station, counted from 1.
+        station: usize,
+    },
+    /// Two bearings with play at one station.
+    #[error("two bearings with play at station {station}: expected one")]
+    TwoContacts {
+        /// The station, counted from 1.
+        station: usize,
+    },
+    /// A bearing with play whose stiffness changes with speed.
+    #[error("the bearing with play at station {station} has a stiffness that changes with speed: expected one number")]
+    TabulatedContact {
+        /// The station, counted from 1.
+        station: usize,
+    },
 }
 
 /// Why a set of parameters is not a rotor.
@@ -134,6 +187,9 @@ pub enum RotorError {
         /// The range in words.
         expected: &'static str,
     },
+    /// A drawing that cannot be stepped.
+    #[error(transparent)]
+    Beam(#[from] BeamError),
     /// A physical scale that everything would be divided by is not a finite number greater than 0.
     #[error("{what} = {found}: expected {expected}")]
     Scale {
@@ -156,7 +212,7 @@ impl Rotor {
     pub fn new(name: impl Into<String>, masses: Vec<Mass>, shafts: Vec<f64>) -> Result<Self, RotorError> {
         let name = name.into();
         check(&name, masses.iter().map(Mass::values), &shafts)?;
-        Ok(Self { name, masses, shafts, physical: None })
+        Ok(Self { name, body: Body::Chain { masses, shafts, physical: None } })
     }
 
     /// The rotor's name.
@@ -165,29 +221,111 @@ impl Rotor {
         &self.name
     }
 
-    /// How many masses it has, 1 to 16.
+    /// A rotor of shaft elements and discs, reduced to at most 16 coordinates.
+    ///
+    /// # Errors
+    /// A rotor that nothing holds, or whose places cannot be coordinates.
+    pub fn from_drawing(drawing: Drawing) -> Result<Self, RotorError> {
+        let name = drawing.name.clone();
+        Ok(Self { name, body: Body::Beam(Arc::new(BeamRotor::new(drawing)?)) })
+    }
+
+    /// How many masses it has, 1 to 16; of shaft elements, how many places have their displacement as a coordinate.
     #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "a rotor is never empty")]
     pub fn len(&self) -> usize {
-        self.masses.len()
+        match &self.body {
+            Body::Chain { masses, .. } => masses.len(),
+            Body::Beam(beam) => beam.places().len(),
+        }
     }
 
-    /// Its masses, from one end to the other.
+    /// Whether it is a chain of masses.
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        matches!(self.body, Body::Chain { .. })
+    }
+
+    /// It as shaft elements; `None` of a chain.
+    #[must_use]
+    pub fn beam(&self) -> Option<&BeamRotor> {
+        match &self.body {
+            Body::Chain { .. } => None,
+            Body::Beam(beam) => Some(beam),
+        }
+    }
+
+    /// Its masses, from one end to the other; none if it is no chain.
     #[must_use]
     pub fn masses(&self) -> &[Mass] {
-        &self.masses
+        match &self.body {
+            Body::Chain { masses, .. } => masses,
+            Body::Beam(_) => &[],
+        }
     }
 
-    /// Stiffness ratios of its shafts; shaft `i` joins masses `i` and `i + 1`.
+    /// Stiffness ratios of its shafts; shaft `i` joins masses `i` and `i + 1`. None if it is no chain.
     #[must_use]
     pub fn shafts(&self) -> &[f64] {
-        &self.shafts
+        match &self.body {
+            Body::Chain { shafts, .. } => shafts,
+            Body::Beam(_) => &[],
+        }
+    }
+
+    /// What turns control at a place, counted from 0, into a force in `K_t e_t`: the mass ratio `Rm` of the mass of a chain, whose control is
+    /// an acceleration; 1 of shaft elements, whose control is a force, and where there is no such place.
+    #[must_use]
+    pub fn control_mass(&self, place: usize) -> f64 {
+        self.masses().get(place).map_or(1.0, |mass| mass.mass)
     }
 
     /// The clearance of every support bearing, in `e_t`.
     #[must_use]
     pub fn deadbands(&self) -> Vec<f64> {
-        self.masses.iter().map(|m| m.deadband).collect()
+        match &self.body {
+            Body::Chain { masses, .. } => masses.iter().map(|m| m.deadband).collect(),
+            Body::Beam(beam) => beam.clearances().to_vec(),
+        }
+    }
+
+    /// Whether a bearing with a clearance can be pressed on at a place, counted from 0.
+    #[must_use]
+    pub fn has_contact(&self, place: usize) -> bool {
+        match &self.body {
+            Body::Chain { masses, .. } => masses.get(place).is_some_and(|mass| mass.bearing_stiffness > 0.0),
+            Body::Beam(beam) => beam.plant().contacts().get(place).is_some_and(|contact| contact.stiffness > 0.0),
+        }
+    }
+
+    /// Whether it has no unbalance.
+    #[must_use]
+    pub fn is_balanced(&self) -> bool {
+        match &self.body {
+            Body::Chain { masses, .. } => masses.iter().all(|mass| mass.unbalance == 0.0),
+            Body::Beam(beam) => beam.plant().unbalance().iter().all(|unbalance| *unbalance == C64::ZERO),
+        }
+    }
+
+    /// What a place, counted from 0, is called: `mass 1`, `left`, `station 3`, `0.125 m`.
+    #[must_use]
+    pub fn place_name(&self, place: usize) -> String {
+        match &self.body {
+            Body::Chain { .. } => format!("mass {}", place + 1),
+            Body::Beam(beam) => beam.place_name(place),
+        }
+    }
+}
+
+impl From<beam::ReductionError> for RotorError {
+    fn from(error: beam::ReductionError) -> Self {
+        Self::Beam(error.into())
+    }
+}
+
+impl From<PlantError> for RotorError {
+    fn from(error: PlantError) -> Self {
+        Self::Beam(error.into())
     }
 }
 

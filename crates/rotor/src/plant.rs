@@ -4,28 +4,31 @@
 //! q'' = (D0 + R D1) q' + (S0 + R S1) q + contacts + unbalance (R^2 - j R') exp(j theta) + columns u
 //! ```
 //!
-//! with `q` complex coordinates, multiplied by the inverse of the mass matrix. A contact pushes back along its column with
+//! with `q` complex coordinates, multiplied by the inverse of the mass matrix. What holds the rotor with coefficients that are tabulated
+//! over speed acts along a row and a column. A contact pushes back along its column with
 //! `stiffness s(|r|) r`, where `r` is the displacement that its row reads and `s` is (3.3): 0 within the clearance, then
 //! `1 - g / |r|`. The chain of the report is one way to make it; dense matrices of up to 64 coordinates are the other.
 //!
 //! Not its business: who computes the force `u`, and how the speed comes about.
 
 mod chain;
+mod dense;
 
 use chain::Chain;
+use dense::Dense;
 use nalgebra::{DMatrix, DVector};
 
 use crate::{C64, Rotor};
 
 /// The most coordinates of a plant.
-pub const MAX_ORDER: usize = 64;
+pub const MAX_ORDER: usize = 512;
 
 /// Where a plant is looked at by linear analysis.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct OperatingPoint {
     /// Spin speed `R`.
     pub speed: f64,
-    /// The share of its stiffness that each contact has, 0 to 1; those that are missing have all of it.
+    /// The share of its stiffness that each contact has, 0 to 1; those that are missing have all of it, but touchdown bearings none.
     pub contact_factors: Vec<f64>,
 }
 
@@ -107,13 +110,42 @@ pub struct Contact {
     pub column: Direction,
     /// Its stiffness.
     pub stiffness: f64,
+    /// Whether it is there for the worst alone, and out of what linear analysis looks at.
+    pub is_touchdown: bool,
+}
+
+/// What holds the rotor with coefficients that change with speed: `-(k r + d r')` along its column, where `r` is what its row reads.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tabulated {
+    /// What reads the displacement.
+    pub row: Direction,
+    /// What its force does to the coordinates; of the plant's inverse mass matrix too.
+    pub column: Direction,
+    /// Rising speeds with `[k, d]` at each: between them linear, beyond them the same. At least one.
+    pub table: Vec<(f64, [C64; 2])>,
+}
+
+impl Tabulated {
+    /// `[k, d]` at a speed.
+    #[must_use]
+    pub fn at(&self, speed: f64) -> [C64; 2] {
+        let after = self.table.partition_point(|(s, _)| *s <= speed);
+        match (after.checked_sub(1).map(|k| self.table[k]), self.table.get(after).copied()) {
+            (Some((s0, a)), Some((s1, b))) => {
+                let part = (speed - s0) / (s1 - s0);
+                [0, 1].map(|k| a[k] + (b[k] - a[k]) * part)
+            }
+            (Some((_, values)), None) | (None, Some((_, values))) => values,
+            (None, None) => [C64::ZERO; 2],
+        }
+    }
 }
 
 /// How the linear part is stored.
 #[derive(Clone, Debug, PartialEq)]
 enum Form {
     Chain(Chain),
-    Matrices { damping: [DMatrix<C64>; 2], stiffness: [DMatrix<C64>; 2] },
+    Dense(Dense),
 }
 
 /// A plant of its coordinates' matrices, as they are given to [`Plant::of_matrices`].
@@ -133,6 +165,8 @@ pub struct Matrices {
     pub unbalance: Vec<C64>,
     /// What the force of each control bearing does to the coordinates.
     pub columns: Vec<Direction>,
+    /// What holds the rotor over speed.
+    pub tabulated: Vec<Tabulated>,
 }
 
 /// Why matrices are no plant.
@@ -169,13 +203,19 @@ pub struct Plant {
     moment: Vec<C64>,
     /// Per control bearing, or per station of a chain, any of which may carry it.
     columns: Vec<Direction>,
+    tabulated: Vec<Tabulated>,
     is_unit: bool,
 }
 
 impl Plant {
-    /// The chain of lumped masses: coordinate, station and possible control bearing `i` are mass `i`.
+    /// That of a rotor. Of a chain of lumped masses coordinate, station and possible control bearing `i` are mass `i`; of shaft elements,
+    /// the `i`-th of the places that are simulated.
     #[must_use]
     pub fn of(rotor: &Rotor) -> Self {
+        rotor.beam().map_or_else(|| Self::of_chain(rotor), |beam| beam.plant().clone())
+    }
+
+    fn of_chain(rotor: &Rotor) -> Self {
         let (masses, shafts) = (rotor.masses(), rotor.shafts());
         let count = masses.len();
         let shaft = |i: Option<usize>| i.and_then(|i| shafts.get(i)).copied().unwrap_or(0.0);
@@ -188,7 +228,12 @@ impl Plant {
             chain.stiffness.push([own, C64::new(0.0, m.damping)]);
             chain.before.push(before / m.mass);
             chain.after.push(after / m.mass);
-            contacts.push(Contact { station: i, column: Direction::Unit(i), stiffness: m.bearing_stiffness / m.mass });
+            contacts.push(Contact {
+                station: i,
+                column: Direction::Unit(i),
+                stiffness: m.bearing_stiffness / m.mass,
+                is_touchdown: false,
+            });
         }
         Self {
             order: count,
@@ -200,6 +245,7 @@ impl Plant {
             unbalance: masses.iter().map(|m| C64::from(m.unbalance)).collect(),
             moment: masses.iter().map(|m| C64::from(m.mass * m.unbalance)).collect(),
             columns: (0..count).map(Direction::Unit).collect(),
+            tabulated: vec![],
             is_unit: true,
         }
     }
@@ -236,6 +282,7 @@ impl Plant {
             ("a contact", given.contacts.iter().all(contact_fits)),
             ("an unbalance", given.unbalance.len() == order && given.unbalance.iter().all(|u| u.is_finite())),
             ("a control bearing", given.columns.iter().all(fits)),
+            ("what holds it over speed", given.tabulated.iter().all(|of| fits(&of.row) && fits(&of.column))),
         ] {
             if !is_fit {
                 return Err(PlantError::Size { what, order });
@@ -248,11 +295,12 @@ impl Plant {
         let contacts = given.contacts.iter().map(|c| Contact { column: through(&c.column), ..c.clone() }).collect();
         Ok(Self {
             order,
-            form: Form::Matrices {
-                damping: given.damping.map(|d| &inverse * d),
-                stiffness: given.stiffness.map(|s| &inverse * s),
-            },
-            is_unit: false,
+            form: Form::Dense(Dense::new(given.damping.map(|d| &inverse * d), given.stiffness.map(|s| &inverse * s))),
+            is_unit: given.stations.len() == order
+                && given.stations.iter().enumerate().all(|(k, station)| station.row == Direction::Unit(k)),
+            tabulated: (given.tabulated.iter())
+                .map(|of| Tabulated { column: through(&of.column), ..of.clone() })
+                .collect(),
             stations: given.stations,
             contacts,
             moment: given.unbalance.clone(),
@@ -308,24 +356,7 @@ impl Plant {
     pub fn acceleration(&self, spin: &Spin, clearances: &[f64], q: &[C64], v: &[C64], out: &mut [C64]) {
         match &self.form {
             Form::Chain(chain) => chain.acceleration(spin.speed, q, v, out),
-            Form::Matrices { damping, stiffness } => {
-                // Columns are what nalgebra keeps together.
-                let n = self.order;
-                fn column(of: &[DMatrix<C64>; 2], i: usize, j: usize) -> &[C64] {
-                    let n = of[i].nrows();
-                    &of[i].as_slice()[j * n..(j + 1) * n]
-                }
-                out.fill(C64::ZERO);
-                for j in 0..n {
-                    let (v, q) = (v[j], q[j]);
-                    let (faster_v, faster_q) = (v * spin.speed, q * spin.speed);
-                    let on_v = column(damping, 0, j).iter().zip(column(damping, 1, j));
-                    let on_q = column(stiffness, 0, j).iter().zip(column(stiffness, 1, j));
-                    for (out, ((d0, d1), (s0, s1))) in out.iter_mut().zip(on_v.zip(on_q)) {
-                        *out += d0 * v + d1 * faster_v + s0 * q + s1 * faster_q;
-                    }
-                }
-            }
+            Form::Dense(dense) => dense.acceleration(spin.speed, q, v, out),
         }
         for (contact, clearance) in self.contacts.iter().zip(clearances) {
             if contact.stiffness == 0.0 {
@@ -342,6 +373,10 @@ impl Plant {
                 contact.column.add(r * (-contact.stiffness * factor), out);
             }
         }
+        for held in &self.tabulated {
+            let [stiffness, damping] = held.at(spin.speed);
+            held.column.add(-(stiffness * held.row.read(q) + damping * held.row.read(v)), out);
+        }
         let drive = spin.direction * C64::new(spin.speed * spin.speed, -spin.acceleration);
         out.iter_mut().zip(&self.unbalance).for_each(|(out, u)| *out += u * drive);
     }
@@ -350,17 +385,36 @@ impl Plant {
     #[must_use]
     pub fn linear(&self, at: &OperatingPoint) -> [DMatrix<C64>; 2] {
         let speed = C64::from(at.speed);
-        let [damping, mut stiffness] = match &self.form {
+        let [mut damping, mut stiffness] = match &self.form {
             Form::Chain(chain) => chain.matrices(at.speed),
-            Form::Matrices { damping: [d0, d1], stiffness: [s0, s1] } => [d0 + d1 * speed, s0 + s1 * speed],
+            Form::Dense(Dense { damping: [d0, d1], stiffness: [s0, s1], .. }) => [d0 + d1 * speed, s0 + s1 * speed],
         };
         for (i, contact) in self.contacts.iter().enumerate() {
-            let factor = at.contact_factors.get(i).copied().unwrap_or(1.0) * contact.stiffness;
+            let all = if contact.is_touchdown { 0.0 } else { 1.0 };
+            let factor = at.contact_factors.get(i).copied().unwrap_or(all) * contact.stiffness;
+            if factor == 0.0 {
+                continue;
+            }
             let (column, row) =
                 (contact.column.dense(self.order), self.stations[contact.station].row.dense(self.order));
             stiffness -= column * row.transpose() * C64::from(factor);
         }
+        for held in &self.tabulated {
+            let [k, d] = held.at(at.speed);
+            let square = held.column.dense(self.order) * held.row.dense(self.order).transpose();
+            stiffness -= &square * k;
+            damping -= square * d;
+        }
         [damping, stiffness]
+    }
+
+    /// Speeds at which the coefficients of something that holds the rotor have a corner, rising.
+    #[must_use]
+    pub fn corners(&self) -> Vec<f64> {
+        let mut speeds: Vec<f64> = self.tabulated.iter().flat_map(|of| of.table.iter().map(|(s, _)| *s)).collect();
+        speeds.sort_by(f64::total_cmp);
+        speeds.dedup();
+        speeds
     }
 }
 

@@ -10,8 +10,7 @@
 
 use units::Scales;
 
-use crate::params::check;
-use crate::params::parameters_in_order;
+use crate::params::{Body, check, parameters_in_order};
 use crate::{Mass, Rotor, RotorError};
 
 /// One lumped mass with what acts on it, in SI units. The ranges are those of [`Mass`].
@@ -136,25 +135,37 @@ impl Rotor {
         let scales = scales_of(&masses, reference_length)?;
         let shaft_ratios = shafts.iter().map(|stiffness| stiffness / scales.k_t).collect();
         let mut rotor = Self::new(name, masses.iter().map(|m| ratios(&scales, m)).collect(), shaft_ratios)?;
-        rotor.physical = Some(Physical { masses, shafts, reference_length, scales });
+        if let Body::Chain { physical, .. } = &mut rotor.body {
+            *physical = Some(Physical { masses, shafts, reference_length, scales });
+        }
         Ok(rotor)
     }
 
-    /// The physical numbers it was made of; `None` for a dimensionless rotor.
+    /// The physical numbers that a chain was made of; `None` for a dimensionless one, and for shaft elements.
     #[must_use]
     pub fn physical(&self) -> Option<&Physical> {
-        self.physical.as_ref()
+        match &self.body {
+            Body::Chain { physical, .. } => physical.as_ref(),
+            Body::Beam(_) => None,
+        }
     }
 
     /// What one dimensionless unit is; `None` for a dimensionless rotor.
     #[must_use]
     pub fn scales(&self) -> Option<&Scales> {
-        self.physical().map(Physical::scales)
+        match &self.body {
+            Body::Chain { physical, .. } => physical.as_ref().map(Physical::scales),
+            Body::Beam(beam) => Some(beam.scales()),
+        }
     }
 
-    /// The same rotor without its scales.
+    /// The same rotor without its scales; shaft elements keep theirs.
     #[must_use]
     pub fn dimensionless(&self) -> Self {
-        Self { physical: None, ..self.clone() }
+        let mut made = self.clone();
+        if let Body::Chain { physical, .. } = &mut made.body {
+            *physical = None;
+        }
+        made
     }
 }

@@ -79,7 +79,7 @@ impl FrameData {
         let scales = self.bench_status.as_ref().and_then(|bench_status| bench_status.scales());
         let mass = self.era.as_ref().and_then(|era| {
             let rotor = era.rotor.as_ref().or(self.rotor.as_ref())?;
-            Some(rotor.masses().get(era.settings.feedback.bearings[0].station)?.mass)
+            Some(rotor.control_mass(era.settings.feedback.bearings[0].station))
         });
         // Before the first step no era is known, but the scales may be.
         Units::of(scales, mass.or(scales.map(|_| 1.0)))

@@ -150,7 +150,7 @@ const A_FILE_TOO: &str = "a path or a name that ends in .toml is a file";
 /// What feedback a command takes when none is named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Default {
-    /// Analysis looks at the rotor as it is: `off`.
+    /// Analysis looks at the rotor as it is: `off`, or on magnetic bearings of its own the law that these have.
     Analysis,
     /// The same of a motion that a trip ends.
     Trips,
@@ -180,7 +180,7 @@ impl Machine {
     fn open_at(args: &MachineArgs, typed_speed: Option<(&str, f64)>, default: Default) -> Result<Self, Failure> {
         let rotor = rotor(&args.rotor)?;
         let name = args.feedback.as_deref().unwrap_or(match default {
-            Default::Analysis | Default::Trips => "off",
+            Default::Analysis | Default::Trips => builtin::analysis_feedback_name(&rotor),
             Default::Live => builtin::live_feedback_name(&rotor),
         });
         let mut settings = Settings::new(&rotor, 0.0, feedback(&rotor, name)?);
@@ -243,7 +243,7 @@ impl Machine {
     /// Mass ratio `Rm` of the mass that carries the control bearing, by which accelerations are forces.
     #[must_use]
     pub(crate) fn bearing_mass(&self) -> f64 {
-        self.rotor.masses()[self.settings.feedback.bearings[0].station].mass
+        self.rotor.control_mass(self.settings.feedback.bearings[0].station)
     }
 
     /// What its numbers are typed and shown in.

@@ -206,7 +206,7 @@ impl Units {
     /// # Errors
     /// Out of range, told in the units it was typed in; or a mass or signal that does not exist.
     pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
-        let mass = rotor.masses().get(settings.feedback.bearings[0].station).map_or(1.0, |m| m.mass);
+        let mass = rotor.control_mass(settings.feedback.bearings[0].station);
         let (units, dimension) = (self.table(mass), key.parameter.dimension);
         let value = units.typed(dimension, typed);
         settings.set(key, value).map_err(|error| match error {

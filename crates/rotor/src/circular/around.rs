@@ -8,7 +8,7 @@ use std::rc::Rc;
 
 use control::LinearLoop;
 use linear::{DelayError, DelaySystem};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::stability::PHASE_ZERO;
 use crate::{C64, ControlBearing, Feedback, FeedbackError, J, LinearForm, OperatingPoint, Plant};
@@ -105,7 +105,7 @@ impl Around {
     /// q' = (A - j w) q + B C exp(-j w T) q(tau - T) - K conj(q)
     /// ```
     ///
-    /// `factors` are the shares of stiffness that multiply `q` of each mass, `turned` what multiplies `conj(q)`. Zero where
+    /// `factors` are the shares of stiffness that multiply `q` of each mass, `pushed` the accelerations that `conj(q)` of each makes. Zero where
     /// it is rounding. With a delay and no root right of its echoes the line of those is given: it decays at least as fast.
     ///
     /// # Errors
@@ -113,12 +113,12 @@ impl Around {
     pub(super) fn growth(
         &self,
         factors: Vec<f64>,
-        turned: &[C64],
+        pushed: &[DVector<C64>],
         frequency: f64,
         free_phase: bool,
     ) -> Result<f64, DelayError> {
         let Some([a, b, c]) = self.matrices(factors) else { return Ok(f64::NAN) };
-        let (n, size) = (turned.len(), a.nrows());
+        let (n, size) = (pushed.len(), a.nrows());
         let delay = self.delay;
         let late = (-J * frequency * delay).exp();
         let mut joined = DMatrix::zeros(2 * size, 2 * size);
@@ -130,9 +130,11 @@ impl Around {
             joined[(i, i)] -= J * frequency;
             joined[(size + i, size + i)] += J * frequency;
         }
-        for (k, by) in turned.iter().enumerate() {
-            joined[(n + k, size + k)] -= by;
-            joined[(size + n + k, k)] -= by.conj();
+        for (k, pushed) in pushed.iter().enumerate() {
+            for (i, by) in pushed.iter().enumerate() {
+                joined[(n + i, size + k)] -= by;
+                joined[(size + n + i, k)] -= by.conj();
+            }
         }
         let count = b.ncols();
         let (mut column, mut row) = (DMatrix::zeros(2 * size, 2 * count), DMatrix::zeros(2 * count, 2 * size));

@@ -78,7 +78,7 @@ pub(super) fn frequencies(equation: &Equation, k: usize) -> Result<Vec<f64>, Pol
     pencil.view_mut((0, 0), (size, size)).copy_from(&a);
     pencil.view_mut((size, size), (size, size)).copy_from(&-a.conjugate());
     for half in [0, size] {
-        pencil[(half + n + k, all - 1)] = C64::ONE;
+        pencil.view_mut((half + n, all - 1), (n, 1)).copy_from(&equation.push(k));
         pencil[(all - 1, half + k)] = C64::ONE;
     }
     // Off the axis, where no zero sought can be.

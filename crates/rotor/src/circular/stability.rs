@@ -33,7 +33,8 @@ pub(super) fn growth(
 ) -> Result<f64, CircularError> {
     if let Some(around) = equation.around() {
         let (factors, turned) = equation.bearings_about(c, contact);
-        return Ok(around.growth(factors, &turned, frequency, free_phase)?);
+        let pushed: Vec<_> = turned.iter().enumerate().map(|(k, by)| equation.push(k) * *by).collect();
+        return Ok(around.growth(factors, &pushed, frequency, free_phase)?);
     }
     let n = c.len();
     let (a, b) = equation.slope(c, frequency, contact);

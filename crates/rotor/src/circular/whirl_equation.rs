@@ -6,7 +6,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::CircularError;
 use super::around::{Answer, Around};
-use crate::{C64, ClosedLoop, ControlBearing, ControlRow, Feedback, J, Plant, PoleError, Rotor, eigenvalues};
+use crate::{
+    BeamRotor, C64, ClosedLoop, ControlBearing, ControlRow, Feedback, J, OperatingPoint, Plant, PoleError, Rotor,
+    eigenvalues,
+};
 
 /// Which masses press on their support bearing: bit `k` for mass `k`.
 pub(super) type Contact = u32;
@@ -53,7 +56,7 @@ impl<'a> Problem<'a> {
         if feedback.sample() > 0.0 {
             return Err(CircularError::Sampled);
         }
-        let around = (!ClosedLoop::describes(feedback)).then(|| (Rc::new(Plant::of(rotor)), feedback));
+        let around = (!ClosedLoop::describes(rotor, feedback)).then(|| (Rc::new(Plant::of(rotor)), feedback));
         let gains = if around.is_some() {
             let first = feedback.first();
             std::borrow::Cow::Owned(Feedback::new(first.station, first.off().signals))
@@ -61,10 +64,10 @@ impl<'a> Problem<'a> {
             std::borrow::Cow::Borrowed(feedback)
         };
         let deadband: Vec<f64> = (0..rotor.len()).map(|k| deadband.get(k).copied().unwrap_or(0.0)).collect();
-        let gapped =
-            rotor.masses().iter().zip(&deadband).enumerate().fold(0, |set, (k, (mass, g))| {
-                if mass.bearing_stiffness > 0.0 && *g > 0.0 { set | 1 << k } else { set }
-            });
+        let gapped = deadband
+            .iter()
+            .enumerate()
+            .fold(0, |set, (k, g)| if rotor.has_contact(k) && *g > 0.0 { set | 1 << k } else { set });
         let masses = rotor.len();
         Ok(Self { along: Along::Speed, fixed: None, rotor, feedback: gains, around, deadband, forced, gapped, masses })
     }
@@ -116,7 +119,10 @@ impl<'a> Problem<'a> {
                 Along::Growth { .. } | Along::Speed => fixed.growing(speed),
             };
         }
-        let gains = Equation::of(&ClosedLoop::new(self.rotor, &self.feedback, speed, &self.deadband), self.forced);
+        let gains = match self.rotor.beam() {
+            Some(beam) => Equation::of_beam(beam, speed, &self.deadband, self.forced),
+            None => Equation::of(&ClosedLoop::new(self.rotor, &self.feedback, speed, &self.deadband), self.forced),
+        };
         // Feedback that fits at one speed fits at all.
         let around = self.around.as_ref().and_then(|(plant, feedback)| Around::new(plant, feedback, speed).ok());
         Equation { around, ..gains }
@@ -172,11 +178,20 @@ impl<'a> Problem<'a> {
     }
 }
 
+/// A mass matrix and its inverse.
+#[derive(Clone)]
+struct Inertia {
+    matrix: DMatrix<C64>,
+    inverse: DMatrix<C64>,
+}
+
 /// The equation of circular whirl at one spin speed.
 #[derive(Clone)]
 pub(super) struct Equation {
     /// The rate at which the whirl grows; zero on an orbit.
     growth: f64,
+    /// Of a chain every row is divided by its mass; shaft elements have a matrix.
+    mass: Option<Inertia>,
     stiffness: DMatrix<C64>,
     damping: DMatrix<C64>,
     bearing: Vec<f64>,
@@ -198,6 +213,7 @@ impl Equation {
         let state = closed_loop.state_matrix_with(&factors);
         Self {
             growth: 0.0,
+            mass: None,
             stiffness: -state.view((n, 0), (n, n)),
             damping: -state.view((n, n), (n, n)),
             bearing: closed_loop.bearing[..n].to_vec(),
@@ -209,6 +225,40 @@ impl Equation {
             control: closed_loop.control,
             around: None,
             gapped: (0..n).filter(is_gapped).fold(0, |set, k| set | 1 << k),
+        }
+    }
+
+    /// The equation of shaft elements at an operating point, without their control.
+    fn of_beam(beam: &BeamRotor, speed: f64, deadband: &[f64], forced: bool) -> Self {
+        let (plant, n) = (beam.plant(), beam.plant().order());
+        let clearance: Vec<f64> = (0..n).map(|k| deadband.get(k).copied().unwrap_or(0.0)).collect();
+        let bearing: Vec<f64> = plant.contacts().iter().map(|contact| contact.stiffness).collect();
+        let is_gapped = |k: &usize| bearing[*k] > 0.0 && clearance[*k] > 0.0;
+        let contact_factors = (0..n).map(|k| if is_gapped(&k) { 0.0 } else { 1.0 }).collect();
+        let [damping, stiffness] = plant.linear(&OperatingPoint { speed, contact_factors });
+        let matrix = beam.mass();
+        let inverse = matrix.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
+        let load = if forced { speed * speed } else { 0.0 };
+        Self {
+            growth: 0.0,
+            stiffness: -(&matrix * stiffness),
+            damping: -(&matrix * damping),
+            forcing: &matrix * DVector::from_iterator(n, plant.unbalance().iter().map(|u| u * load)),
+            mass: Some(Inertia { matrix, inverse }),
+            control: ControlRow::default(),
+            around: None,
+            gapped: (0..n).filter(is_gapped).fold(0, |set, k| set | 1 << k),
+            bearing,
+            clearance,
+        }
+    }
+
+    /// What a force at mass `k` does to the accelerations.
+    pub(super) fn push(&self, k: usize) -> DVector<C64> {
+        let n = self.bearing.len();
+        match &self.mass {
+            Some(mass) => mass.inverse.column(k).into_owned(),
+            None => DVector::from_fn(n, |i, _| if i == k { C64::ONE } else { C64::ZERO }),
         }
     }
 
@@ -227,8 +277,9 @@ impl Equation {
     pub(super) fn dynamic_stiffness(&self, frequency: f64) -> DMatrix<C64> {
         let s = C64::new(self.growth, frequency);
         let mut z = &self.stiffness + &self.damping * s;
-        for k in 0..z.nrows() {
-            z[(k, k)] += s * s;
+        match &self.mass {
+            Some(mass) => z += &mass.matrix * (s * s),
+            None => (0..z.nrows()).for_each(|k| z[(k, k)] += s * s),
         }
         if let Some(around) = &self.around {
             for Answer { bearing, sensor, gain, .. } in around.answers(s) {
@@ -338,7 +389,7 @@ impl Equation {
         (a, b)
     }
 
-    /// Derivative of the residual by the frequency: `j (C + 2 s) c`.
+    /// Derivative of the residual by the frequency: `j (C + 2 s M) c`.
     pub(super) fn by_frequency(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
         self.by_growth(c, frequency) * J
     }
@@ -346,7 +397,8 @@ impl Equation {
     /// Derivative of the residual by the rate of growth: `(C + 2 s) c`.
     fn by_growth(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
         let s = C64::new(self.growth, frequency);
-        let mut by = &self.damping * c + c * (s * 2.0);
+        let inertia = self.mass.as_ref().map_or_else(|| c.clone(), |mass| &mass.matrix * c);
+        let mut by = &self.damping * c + inertia * (s * 2.0);
         if let Some(around) = &self.around {
             for Answer { bearing, sensor, slope, .. } in around.answers(s) {
                 by[bearing] -= slope * c[sensor];

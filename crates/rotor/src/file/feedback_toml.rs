@@ -9,7 +9,7 @@ use units::Units;
 use super::document::is_plain;
 use super::loop_toml;
 use super::write::{Lines, number, numbers, string};
-use crate::{ControlBearing, Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
+use crate::{BeamRotor, ControlBearing, Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
 use control::MAX_BEARINGS;
 
 /// Reads feedback for `rotor`, whose units a file may use for its loop: `units = "si"`.
@@ -44,16 +44,17 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
     let place = Place { masses: masses.unwrap_or_else(|| implied_masses(&file)), of, rotor };
     let bearings = match file.get("bearing").map(Value::get_ref) {
         Some(DeValue::Array(_)) => {
-            reader.only(&file, &["units", "bearing"]);
+            reader.only(&file, &["units", "gains", "bearing"]);
             let tables = reader.tables(&file, "bearing", Some(MAX_BEARINGS));
             let one = |(i, (table, at)): (usize, (&Table<'_>, Span<usize>))| {
-                reader.only(table, &["name", "mass", "filter", "signal", "loop"]);
-                let station = station(&mut reader, table, "mass", &place).unwrap_or_else(|| {
-                    let expected = format!("mass = {of} that carries it, 1 to {}", place.masses);
-                    reader.fault(at, format!("[[bearing]] {} without mass", i + 1), expected);
+                reader.only(table, &["name", place.key(), "filter", "signal", "loop"]);
+                let name = reader.string(table, "name", "a name in quotes").map(str::to_owned);
+                let own = || place.named(name.as_deref()?);
+                let station = station(&mut reader, table, place.key(), &place).or_else(own).unwrap_or_else(|| {
+                    let expected = format!("{} that carries it", place.words());
+                    reader.fault(at, format!("[[bearing]] {} without {}", i + 1, place.key()), expected);
                     0
                 });
-                let name = reader.string(table, "name", "a name in quotes").map(str::to_owned);
                 if let (Some(name), Some(value)) = (&name, table.get("name"))
                     && !is_label(name)
                 {
@@ -68,9 +69,9 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
             tables.into_iter().enumerate().map(one).collect()
         }
         _ => {
-            reader.only(&file, &["units", "bearing", "filter", "signal", "loop"]);
+            reader.only(&file, &["units", "gains", "bearing", "filter", "signal", "loop"]);
             let station = station(&mut reader, &file, "bearing", &place).unwrap_or_else(|| {
-                let expected = format!("bearing = {of} that carries the control bearing, 1 to {}", place.masses);
+                let expected = format!("bearing = {of} that carries the control bearing, 1 to {}", place.most());
                 reader.fault(0..0, "no bearing", expected);
                 0
             });
@@ -87,9 +88,89 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
     reader.finish(feedback)
 }
 
-/// The mass under a key, counted from 0.
+impl Place<'_> {
+    fn beam(&self) -> Option<&BeamRotor> {
+        self.rotor.and_then(Rotor::beam)
+    }
+
+    /// The key by which a place is called.
+    fn key(&self) -> &'static str {
+        if self.beam().is_some() { "station" } else { "mass" }
+    }
+
+    /// The largest number of a place.
+    fn most(&self) -> usize {
+        self.beam().map_or(self.masses, |beam| beam.drawing().stations())
+    }
+
+    /// What is expected of a place.
+    fn words(&self) -> String {
+        match self.beam() {
+            Some(_) => "station = a number of the drawing, or the name of a magnetic bearing or sensor,".to_owned(),
+            None => format!("mass = {}, 1 to {}", self.of, self.masses),
+        }
+    }
+
+    /// The place of a magnetic bearing or sensor of that name.
+    fn named(&self, name: &str) -> Option<usize> {
+        let beam = self.beam()?;
+        let magnetic = beam.drawing().magnetics.iter().find(|of| of.name == name).map(|of| of.station);
+        let sensor = || beam.drawing().sensors.iter().find(|of| of.name == name).map(|of| of.station);
+        beam.coordinate(magnetic.or_else(sensor)?)
+    }
+}
+
+/// The place under a key, counted from 0: of a chain its mass; of shaft elements a station of the drawing, by its number or by the name of
+/// what is there.
 fn station(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, place: &Place<'_>) -> Option<usize> {
-    reader.counted(table, key, place.masses, place.of)
+    let Some(beam) = place.beam() else { return reader.counted(table, key, place.masses, place.of) };
+    let value = table.get(key)?;
+    let found = match value.get_ref() {
+        DeValue::String(name) => place.named(name),
+        DeValue::Integer(i) => {
+            let station = usize::from_str_radix(i.as_str(), i.radix()).ok().and_then(|i| i.checked_sub(1));
+            station.and_then(|station| beam.coordinate(station))
+        }
+        _ => None,
+    };
+    if found.is_none() {
+        let stations = beam.places().iter().filter_map(|place| Some((place.station? + 1).to_string()));
+        let known = stations.collect::<Vec<_>>().join(", ");
+        reader.wrong(
+            key,
+            value,
+            format!("a station that is simulated ({known}), or the name of a magnetic bearing or sensor"),
+        );
+    }
+    Some(found.unwrap_or(0))
+}
+
+/// How many dimensionless units one unit of a gain is, on displacement and on velocity: of a file that says `gains = \"si\"` (N/m and
+/// N s/m) or `gains = \"current\"` (A/m and A s/m); 1 otherwise.
+fn gain_units(reader: &mut Reader<'_>, file: &Table<'_>, station: usize, place: &Place<'_>) -> [f64; 2] {
+    let chosen = reader.choice(file, "gains", &["dimensionless", "si", "current"]);
+    let (Some(unit), Some(value)) = (chosen.filter(|unit| *unit != "dimensionless"), file.get("gains")) else {
+        return [1.0; 2];
+    };
+    let Some((rotor, scales)) = place.rotor.and_then(|rotor| Some((rotor, rotor.scales()?))) else {
+        reader.wrong("gains", value, "\"dimensionless\": others need a rotor in SI units, whose scales they take");
+        return [1.0; 2];
+    };
+    let per_newton = 1.0 / (rotor.control_mass(station) * scales.k_t);
+    let per_unit = match unit {
+        "current" => {
+            let magnetic = rotor.beam().and_then(|beam| {
+                beam.drawing().magnetics.iter().find(|of| beam.coordinate(of.station) == Some(station))
+            });
+            let Some(magnetic) = magnetic else {
+                reader.wrong("gains", value, "\"si\": a current is one of a magnetic bearing of the rotor");
+                return [1.0; 2];
+            };
+            per_newton * magnetic.force_per_current
+        }
+        _ => per_newton,
+    };
+    [per_unit, per_unit * scales.w0]
 }
 
 /// Whether a control bearing can be called so: in front of a key it must not be taken for one.
@@ -110,11 +191,12 @@ fn bearing(
     place: &Place<'_>,
 ) -> ControlBearing {
     let units = units(reader, file, place.rotor, station);
+    let per_unit = gain_units(reader, file, station, place);
     let tables = reader.tables(table, "signal", Some(MAX_MASSES));
     let signals = (tables.into_iter().enumerate())
         .map(|(i, (table, at))| Signal {
             filters: loop_toml::filters(reader, table, &units),
-            ..signal(reader, table, &format!("[[signal]] {}", i + 1), &at, place)
+            ..signal(reader, table, (&format!("[[signal]] {}", i + 1), &at), place, per_unit)
         })
         .collect();
     let filters = loop_toml::filters(reader, table, &units);
@@ -156,9 +238,15 @@ fn implied_masses(file: &Table<'_>) -> usize {
 /// The largest weight of a sensor, as large as the largest gain: beyond it sums leave the range of numbers.
 const MOST_WEIGHT: f64 = 1e6;
 
-fn signal(reader: &mut Reader<'_>, table: &Table<'_>, within: &str, at: &Span<usize>, place: &Place<'_>) -> Signal {
+fn signal(
+    reader: &mut Reader<'_>,
+    table: &Table<'_>,
+    (within, at): (&str, &Span<usize>),
+    place: &Place<'_>,
+    per_unit: [f64; 2],
+) -> Signal {
     let masses = place.masses;
-    reader.only(table, &["mass", "displacement", "velocity", "kd", "cd", "kc", "cc", "filter"]);
+    reader.only(table, &[place.key(), "displacement", "velocity", "kd", "cd", "kc", "cc", "filter"]);
     let mut weights = |key: &str| {
         let list = reader.numbers(table, key, "weights, one a mass")?;
         for (weight, at) in &list {
@@ -177,7 +265,7 @@ fn signal(reader: &mut Reader<'_>, table: &Table<'_>, within: &str, at: &Span<us
         Some(list.into_iter().map(|(weight, _)| weight).collect::<Vec<_>>())
     };
     let listed = (weights("displacement"), weights("velocity"));
-    let mass = station(reader, table, "mass", place);
+    let mass = station(reader, table, place.key(), place);
     let mut signal = match (mass, listed) {
         (Some(mass), (None, None)) => Signal::at_mass(mass, masses, [0.0; 4]),
         (None, (Some(displacement), Some(velocity))) => {
@@ -190,22 +278,24 @@ fn signal(reader: &mut Reader<'_>, table: &Table<'_>, within: &str, at: &Span<us
                 (None, None, Some(_)) => "without displacement weights",
                 _ => "without mass or weights",
             };
-            let expected = "either mass = N, or displacement = [..] and velocity = [..]";
+            let expected = format!("either {} = N, or displacement = [..] and velocity = [..]", place.key());
             reader.fault(at.clone(), format!("{within} {found}"), expected);
             Signal::at_mass(0, masses, [0.0; 4])
         }
     };
     for kind in GainKind::ALL {
         if let Some(value) = table.get(kind.name()) {
-            *signal.gain_mut(kind) = gain(reader, kind.name(), value);
+            let per_unit = per_unit[usize::from(matches!(kind, GainKind::Cd | GainKind::Cc))];
+            *signal.gain_mut(kind) = gain(reader, kind.name(), value, per_unit);
         }
     }
     signal
 }
 
-fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> Gain {
+/// A gain, of which one typed is `per_unit`.
+fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>, per_unit: f64) -> Gain {
     let DeValue::Table(table) = value.get_ref() else {
-        return Gain::Constant(bounded(reader, key, value));
+        return Gain::Constant(bounded(reader, key, value, per_unit));
     };
     let has = |key: &str| table.contains_key(key);
     if has("at_zero") || has("slope") {
@@ -213,24 +303,24 @@ fn gain(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> Gain {
         let within = (key, value.span());
         let at_zero = reader.required(table, within.clone(), "at_zero", Domain::Finite);
         let slope = reader.required(table, within, "slope", Domain::Finite);
-        let (min, max) = limits(key);
+        let (min, max) = limits(key, per_unit);
         for (part, number) in [("at_zero", at_zero), ("slope", slope)] {
             if let (Some(value), true) = (table.get(part), number.is_finite() && !(min..=max).contains(&number)) {
                 reader.wrong(part, value, format!("a number from {min} to {max}"));
             }
         }
-        return Gain::Linear { at_zero, slope };
+        return Gain::Linear { at_zero: at_zero * per_unit, slope: slope * per_unit };
     }
     if has("speed") && has("value") {
         reader.only(table, &["speed", "value"]);
-        return Gain::Table(points(reader, key, table, value));
+        return Gain::Table(points(reader, key, table, value, per_unit));
     }
     reader.wrong(key, value, "a number, { at_zero = A, slope = B } or { speed = [..], value = [..] }");
     Gain::Constant(0.0)
 }
 
 /// A constant gain, in the range that settings allow.
-fn bounded(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> f64 {
+fn bounded(reader: &mut Reader<'_>, key: &str, value: &Value<'_>, per_unit: f64) -> f64 {
     let number = match value.get_ref() {
         DeValue::Integer(_) | DeValue::Float(_) => as_number(value),
         _ => {
@@ -238,9 +328,9 @@ fn bounded(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> f64 {
             return 0.0;
         }
     };
-    let (min, max) = limits(key);
+    let (min, max) = limits(key, per_unit);
     match number {
-        Some(number) if (min..=max).contains(&number) => number,
+        Some(number) if (min..=max).contains(&number) => number * per_unit,
         _ => {
             reader.wrong(key, value, format!("a number from {min} to {max}"));
             0.0
@@ -248,11 +338,13 @@ fn bounded(reader: &mut Reader<'_>, key: &str, value: &Value<'_>) -> f64 {
     }
 }
 
-fn limits(key: &str) -> (f64, f64) {
-    PARAMETERS.iter().find(|p| p.name == key).map_or((f64::MIN, f64::MAX), |p| (p.min, p.max))
+/// What settings allow, as typed.
+fn limits(key: &str, per_unit: f64) -> (f64, f64) {
+    let all = (f64::MIN, f64::MAX);
+    PARAMETERS.iter().find(|p| p.name == key).map_or(all, |p| (p.min / per_unit, p.max / per_unit))
 }
 
-fn points(reader: &mut Reader<'_>, key: &str, table: &Table<'_>, whole: &Value<'_>) -> Vec<(f64, f64)> {
+fn points(reader: &mut Reader<'_>, key: &str, table: &Table<'_>, whole: &Value<'_>, per_unit: f64) -> Vec<(f64, f64)> {
     let speeds = reader.numbers(table, "speed", "speeds").unwrap_or_default();
     let values = reader.numbers(table, "value", "gains").unwrap_or_default();
     if speeds.len() != values.len() || speeds.is_empty() {
@@ -266,45 +358,68 @@ fn points(reader: &mut Reader<'_>, key: &str, table: &Table<'_>, whole: &Value<'
             reader.fault(at.clone(), format!("speed {after} after {before}"), "rising speeds");
         }
     }
-    let (min, max) = limits(key);
+    let (min, max) = limits(key, per_unit);
     for (value, at) in &values {
         if value.is_finite() && !(min..=max).contains(value) {
             reader.fault(at.clone(), format!("{key} value {value}"), format!("a number from {min} to {max}"));
         }
     }
-    speeds.into_iter().zip(values).map(|((speed, _), (value, _))| (speed, value)).collect()
+    speeds.into_iter().zip(values).map(|((speed, _), (value, _))| (speed, value * per_unit)).collect()
 }
 
 /// Writes feedback as TOML with comments. What [`read_feedback`] makes of it is the same feedback, bit for bit.
 #[must_use]
 pub fn write_feedback(feedback: &Feedback) -> String {
+    written(feedback, None)
+}
+
+/// The same for a rotor, whose places it calls as files for it do. What [`read_feedback_for`] makes of it is the same feedback, bit for bit.
+#[must_use]
+pub fn write_feedback_for(feedback: &Feedback, rotor: &Rotor) -> String {
+    written(feedback, rotor.beam())
+}
+
+fn written(feedback: &Feedback, beam: Option<&BeamRotor>) -> String {
     let mut lines = Lines::default();
     lines.comment(
         "Dimensionless for any rotor: displacements in e_t, time tau = w0 t, schedules over speed R = w / w0.",
     );
+    // A place that is no station has no name in a file: it is told by its weights.
+    let number = |place: usize| match beam {
+        Some(beam) => beam.places().get(place).and_then(|place| Some(place.station? + 1)),
+        None => Some(place + 1),
+    };
+    let key = if beam.is_some() { "station" } else { "mass" };
     if let Some(bearing) = is_plain(feedback) {
-        lines.key("bearing", bearing.station + 1, "the mass that carries the control bearing");
-        write_bearing(&mut lines, bearing, "");
+        let station = number(bearing.station).unwrap_or(bearing.station + 1);
+        lines.key("bearing", station, &format!("the {key} that carries the control bearing"));
+        write_bearing(&mut lines, bearing, "", (key, &number));
     } else {
         for bearing in &feedback.bearings {
             lines.header("bearing");
             if let Some(name) = &bearing.name {
                 lines.key("name", string(name), "what it is called in front of its settings");
             }
-            lines.key("mass", bearing.station + 1, "the mass that carries it");
-            write_bearing(&mut lines, bearing, "bearing.");
+            let station = number(bearing.station).unwrap_or(bearing.station + 1);
+            lines.key(key, station, &format!("the {key} that carries it"));
+            write_bearing(&mut lines, bearing, "bearing.", (key, &number));
         }
     }
     lines.into_text()
 }
 
 /// What drives a bearing, its tables under `within`.
-fn write_bearing(lines: &mut Lines, bearing: &ControlBearing, within: &str) {
+fn write_bearing(
+    lines: &mut Lines,
+    bearing: &ControlBearing,
+    within: &str,
+    (key, numbered): (&str, &dyn Fn(usize) -> Option<usize>),
+) {
     loop_toml::write_filters(lines, &bearing.filters, "what shapes the sum of the signals");
     for signal in &bearing.signals {
         lines.header(&format!("{within}signal"));
-        match sensor(signal) {
-            Some(mass) => lines.key("mass", mass + 1, "the mass that carries the sensor"),
+        match sensor(signal).and_then(numbered) {
+            Some(place) => lines.key(key, place, &format!("the {key} that carries the sensor")),
             None => {
                 lines.key("displacement", numbers(signal.displacement.iter().copied()), "weights a, b, c...");
                 lines.key("velocity", numbers(signal.velocity.iter().copied()), "weights d, e, f...");

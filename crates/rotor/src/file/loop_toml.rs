@@ -14,7 +14,7 @@ use crate::Rotor;
 /// What an SI file for `rotor` counts in: seconds, metres, newtons on the mass that carries the bearing, and hertz; `None` for
 /// a rotor without scales.
 pub(super) fn si_units(rotor: &Rotor, bearing: usize) -> Option<Units> {
-    let mass = rotor.masses().get(bearing).map_or(1.0, |m| m.mass);
+    let mass = rotor.control_mass(bearing);
     rotor.scales().map(|scales| Units::of(Some(*scales), mass))
 }
 

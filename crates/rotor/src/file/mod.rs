@@ -19,7 +19,7 @@ mod rotor_toml;
 mod write;
 
 pub use document::FeedbackDocument;
-pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback};
+pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback, write_feedback_for};
 pub use profile_toml::read_profile;
 pub use rotor_toml::{read_rotor, write_rotor};
 
@@ -33,10 +33,13 @@ pub enum Kind {
     Feedback,
 }
 
-/// What `text` seems meant to be: feedback if it has a signal, a bearing or a loop, otherwise a rotor.
+/// What `text` seems meant to be: a rotor if it has sections; else feedback if it has a signal, a bearing or a loop, otherwise a rotor.
 #[must_use]
 pub fn kind_of(text: &str) -> Kind {
     let (table, _) = toml::de::DeTable::parse_recoverable(text);
     let has = |key: &str| table.get_ref().contains_key(key);
+    if has("section") || has("plant") {
+        return Kind::Rotor;
+    }
     if has("signal") || has("bearing") || has("loop") { Kind::Feedback } else { Kind::Rotor }
 }

@@ -14,6 +14,9 @@ use crate::{FIELDS, MAX_MASSES, MAX_NAME, Mass, PARAMETERS, PhysicalMass, Rotor,
 /// All that is wrong with the file, with lines and columns.
 pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
+    if beam::is_drawing(&file) {
+        return read_drawing(text, default_name);
+    }
     reader.only(&file, &["name", "units", "reference_length", "mass", "shaft"]);
     let name = name(&mut reader, &file).unwrap_or_else(|| fitting(default_name));
     let si = is_si(&mut reader, &file);
@@ -58,6 +61,17 @@ pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Faults> {
     let rotor = made.map_err(|error| out_of_scale(&file, text, &error))?;
     within_settings(&mut reader, &rotor, &tables);
     reader.finish(rotor)
+}
+
+/// Reads a rotor of shaft elements: see [`beam::read`].
+fn read_drawing(text: &str, default_name: &str) -> Result<Rotor, Faults> {
+    let drawing = beam::read(text, default_name)?;
+    // What only the whole has wrong has no line of its own.
+    Rotor::from_drawing(drawing).map_err(|error| {
+        let told = error.to_string();
+        let (found, expected) = told.split_once(": expected ").unwrap_or((&told, "a rotor that can be simulated"));
+        Fault::at(text, 0..0, found, expected).into()
+    })
 }
 
 fn name(reader: &mut Reader<'_>, file: &Table<'_>) -> Option<String> {
@@ -109,6 +123,9 @@ fn within_settings(reader: &mut Reader<'_>, rotor: &Rotor, tables: &[(&Table<'_>
 /// Writes a rotor as TOML with comments. What [`read_rotor`] makes of it is the same rotor, bit for bit.
 #[must_use]
 pub fn write_rotor(rotor: &Rotor) -> String {
+    if let Some(beam) = rotor.beam() {
+        return beam::write(beam.drawing());
+    }
     let mut lines = Lines::default();
     lines.key("name", string(rotor.name()), "");
     let Some(physical) = rotor.physical() else {

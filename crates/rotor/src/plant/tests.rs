@@ -22,6 +22,7 @@ fn mixed(rotor: &Rotor) -> Plant {
     let through = |m: &DMatrix<C64>| &project * &mass * m * &mix;
     let forces = |i: usize| Direction::Dense((&project * Direction::Unit(i).dense(n)).iter().copied().collect());
     let given = Matrices {
+        tabulated: vec![],
         mass: &project * &mass * &mix,
         damping: [through(&d0), through(&(d1 - &d0))],
         stiffness: [through(&s0), through(&(s1 - &s0))],
@@ -29,7 +30,12 @@ fn mixed(rotor: &Rotor) -> Plant {
             .map(|i| Station { name: format!("{i}"), row: Direction::Dense(mix.row(i).iter().copied().collect()) })
             .collect(),
         contacts: (0..n)
-            .map(|i| Contact { station: i, column: forces(i), stiffness: rotor.masses()[i].bearing_stiffness })
+            .map(|i| Contact {
+                station: i,
+                column: forces(i),
+                stiffness: rotor.masses()[i].bearing_stiffness,
+                is_touchdown: false,
+            })
             .collect(),
         unbalance: (&project * &mass * DVector::from_column_slice(plant.unbalance())).iter().copied().collect(),
         columns: (0..n).map(forces).collect(),
@@ -69,6 +75,7 @@ fn the_same_rotor_in_other_coordinates_moves_alike() {
 fn what_is_no_plant_is_refused_with_a_reason() {
     let one = DMatrix::<C64>::identity(1, 1);
     let given = Matrices {
+        tabulated: vec![],
         mass: one.clone(),
         damping: [one.clone(), one.clone()],
         stiffness: [one.clone(), one],

@@ -80,7 +80,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<(Vec<Line>, CrossCoupling
     let (rotor, limits, station) = (question.rotor, question.limits, question.cross_at);
     let speed = question.operating[1];
     let form = LinearForm::of(&Plant::of(rotor), &question.settings.feedback, &OperatingPoint::at(speed))?;
-    let machine = Machine { form, station, mass: rotor.masses()[station].mass };
+    let machine = Machine { form, station, mass: rotor.control_mass(station) };
     let borne = machine.borne()?;
     let place = Where::speed(speed).of(station);
     let stable = machine.is_stable(0.0)?;

@@ -127,7 +127,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
             table.row(numbers.into_iter().chain(words.iter().map(Cell::from)));
         }
     }
-    let footer = footer(points.iter().flatten(), rotor.masses().iter().all(|m| m.unbalance == 0.0));
+    let footer = footer(points.iter().flatten(), rotor.is_balanced());
     let document = Document {
         rotor: rotor.name(),
         speeds: &speeds,

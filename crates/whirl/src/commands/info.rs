@@ -134,7 +134,7 @@ fn for_people(info: &Info, legs: &[RecordedLeg], recording: &Recording) -> Strin
     let force_of = |control: f64, at: &MomentInfo| {
         let bearing =
             recording.settings_at(at.step).map_or(0, |revision| revision.settings.feedback.bearings[0].station);
-        units.force(control, recording.rotor().masses().get(bearing).map_or(1.0, |mass| mass.mass))
+        units.force(control, recording.rotor().control_mass(bearing))
     };
     let mut text = String::new();
     let mut line = |name: &str, value: String| {

@@ -92,9 +92,8 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     let found = margins(rotor, &machine.settings, machine.settings.speed).map_err(|error| told(&error, units))?;
     let told = Told::of_all(&found, units, zones, machine.bearing_mass());
     let feedback = &machine.settings.feedback;
-    let name = |k: usize| {
-        feedback.bearings[k].name.clone().unwrap_or_else(|| format!("mass {}", feedback.bearings[k].station + 1))
-    };
+    let name =
+        |k: usize| feedback.bearings[k].name.clone().unwrap_or_else(|| rotor.place_name(feedback.bearings[k].station));
     let columns = units.pick(&COLUMNS, &COLUMNS_SI);
     let several = found.bearings.len() > 1;
     let mut table = if several { Table::new(&[&columns[..], &["bearing"]].concat()) } else { Table::new(columns) };
@@ -110,7 +109,7 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     let mut bearings = Vec::with_capacity(found.bearings.len());
     rows(&told, "all");
     for (k, BearingMargins { margins, force }) in found.bearings.iter().enumerate() {
-        let mass = rotor.masses()[feedback.bearings[k].station].mass;
+        let mass = rotor.control_mass(feedback.bearings[k].station);
         let own = Told { speed: found.speed, margins, force: *force, units, zones, mass };
         if several {
             rows(&own, &name(k));

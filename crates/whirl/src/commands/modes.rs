@@ -1,5 +1,9 @@
 //! `whirl modes`: mode shapes, as numbers and as the orbits that Figs. 4.3 to 4.5 draw.
 
+mod shapes;
+
+use std::path::PathBuf;
+
 use machine::MachinePoles;
 use rotor::{C64, Mode, Spectrum};
 use serde::Serialize;
@@ -8,7 +12,9 @@ use super::linear::{self, Part, PoleDocument};
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
-use crate::output::{Cell, Format, Table};
+use crate::output::{Cell, Format, Table, print_text};
+use crate::picture;
+use crate::place::Force;
 use crate::units::{Units, UnitsDocument};
 
 /// Options of `whirl modes`.
@@ -22,6 +28,14 @@ pub(crate) struct ModesArgs {
     /// Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     points: Option<u16>,
+    /// Draw the slowest modes along the rotor into a file that ends in .svg or .png
+    #[arg(long, value_name = "FILE", group = "written")]
+    out: Option<PathBuf>,
+    /// Draw them in the terminal, in place of the table
+    #[arg(long, conflicts_with_all = ["json", "csv", "out"])]
+    draw: bool,
+    #[command(flatten)]
+    force: Force,
     #[command(flatten)]
     format: Format,
 }
@@ -89,7 +103,14 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
     linear::neglects(&args.machine);
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
+    if let Some(path) = &args.out {
+        picture::check(path, args.force)?;
+    }
     let spectrum = MachinePoles::of(rotor, settings)?.spectrum();
+    let charts = || shapes::charts(rotor, &spectrum.modes, units);
+    if let Some(path) = &args.out {
+        picture::draw(path, args.force, &charts())?;
+    }
     let document = Document {
         rotor: rotor.name(),
         speed: settings.speed,
@@ -116,6 +137,9 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
         rotor.name(),
         units.speed_text(settings.speed)
     );
+    if args.draw {
+        return print_text(&format!("{heading}\n{}", picture::in_terminal(&charts())));
+    }
     let footer =
         "orbit: p = shape exp(lambda tau); negative phase lags in the sense of the spin; points with --json or --csv";
     let table = if args.format.csv { orbit_table(&spectrum, points, units) } else { shape_table(&spectrum, units) };

@@ -1,6 +1,11 @@
 //! `whirl rotor`: the built-in rotors, any rotor as a file, and what is wrong with files.
 
-use rotor::file::{FeedbackDocument, Kind, kind_of, write_feedback, write_rotor};
+mod import;
+mod reduce;
+
+use import::ImportArgs;
+use reduce::ReduceArgs;
+use rotor::file::{FeedbackDocument, Kind, kind_of, write_feedback_for, write_rotor};
 use rotor::{Feedback, Mass, Physical, Rotor, builtin};
 use serde::Serialize;
 use text::Fault;
@@ -26,6 +31,10 @@ enum Action {
     Show(ShowArgs),
     /// Say what is wrong with rotor and feedback files
     Check(CheckArgs),
+    /// Print a rotor that another program has saved (ROSS: TOML or JSON) as the TOML of its file
+    Import(ImportArgs),
+    /// Say what a rotor of shaft elements loses by the coordinates that it is stepped in
+    Reduce(ReduceArgs),
 }
 
 #[derive(Debug, clap::Args)]
@@ -60,7 +69,7 @@ struct CheckArgs {
     json: bool,
 }
 
-/// Carries out `whirl rotor list`, `show` or `check`.
+/// Carries out `whirl rotor list`, `show`, `check`, `import` or `reduce`.
 ///
 /// # Errors
 /// A rotor or a file that is wrong, or output that cannot be written.
@@ -69,6 +78,8 @@ pub(crate) fn run(args: &RotorArgs) -> Result<(), Failure> {
         Action::List(format) => list(*format),
         Action::Show(args) => show(args),
         Action::Check(args) => check(args),
+        Action::Import(args) => import::run(args),
+        Action::Reduce(args) => reduce::run(args),
     }
 }
 
@@ -125,7 +136,7 @@ fn show(args: &ShowArgs) -> Result<(), Failure> {
         let feedback = catalog::feedback(&rotor, name)?;
         return match args.json {
             true => print_json(&FeedbackDocument(&feedback)),
-            false => print_text(&write_feedback(&feedback)),
+            false => print_text(&write_feedback_for(&feedback, &rotor)),
         };
     }
     if !args.json {

@@ -174,7 +174,7 @@ fn bent_by(subject: &Subject, measured: &Measured) -> Vec<String> {
     let percent = |share: f64| format!("{} % of the time", rounded(100.0 * share));
     let mut told = Vec::new();
     for (mass, (share, clearance)) in measured.contact.iter().zip(&settings.deadband).enumerate() {
-        if *clearance > 0.0 && subject.rotor.masses()[mass].bearing_stiffness > 0.0 {
+        if *clearance > 0.0 && subject.rotor.has_contact(mass) {
             told.push(format!(
                 "mass {} has a clearance of {} {} and pressed on its bearing {}, which is computed at its full stiffness",
                 mass + 1,

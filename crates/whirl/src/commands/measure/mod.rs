@@ -79,7 +79,7 @@ struct Subject {
 impl Subject {
     /// Mass ratio of the control bearing's mass.
     fn bearing_mass(&self) -> f64 {
-        self.rotor.masses().get(self.settings.feedback.bearings[0].station).map_or(1.0, |m| m.mass)
+        self.rotor.control_mass(self.settings.feedback.bearings[0].station)
     }
 }
 

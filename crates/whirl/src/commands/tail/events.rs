@@ -53,7 +53,8 @@ pub(super) struct Teller {
 impl Teller {
     /// Tells of a bench on which this rotor runs.
     pub(super) fn of(rotor: Option<&Rotor>) -> Self {
-        let masses = rotor.map_or_else(Vec::new, |rotor| rotor.masses().iter().map(|m| m.mass).collect());
+        let masses =
+            rotor.map_or_else(Vec::new, |rotor| (0..rotor.len()).map(|place| rotor.control_mass(place)).collect());
         Self { masses, ..Self::default() }
     }
 

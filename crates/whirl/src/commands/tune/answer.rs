@@ -91,7 +91,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if let Some(path) = &args.out
         && (document.stable == Some(true) && short(&problem, &best.tuned).is_none() || args.write_unstable)
     {
-        write_file(path, args.force, &best.tuned.feedback, &summary(asked, &problem, &document))?;
+        write_file(path, args.force, (&best.tuned.feedback, asked.rotor()), &summary(asked, &problem, &document))?;
     }
     args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
     verdict(asked, &best.tuned)?;
@@ -277,7 +277,7 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
             units.pick("per tau", "per s")
         ));
     }
-    let mass = asked.rotor().masses()[problem.structure.bearing()].mass;
+    let mass = asked.rotor().control_mass(problem.structure.bearing());
     lines.push(format!(
         "steady control force up to {} {} (linear rotor), at {}{}",
         rounded(units.force(document.max_force, mass)),

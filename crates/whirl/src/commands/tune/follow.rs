@@ -79,7 +79,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if let Some(path) = &args.out
         && (stable == Some(true) || args.write_unstable)
     {
-        write_file(path, args.force, found.feedback(), std::slice::from_ref(&footer))?;
+        write_file(path, args.force, (found.feedback(), asked.rotor()), std::slice::from_ref(&footer))?;
     }
     if let Some(path) = &args.plot {
         picture::draw(path, args.force, &[chart(asked, &found, &names)])?;

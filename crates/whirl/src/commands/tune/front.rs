@@ -57,7 +57,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     watch.end();
     super::answer::known(asked, &front[0].tuned)?;
     let units = asked.units();
-    let mass = asked.rotor().masses()[*bearing].mass;
+    let mass = asked.rotor().control_mass(*bearing);
     let mut table = Table::new(units.pick(
         &["limit", "min damping", "worst speed", "max force", "max gain"],
         &["limit", "min damping", "worst speed (rpm)", "max force (N)", "max gain"],
@@ -87,7 +87,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
                 units.force_unit(),
                 rounded(point.tuned.largest_gain())
             );
-            write_file(&path, args.force, &tuned.feedback, &[about])?;
+            write_file(&path, args.force, (&tuned.feedback, asked.rotor()), &[about])?;
             file = Some(path.display().to_string());
         }
         points.push(PointDocument {

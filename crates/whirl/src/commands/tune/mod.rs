@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use rotor::Feedback;
-use rotor::file::write_feedback;
+use rotor::file::write_feedback_for;
 use tuner::{Method, Options, Price, Problem, Progress};
 
 use crate::failure::Failure;
@@ -256,10 +256,15 @@ impl Watch {
     }
 }
 
-/// Writes a feedback file: what was asked, what was found, the feedback.
-fn write_file(path: &Path, force: Force, feedback: &Feedback, comments: &[String]) -> Result<(), Failure> {
+/// Writes a feedback file for a rotor: what was asked, what was found, the feedback.
+fn write_file(
+    path: &Path,
+    force: Force,
+    (feedback, rotor): (&Feedback, &rotor::Rotor),
+    comments: &[String],
+) -> Result<(), Failure> {
     let command: Vec<String> = std::env::args().skip(1).collect();
     let head = format!("# whirl {}\n", command.join(" "));
     let comments: String = comments.iter().map(|line| format!("# {line}\n")).collect();
-    force.write(path, head + &comments + "\n" + &write_feedback(feedback))
+    force.write(path, head + &comments + "\n" + &write_feedback_for(feedback, rotor))
 }

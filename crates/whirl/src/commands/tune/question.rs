@@ -314,7 +314,7 @@ impl Asked {
             let Some(&bearing) = own.or(only) else {
                 return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
             };
-            asked.force_limit = Some(limit / units.force(1.0, rotor.masses()[bearing].mass));
+            asked.force_limit = Some(limit / units.force(1.0, rotor.control_mass(bearing)));
         }
         let (bearing, sensors) = asked.choices().swap_remove(0);
         asked.problem(bearing, &sensors).check()?;

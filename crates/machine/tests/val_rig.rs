@@ -1,0 +1,88 @@
+//! The rotor on two magnetic bearings against ROSS's matrices closed by another program (SciPy): poles, sensitivity, delay margin.
+
+use linear::SeveralLoops;
+use machine::{Machine, MachineLoop, MachinePoles, Program, margins};
+use rotor::{C64, Rotor, Settings, builtin};
+use serde_json::Value;
+
+fn case(name: &str) -> Value {
+    let text = match name {
+        "amb_lead" => include_str!("../../beam/tests/cases/amb_lead.json"),
+        _ => include_str!("amb_lead_delay.json"),
+    };
+    serde_json::from_str(text).expect("JSON")
+}
+
+fn rig() -> (Rotor, Settings) {
+    let rotor = builtin::rotor("rig").expect("built in");
+    let own = builtin::feedback(&rotor, "own").expect("it has a law of its own");
+    let settings = Settings::new(&rotor, 0.0, own);
+    (rotor, settings)
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().expect("a number")
+}
+
+/// Of the poles from 5 rad/s to 1500 Hz at five speeds, each reduced to what is stepped.
+#[test]
+fn val_its_poles_are_those_of_the_whole_rotor() {
+    let (rotor, settings) = rig();
+    let w0 = rotor.scales().expect("SI").w0;
+    for (speed, expected) in case("amb_lead")["speeds"].as_object().expect("speeds") {
+        let speed: f64 = speed.parse().expect("rad/s");
+        let found = MachinePoles::at(&rotor, &settings, speed / w0).expect("found");
+        assert!(found.modes.iter().all(|mode| mode.pole.re < 0.0), "stable at {speed}");
+        for pole in expected["poles_5rad_to_1500Hz"].as_array().expect("poles") {
+            let exact = C64::new(number(&pole[0]), number(&pole[1]));
+            let nearest = found.modes.iter().map(|mode| (mode.pole * w0 - exact).norm()).fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1e-4 * exact.norm(), "{exact} at {speed} rad/s is off by {nearest}");
+        }
+    }
+}
+
+#[test]
+fn val_its_sensitivity_and_the_delay_it_bears_are_those_of_the_whole_rotor() {
+    let (rotor, settings) = rig();
+    let scales = rotor.scales().expect("SI");
+    for (at, expected) in [("0", 178.29e-6), ("628.319", 176.36e-6), ("1200", 175.18e-6)] {
+        let speed = at.parse::<f64>().expect("rad/s") / scales.w0;
+        let found = margins(&rotor, &settings, speed).expect("stable");
+        let delay = scales.seconds(found.margins.delay.expect("some delay is too much").delay);
+        assert!((delay - expected).abs() < 5e-4 * expected, "{delay} s at {at} rad/s");
+        let peaks = &case("amb_lead")["speeds"][at]["peak_sensitivity"];
+        for (bearing, peak) in found.bearings.iter().zip(peaks.as_array().expect("one a bearing")) {
+            let ours = bearing.margins.sensitivity().amplitude;
+            // Twelve coordinates: the table of the case has 5e-4 for sixteen.
+            assert!((ours - number(&peak[0])).abs() < 2e-3, "{ours} for {}", peak[0]);
+        }
+    }
+    // And with a delay in both loops.
+    let mut late = settings.clone();
+    late.feedback.set_delay(scales.tau(100e-6));
+    let found = margins(&rotor, &late, 0.0).expect("stable");
+    for (bearing, peak) in found.bearings.iter().zip([2.466, 2.057]) {
+        let ours = bearing.margins.sensitivity().amplitude;
+        assert!((ours - peak).abs() < 2e-3, "{ours} for {peak}");
+    }
+    let each: Vec<_> = (MachineLoop::each(&rotor, &late, 0.0).expect("fits").into_iter()).map(|m| m.gain).collect();
+    let together = SeveralLoops::of(&each).expect("found");
+    assert!(together.largest_sensitivity.amplitude >= 2.46);
+}
+
+/// The same machine in motion: what is stepped settles to the response that its matrices say.
+#[test]
+fn val_in_motion_it_settles_to_its_unbalance_response() {
+    let (rotor, mut settings) = rig();
+    settings.speed = 3.0;
+    let response = machine::unbalance_response(&rotor, &settings, [3.0, 3.001]).expect("found").expect("continuous");
+    let pace = machine::Pace { dtau: 0.01, rate_hz: 0.0 };
+    let mut machine = Machine::new(Program::compile(&rotor, &settings, 3.0, pace).expect("can be stepped"));
+    // Its slowest pole, the integrators', fades as exp(-0.026 tau).
+    (0..30_000).for_each(|_| assert!(machine.step().is_none()));
+    let sample = machine.sample();
+    let turned = C64::cis(-sample.angle);
+    for (ours, exact) in sample.displacement.iter().zip(&response.points[0].stations) {
+        assert!((ours * turned - exact).norm() < 1e-3 * (1.0 + exact.norm()), "{} and {exact}", ours * turned);
+    }
+}

@@ -1,0 +1,409 @@
+//! Rotors of shaft elements and discs, as crate [`beam`] draws them: scaled, reduced, and made a plant of.
+//!
+//! ```text
+//! tau = w0 t,  R = w / w0,  w0 = sqrt(K_t / M_t),  K_t = sum of the stiffness of what holds it,  M_t its mass,  e_t = sum of |U| / M_t
+//! (M / M_t) q'' = -(C + Cr) / (M_t w0) q' + j R (G / M_t) q' - (K - j Kc) / K_t q + j R Cr / (M_t w0) q + forces / (K_t e_t)
+//! ```
+//!
+//! Its coordinates are the displacements of so many places of the shaft (at most [`crate::MAX_MASSES`]), which stand where a chain has its
+//! masses: they are published, recorded and read by sensors. All other places follow from them.
+
+use beam::{Drawing, FullModel, Place, Reduced, Spring};
+use control::{ControlBearing, Feedback, Filter, Signal};
+use nalgebra::DMatrix;
+use units::Scales;
+
+use crate::params::{BeamError, RotorError};
+use crate::plant::{Contact, Direction, Matrices, Plant, Station, Tabulated};
+use crate::{C64, MAX_MASSES};
+
+/// Where nothing says how long one dimensionless unit of length is: a micrometre.
+const MICROMETRE: f64 = 1e-6;
+/// What places cost in digits may not be more than this: the condition of their displacements.
+const WORST_CONDITION: f64 = 1e7;
+
+/// A rotor of shaft elements, reduced.
+#[derive(Debug)]
+pub struct BeamRotor {
+    drawing: Drawing,
+    scales: Scales,
+    full: FullModel,
+    reduced: Reduced,
+    plant: Plant,
+    clearances: Vec<f64>,
+}
+
+impl PartialEq for BeamRotor {
+    /// The drawing decides all the rest.
+    fn eq(&self, other: &Self) -> bool {
+        self.drawing == other.drawing
+    }
+}
+
+impl BeamRotor {
+    /// Reduces a drawing and makes a plant of it.
+    pub(crate) fn new(drawing: Drawing) -> Result<Self, RotorError> {
+        let full = drawing.full();
+        let scales = scales_of(&drawing, &full)?;
+        let reduced = full.reduce(&drawing, drawing.coordinates.unwrap_or(MAX_MASSES))?;
+        if reduced.condition > WORST_CONDITION {
+            return Err(BeamError::Crowded { condition: reduced.condition }.into());
+        }
+        let (plant, clearances) = plant_of(&full, &reduced, &scales)?;
+        let made = Self { drawing, scales, full, reduced, plant, clearances };
+        for magnetic in &made.drawing.magnetics {
+            for station in [magnetic.station, magnetic.sensor] {
+                made.coordinate(station).ok_or(BeamError::NotSimulated { station: station + 1 })?;
+            }
+        }
+        Ok(made)
+    }
+
+    /// What it was made of.
+    #[must_use]
+    pub fn drawing(&self) -> &Drawing {
+        &self.drawing
+    }
+
+    /// It with all the coordinates of its elements, in SI units.
+    #[must_use]
+    pub fn full(&self) -> &FullModel {
+        &self.full
+    }
+
+    /// It in the coordinates that are stepped, in SI units.
+    #[must_use]
+    pub fn reduced(&self) -> &Reduced {
+        &self.reduced
+    }
+
+    /// The places whose displacements are its coordinates, from left to right.
+    #[must_use]
+    pub fn places(&self) -> &[Place] {
+        &self.reduced.stations
+    }
+
+    /// Which coordinate a station of the drawing, counted from 0, is.
+    #[must_use]
+    pub fn coordinate(&self, station: usize) -> Option<usize> {
+        self.places().iter().position(|place| place.station == Some(station))
+    }
+
+    /// What one dimensionless unit is.
+    #[must_use]
+    pub fn scales(&self) -> &Scales {
+        &self.scales
+    }
+
+    /// Play of what holds each place, in `e_t`.
+    pub(crate) fn clearances(&self) -> &[f64] {
+        &self.clearances
+    }
+
+    /// The mass matrix of its coordinates, in `M_t`.
+    pub(crate) fn mass(&self) -> DMatrix<C64> {
+        self.reduced.mass.map(|m| C64::from(m / self.scales.m_t))
+    }
+
+    pub(crate) fn plant(&self) -> &Plant {
+        &self.plant
+    }
+
+    /// What a coordinate is called: by a magnetic bearing or sensor there, else by its place.
+    #[must_use]
+    pub fn place_name(&self, coordinate: usize) -> String {
+        let Some(place) = self.places().get(coordinate) else { return String::new() };
+        let Some(station) = place.station else { return place.name.clone() };
+        let magnetic = self.drawing.magnetics.iter().find(|m| m.station == station || m.sensor == station);
+        let sensor = self.drawing.sensors.iter().find(|sensor| sensor.station == station);
+        match (magnetic.map(|m| &m.name), sensor.map(|s| &s.name)) {
+            (Some(name), _) | (None, Some(name)) => name.clone(),
+            (None, None) => format!("station {}", place.name),
+        }
+    }
+
+    /// The plant with all the coordinates of the elements, its stations those of the reduced one: what is lost by reduction is not
+    /// lost in it.
+    ///
+    /// # Errors
+    /// A rotor that is no plant.
+    pub fn full_plant(&self) -> Result<Plant, RotorError> {
+        let order = self.full.mass.nrows();
+        let rows: Vec<Direction> = self.places().iter().map(|place| row_of(&self.full, place)).collect();
+        let columns = rows.clone();
+        let holds = Holds::of(&self.full, |spring| {
+            let station = self.coordinate(spring.station);
+            (Direction::Unit(2 * spring.node), station)
+        })?;
+        let stations = self.stations(rows);
+        matrices(
+            [&self.full.mass, &self.full.damping, &self.full.gyroscopic],
+            [&self.full.stiffness, &self.full.cross_stiffness, &self.full.internal],
+            &self.scales,
+            holds,
+            Places { stations, columns, unbalance: self.unbalance(order, |node| Direction::Unit(2 * node)) },
+        )
+        .map(|(plant, _)| plant)
+    }
+
+    fn stations(&self, rows: Vec<Direction>) -> Vec<Station> {
+        let named = rows.into_iter().enumerate();
+        named.map(|(k, row)| Station { name: self.place_name(k), row }).collect()
+    }
+
+    fn unbalance(&self, order: usize, at: impl Fn(usize) -> Direction) -> Vec<C64> {
+        unbalance_of(&self.full, &self.scales, order, at)
+    }
+
+    /// The law that its drawing has for its magnetic bearings; `None` where one of them has none.
+    #[must_use]
+    pub fn own_feedback(&self) -> Option<Feedback> {
+        let bearings: Option<Vec<ControlBearing>> = (0..self.drawing.magnetics.len())
+            .map(|k| {
+                let bearing = self.bearing(k)?;
+                let controller = self.drawing.magnetics[k].controller.as_ref()?;
+                let (gain, filter) = self.law(controller, self.drawing.magnetics[k].force_per_current)?;
+                let mut signal = Signal::at_mass(self.sensor(k)?, self.places().len(), [gain, 0.0, 0.0, 0.0]);
+                signal.filters.extend(filter);
+                Some(ControlBearing { signals: vec![signal], ..bearing })
+            })
+            .collect();
+        bearings.filter(|bearings| !bearings.is_empty()).map(|bearings| Feedback { bearings })
+    }
+
+    /// Its magnetic bearings with a signal of their own sensors each, every gain 0; without any, a control bearing at its first place.
+    #[must_use]
+    pub fn no_feedback(&self) -> Feedback {
+        let off = |k| {
+            Some(ControlBearing {
+                signals: vec![Signal::at_mass(self.sensor(k)?, self.places().len(), [0.0; 4])],
+                ..self.bearing(k)?
+            })
+        };
+        let bearings: Vec<ControlBearing> = (0..self.drawing.magnetics.len()).filter_map(off).collect();
+        if bearings.is_empty() {
+            return Feedback::new(0, vec![Signal::at_mass(0, self.places().len(), [0.0; 4])]);
+        }
+        Feedback { bearings }
+    }
+
+    fn bearing(&self, k: usize) -> Option<ControlBearing> {
+        let magnetic = &self.drawing.magnetics[k];
+        let station = self.coordinate(magnetic.station)?;
+        Some(ControlBearing { name: Some(magnetic.name.clone()), ..ControlBearing::new(station, vec![]) })
+    }
+
+    fn sensor(&self, k: usize) -> Option<usize> {
+        self.coordinate(self.drawing.magnetics[k].sensor)
+    }
+
+    /// A controller as a gain and a filter: `ki C(s)` over `K_t`, with `s` in units of `w0`. The gain is the leading coefficient where
+    /// `C` is as large at high frequencies, and `C(0)` where it fades.
+    fn law(&self, controller: &beam::ImportedController, force_per_current: f64) -> Option<(f64, Option<Filter>)> {
+        let scaled = |coefficients: &[f64]| -> Vec<f64> {
+            let order = coefficients.len().saturating_sub(1);
+            let powers = coefficients.iter().enumerate();
+            powers.map(|(k, c)| c * self.scales.w0.powi((order - k) as i32)).collect()
+        };
+        let (numerator, denominator) = (scaled(&controller.numerator), scaled(&controller.denominator));
+        let leading = *denominator.first()?;
+        let largest = numerator.iter().copied().fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
+        let (size, per) = match (numerator.last()?, denominator.last()?) {
+            (n, d) if *n != 0.0 && *d != 0.0 => (*n / *d, *n / *d * leading),
+            _ => (largest / leading, largest),
+        };
+        let gain = force_per_current * size / self.scales.k_t;
+        if numerator.len() == 1 && denominator.len() == 1 {
+            return Some((force_per_current * numerator[0] / leading / self.scales.k_t, None));
+        }
+        let filter = Filter::Transfer {
+            numerator: numerator.iter().map(|c| c / per).collect(),
+            denominator: denominator.iter().map(|c| c / leading).collect(),
+        };
+        (gain.is_finite() && filter.check().is_ok()).then_some((gain, Some(filter)))
+    }
+}
+
+/// The scales of a drawing.
+fn scales_of(drawing: &Drawing, full: &FullModel) -> Result<Scales, RotorError> {
+    let positive = |what, found: f64, expected| match found.is_finite() && found > 0.0 {
+        true => Ok(found),
+        false => Err(RotorError::Scale { what, found, expected }),
+    };
+    let m_t = positive("the sum of mass", drawing.mass(), "a finite number of kg greater than 0")?;
+    let held = full.springs.iter().filter(|spring| !spring.is_touchdown());
+    let k_t = positive(
+        "the sum of the stiffness of bearings, seals and magnetic bearings",
+        held.map(|spring| spring.stiffness.at(0.0).abs()).sum(),
+        "a finite number of N/m greater than 0, because w0 = sqrt(K_t / M_t)",
+    )?;
+    let w0 = positive("w0 = sqrt(K_t / M_t)", (k_t / m_t).sqrt(), "a finite number of rad/s greater than 0")?;
+    let unbalance: f64 = full.unbalance(w0).iter().map(|u| u.norm()).sum();
+    let e_t = match drawing.reference_length {
+        Some(length) => length,
+        None if unbalance > 0.0 => unbalance / m_t,
+        None => MICROMETRE,
+    };
+    Ok(Scales { w0, k_t, m_t, e_t })
+}
+
+/// What holds a rotor to the ground, apart by how it is computed.
+struct Holds {
+    /// Constant and without play: `(row, stiffness, damping)`, SI.
+    constant: Vec<(Direction, C64, C64)>,
+    /// Over speed.
+    tabulated: Vec<(Direction, Vec<(f64, C64, C64)>)>,
+    /// With play: place, stiffness, clearance, whether it is a touchdown bearing.
+    contacts: Vec<(usize, f64, f64, bool)>,
+}
+
+impl Holds {
+    fn of(full: &FullModel, at: impl Fn(&Spring) -> (Direction, Option<usize>)) -> Result<Self, RotorError> {
+        let mut holds = Self { constant: vec![], tabulated: vec![], contacts: vec![] };
+        for spring in &full.springs {
+            let (row, place) = at(spring);
+            let has_play = spring.clearance > 0.0;
+            if has_play {
+                let place = place.ok_or(BeamError::NotSimulated { station: spring.station + 1 })?;
+                if holds.contacts.iter().any(|(taken, ..)| *taken == place) {
+                    return Err(BeamError::TwoContacts { station: spring.station + 1 }.into());
+                }
+                let stiffness = spring.stiffness.at(0.0);
+                if spring.stiffness.values().any(|value| value != stiffness) {
+                    return Err(BeamError::TabulatedContact { station: spring.station + 1 }.into());
+                }
+                holds.contacts.push((place, stiffness, spring.clearance, spring.is_touchdown()));
+            }
+            if spring.is_touchdown() {
+                continue;
+            }
+            // Within its play only the direct stiffness is missing.
+            let stiffness = |speed: f64| match (spring.stiffness_at(speed), has_play) {
+                (whole, false) => whole,
+                (whole, true) => C64::new(0.0, whole.im),
+            };
+            match speeds_of(spring) {
+                speeds if speeds.is_empty() => {
+                    holds.constant.push((row, stiffness(0.0), spring.damping_at(0.0)));
+                }
+                speeds => {
+                    let rows = speeds.into_iter().map(|w| (w, stiffness(w), spring.damping_at(w))).collect();
+                    holds.tabulated.push((row, rows));
+                }
+            }
+        }
+        Ok(holds)
+    }
+}
+
+/// The speeds at which a coefficient of a spring has a corner; none of one that is constant.
+fn speeds_of(spring: &Spring) -> Vec<f64> {
+    let coefficients = [&spring.stiffness, &spring.damping, &spring.cross_stiffness, &spring.cross_damping];
+    let mut speeds: Vec<f64> = coefficients.into_iter().flat_map(|coefficient| coefficient.speeds()).collect();
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
+}
+
+struct Places {
+    stations: Vec<Station>,
+    columns: Vec<Direction>,
+    unbalance: Vec<C64>,
+}
+
+fn plant_of(full: &FullModel, reduced: &Reduced, scales: &Scales) -> Result<(Plant, Vec<f64>), RotorError> {
+    let n = reduced.coordinates();
+    let row = |node: usize| {
+        let row = reduced.displacement(node);
+        // A place that is a coordinate is so exactly.
+        let own = |k: usize| (row[k] - 1.0).abs() < 1e-9;
+        let others = |k: usize| (0..n).all(|i| i == k || row[i].abs() < 1e-9);
+        match (0..n).find(|&k| own(k) && others(k)) {
+            Some(k) => Direction::Unit(k),
+            None => Direction::Dense(row.iter().map(|x| C64::from(*x)).collect()),
+        }
+    };
+    let place = |spring: &Spring| reduced.stations.iter().position(|place| place.station == Some(spring.station));
+    let holds = Holds::of(full, |spring| (row(spring.node), place(spring)))?;
+    let name = |place: &Place| match place.station {
+        Some(_) => format!("station {}", place.name),
+        None => place.name.clone(),
+    };
+    let stations = (reduced.stations.iter().enumerate())
+        .map(|(k, place)| Station { name: name(place), row: Direction::Unit(k) })
+        .collect();
+    let columns = (0..n).map(Direction::Unit).collect();
+    let unbalance = unbalance_of(full, scales, n, row);
+    matrices(
+        [&reduced.mass, &reduced.damping, &reduced.gyroscopic],
+        [&reduced.stiffness, &reduced.cross_stiffness, &reduced.internal],
+        scales,
+        holds,
+        Places { stations, columns, unbalance },
+    )
+}
+
+/// Mass times eccentricity of every coordinate, in `M_t e_t`; grades without a speed are for `w0`.
+fn unbalance_of(full: &FullModel, scales: &Scales, order: usize, row: impl Fn(usize) -> Direction) -> Vec<C64> {
+    let mut all = vec![C64::ZERO; order];
+    for (node, amount) in full.station_nodes.iter().zip(full.unbalance(scales.w0)) {
+        if amount != C64::ZERO {
+            row(*node).add(amount / (scales.m_t * scales.e_t), &mut all);
+        }
+    }
+    all
+}
+
+fn matrices(
+    [mass, damping, gyroscopic]: [&DMatrix<f64>; 3],
+    [stiffness, cross, internal]: [&DMatrix<f64>; 3],
+    scales: &Scales,
+    holds: Holds,
+    places: Places,
+) -> Result<(Plant, Vec<f64>), RotorError> {
+    let Scales { w0, k_t, m_t, e_t } = *scales;
+    let (order, per_damping) = (mass.nrows(), m_t * w0);
+    let mut d0 = damping.zip_map(internal, |c, cr| C64::from(-(c + cr) / per_damping));
+    let d1 = gyroscopic.map(|g| C64::new(0.0, g / m_t));
+    let mut s0 = stiffness.zip_map(cross, |k, kc| C64::new(-k / k_t, kc / k_t));
+    let s1 = internal.map(|cr| C64::new(0.0, cr / per_damping));
+    for (row, stiffness, damping) in &holds.constant {
+        let row = row.dense(order);
+        let square = &row * row.transpose();
+        s0 -= &square * (stiffness / k_t);
+        d0 -= square * (damping / per_damping);
+    }
+    let tabulated = holds.tabulated.into_iter().map(|(row, table)| Tabulated {
+        column: row.clone(),
+        row,
+        table: table.into_iter().map(|(w, k, d)| (w / w0, [k / k_t, d / per_damping])).collect(),
+    });
+    let count = places.stations.len();
+    let mut clearances = vec![0.0; count];
+    let mut contacts: Vec<Contact> = (places.stations.iter().enumerate())
+        .map(|(station, of)| Contact { station, column: of.row.clone(), stiffness: 0.0, is_touchdown: false })
+        .collect();
+    for (place, stiffness, clearance, is_touchdown) in holds.contacts {
+        contacts[place] = Contact { stiffness: stiffness / k_t, is_touchdown, ..contacts[place].clone() };
+        clearances[place] = clearance / e_t;
+    }
+    let plant = Plant::of_matrices(Matrices {
+        mass: mass.map(|m| C64::from(m / m_t)),
+        damping: [d0, d1],
+        stiffness: [s0, s1],
+        stations: places.stations,
+        contacts,
+        unbalance: places.unbalance,
+        columns: places.columns,
+        tabulated: tabulated.collect(),
+    })?;
+    Ok((plant, clearances))
+}
+
+/// What reads the displacement of a place of the full model.
+fn row_of(full: &FullModel, place: &Place) -> Direction {
+    match place.station {
+        Some(station) => Direction::Unit(2 * full.station_nodes[station]),
+        None => Direction::Dense(full.row(place).iter().map(|x| C64::from(*x)).collect()),
+    }
+}
