@@ -117,7 +117,7 @@ fn every_wrong_feedback_file_says_where_and_what_was_expected() {
     let gain = |text: &str| format!("{SIGNAL}mass = 1\nkd = {text}");
     const GAIN: &str = "expected a number, { at_zero = A, slope = B } or { speed = [..], value = [..] }";
     for (text, complaint) in [
-        ("bering = 1\n[[signal]]\nmass = 1".to_owned(), "1:1: unknown key 'bering': expected one of units, bearing, filter, signal, loop; did you mean 'bearing'?\nbad.toml:1:1: no bearing: expected bearing = a mass of the rotor that carries the control bearing, 1 to 3".to_owned()),
+        ("bering = 1\n[[signal]]\nmass = 1".to_owned(), "1:1: unknown key 'bering': expected one of units, gains, bearing, filter, signal, loop; did you mean 'bearing'?\nbad.toml:1:1: no bearing: expected bearing = a mass of the rotor that carries the control bearing, 1 to 3".to_owned()),
         ("bearing = 4\n[[signal]]\nmass = 1".into(), "1:11: bearing = 4: expected a mass of the rotor, 1 to 3".into()),
         ("bearing = 0\n[[signal]]\nmass = 1".into(), "1:11: bearing = 0: expected a mass of the rotor, 1 to 3".into()),
         ("bearing = 1.0\n[[signal]]\nmass = 1".into(), "1:11: bearing = 1.0: expected a mass of the rotor, 1 to 3".into()),
@@ -287,7 +287,7 @@ fn list_names_every_built_in_rotor() {
     let document = run(&["rotor", "list", "--json"]).json();
     let names: Vec<_> =
         document["rotors"].as_array().expect("a list").iter().map(|r| r["name"].as_str().expect("a name")).collect();
-    assert_eq!(names, ["jeffcott", "three-mass"]);
+    assert_eq!(names, ["jeffcott", "three-mass", "rig"]);
     let table = run(&["rotor", "list"]).stdout;
     assert!(names.iter().all(|name| table.contains(name)), "{table}");
     let shown = run(&["rotor", "show", "three-mass", "--json"]).json();

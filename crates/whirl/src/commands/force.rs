@@ -20,7 +20,7 @@ use crate::units::UnitsDocument;
 /// Options of `whirl force`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct ForceArgs {
-    /// The rotor: jeffcott, three-mass, or a TOML file
+    /// The rotor: jeffcott, three-mass, rig, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     rotor: String,
     /// The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file

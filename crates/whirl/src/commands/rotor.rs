@@ -39,7 +39,7 @@ enum Action {
 
 #[derive(Debug, clap::Args)]
 struct ShowArgs {
-    /// The rotor: jeffcott, three-mass, or a TOML file
+    /// The rotor: jeffcott, three-mass, rig, or a TOML file
     #[arg(value_name = "ROTOR")]
     rotor: String,
     /// Print this feedback for the rotor instead

@@ -52,7 +52,7 @@ pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
     linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
     let settings = &machine.settings;
-    let found = if settings.feedback.is_ideal() {
+    let found = if rotor::ClosedLoop::describes(rotor, &settings.feedback) {
         rotor::thresholds(rotor, &settings.feedback, over.from, over.to)?
     } else {
         machine::thresholds(rotor, settings, over.from, over.to)?

@@ -91,7 +91,7 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
     let (rotor, feedback, units) = (&machine.rotor, &machine.settings.feedback, machine.units());
     let points =
         usize::try_from(args.points.unwrap_or(POINTS)).map_err(|_| Failure::Usage("too many points".into()))?;
-    if !feedback.is_ideal() {
+    if !rotor::ClosedLoop::describes(rotor, feedback) {
         return of_loop(args, &machine, &over.points(points));
     }
     let trace = rotor::trace(rotor, feedback, &over.points(points))?;

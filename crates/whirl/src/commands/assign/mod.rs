@@ -22,7 +22,7 @@ use wanted::Poles;
 #[derive(Debug, clap::Args)]
 #[command(group = clap::ArgGroup::new("task").required(true).args(["poles", "cancel", "table"]))]
 pub(crate) struct AssignArgs {
-    /// The rotor: jeffcott, three-mass, or a TOML file
+    /// The rotor: jeffcott, three-mass, rig, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     rotor: String,
     /// Wanted poles, two for each mass, per unit of tau = w0 t for any rotor: "re,im;re,im;..."
@@ -70,6 +70,9 @@ pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
     let units = Units::of(&rotor);
     let mut settings = Settings::new(&rotor, 0.0, catalog::feedback(&rotor, "off")?);
     units.set(&rotor, &mut settings, "speed".parse()?, args.speed.unwrap_or_default())?;
+    if args.table && !rotor.is_chain() {
+        return Err(AssignError::Chain.into());
+    }
     if args.table {
         return reach::run(&rotor, &settings.closed_loop(&rotor), args.format);
     }
@@ -179,9 +182,10 @@ fn deliver(
 impl From<AssignError> for Failure {
     fn from(error: AssignError) -> Self {
         match error {
-            AssignError::Bearing { .. } | AssignError::Count { .. } | AssignError::NotFinite(_) => {
-                Self::Usage(error.to_string())
-            }
+            AssignError::Chain
+            | AssignError::Bearing { .. }
+            | AssignError::Count { .. }
+            | AssignError::NotFinite(_) => Self::Usage(error.to_string()),
             AssignError::NotControllable { .. } | AssignError::Missed { .. } | AssignError::Poles(_) => {
                 Self::Work(error.to_string())
             }

@@ -26,7 +26,7 @@ use question::{Asked, Gains, MeasureName, Places, Robust, Signal, Span, Varied};
 #[command(group = clap::ArgGroup::new("range").required(true).args(["over", "speed"]))]
 #[command(group = clap::ArgGroup::new("written").multiple(true).args(["out", "plot"]))]
 pub(crate) struct TuneArgs {
-    /// The rotor: jeffcott, three-mass, or a TOML file
+    /// The rotor: jeffcott, three-mass, rig, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     rotor: String,
     /// Every spin speed of a range, both ends included (SI rotors: in rpm)
