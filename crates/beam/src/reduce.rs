@@ -1,7 +1,7 @@
 //! Fewer coordinates, each the displacement of a place.
 //!
-//! The motion is taken as a sum of `n` shapes: the slowest modes of the free rotor at rest, and for each place that something holds
-//! the static shape `(K + scale^2 M)^-1 e` under a force there, without which stiff bearings are missed by per cents (residual
+//! The motion is taken as a sum of `n` shapes: the slowest modes of the free rotor at rest, and for the places that are held the
+//! hardest the static shape `(K + scale^2 M)^-1 e` under a force there, without which stiff bearings are missed by per cents (residual
 //! flexibility; Craig 1981, ch. 19). Then `n` places are chosen whose displacements tell those shapes apart best, and the
 //! displacements themselves become the coordinates `q` (O'Callahan's SEREP, 1989):
 //!
@@ -17,7 +17,7 @@ use crate::model::{FullModel, Place, Spring};
 use crate::modes::{scale, undamped};
 use crate::poles::{PoleError, eigenvalues};
 use crate::select::{candidates, choose};
-use crate::{C64, Drawing, MAX_COORDINATES};
+use crate::{C64, Coefficient, Drawing, MAX_COORDINATES};
 
 /// Why a rotor could not be reduced.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -98,10 +98,7 @@ impl FullModel {
     fn shapes(&self, count: usize) -> Result<DMatrix<f64>, ReductionError> {
         let scale = scale(&self.mass, &self.stiffness);
         let modes = undamped(&self.mass, &self.stiffness, scale).ok_or(ReductionError::Mass)?;
-        let mut held: Vec<usize> = self.springs.iter().map(|spring| spring.node).collect();
-        held.sort_unstable();
-        held.dedup();
-        held.truncate(count / 4);
+        let held = self.held(scale, (count / 4 + 1).min(count.saturating_sub(2)));
         let shifted = (&self.stiffness + &self.mass * (scale * scale)).cholesky().ok_or(ReductionError::Mass)?;
         let statics = held.iter().map(|node| {
             let mut force = DVector::zeros(self.mass.nrows());
@@ -120,6 +117,25 @@ impl FullModel {
             }
         }
         if kept.len() < count { Err(ReductionError::Places(count)) } else { Ok(DMatrix::from_columns(&kept)) }
+    }
+
+    /// The `most` nodes that are held the hardest at frequencies of about `scale` in rad/s.
+    fn held(&self, scale: f64, most: usize) -> Vec<usize> {
+        let mut nodes: Vec<(usize, f64)> = Vec::new();
+        for spring in &self.springs {
+            let largest = |c: &Coefficient| c.values().map(f64::abs).fold(0.0, f64::max);
+            let stiffness = largest(&spring.stiffness) + largest(&spring.cross_stiffness);
+            let hold = stiffness + scale * (largest(&spring.damping) + largest(&spring.cross_damping));
+            match nodes.iter_mut().find(|(node, _)| *node == spring.node) {
+                Some((_, sum)) => *sum += hold,
+                None => nodes.push((spring.node, hold)),
+            }
+        }
+        nodes.sort_by(|a, b| b.1.total_cmp(&a.1));
+        // What holds little is seen by the modes well enough, and each shape for it would cost a mode.
+        let hardest = nodes.first().map_or(0.0, |&(_, hold)| hold);
+        nodes.retain(|&(_, hold)| hold > 0.02 * hardest);
+        nodes.into_iter().take(most).map(|(node, _)| node).collect()
     }
 
     /// `shape` less what it has in common with `others`, of length 1 over `M`; `None` if nothing is left.

@@ -105,6 +105,30 @@ fn places_inside_elements_serve_where_stations_are_too_few() {
     assert!(lost.worst_frequency() < 1e-8, "{lost:?}");
 }
 
+/// A compressor: stiff bearings near both ends, and many seals between, which hold it little and stand first in the file.
+#[test]
+fn stiff_bearings_among_many_seals_are_not_missed() {
+    let mut text =
+        "units = 'si'\n[material.steel]\ndensity = 7810.0\nyoungs_modulus = 211e9\npoisson = 0.3\n".to_owned();
+    for i in 0..24 {
+        text += &format!("[[section]]\nlength = 0.06\nouter = {}\n", 0.08 + 0.02 * f64::from(i % 2));
+    }
+    for station in [8, 10, 12, 14, 16, 18] {
+        text += &format!("[[disc]]\nstation = {station}\nouter = 0.3\nwidth = 0.03\nmaterial = 'steel'\n");
+        text += &format!("[[bearing]]\nstation = {station}\nstiffness = 1e5\ncross_stiffness = 1e5\ndamping = 300.0\n");
+    }
+    for station in [4, 22] {
+        text += &format!("[[bearing]]\nstation = {station}\nstiffness = 1.2e8\ndamping = 1.9e5\n");
+    }
+    let drawing = beam::read(&text, "compressor").expect("a drawing");
+    let full = drawing.full();
+    for (coordinates, within) in [(8, 1e-3), (14, 1e-4), (16, 1e-5)] {
+        let reduced = full.reduce(&drawing, coordinates).expect("a reduction");
+        let worst = lost(&full, &reduced, &[0.0, 500.0, 1000.0], 3000.0).expect("poles").worst_frequency();
+        assert!(worst < within, "{coordinates}: {worst}");
+    }
+}
+
 #[test]
 fn numbers_of_coordinates_that_cannot_be_are_refused() {
     let (drawing, full) = rotor(OVERHUNG);

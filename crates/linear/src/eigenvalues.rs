@@ -1,7 +1,7 @@
 //! Eigenvalues of dense complex matrices: balancing, Householder reduction to Hessenberg form, shifted QR.
 //!
-//! The matrices here have 2 to 128 rows and only their eigenvalues are wanted, so the routine keeps neither the unitary
-//! factor nor anything outside the active block, and allocates nothing: about half the work of a full Schur
+//! The matrices here have 2 to some hundred rows and only their eigenvalues are wanted, so the routine keeps neither the unitary
+//! factor nor anything outside the active block, and up to 64 rows allocates nothing: about half the work of a full Schur
 //! decomposition. The algorithm is the classical one (Francis; Wilkinson, *The Algebraic Eigenvalue Problem*, ch. 8;
 //! Golub & Van Loan, ch. 7), with Wilkinson's shift and a bounded number of sweeps. Eigenvectors are not its job.
 //!
@@ -17,6 +17,9 @@ use crate::balance::balance;
 
 /// Bound on the QR sweeps for one eigenvalue. Two to three are usual; LAPACK gives up after 30 as well.
 const SWEEPS_PER_EIGENVALUE: usize = 30;
+
+/// Rows up to which the columns of a matrix are near enough to one another in memory.
+const NARROW: usize = 64;
 
 /// Why there are no eigenvalues.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -128,14 +131,14 @@ fn normalise(rows: &mut [C64], size: usize) -> Result<f64, EigenvalueError> {
 /// Householder reflections to upper Hessenberg form: zeros below the first subdiagonal.
 #[inline(always)]
 fn reduce(rows: &mut [C64], size: usize) {
-    let mut vector = [C64::ZERO; 64];
+    let mut vector = [C64::ZERO; NARROW];
     let mut wide = Vec::new();
-    // The stack holds every rotor; only larger matrices, which the library's users may bring, pay for an allocation.
-    let vector: &mut [C64] = if size <= vector.len() {
-        &mut vector
+    // The stack holds every rotor in few coordinates; only larger matrices, such as those of all its elements, pay for an allocation.
+    let (vector, dots): (&mut [C64], &mut [C64]) = if size <= NARROW {
+        (&mut vector, &mut [])
     } else {
-        wide.resize(size, C64::ZERO);
-        &mut wide
+        wide.resize(2 * size, C64::ZERO);
+        wide.split_at_mut(size)
     };
     for column in 0..size.saturating_sub(2) {
         let first = column + 1;
@@ -158,12 +161,26 @@ fn reduce(rows: &mut [C64], size: usize) {
         for i in first + 1..size {
             rows[i * size + column] = C64::ZERO;
         }
-        // From the left, on the columns to the right...
-        for j in column + 1..size {
-            let dot: C64 = reflector.iter().enumerate().map(|(k, v)| v.conj() * rows[(first + k) * size + j]).sum();
-            let dot = dot * weight;
+        // From the left, on the columns to the right: of a large matrix row by row, as it lies in memory...
+        if size > NARROW {
+            let dots = &mut dots[first..size];
+            dots.fill(C64::ZERO);
             for (k, v) in reflector.iter().enumerate() {
-                rows[(first + k) * size + j] -= v * dot;
+                let v = v.conj() * weight;
+                let row = &rows[(first + k) * size + first..(first + k + 1) * size];
+                dots.iter_mut().zip(row).for_each(|(dot, r)| *dot += v * r);
+            }
+            for (k, v) in reflector.iter().enumerate() {
+                let row = &mut rows[(first + k) * size + first..(first + k + 1) * size];
+                row.iter_mut().zip(&*dots).for_each(|(r, dot)| *r -= v * dot);
+            }
+        } else {
+            for j in column + 1..size {
+                let dot: C64 = reflector.iter().enumerate().map(|(k, v)| v.conj() * rows[(first + k) * size + j]).sum();
+                let dot = dot * weight;
+                for (k, v) in reflector.iter().enumerate() {
+                    rows[(first + k) * size + j] -= v * dot;
+                }
             }
         }
         // ...and from the right, on every row.
