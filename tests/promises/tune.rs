@@ -379,6 +379,8 @@ fn margins_are_kept_over_the_whole_range_and_missed_ones_are_told() {
     let document = run(&[&search[..], &kept[..]].concat()).json();
     let (peak, delay) = (&document["sensitivity"]["peak"], &document["delay"]["tau"]);
     assert!(peak.as_f64().expect("a number") <= 1.5 * 1.001 && delay.as_f64().expect("a number") >= 0.1 * 0.999);
+    let below = document["sensitivity"]["below"].as_f64().expect("proven");
+    assert!((1.0..1.0011).contains(&(below / peak.as_f64().expect("a number"))), "{below} {peak}");
     let margins = run(&["margin", "three-mass", "--feedback", file, "--over", "0..6", "--json"]).json();
     let worst = margins["worst"]["sensitivity"]["sensitivity"]["peak"].as_f64().expect("a number");
     assert!((worst / peak.as_f64().expect("a number") - 1.0).abs() < 1e-3, "{worst} {peak}");
@@ -393,5 +395,21 @@ fn margins_are_kept_over_the_whole_range_and_missed_ones_are_told() {
         let refused = run(&["tune", "three-mass", "--speed", "6", option, value]);
         assert_eq!(refused.code, Some(2), "{refused:?}");
         assert!(refused.stderr.contains(words), "{}", refused.stderr);
+    }
+}
+
+#[test]
+fn rows_for_a_spreadsheet_are_numbers_of_scheduled_gains_too() {
+    for (gains, rows) in [("fixed", 4), ("linear", 8), ("table:3", 12)] {
+        let ran = run(&["tune", "three-mass", "--over", "0..3", "--gains", gains, "--starts", "1", "--csv"]);
+        assert_eq!(ran.code, Some(0), "{ran:?}");
+        let mut lines = ran.stdout.lines();
+        assert_eq!(lines.next(), Some("signal,gain,speed,value"));
+        let lines: Vec<&str> = lines.collect();
+        assert_eq!(lines.len(), rows, "{lines:?}");
+        for line in lines {
+            let fields: Vec<&str> = line.split(',').collect();
+            assert!(fields[3].parse::<f64>().is_ok() && (fields[2].is_empty() == (gains == "fixed")), "{line}");
+        }
     }
 }

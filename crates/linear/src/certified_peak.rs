@@ -67,7 +67,7 @@ impl DelaySystem {
     /// Eigenvalues that cannot be had; or a root so near the axis that there is no bound.
     pub fn certified_peak(&self, tolerance: f64) -> Result<CertifiedPeak, DelayError> {
         if self.delay() > 0.0 {
-            let found = self.covered_peak(&[], tolerance, STRETCHES, &|| false)?;
+            let found = self.covered_peak(&[], 1.0, tolerance, STRETCHES, &|| false)?;
             let Some((amplitude, at, below)) = found else { return Err(DelayError::NoBound) };
             return Ok(CertifiedPeak { amplitude, frequency: at.map(|at| at[0]), below, proof: PeakProof::Covered });
         }

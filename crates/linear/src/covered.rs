@@ -62,7 +62,7 @@ struct Cover<'a> {
 
 impl DelaySystem {
     /// The peak of the sensitivity over all frequencies and all parameters within reach, with a bound that is `tolerance` above the
-    /// largest value found, relative to it. `None` if that takes more than `budget` cells, if a root is on the axis, or once `stop`
+    /// largest value found, relative to it; at least `known`, which is 1 or a value that is reached elsewhere. `None` if that takes more than `budget` cells, if a root is on the axis, or once `stop`
     /// says so.
     ///
     /// # Errors
@@ -70,6 +70,7 @@ impl DelaySystem {
     pub fn covered_peak(
         &self,
         along: &[AffineTerm],
+        known: f64,
         tolerance: f64,
         budget: u64,
         stop: &dyn Fn() -> bool,
@@ -89,7 +90,7 @@ impl DelaySystem {
 
         // What is known before: at the frequencies of the loop with its delay left out.
         let zero = vec![0.0; along.len()];
-        let mut best: (f64, Option<Vec<f64>>) = (1.0, None);
+        let mut best: (f64, Option<Vec<f64>>) = (known.max(1.0), None);
         let roots = eigenvalues(&system.a + &system.b * &system.c)?;
         for w in roots.iter().map(|s| s.im).chain([0.0]) {
             let point = [&[w][..], &zero].concat();

@@ -38,7 +38,7 @@ fn val_scipy_finds_the_same_peaks_and_none_above_what_is_proven() {
         let proof = if system.delay() == 0.0 { PeakProof::Hamiltonian } else { PeakProof::Covered };
         assert_eq!(found.proof, proof, "{name}");
         // Both ways where both go.
-        let covered = system.covered_peak(&[], TOLERANCE, 400_000, &|| false).expect("fits").expect("a bound");
+        let covered = system.covered_peak(&[], 1.0, TOLERANCE, 400_000, &|| false).expect("fits").expect("a bound");
         assert!(expected <= covered.2 && (covered.0 / expected - 1.0).abs() < 1e-6, "{name}: {covered:?}");
         // Beside the peak of one loop's margins, which is found on a curve.
         if system.b().ncols() == 1 {
@@ -114,7 +114,7 @@ proptest! {
         let system = any_loop(4, 1, delay, &numbers);
         let way = DMatrix::from_fn(4, 4, |i, j| C64::from(numbers[(5 * i + j) % 60]));
         let along = [AffineTerm { a: way.clone(), reach }];
-        let Some((amplitude, at, below)) = system.covered_peak(&along, 0.02, 200_000, &|| false).expect("fits") else {
+        let Some((amplitude, at, below)) = system.covered_peak(&along, 1.0, 0.02, 200_000, &|| false).expect("fits") else {
             return Ok(());
         };
         let moved = |t: f64| {
@@ -138,9 +138,9 @@ fn a_direction_that_does_not_fit_is_refused_and_a_budget_that_is_spent_gives_not
     let system = any_loop(3, 1, 0.1, &[0.3, -0.7, 0.9, 0.2, -0.4]);
     let wrong = [AffineTerm { a: DMatrix::zeros(2, 3), reach: 1.0 }];
     assert_eq!(
-        system.covered_peak(&wrong, TOLERANCE, 100, &|| false),
+        system.covered_peak(&wrong, 1.0, TOLERANCE, 100, &|| false),
         Err(DelayError::Direction { rows: 2, columns: 3, expected: 3 })
     );
-    assert_eq!(system.covered_peak(&[], 1e-9, 5, &|| false), Ok(None));
-    assert_eq!(system.covered_peak(&[], TOLERANCE, 1000, &|| true), Ok(None));
+    assert_eq!(system.covered_peak(&[], 1.0, 1e-9, 5, &|| false), Ok(None));
+    assert_eq!(system.covered_peak(&[], 1.0, TOLERANCE, 1000, &|| true), Ok(None));
 }

@@ -57,6 +57,9 @@ pub fn damping_ratio(pole: C64) -> f64 {
     if size > 0.0 { (0.0 - pole.re) / size } else { 0.0 }
 }
 
+/// A pole this near the real axis, relative to its size, is on it: several that coincide are off it by rounding.
+const REAL: f64 = 1e-12;
+
 /// The sense in which a mode whirls.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "lowercase")]
@@ -98,12 +101,17 @@ impl Mode {
         Stability::of(self.pole)
     }
 
-    /// Logarithmic decrement `2 pi zeta / sqrt(1 - zeta^2)`; infinite for a pole on the real axis, 0 for a
+    /// Logarithmic decrement `2 pi zeta / sqrt(1 - zeta^2)`; infinite for a pole on the real axis, or off it by rounding alone, 0 for a
     /// marginal one.
     #[must_use]
     pub fn log_decrement(&self) -> f64 {
+        let C64 { re, im } = self.pole;
+        if re == 0.0 {
+            return 0.0;
+        }
         // The same quotient in terms of the pole, which keeps its digits near zeta = 1.
-        if self.pole.re == 0.0 { 0.0 } else { std::f64::consts::TAU * -self.pole.re / self.pole.im.abs() }
+        let whirls = im.abs() > REAL * re.abs();
+        std::f64::consts::TAU * -re / if whirls { im.abs() } else { 0.0 }
     }
 
     /// Whirl frequency `|Im lambda|`, in radians per unit of `tau`.
@@ -175,5 +183,18 @@ pub fn scale_to_largest(shape: &mut [C64]) {
     if largest != C64::ZERO {
         let factor = largest.inv();
         shape.iter_mut().for_each(|z| *z *= factor);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pole_off_the_real_axis_by_rounding_has_no_turn_to_decay_in() {
+        let decrement = |re, im| Mode { pole: C64::new(re, im), shape: vec![] }.log_decrement();
+        assert_eq!([decrement(-10.0, 3e-17), decrement(-10.0, 0.0)], [f64::INFINITY; 2]);
+        assert_eq!((decrement(10.0, -1e-15), decrement(0.0, 1.0)), (f64::NEG_INFINITY, 0.0));
+        assert!((decrement(-0.1, 1.0) - 0.2 * std::f64::consts::PI).abs() < 1e-15);
     }
 }

@@ -5,6 +5,7 @@
 //! it. Over [`LONG`] turns, under a Hann window, what whirls more slowly than the spin is told apart.
 
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use rotor::C64;
 
@@ -73,6 +74,8 @@ pub struct OrderTracker {
     displacements: Vec<C64>,
     /// `exp(-j theta)` of the readings of a turn.
     back: [C64; PER_TURN],
+    /// See [`slow_lines`].
+    slow: Arc<[[C64; SLOW]]>,
 }
 
 impl OrderTracker {
@@ -88,6 +91,7 @@ impl OrderTracker {
             heads: vec![[0.0; 3]; readings],
             displacements: vec![C64::ZERO; readings * stations],
             back: std::array::from_fn(|k| C64::cis(-(k as f64) * TAU / PER_TURN as f64)),
+            slow: slow_lines().into(),
         }
     }
 
@@ -168,10 +172,12 @@ impl OrderTracker {
             turn.force = turn.force.max(force);
             for (k, q) in self.displacements[place * n..][..n].iter().enumerate() {
                 turn.first_order[k] += q * self.back[angle] * share;
-                turn.radius[k] = turn.radius[k].max(q.norm());
-                turn.rest[k] += q.norm_sqr() * share;
+                let size = q.norm_sqr();
+                turn.radius[k] = turn.radius[k].max(size);
+                turn.rest[k] += size * share;
             }
         }
+        turn.radius.iter_mut().for_each(|radius| *radius = radius.sqrt());
         for (rest, first) in turn.rest.iter_mut().zip(&turn.first_order) {
             *rest = (*rest - first.norm_sqr()).max(0.0).sqrt();
         }
@@ -183,23 +189,33 @@ impl OrderTracker {
     #[must_use]
     pub fn subsynchronous(&self) -> Option<Vec<f64>> {
         let wide = LONG * PER_TURN;
-        let mut lines = vec![[C64::ZERO; 2 * SLOW]; self.stations];
-        for (i, (place, _)) in self.window(LONG)?.enumerate() {
-            let hann = 1.0 - (TAU * i as f64 / wide as f64).cos();
-            let base = C64::cis(-TAU * i as f64 / wide as f64);
-            let mut turned = C64::from(1.0);
-            for order in 0..SLOW {
-                turned *= base;
-                for (line, q) in lines.iter_mut().zip(&self.displacements[place * self.stations..]) {
-                    line[order] += q * turned * hann;
-                    line[SLOW + order] += q * turned.conj() * hann;
+        // Both parts of the motion, which is complex, on every line: forward and backward whirl are their sum and difference.
+        let mut lines = vec![[[C64::ZERO; 2]; SLOW]; self.stations];
+        for ((place, _), turned) in self.window(LONG)?.zip(self.slow.iter()) {
+            let readings = &self.displacements[place * self.stations..];
+            for (line, q) in lines.iter_mut().zip(readings) {
+                for (parts, turned) in line.iter_mut().zip(turned) {
+                    parts[0] += turned * q.re;
+                    parts[1] += turned * q.im;
                 }
             }
         }
-        // A line under this window has 1.5 times its power over its three bins.
-        let power = |line: &[C64; 2 * SLOW]| line.iter().map(C64::norm_sqr).sum::<f64>() / 1.5;
+        // A line under this window has 1.5 times its power over its three bins. With q = a + j b, the sum of q t and that of
+        // q conj(t) have together twice the power of those of a t and of b t.
+        let power = |line: &[[C64; 2]; SLOW]| line.iter().flatten().map(C64::norm_sqr).sum::<f64>() * 2.0 / 1.5;
         Some(lines.iter().map(|line| power(line).sqrt() / wide as f64).collect())
     }
+}
+
+/// Of every reading of the long window its weight on every line, under a Hann window.
+fn slow_lines() -> Vec<[C64; SLOW]> {
+    let wide = LONG * PER_TURN;
+    let reading = |i: usize| {
+        let angle = TAU * i as f64 / wide as f64;
+        let hann = 1.0 - angle.cos();
+        std::array::from_fn(|order| C64::cis(-angle * (order + 1) as f64) * hann)
+    };
+    (0..wide).map(reading).collect()
 }
 
 /// The cubic with values and slopes at 0 and 1: weights of value and slope at 0, and of value and slope at 1.

@@ -16,6 +16,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use fastrand::Rng;
+
 use common::{RUN, at, batch, bench_status, state, states};
 use rustix::time::{ClockId, clock_gettime};
 use tape::{DamageKind, Event, Head, Info, LostSteps, Recording, Remark, What};
@@ -30,16 +32,6 @@ const BATCHES: u64 = 8;
 const MOST_WORK: Duration = Duration::from_secs(20);
 /// What it may ask for of memory beyond a hundred times the file.
 const MOST_MEMORY: u64 = 64 << 20;
-
-/// Numbers that look random, the same from the same seed.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, limit: usize) -> usize {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % limit
-    }
-}
 
 /// A small recording of ours: settings, steps, an event and a trip, an end.
 fn write(path: &Path) {
@@ -146,8 +138,8 @@ impl Patient {
         let file = File::options().write(true).open(&self.path).unwrap();
         again(|random| {
             for _ in 0..cases {
-                let place = random.below(self.whole.len());
-                let changed = self.whole[place] ^ (random.below(255) + 1) as u8;
+                let place = random.usize(..self.whole.len());
+                let changed = self.whole[place] ^ random.u8(1..);
                 self.change(&file, place, changed, &judge);
             }
         });
@@ -171,12 +163,12 @@ impl Patient {
 }
 
 /// Does it from the seed, and from others as long as there is time.
-fn again(mut work: impl FnMut(&mut Random)) {
+fn again(mut work: impl FnMut(&mut Rng)) {
     let number = |name: &str| std::env::var(name).ok().and_then(|typed| typed.parse::<u64>().ok());
     let (budget, first) = (number("WHIRL_FUZZ_SECONDS").unwrap_or(0), number("WHIRL_FUZZ_SEED").unwrap_or(11));
     let begun = Instant::now();
     for seed in first.. {
-        work(&mut Random(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)));
+        work(&mut Rng::with_seed(seed));
         if begun.elapsed() >= Duration::from_secs(budget) {
             return;
         }
@@ -246,8 +238,8 @@ fn files_that_are_cut_off_or_filled_with_zeros_are_read_up_to_there() {
     for patient in [Patient::new(), Patient::old("tests/schema-1.rrd")] {
         again(|random| {
             for _ in 0..60 {
-                let cut = random.below(patient.whole.len());
-                let zeros = [0, 1, 4096, 100_000][random.below(4)];
+                let cut = random.usize(..patient.whole.len());
+                let zeros = [0, 1, 4096, 100_000][random.usize(..4)];
                 let mut content = patient.whole[..cut].to_vec();
                 content.resize(cut + zeros, 0);
                 let Some(read) = patient.with(&content) else { continue };
@@ -321,8 +313,8 @@ fn fifty_megabytes_of_junk_behind_a_recording_cost_no_more_than_a_look() {
     const JUNK: usize = 50 << 20;
     let filled = |pattern: &[u8]| pattern.iter().copied().cycle().take(JUNK).collect::<Vec<u8>>();
     let header = |kind: u64, length: u64| [kind.to_le_bytes(), length.to_le_bytes()].concat();
-    let mut random = Random(7);
-    let noise: Vec<u8> = (0..1 << 16).map(|_| random.below(256) as u8).collect();
+    let mut random = Rng::with_seed(7);
+    let noise: Vec<u8> = (0..1 << 16).map(|_| random.u8(..)).collect();
     for patient in [Patient::new(), Patient::old("tests/schema-1.rrd")] {
         let message = &patient.whole[patient.whole.len() / 4..patient.whole.len() / 2];
         // Lengths that lead to another header, far away; with the mark of a checksum behind it, and the first field's.

@@ -149,13 +149,9 @@ fn a_file_cut_off_anywhere_reads_up_to_there() {
     let ends = write(&path);
     let whole = std::fs::read(&path).unwrap();
     let cut = folder.path().join("cut.rrd");
-    let mut random = 0x1234_5678_9abc_def0_u64;
-    let mut random = move |below: u64| {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (random >> 33) % below
-    };
+    let mut random = fastrand::Rng::with_seed(7);
     let first = whole.len() as u64 - 64;
-    let cuts = (0..150).map(|i| if i < 64 { first + i } else { random(whole.len() as u64) }).chain(ends.clone());
+    let cuts = (0..150).map(|i| if i < 64 { first + i } else { random.u64(..whole.len() as u64) }).chain(ends.clone());
     for at in cuts {
         std::fs::write(&cut, &whole[..at as usize]).unwrap();
         // Steps whose message is whole are there: that is all that a kill may cost.

@@ -39,3 +39,16 @@ fn nonsmooth(bencher: Bencher<'_, '_>) {
 fn powell(bencher: Bencher<'_, '_>) {
     search(bencher, Method::Powell);
 }
+
+/// Individual gains over 0..6, with limits of both margins and without: two starts on one thread, proof and all.
+#[divan::bench(args = [false, true], sample_count = 5)]
+fn individual_gains(bencher: Bencher<'_, '_>, with_margins: bool) {
+    let rotor = rotor::builtin::rotor("three-mass").expect("built in");
+    let family = Family::new(&rotor, 0.0, 6.0).expect("a range");
+    let structure = Structure::new(&rotor, &Structure::individual(3, 0, &[0, 1]), Schedule::Fixed).expect("it fits");
+    let free = Problem::new(family, structure, 5.0);
+    let asked = Problem { max_sensitivity: Some(1.5), min_delay: Some(0.1), ..free.clone() };
+    let problem = if with_margins { asked } else { free };
+    let options = Options { starts: 2, threads: Some(1), ..Options::for_problem(&problem) };
+    bencher.bench_local(|| tune(&problem, &options, &|_| {}, Stop::NEVER));
+}

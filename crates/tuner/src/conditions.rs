@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use crate::evaluate::{force_at, in_hand_at, margins_at, worst_at};
+use crate::evaluate::worst_at;
+use crate::limits::{force_at, in_hand_at, margins_at};
 use crate::stop::Stop;
 use crate::{Family, LoopMargins, Problem};
 

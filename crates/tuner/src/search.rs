@@ -9,8 +9,10 @@ use rotor::Feedback;
 
 use crate::certify::{self, Certificate, certify};
 use crate::conditions::{counts, hardest_places, tightest_places, worst_margins, worst_places};
-use crate::evaluate::{EXCESS, Evaluator, force_at, worst_at};
+use crate::evaluate::{EXCESS, Evaluator, worst_at};
+use crate::limits::force_at;
 use crate::minimax::{Stationarity, polish, stationarity};
+use crate::proven_peak::peak_below;
 use crate::stop::Stop;
 use crate::{Family, LoopMargins, Problem, ProblemError, powell, smooth};
 
@@ -110,6 +112,8 @@ pub struct Tuned {
     /// Where margins are asked for: those where the peak of the sensitivity is largest, and those where the delay margin is smallest,
     /// each with its condition.
     pub margins: Option<[(LoopMargins, Vec<f64>); 2]>,
+    /// Where the peak of the sensitivity is limited: what no condition of the whole family exceeds. `None` where that is not proven.
+    pub peak_below: Option<f64>,
     /// How near to a local optimum they are.
     pub stationarity: Stationarity,
     /// The modes that hold the value, at their conditions.
@@ -314,7 +318,9 @@ pub(crate) fn exchange(
             missed.extend(hardest.into_iter().filter(|(force, _)| *force > over).map(|(_, point)| point));
         }
         if problem.asks_margins() {
-            let tightest = tightest_places(problem, gains, scan, 4, stop);
+            // Margins change little from one condition to the next, and are dear: what lies between is walked down to.
+            let fewer = counts(&problem.family, Family::points(scan).min(FINE));
+            let tightest = tightest_places(problem, gains, &fewer, 4, stop);
             let least = tightest.first().map_or(0.0, |(in_hand, _)| *in_hand);
             value -= EXCESS * (-least - 1e-6).max(0.0);
             let short = evaluator.shortfall(gains) + 1e-6;
@@ -418,9 +424,16 @@ fn prove(
         true => worst_margins(problem, &gains, &counts(family, FINE), stop),
         false => None,
     };
+    let peak_below = match (&margins, problem.max_sensitivity) {
+        (Some([(highest, _), _]), Some(_)) if options.prove && worst.value > 0.0 => {
+            peak_below(problem, &gains, highest.sensitivity.0, stop)
+        }
+        _ => None,
+    };
     evaluations.fetch_add(evaluator.evaluations, Ordering::Relaxed);
     Tuned {
         margins,
+        peak_below,
         force,
         force_at,
         feedback: problem.structure.feedback(&gains),

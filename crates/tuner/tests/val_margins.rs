@@ -20,9 +20,11 @@ fn val_margins_of_given_gains_are_those_of_the_machine() {
             let asked = Problem { max_sensitivity: Some(f64::INFINITY), ..problem(6.0, 6.0, &feedback) };
             let gains = asked.structure.variables_of(&feedback);
             let found = evaluate(&asked, &Options::for_problem(&asked), &gains, Stop::NEVER).expect("makes sense");
-            let [(ours, _), _] = found.margins.expect("asked for");
+            let [(ours, _), _] = found.margins.clone().expect("asked for");
             let there = margins(&rotor, &Settings::new(&rotor, 6.0, feedback), 6.0).expect("stable").margins;
             assert!((ours.sensitivity.0 / there.sensitivity().amplitude - 1.0).abs() < 1e-9, "{ours:?} {there:?}");
+            // A lag is more than gains: nothing is proven of it.
+            assert_eq!(found.peak_below.is_some(), lag == 0.0, "{found:?}");
             let (found, of) = (ours.delay.expect("one"), there.delay.expect("one"));
             assert!(
                 (found.0 / of.delay - 1.0).abs() < 1e-9 && (found.1 - of.frequency).abs() < 1e-6,
@@ -52,6 +54,9 @@ fn val_limits_of_both_margins_hold_over_the_whole_range() {
     let [(told, _), (late, _)] = found.margins.as_ref().expect("asked for");
     assert!((told.sensitivity.0 / peak - 1.0).abs() < 1e-3, "{told:?} {peak}");
     assert!((late.delay.map_or(f64::INFINITY, |(delay, _)| delay) / delay - 1.0).abs() < 1e-3, "{late:?} {delay}");
+    // And nothing between any of the speeds is above what is proven.
+    let below = found.peak_below.expect("proven");
+    assert!(peak <= below && below <= told.sensitivity.0 * 1.0011, "{peak} {below}");
     // Limits cost damping.
     let free = tune(&free, &options, &|_| (), Stop::NEVER).expect("makes sense");
     assert!(found.worst.value <= free.worst.value + 1e-6, "{} {}", found.worst.value, free.worst.value);

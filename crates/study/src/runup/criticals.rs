@@ -137,7 +137,7 @@ impl Readings {
             let first = criticals.len();
             for (station, height) in readings.first.iter().enumerate() {
                 let mut found = peaks(&readings.speed, height);
-                found.retain(|peak| peak.width >= narrow && readings.rest[station][peak.at] < peak.height);
+                found.retain(|peak| peak.width > narrow && readings.rest[station][peak.at] < peak.height);
                 let steady = steady.get(station).map_or(&[][..], |peaks| peaks);
                 drop_beats(&mut found, steady, is_down);
                 for peak in &found {

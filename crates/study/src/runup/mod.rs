@@ -26,6 +26,8 @@ use criticals::{Course, Passed, Readings, followed, grid};
 
 use crate::run::MOST_STEPS;
 
+/// A turn is read again after so many readings at least, an eighth of it: more would show nothing new.
+const LEAST_APART: u64 = PER_TURN as u64 / 8;
 /// Readings of the first order that are kept for the search of peaks; beyond, only one in so many.
 const MOST_READINGS: f64 = 2e5;
 
@@ -244,7 +246,10 @@ impl Book {
             points: Vec::with_capacity(plan.points),
             next: apart,
             apart,
-            readings: Readings::new(stations, (turns * PER_TURN as f64 / MOST_READINGS).ceil().max(1.0) as u64),
+            readings: Readings::new(
+                stations,
+                ((turns * PER_TURN as f64 / MOST_READINGS).ceil() as u64).max(LEAST_APART),
+            ),
             count: 0,
             largest: Largest::default(),
         }

@@ -4,8 +4,8 @@
 use rotor::{Rotor, Settings};
 use spectrum::{OrderSample, OrderTracker};
 
-use super::MOST_READINGS;
 use super::criticals::{Course, Critical, Passed, Readings};
+use super::{LEAST_APART, MOST_READINGS};
 
 /// A rate that differs by more than this part from one step to the next is another leg's.
 const OTHER_RATE: f64 = 0.1;
@@ -66,7 +66,7 @@ impl RecordedCourse {
             legs: Vec::new(),
             present: Vec::new(),
             tracker: OrderTracker::new(n),
-            readings: Readings::new(n, 1),
+            readings: Readings::new(n, LEAST_APART),
             count: 0,
             coarse: false,
             last: None,
@@ -131,7 +131,7 @@ impl RecordedCourse {
     /// Ends the motion under way: its critical speeds are found now.
     fn close<'s>(&mut self, settings: &dyn Fn(u64) -> Option<&'s Settings>) {
         let n = self.rotor.len();
-        let readings = std::mem::replace(&mut self.readings, Readings::new(n, 1));
+        let readings = std::mem::replace(&mut self.readings, Readings::new(n, LEAST_APART));
         self.tracker = OrderTracker::new(n);
         self.apart = 0;
         let mut present = std::mem::take(&mut self.present);

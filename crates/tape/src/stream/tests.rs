@@ -93,11 +93,10 @@ impl Patient {
         let path = self.folder.path().join("changed.rrd");
         std::fs::write(&path, &self.whole).unwrap();
         let file = File::options().read(true).write(true).open(path).unwrap();
-        let mut random = 0x1234_5678_9abc_def0_u64;
+        let mut random = fastrand::Rng::with_seed(7);
         let (head, step) = (0..64, every());
         for at in head.chain((64 + step / 2..self.whole.len()).step_by(step)) {
-            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            let changed = self.whole[at] ^ ((random >> 33) % 255 + 1) as u8;
+            let changed = self.whole[at] ^ random.u8(1..);
             file.write_all_at(&[changed], at as u64).unwrap();
             judge(at, changed, walk(&file));
             file.write_all_at(&self.whole[at..=at], at as u64).unwrap();

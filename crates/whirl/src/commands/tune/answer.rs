@@ -93,7 +93,8 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     {
         write_file(path, args.force, (&best.tuned.feedback, asked.rotor()), &summary(asked, &problem, &document))?;
     }
-    args.format.print(&document, &heading(asked, best), &gains(&best.tuned), &footer)?;
+    let table = if args.format.csv { gains_in_rows(&best.tuned, asked.family.speeds()) } else { gains(&best.tuned) };
+    args.format.print(&document, &heading(asked, best), &table, &footer)?;
     verdict(asked, &best.tuned)?;
     match short(&problem, &best.tuned) {
         None => Ok(()),
@@ -180,7 +181,11 @@ fn margins(problem: &Problem, tuned: &Tuned) -> Map<String, Value> {
     let Some([(peak, at_peak), (least, at_least)]) = &tuned.margins else { return map };
     let (size, frequency) = peak.sensitivity;
     let at = condition(problem, at_peak, None);
-    map.insert("sensitivity".into(), json!({ "peak": size, "frequency": frequency, "at": at }));
+    let mut sensitivity = json!({ "peak": size, "frequency": frequency, "at": at, "below": tuned.peak_below });
+    if tuned.peak_below.is_none() {
+        sensitivity["below_null"] = json!("not proven between the conditions looked at");
+    }
+    map.insert("sensitivity".into(), sensitivity);
     let at = condition(problem, at_least, None);
     let delay = least.delay.map(|(delay, frequency)| json!({ "tau": delay, "frequency": frequency, "at": at }));
     if delay.is_none() {
@@ -244,6 +249,25 @@ fn gains(tuned: &Tuned) -> Table {
     table
 }
 
+/// The same for spreadsheets: a number a row, of a scheduled gain with the speed where it is that; linear between two.
+fn gains_in_rows(tuned: &Tuned, (from, to): (f64, f64)) -> Table {
+    let mut table = Table::new(&["signal", "gain", "speed", "value"]);
+    for (k, signal) in tuned.feedback.signals().enumerate() {
+        for kind in GainKind::ALL {
+            let gain = signal.gain(kind);
+            let points: Vec<(Cell, f64)> = match gain {
+                rotor::Gain::Constant(value) => vec![(Cell::Without("any"), *value)],
+                rotor::Gain::Linear { .. } => [from, to].map(|speed| (speed.into(), gain.at(speed))).to_vec(),
+                rotor::Gain::Table(points) => points.iter().map(|(speed, value)| ((*speed).into(), *value)).collect(),
+            };
+            for (speed, value) in points {
+                table.row([Cell::from(&(k + 1)), Cell::from(&kind.name()), speed, value.into()]);
+            }
+        }
+    }
+    table
+}
+
 /// What a person wants to know of the answer, in lines.
 pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>) -> Vec<String> {
     let units = asked.units();
@@ -288,7 +312,11 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
     if let (Some(peak), Some(delay)) = (document.margins.get("sensitivity"), document.margins.get("delay")) {
         let place = |of: &Value| format!("{}{}", speed_text(units, of["at"]["speed"].as_f64()), others(&of["at"]));
         let number = |value: &Value| rounded(value.as_f64().unwrap_or(f64::NAN));
-        lines.push(format!("peak of the sensitivity {} at {}", number(&peak["peak"]), place(peak)));
+        let sure = match peak["below"].as_f64() {
+            Some(below) => format!("; proven to be below {} at every condition", rounded(below)),
+            None => "; not proven between the conditions looked at".to_owned(),
+        };
+        lines.push(format!("peak of the sensitivity {} at {}{sure}", number(&peak["peak"]), place(peak)));
         lines.push(match delay["tau"].as_f64() {
             Some(tau) => format!("delay margin {} at {}", units.time_text(tau), place(delay)),
             None => "no delay makes it unstable".to_owned(),
