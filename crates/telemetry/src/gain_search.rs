@@ -7,8 +7,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use rotor::{Feedback, Gain, Rotor, Settings};
-use tuner::{Family, LoopMargins, Options, Problem, Progress, Schedule, Stop, Structure, tune};
+use rotor::{Feedback, FeedbackError, Gain, Rotor, Settings};
+use tuner::{
+    Family, FamilyError, LoopMargins, Options, Problem, ProblemError, Progress, Schedule, Stop, Structure, tune,
+};
 
 use crate::comparison::{self, GainEffects};
 use crate::units::Units;
@@ -17,6 +19,37 @@ use crate::units::Units;
 const FEW: usize = 4;
 /// A limit that is held to this part of it is kept: the search ends on it.
 const SLACK: f64 = 1e-6;
+
+/// What is wrong with a goal as it is typed.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum GoalError {
+    /// A limit of the margins that is none, or stands there twice.
+    #[error("'{0}': expected sensitivity=NUMBER above 1, or delay=NUMBER above 0, each once")]
+    Limit(String),
+    /// Nothing that can be searched for.
+    #[error("'{0}': expected a range of speeds such as 0..6, robust, or full")]
+    Word(String),
+    /// The same once more.
+    #[error("'{0}': expected one range of speeds, and robust or full once")]
+    Again(String),
+}
+
+/// Why there is no search.
+#[derive(Debug, thiserror::Error)]
+pub enum SearchError {
+    /// Speeds or clearances that make no family of conditions.
+    #[error(transparent)]
+    Family(#[from] FamilyError),
+    /// Feedback whose gains cannot be searched.
+    #[error(transparent)]
+    Feedback(#[from] FeedbackError),
+    /// Limits that make no problem.
+    #[error(transparent)]
+    Problem(#[from] ProblemError),
+    /// No thread to be had.
+    #[error("no thread for the search: {0}")]
+    Thread(#[source] std::io::Error),
+}
 
 /// What is searched for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,7 +75,7 @@ impl SearchGoal {
     ///
     /// # Errors
     /// What is wrong with it, for the message line.
-    pub fn read(words: &str, present: &Settings, units: &Units) -> Result<Self, String> {
+    pub fn read(words: &str, present: &Settings, units: &Units) -> Result<Self, GoalError> {
         // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
         let past = ((1.1 * present.speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
         let robust = comparison::has_deadband(present) && present.deadband.len() <= FEW;
@@ -50,9 +83,7 @@ impl SearchGoal {
         let mut read: Vec<bool> = Vec::new();
         for word in words.split_whitespace() {
             if let Some((name, value)) = word.split_once('=') {
-                goal.limit(name, value, units).ok_or_else(|| {
-                    format!("'{word}': expected sensitivity=NUMBER above 1, or delay=NUMBER above 0, each once")
-                })?;
+                goal.limit(name, value, units).ok_or_else(|| GoalError::Limit(word.to_owned()))?;
                 continue;
             }
             let is_range = match rotor::typed::range(word) {
@@ -64,10 +95,10 @@ impl SearchGoal {
                     (goal.from, goal.to) = (from / units.speed.factor, to / units.speed.factor);
                     true
                 }
-                _ => return Err(format!("'{word}': expected a range of speeds such as 0..6, robust, or full")),
+                _ => return Err(GoalError::Word(word.to_owned())),
             };
             if read.contains(&is_range) {
-                return Err(format!("'{word}': expected one range of speeds, and robust or full once"));
+                return Err(GoalError::Again(word.to_owned()));
             }
             read.push(is_range);
         }
@@ -136,7 +167,7 @@ pub struct FoundGains {
 #[derive(Debug, Default)]
 struct Slot {
     progress: Option<Progress>,
-    ended: Option<Result<FoundGains, String>>,
+    ended: Option<Result<FoundGains, ProblemError>>,
 }
 
 /// A search under way. Dropping it ends it.
@@ -153,7 +184,7 @@ impl GainSearch {
     ///
     /// # Errors
     /// A goal that makes no sense for this rotor, or no thread to be had.
-    pub fn begin(rotor: &Rotor, settings: &Settings, goal: SearchGoal) -> Result<Self, String> {
+    pub fn begin(rotor: &Rotor, settings: &Settings, goal: SearchGoal) -> Result<Self, SearchError> {
         let problem = problem(rotor, &settings.feedback, &goal)?;
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let mut options = Options::for_problem(&problem);
@@ -168,7 +199,7 @@ impl GainSearch {
         let work = move || {
             let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
             let tuned = tune(&problem, &options, &say, Stop::when(&flag));
-            let found = tuned.map_err(|error| error.to_string()).map(|tuned| FoundGains {
+            let found = tuned.map(|tuned| FoundGains {
                 before: settings.clone(),
                 settings: Settings { feedback: tuned.feedback.clone(), ..settings.clone() },
                 effects: Box::new([settings.feedback.clone(), tuned.feedback].map(|feedback| {
@@ -183,7 +214,7 @@ impl GainSearch {
             fill(&|slot| slot.ended = Some(found.clone()));
         };
         let thread = std::thread::Builder::new().name("search".into()).spawn(work);
-        let thread = thread.map_err(|error| format!("no thread for the search: {error}"))?;
+        let thread = thread.map_err(SearchError::Thread)?;
         Ok(Self { goal, stop, slot, thread: Some(thread) })
     }
 
@@ -208,7 +239,7 @@ impl GainSearch {
     }
 
     /// What came of it, once.
-    pub fn ended(&self) -> Option<Result<FoundGains, String>> {
+    pub fn ended(&self) -> Option<Result<FoundGains, ProblemError>> {
         self.slot.lock().unwrap_or_else(PoisonError::into_inner).ended.take()
     }
 }
@@ -225,17 +256,17 @@ impl Drop for GainSearch {
 
 /// The question: the bearing and signals of the present feedback, their gains constant and no larger than twenty, or than
 /// what they are now.
-fn problem(rotor: &Rotor, feedback: &Feedback, goal: &SearchGoal) -> Result<Problem, String> {
-    let mut family = Family::new(rotor, goal.from, goal.to).map_err(|error| error.to_string())?;
+fn problem(rotor: &Rotor, feedback: &Feedback, goal: &SearchGoal) -> Result<Problem, SearchError> {
+    let mut family = Family::new(rotor, goal.from, goal.to)?;
     if goal.robust {
-        family.any_deadband(true).map_err(|error| error.to_string())?;
+        family.any_deadband(true)?;
     }
-    let structure = Structure::new(rotor, feedback, Schedule::Fixed).map_err(|error| error.to_string())?;
+    let structure = Structure::new(rotor, feedback, Schedule::Fixed)?;
     let gains = feedback.signals().flat_map(|signal| &signal.gains);
     let largest = gains.filter_map(|gain| if let Gain::Constant(value) = gain { Some(value.abs()) } else { None });
     let mut problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
     (problem.max_sensitivity, problem.min_delay) = (goal.max_sensitivity, goal.min_delay);
-    problem.check().map_err(|error| error.to_string())?;
+    problem.check()?;
     Ok(problem)
 }
 
@@ -253,7 +284,7 @@ mod tests {
         (rotor, settings)
     }
 
-    fn result(search: &GainSearch) -> Result<FoundGains, String> {
+    fn result(search: &GainSearch) -> Result<FoundGains, ProblemError> {
         let begun = Instant::now();
         loop {
             if let Some(ended) = search.ended() {
@@ -353,13 +384,13 @@ mod tests {
         assert_eq!((limits.max_sensitivity, limits.min_delay), (Some(1.5), Some(0.1)));
         assert_eq!(limits.words(&units), "over R 0..6, |S| to 1.5, delay from 0.1 tau");
         for wrong in ["sensitivity=1", "sensitivity=", "delay=0", "delay=1 delay=2", "gain=3", "sensitivity=inf"] {
-            assert!(goal(wrong).unwrap_err().contains("sensitivity=NUMBER above 1"), "{wrong}");
+            assert!(goal(wrong).unwrap_err().to_string().contains("sensitivity=NUMBER above 1"), "{wrong}");
         }
-        assert!(goal("robust full").unwrap_err().contains("once"));
+        assert!(goal("robust full").unwrap_err().to_string().contains("once"));
         assert_eq!(goal("0..6").unwrap().words(&units), "over R 0..6");
         assert_eq!(goal("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
         for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {
-            assert!(goal(wrong).unwrap_err().contains("expected a range of speeds"), "{wrong}");
+            assert!(goal(wrong).unwrap_err().to_string().contains("expected a range of speeds"), "{wrong}");
         }
     }
 }

@@ -12,19 +12,51 @@ use crate::damping_verdict::DampingVerdict;
 use crate::units::Units;
 use crate::what_if::WhatIf;
 
+/// Why gains are not kept, taken or deleted.
+#[derive(Debug, thiserror::Error)]
+pub enum PresetError {
+    /// Nowhere to keep them.
+    #[error("there is no folder to keep gains in: this user has no home")]
+    NoFolder,
+    /// What cannot be the name of a file everywhere.
+    #[error("'{0}': expected a name of letters, digits, '-', '_' and '.'")]
+    Name(String),
+    /// None of that name.
+    #[error("no gains are kept as '{name}': there are {there}")]
+    NotFound {
+        /// The name.
+        name: String,
+        /// Those that there are, in words.
+        there: String,
+    },
+    /// A file that cannot be read, written or deleted.
+    #[error("{file}: {what}{source}", file = file.display())]
+    File {
+        /// Which.
+        file: PathBuf,
+        /// What could not be done to it, in words with a colon behind them; empty of reading.
+        what: &'static str,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file that is wrong: the first of its faults.
+    #[error("{0}")]
+    Faulty(String),
+}
+
 /// The folder of the presets, if there is one.
 #[derive(Clone, Debug, Default)]
 pub struct Presets(pub Option<PathBuf>);
 
 impl Presets {
-    fn folder(&self) -> Result<&PathBuf, String> {
-        self.0.as_ref().ok_or_else(|| "there is no folder to keep gains in: this user has no home".to_owned())
+    fn folder(&self) -> Result<&PathBuf, PresetError> {
+        self.0.as_ref().ok_or(PresetError::NoFolder)
     }
 
-    fn file(&self, name: &str) -> Result<PathBuf, String> {
+    fn file(&self, name: &str) -> Result<PathBuf, PresetError> {
         let fits = |c: char| c.is_alphanumeric() || matches!(c, '-' | '_' | '.');
         if name.is_empty() || name.len() > 64 || name.starts_with('.') || !name.chars().all(fits) {
-            return Err(format!("'{name}': expected a name of letters, digits, '-', '_' and '.'"));
+            return Err(PresetError::Name(name.to_owned()));
         }
         Ok(self.folder()?.join(format!("{name}.toml")))
     }
@@ -32,10 +64,10 @@ impl Presets {
     /// Keeps `feedback` as `name`, in place of what was kept under it. Returns where.
     ///
     /// # Errors
-    /// In words: not a name, or a file that cannot be written.
-    pub fn save(&self, name: &str, feedback: &Feedback) -> Result<PathBuf, String> {
+    /// Not a name, or a file that cannot be written.
+    pub fn save(&self, name: &str, feedback: &Feedback) -> Result<PathBuf, PresetError> {
         let file = self.file(name)?;
-        let failed = |error: std::io::Error| format!("{}: cannot be written: {error}", file.display());
+        let failed = |source| PresetError::File { file: file.clone(), what: "cannot be written: ", source };
         fs::create_dir_all(self.folder()?).map_err(failed)?;
         // Beside its place first: an interruption leaves no half of it.
         let draft = file.with_extension(format!("toml.{}", std::process::id()));
@@ -57,26 +89,26 @@ impl Presets {
     /// Deletes the gains kept as `name`. Returns where they were.
     ///
     /// # Errors
-    /// In words: none of that name, or a file that cannot be deleted.
-    pub fn delete(&self, name: &str) -> Result<PathBuf, String> {
+    /// None of that name, or a file that cannot be deleted.
+    pub fn delete(&self, name: &str) -> Result<PathBuf, PresetError> {
         let file = self.file(name)?;
         match fs::remove_file(&file) {
             Ok(()) => Ok(file),
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => Err(self.not_found(name)),
-            Err(error) => Err(format!("{}: cannot be deleted: {error}", file.display())),
+            Err(source) => Err(PresetError::File { file, what: "cannot be deleted: ", source }),
         }
     }
 
     /// What is said where nothing is kept as `name`.
-    pub fn not_found(&self, name: &str) -> String {
-        format!("no gains are kept as '{name}': there are {}", self.list())
+    pub fn not_found(&self, name: &str) -> PresetError {
+        PresetError::NotFound { name: name.to_owned(), there: self.list() }
     }
 
     /// The gains kept as `name`.
     ///
     /// # Errors
-    /// In words: none of that name, or a file that is wrong.
-    pub fn load(&self, name: &str, masses: usize) -> Result<Feedback, String> {
+    /// None of that name, or a file that is wrong.
+    pub fn load(&self, name: &str, masses: usize) -> Result<Feedback, PresetError> {
         let file = self.file(name)?;
         let text = match fs::metadata(&file) {
             Ok(data) if data.len() > MAX_BYTES as u64 => Err(std::io::Error::other("too large")),
@@ -84,10 +116,10 @@ impl Presets {
         };
         let text = text.map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => self.not_found(name),
-            _ => format!("{}: {error}", file.display()),
+            _ => PresetError::File { file: file.clone(), what: "", source: error },
         })?;
         let read = read_feedback(&text, Some(masses)).map_err(|problems| problems.in_file(&file.display().to_string()));
-        read.map_err(|told| told.lines().next().unwrap_or_default().to_owned())
+        read.map_err(|told| PresetError::Faulty(told.lines().next().unwrap_or_default().to_owned()))
     }
 
     /// The names that are taken, in order.

@@ -190,7 +190,7 @@ impl App<'_> {
                 let why = format!("delete the gains '{name}'{}?", self.effect_of(&name));
                 self.layers.push(Layer::AskPreset(PresetChange::Delete(name), why));
             }
-            Action::Delete(name) => self.tell(Message::Bad(self.presets.not_found(&name))),
+            Action::Delete(name) => self.tell(Message::Bad(self.presets.not_found(&name).to_string())),
             _ => {}
         }
     }
@@ -206,7 +206,7 @@ impl App<'_> {
     fn save(&mut self, name: &str, settings: &Settings) {
         self.tell(match self.presets.save(name, &settings.feedback) {
             Ok(file) => Message::Good(format!("gains kept as '{name}': {}", file.display())),
-            Err(why) => Message::Bad(why),
+            Err(why) => Message::Bad(why.to_string()),
         });
     }
 
@@ -220,7 +220,7 @@ impl App<'_> {
             }
             PresetChange::Delete(name) => self.tell(match self.presets.delete(&name) {
                 Ok(file) => Message::Good(format!("gains '{name}' deleted: {}", file.display())),
-                Err(why) => Message::Bad(why),
+                Err(why) => Message::Bad(why.to_string()),
             }),
         }
     }

@@ -116,10 +116,12 @@ impl App<'_> {
                 let held = self.held.clone().map(|held| Edit::Swap(Box::new(held)));
                 held.ok_or_else(|| "nothing is held to switch to: hold the settings first".into())
             }
-            Action::Load(name) => self.presets.load(name, present.deadband.len()).map(|feedback| {
-                let wanted = Settings { feedback, ..present.clone() };
-                Edit::Become(Box::new((present.clone(), wanted)), format!("gains '{name}'"))
-            }),
+            Action::Load(name) => {
+                self.presets.load(name, present.deadband.len()).map_err(|why| why.to_string()).map(|feedback| {
+                    let wanted = Settings { feedback, ..present.clone() };
+                    Edit::Become(Box::new((present.clone(), wanted)), format!("gains '{name}'"))
+                })
+            }
             _ => return None,
         })
     }

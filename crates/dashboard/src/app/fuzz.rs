@@ -8,19 +8,20 @@ use wire::Channel;
 use super::*;
 use telemetry::test_support::{bench_status, state};
 
-/// Numbers that look random, the same every time: an xorshift generator.
-struct Dice(u64);
+/// Numbers that look random, the same every time.
+struct Dice(fastrand::Rng);
 
 impl Dice {
+    fn of(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     fn below(&mut self, bound: u64) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0 % bound
+        self.0.u64(..bound)
     }
 
     fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[self.below(all.len() as u64) as usize]
+        all[self.0.usize(..all.len())]
     }
 }
 
@@ -93,7 +94,7 @@ fn mouse(dice: &mut Dice) -> MouseEvent {
 
 /// Plays so many random events.
 fn play(events: u64, seed: u64) {
-    let mut dice = Dice(seed);
+    let mut dice = Dice::of(seed);
     let options = Options { history: 0, ..Options::default() };
     let (mut app, edits) = tests::dashboard(&options);
     let (mut seq, mut revision, mut run, mut masses) = (3000, 1, 7, 3);

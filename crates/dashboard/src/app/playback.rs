@@ -7,7 +7,7 @@ use crate::actions::Action;
 use crate::view::Message;
 use telemetry::feed::Feed;
 use telemetry::reader::lock;
-use telemetry::replay::Player;
+use telemetry::replay::{Player, ReplayError};
 use telemetry::view_time::ViewTime;
 
 impl App<'_> {
@@ -23,11 +23,11 @@ impl App<'_> {
     /// Has the player do something to the feed and the time; says what comes of it.
     pub(super) fn play<T>(
         &mut self,
-        what: impl FnOnce(&mut Player, &mut Feed, &mut ViewTime) -> Result<T, String>,
+        what: impl FnOnce(&mut Player, &mut Feed, &mut ViewTime) -> Result<T, ReplayError>,
     ) -> Option<T> {
         let player = self.player.as_mut()?;
         let done = what(player, &mut lock(&self.feed), &mut self.time);
-        done.map_err(|why| self.tell(Message::Bad(why))).ok()
+        done.map_err(|why| self.tell(Message::Bad(why.to_string()))).ok()
     }
 
     /// An action on a recording. Returns whether it was one that means something else there than on a bench.

@@ -25,8 +25,8 @@ impl App<'_> {
         // A speed on its way passes all from here to there.
         let highest = self.present_speed().map_or(settings.speed, |now| now.max(settings.speed));
         let present = rotor::Settings { speed: highest, ..settings.clone() };
-        let begun =
-            SearchGoal::read(words, &present, &units).and_then(|goal| GainSearch::begin(&rotor, &settings, goal));
+        let goal = SearchGoal::read(words, &present, &units).map_err(|why| why.to_string());
+        let begun = goal.and_then(|goal| GainSearch::begin(&rotor, &settings, goal).map_err(|why| why.to_string()));
         match begun {
             Ok(search) => {
                 self.tell(Message::Good(search.words(&units)));

@@ -9,7 +9,7 @@ use rotor::Key;
 use telemetry::edits::Edit;
 use telemetry::feed::Feed;
 use telemetry::replay::{Player, RecordingSource};
-use telemetry::test_support::{Long, Session, session};
+use telemetry::test_support::{Long, Session, Stage, session};
 use telemetry::view_time::ViewTime;
 use wire::Step;
 
@@ -23,34 +23,13 @@ fn key(name: &str) -> Key {
     name.parse().unwrap()
 }
 
-/// A player with what it fills.
-struct Stage {
-    player: Player,
-    feed: Feed,
-    time: ViewTime,
+/// What is on the screen.
+trait Framed {
+    fn frame(&self, width: u16, height: u16) -> String;
+    fn frame_of(&self, layout: &str, width: u16, height: u16) -> String;
 }
 
-impl Stage {
-    fn of(session: &Session) -> Self {
-        let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
-        let player = Player::new(Box::new(session.clone()), &mut feed, &mut time).unwrap();
-        Self { player, feed, time }
-    }
-
-    fn go(&mut self, seq: u64) -> &mut Self {
-        self.player.go(seq, &mut self.feed, &mut self.time).unwrap();
-        self
-    }
-
-    fn edit(&mut self, edit: &Edit) -> Result<String, String> {
-        self.player.edit(edit, &mut self.feed, &mut self.time)
-    }
-
-    fn play(&mut self, steps: f64) {
-        self.player.play(steps, &mut self.feed, &mut self.time).unwrap();
-    }
-
-    /// What is on the screen.
+impl Framed for Stage {
     fn frame(&self, width: u16, height: u16) -> String {
         self.frame_of("overview", width, height)
     }

@@ -18,6 +18,7 @@ use wire::message::Trip;
 use super::machine::{BranchPoint, Machine, RecordedChange};
 use super::rows::Rows;
 use crate::edits::{self, Edit};
+use crate::replay::ReplayError;
 use crate::units::Units;
 use crate::what_if::WhatIf;
 
@@ -99,17 +100,17 @@ impl Branch {
     }
 
     /// Takes an edit at step `at`, not before the root. Returns what was done, in words, or why not.
-    pub(crate) fn edit(&mut self, edit: &Edit, at: u64) -> Result<String, String> {
+    pub(crate) fn edit(&mut self, edit: &Edit, at: u64) -> Result<String, ReplayError> {
         let mut state = self.state.clone();
         let units = Units::of(self.root.rotor.scales().copied(), Some(1.0));
         let words = match edit {
             Edit::Undo => {
-                let last = self.done.pop().ok_or("nothing to undo")?;
+                let last = self.done.pop().ok_or(ReplayError::NothingToUndo)?;
                 self.undone.push(std::mem::replace(&mut self.state, last));
                 return Ok("undone".into());
             }
             Edit::Redo => {
-                let next = self.undone.pop().ok_or("nothing to redo")?;
+                let next = self.undone.pop().ok_or(ReplayError::NothingToRedo)?;
                 self.done.push(std::mem::replace(&mut self.state, next));
                 return Ok("done again".into());
             }
@@ -121,14 +122,14 @@ impl Branch {
                 state.acts.push((at + 1, RecordedChange::Restart));
                 "restarts from rest".to_owned()
             }
-            Edit::Note(_) => return Err("a recording takes no more notes".into()),
+            Edit::Note(_) => return Err(ReplayError::NoNotes),
             edit => {
-                edit.apply(&mut state.settings).map_err(|error| units.fault(&error))?;
+                edit.apply(&mut state.settings).map_err(|error| ReplayError::settings(error, &units))?;
                 edit.describe(&units)
             }
         };
-        state.settings.check(&self.root.rotor).map_err(|error| units.fault(&error))?;
-        self.root.substeps_from_here(&state.settings).map_err(|error| error.to_string())?;
+        state.settings.check(&self.root.rotor).map_err(|error| ReplayError::settings(error, &units))?;
+        self.root.substeps_from_here(&state.settings)?;
         self.done.push(std::mem::replace(&mut self.state, state));
         self.undone.clear();
         Ok(words)

@@ -6,6 +6,7 @@ use wire::Step;
 
 use super::RecordingSource;
 use crate::feed::Feed;
+use crate::replay::ReplayError;
 
 /// Steps that may be added ahead at once: more is a jump, and starts anew.
 const STRIDE: u64 = 200_000;
@@ -29,7 +30,7 @@ impl LoadedSteps {
         past: &mut dyn RecordingSource,
         feed: &mut Feed,
         wanted: &Range<u64>,
-    ) -> Result<(), String> {
+    ) -> Result<(), ReplayError> {
         let begins_within = (self.range.start..=self.range.end).contains(&wanted.start) && !self.range.is_empty();
         if begins_within && wanted.end <= self.range.end {
             return Ok(());
@@ -42,7 +43,12 @@ impl LoadedSteps {
     }
 
     /// Adds the steps up to `end`.
-    pub(crate) fn extend(&mut self, past: &mut dyn RecordingSource, feed: &mut Feed, end: u64) -> Result<(), String> {
+    pub(crate) fn extend(
+        &mut self,
+        past: &mut dyn RecordingSource,
+        feed: &mut Feed,
+        end: u64,
+    ) -> Result<(), ReplayError> {
         let changes = past.changes();
         if self.told == 0 {
             // The settings in force at the first step come with it.

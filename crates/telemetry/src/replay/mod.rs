@@ -8,6 +8,7 @@
 //! Not its job: reading files. Whoever has a recording implements [`RecordingSource`]; this crate knows no file format.
 
 mod branch;
+mod error;
 mod loaded_steps;
 mod machine;
 mod player;
@@ -19,6 +20,7 @@ mod status;
 #[cfg(test)]
 mod tests;
 
+pub use error::ReplayError;
 pub use player::{LoopRange, Player};
 pub use source::{RecordedEvent, RecordedKind, RecordingSource};
 pub use status::{ReplayStatus, WhatIfRun};

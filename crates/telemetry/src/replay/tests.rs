@@ -10,39 +10,11 @@ use super::*;
 use crate::edits::Edit;
 use crate::feed::Feed;
 use crate::replay::player::{LoopRange, SPEEDS};
-use crate::test_support::{Long, Session, session, whole};
+use crate::test_support::{Long, Session, Stage, session, whole};
 use crate::view_time::ViewTime;
 
 fn key(name: &str) -> Key {
     name.parse().unwrap()
-}
-
-/// A player with what it fills.
-struct Stage {
-    player: Player,
-    feed: Feed,
-    time: ViewTime,
-}
-
-impl Stage {
-    fn of(session: &Session) -> Self {
-        let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
-        let player = Player::new(Box::new(session.clone()), &mut feed, &mut time).unwrap();
-        Self { player, feed, time }
-    }
-
-    fn go(&mut self, seq: u64) -> &mut Self {
-        self.player.go(seq, &mut self.feed, &mut self.time).unwrap();
-        self
-    }
-
-    fn edit(&mut self, edit: &Edit) -> Result<String, String> {
-        self.player.edit(edit, &mut self.feed, &mut self.time)
-    }
-
-    fn play(&mut self, steps: f64) {
-        self.player.play(steps, &mut self.feed, &mut self.time).unwrap();
-    }
 }
 
 #[test]
@@ -113,10 +85,10 @@ fn what_if_is_exact_too_where_steps_were_made_of_substeps() {
 fn what_if_refuses_what_the_bench_would() {
     let mut stage = Stage::of(&session());
     stage.go(300);
-    let refused = stage.edit(&Edit::Nudge(key("cd"), 999_000.0)).unwrap_err();
+    let refused = stage.edit(&Edit::Nudge(key("cd"), 999_000.0)).unwrap_err().to_string();
     assert!(refused.contains("is too long for the mode at"), "{refused}");
     stage.edit(&Edit::Nudge(key("kd"), 0.25)).unwrap();
-    let refused = stage.edit(&Edit::Nudge(key("cd"), 999_000.0)).unwrap_err();
+    let refused = stage.edit(&Edit::Nudge(key("cd"), 999_000.0)).unwrap_err().to_string();
     assert!(refused.contains("at 2000 steps a second there is time for"), "{refused}");
 }
 
@@ -266,7 +238,7 @@ fn an_empty_recording_is_refused_and_one_step_is_played() {
     let session = session();
     let empty = Session { states: Vec::new(), ..session.clone() };
     let refused = Player::new(Box::new(empty), &mut Feed::new(""), &mut ViewTime::LIVE.clone()).err();
-    assert_eq!(refused.as_deref(), Some("there are no steps in it"));
+    assert_eq!(refused.map(|why| why.to_string()).as_deref(), Some("there are no steps in it"));
     // One step is a recording too.
     let one = Session { states: session.states[7..8].to_vec(), ..session };
     let mut stage = Stage::of(&one);

@@ -11,7 +11,7 @@ use rotor::{Scales, Settings, Spectrum, builtin};
 use wire::message::Analysis;
 use wire::{BenchStatus, Channel, Event, Happening, Layout, Point, SettingsDocument, State, Text};
 
-pub use recorded::{Long, Session, session, whole};
+pub use recorded::{Long, Session, Stage, session, whole};
 
 use crate::feed::Feed;
 use crate::frame_data::FrameData;

@@ -13,8 +13,11 @@ use wire::{
     State, Step,
 };
 
+use crate::edits::Edit;
+use crate::feed::Feed;
 use crate::processes::ExternalError;
-use crate::replay::{RecordedEvent, RecordedKind, RecordingSource};
+use crate::replay::{Player, RecordedEvent, RecordedKind, RecordingSource, ReplayError};
+use crate::view_time::ViewTime;
 
 /// A session in memory.
 #[derive(Clone)]
@@ -279,5 +282,53 @@ impl RecordingSource for Long {
 
     fn at_tau(&mut self, _: f64) -> Result<u64, ExternalError> {
         Ok(0)
+    }
+}
+
+/// A player on a recording, with what it fills.
+pub struct Stage {
+    /// The player.
+    pub player: Player,
+    /// What it fills.
+    pub feed: Feed,
+    /// Where it stands.
+    pub time: ViewTime,
+}
+
+impl Stage {
+    /// At the beginning of `session`.
+    ///
+    /// # Panics
+    /// It has no steps.
+    #[must_use]
+    pub fn of(session: &Session) -> Self {
+        let (mut feed, mut time) = (Feed::new(""), ViewTime::LIVE);
+        let player = Player::new(Box::new(session.clone()), &mut feed, &mut time).unwrap();
+        Self { player, feed, time }
+    }
+
+    /// Goes to a step.
+    ///
+    /// # Panics
+    /// It cannot be read.
+    pub fn go(&mut self, seq: u64) -> &mut Self {
+        self.player.go(seq, &mut self.feed, &mut self.time).unwrap();
+        self
+    }
+
+    /// Makes an edit.
+    ///
+    /// # Errors
+    /// Why not.
+    pub fn edit(&mut self, edit: &Edit) -> Result<String, ReplayError> {
+        self.player.edit(edit, &mut self.feed, &mut self.time)
+    }
+
+    /// Plays so many steps.
+    ///
+    /// # Panics
+    /// They cannot be read.
+    pub fn play(&mut self, steps: f64) {
+        self.player.play(steps, &mut self.feed, &mut self.time).unwrap();
     }
 }

@@ -10,6 +10,7 @@ use alarms::{Alarms, Limits, Turn};
 use wire::Happening;
 
 use crate::feed::Feed;
+use crate::replay::ReplayError;
 use crate::replay::branch::Branch;
 use crate::replay::loaded_steps::LoadedSteps;
 use crate::replay::machine::RecordedChange;
@@ -66,8 +67,8 @@ pub struct Player {
 
 impl Player {
     /// A player at the beginning of `past`, which fills `feed` and moves `time`.
-    pub fn new(mut past: Box<dyn RecordingSource>, feed: &mut Feed, time: &mut ViewTime) -> Result<Self, String> {
-        let Some([first, last]) = past.span() else { return Err("there are no steps in it".into()) };
+    pub fn new(mut past: Box<dyn RecordingSource>, feed: &mut Feed, time: &mut ViewTime) -> Result<Self, ReplayError> {
+        let Some([first, last]) = past.span() else { return Err(ReplayError::Empty) };
         let bench_status = past.bench_status_at(first.seq);
         let mut player = Self {
             ends: [first.seq, last.seq],
@@ -158,7 +159,7 @@ impl Player {
     }
 
     /// Plays, or pauses. From the end it plays again from the beginning.
-    pub fn toggle(&mut self, feed: &mut Feed, time: &mut ViewTime, now: Instant) -> Result<(), String> {
+    pub fn toggle(&mut self, feed: &mut Feed, time: &mut ViewTime, now: Instant) -> Result<(), ReplayError> {
         if self.ticked.take().is_some() {
             return Ok(());
         }
@@ -175,7 +176,7 @@ impl Player {
     }
 
     /// Lets time pass. Returns whether that shows.
-    pub fn tick(&mut self, feed: &mut Feed, time: &mut ViewTime, now: Instant) -> Result<bool, String> {
+    pub fn tick(&mut self, feed: &mut Feed, time: &mut ViewTime, now: Instant) -> Result<bool, ReplayError> {
         let Some(ticked) = self.ticked else {
             if self.lags() {
                 return self.show(feed, time, false).map(|()| true);
@@ -193,7 +194,7 @@ impl Player {
     ///
     /// # Errors
     /// Steps that cannot be read.
-    pub fn play(&mut self, steps: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn play(&mut self, steps: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), ReplayError> {
         let before = self.seq();
         self.position += steps;
         let mut jumped = false;
@@ -219,32 +220,32 @@ impl Player {
     }
 
     /// Moves by so many steps, and pauses.
-    pub fn step(&mut self, by: i64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn step(&mut self, by: i64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), ReplayError> {
         self.ticked = None;
         self.position = self.held(self.seq().saturating_add_signed(by)) as f64;
         self.show(feed, time, false)
     }
 
     /// Moves by so many seconds of the recording; goes on playing if it plays.
-    pub fn seek(&mut self, seconds: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn seek(&mut self, seconds: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), ReplayError> {
         let to = (self.position + seconds * self.rate).max(0.0) as u64;
         self.position = self.held(to) as f64;
         self.show(feed, time, false)
     }
 
     /// Goes to a step; goes on playing if it plays.
-    pub fn go(&mut self, seq: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn go(&mut self, seq: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), ReplayError> {
         self.position = self.held(seq) as f64;
         self.show(feed, time, true)
     }
 
     /// Goes to the step that the feed holds at a place.
-    pub fn go_to_index(&mut self, place: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn go_to_index(&mut self, place: u64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), ReplayError> {
         self.go(self.loaded.seq_of(place), feed, time)
     }
 
     /// Goes to where the rotor's time was `tau`.
-    pub fn go_to_tau(&mut self, tau: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), String> {
+    pub fn go_to_tau(&mut self, tau: f64, feed: &mut Feed, time: &mut ViewTime) -> Result<(), ReplayError> {
         let seq = self.past.at_tau(tau)?;
         self.go(seq, feed, time)
     }
@@ -254,13 +255,13 @@ impl Player {
     }
 
     /// Goes to the step of the next event (1) or of the one before (-1), and says what happened there.
-    pub fn go_to_event(&mut self, by: isize, feed: &mut Feed, time: &mut ViewTime) -> Result<String, String> {
+    pub fn go_to_event(&mut self, by: isize, feed: &mut Feed, time: &mut ViewTime) -> Result<String, ReplayError> {
         let (here, [first, last]) = (self.seq(), self.ends);
         let mut there = self.events.iter().filter(|event| (first..=last).contains(&event.at.seq));
         let found =
             if by > 0 { there.find(|event| event.at.seq > here) } else { there.rfind(|event| event.at.seq < here) };
         let Some(seq) = found.map(|event| event.at.seq) else {
-            return Err(format!("no event {} this", if by > 0 { "after" } else { "before" }));
+            return Err(ReplayError::NoEvent { after: by > 0 });
         };
         self.go(seq, feed, time)?;
         // Several may have happened before one step.

@@ -5,6 +5,7 @@ use wire::{BenchStatus, SettingsDocument};
 
 use super::Player;
 use crate::feed::Feed;
+use crate::replay::ReplayError;
 use crate::view_time::ViewTime;
 
 /// Seconds before the moment that are at hand: what the longest panel shows.
@@ -18,7 +19,7 @@ const IN_PASSING: u64 = 10_000;
 
 impl Player {
     /// Sees to it that the feed has the steps around the moment, and that everything shows that moment.
-    pub(super) fn show(&mut self, feed: &mut Feed, time: &mut ViewTime, jumped: bool) -> Result<(), String> {
+    pub(super) fn show(&mut self, feed: &mut Feed, time: &mut ViewTime, jumped: bool) -> Result<(), ReplayError> {
         let seq = self.seq();
         let back = (LOOK_BACK * self.rate) as u64;
         let back = back.max(time.steps(1.0 / self.rate)).clamp(BACK[0], BACK[1]);
@@ -88,7 +89,7 @@ impl Player {
     }
 
     /// While paused the recording is read on, as far as there is room: going there is then immediate.
-    pub(super) fn fetch_in_passing(&mut self, feed: &mut Feed) -> Result<(), String> {
+    pub(super) fn fetch_in_passing(&mut self, feed: &mut Feed) -> Result<(), ReplayError> {
         let range = self.loaded.range();
         let steps = self.ends[1] + 1 - range.start.min(self.ends[1]);
         self.reads_on = range.end <= self.ends[1] && feed.history().capacity_for(self.masses) >= steps;

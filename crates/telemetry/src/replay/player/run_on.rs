@@ -6,8 +6,10 @@ use wire::{Happening, State, Step};
 use super::Player;
 use crate::edits::Edit;
 use crate::feed::Feed;
+use crate::replay::ReplayError;
 use crate::replay::branch::Branch;
 use crate::replay::machine::{BranchPoint, Line, RecordedChange};
+use crate::units::Units;
 use crate::view_time::ViewTime;
 
 impl Player {
@@ -44,25 +46,25 @@ impl Player {
     }
 
     /// Makes an edit of the past: from the first edit on, the machine runs on beside what happened.
-    pub fn edit(&mut self, edit: &Edit, feed: &mut Feed, time: &mut ViewTime) -> Result<String, String> {
+    pub fn edit(&mut self, edit: &Edit, feed: &mut Feed, time: &mut ViewTime) -> Result<String, ReplayError> {
         if matches!(edit, Edit::Note(_)) {
-            return Err("a recording takes no more notes".into());
+            return Err(ReplayError::NoNotes);
         }
         let here = self.seq();
         let fresh = self.branch.is_none();
         if self.branch.as_ref().is_none_or(|branch| branch.from() > here) {
             if fresh && matches!(edit, Edit::Undo | Edit::Redo) {
-                return Err("nothing to undo: what happened cannot be changed, only run on from".into());
+                return Err(ReplayError::Happened);
             }
             let root = self.root(here)?;
             self.branch = Some(match &self.branch {
-                None => Branch::new(root).map_err(|error| error.to_string())?,
-                Some(branch) => branch.moved_to(root).map_err(|error| error.to_string())?,
+                None => Branch::new(root)?,
+                Some(branch) => branch.moved_to(root)?,
             });
         }
         let words = match &mut self.branch {
             Some(branch) => branch.edit(edit, here).inspect(|_| branch.begin()),
-            None => Err("no step to run on from".into()),
+            None => Err(ReplayError::NoStep),
         };
         if words.is_err() && fresh {
             self.branch = None;
@@ -78,7 +80,7 @@ impl Player {
     }
 
     /// Drops what is run on beside. Returns whether there was anything.
-    pub fn drop_branch(&mut self, feed: &mut Feed, time: &mut ViewTime) -> Result<bool, String> {
+    pub fn drop_branch(&mut self, feed: &mut Feed, time: &mut ViewTime) -> Result<bool, ReplayError> {
         let dropped = self.branch.take().is_some();
         if dropped {
             self.show(feed, time, false)?;
@@ -87,14 +89,14 @@ impl Player {
     }
 
     /// The moment at step `seq`, or at the last one before it that is there, to run on from.
-    fn root(&mut self, seq: u64) -> Result<BranchPoint, String> {
-        let place = self.loaded.index_of(seq).ok_or("no step to run on from")?;
+    fn root(&mut self, seq: u64) -> Result<BranchPoint, ReplayError> {
+        let place = self.loaded.index_of(seq).ok_or(ReplayError::NoStep)?;
         let at = self.state(seq)?.map_or_else(|| self.state(self.loaded.seq_of(place)), |state| Ok(Some(state)))?;
-        let state = at.ok_or("the step to run on from is missing")?;
+        let state = at.ok_or(ReplayError::MissingStep)?;
         let bench_status = self.past.bench_status_at(state.seq());
-        let rotor = bench_status.rotor().map_err(|error| error.to_string())?;
+        let rotor = bench_status.rotor()?;
         let settings = bench_status.settings.get().clone();
-        settings.check(&rotor).map_err(|error| error.to_string())?;
+        settings.check(&rotor).map_err(|error| ReplayError::settings(error, &Units::DIMENSIONLESS))?;
         let substeps = bench_status.substeps.max(1);
         let line = self.line(&state, &settings, substeps)?;
         let (dtau, rate_hz) = (bench_status.dtau, bench_status.rate_hz);
@@ -111,15 +113,13 @@ impl Player {
             let excited = is_excited(&acts, root.state.seq(), dtau);
             self.acts = Some(acts);
             if excited {
-                return Err("the loop was excited here, to be measured, and no snapshot tells how it stood: \
-                            run on from before or after"
-                    .into());
+                return Err(ReplayError::Excited);
             }
         }
         Ok(root)
     }
 
-    fn state(&mut self, seq: u64) -> Result<Option<State>, String> {
+    fn state(&mut self, seq: u64) -> Result<Option<State>, ReplayError> {
         let mut found = None;
         self.past.visit(seq..seq + 1, &mut |state| found = Some(*state))?;
         Ok(found)
@@ -127,7 +127,7 @@ impl Player {
 
     /// The line of time that the run was on at `state`: since the last restart or change of speed or of substeps, if that is
     /// on file. A line that begins at the first step on file differs from the true one by rounding only.
-    fn line(&mut self, state: &State, settings: &Settings, substeps: u32) -> Result<Line, String> {
+    fn line(&mut self, state: &State, settings: &Settings, substeps: u32) -> Result<Line, ReplayError> {
         let restart = self
             .events
             .iter()
