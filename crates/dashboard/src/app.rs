@@ -14,6 +14,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
+use std::collections::BTreeSet;
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -22,6 +23,7 @@ use std::time::{Duration, Instant};
 
 use alarms::{Alarms, Watch};
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
+use crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::Rect;
 use rotor::Settings;
 
@@ -55,6 +57,10 @@ use pacing::{FeedState, Pacing};
 
 /// What is said of a key that would act on a locked machine.
 const LOCKED: &str = "locked: ctrl-l unlocks the machine, ctrl-c quits";
+/// So many keys at once, of several kinds, come from no hand.
+const BURST: usize = 8;
+/// What is said of them.
+const TOO_FAST: &str = "keys that came all at once did nothing: `:` takes them as a command";
 /// How long a message stays at the foot.
 const MESSAGE: Duration = Duration::from_secs(6);
 
@@ -113,6 +119,7 @@ pub(crate) struct App<'a> {
     suspend: bool,
     continued: bool,
     rings: bool,
+    copies: Option<String>,
     /// Whether the end of the simulation has been told.
     told_end: bool,
     quit: Option<Ended>,
@@ -168,6 +175,7 @@ impl<'a> App<'a> {
             suspend: false,
             continued: false,
             rings: false,
+            copies: None,
             told_end: false,
             quit: None,
             player: None,
@@ -193,11 +201,9 @@ impl<'a> App<'a> {
             let tick = channel::after(pacing.patience(moving, Instant::now()));
             select_biased! {
                 recv(streams.inputs) -> input => {
-                    self.take(input.unwrap_or(Input::Closed));
                     // A burst of keys is one frame.
-                    while let Ok(input) = streams.inputs.try_recv() {
-                        self.take(input);
-                    }
+                    let first = input.unwrap_or(Input::Closed);
+                    self.take_all(std::iter::once(first).chain(streams.inputs.try_iter()).collect());
                     pacing.ask();
                 }
                 recv(streams.outcomes) -> outcome => {
@@ -237,6 +243,9 @@ impl<'a> App<'a> {
         self.watch_alarms();
         if std::mem::take(&mut self.rings) {
             screen.ring();
+        }
+        if let Some(text) = self.copies.take() {
+            screen.copy(&text);
         }
         let (now, feed) = (Instant::now(), self.feed_state());
         if pacing.is_due(feed, now) {
@@ -394,6 +403,29 @@ impl<'a> App<'a> {
 
     fn tell(&mut self, message: Message) {
         self.message = (message, Instant::now());
+    }
+
+    /// Takes what has come in at once. Letters that no hand types so fast (text that was pasted into a terminal that does not say so) do
+    /// nothing where they would act as keys; a key that is held down, and a line that begins as a command, do.
+    fn take_all(&mut self, inputs: Vec<Input>) {
+        let letter = |input: &Input| match input {
+            Input::Key(key) => match key.code {
+                KeyCode::Char(letter) if !key.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) => {
+                    Some(letter)
+                }
+                KeyCode::Enter => Some('\n'),
+                _ => None,
+            },
+            _ => None,
+        };
+        let letters: Vec<char> = inputs.iter().filter_map(letter).collect();
+        let kinds: BTreeSet<char> = letters.iter().copied().collect();
+        let begins_a_line = letters.first().is_some_and(|first| [':', '/'].contains(first)) || !self.layers.is_empty();
+        let is_burst = letters.len() >= BURST && kinds.len() >= BURST / 2 && !begins_a_line;
+        if is_burst {
+            self.tell(Message::Bad(TOO_FAST.into()));
+        }
+        inputs.into_iter().filter(|input| !is_burst || letter(input).is_none()).for_each(|input| self.take(input));
     }
 
     fn take(&mut self, input: Input) {

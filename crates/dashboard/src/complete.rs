@@ -32,6 +32,7 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
         Some("scale") => plots().chain(["auto"]).map(str::to_owned).collect(),
         Some("strips") => series::names().chain(["auto"]).map(str::to_owned).collect(),
         Some("spectrum") => vec!["auto".to_owned()],
+        Some("copy") => vec!["settings".to_owned()],
         Some("peak") => vec!["reset".to_owned()],
         Some("read") => ["left", "right", "off"].map(str::to_owned).to_vec(),
         Some(_) => Vec::new(),

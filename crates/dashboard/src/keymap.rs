@@ -222,7 +222,8 @@ mod tests {
         let does = |code, modifiers| keymap.action(KeyEvent::new(code, modifiers));
         assert_eq!(does(Char('q'), NONE), Some(Action::Quit));
         assert_eq!(does(Char('c'), CTRL), Some(Action::Quit));
-        assert_eq!(does(Char('c'), NONE), None);
+        assert_eq!(does(Char('c'), NONE), Some(Action::Copy(false)));
+        assert_eq!(does(Char('v'), NONE), None);
         assert_eq!(does(KeyCode::BackTab, SHIFT), Some(Action::Choose("-1".into())));
         assert_eq!(does(Char('R'), SHIFT), Some(Action::Edit(Edit::Restart)));
         assert_eq!(does(Char('r'), CTRL), Some(Action::Edit(Edit::Redo)));

@@ -39,7 +39,7 @@ pub(crate) struct Screen {
 impl Screen {
     /// Whether there is a terminal to take over.
     pub(crate) fn is_possible() -> bool {
-        io::stdin().is_terminal() && io::stdout().is_terminal()
+        io::stdin().is_terminal() && io::stdout().is_terminal() && !is_dumb(std::env::var("TERM").ok().as_deref())
     }
 
     /// Takes the terminal over; frames are finished with `look`.
@@ -97,10 +97,34 @@ impl Screen {
         }
     }
 
+    /// Puts a text on the clipboard of whoever looks at the terminal, as far as that lets it (OSC 52).
+    pub(crate) fn copy(&mut self, text: &str) {
+        let _drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
+        if TAKEN.load(Ordering::SeqCst) {
+            let _ = execute!(io::stdout(), Print(format!("\x1b]52;c;{}\x1b\\", base64(text.as_bytes()))));
+        }
+    }
+
     /// Whether some thread has panicked: its message is on the terminal, and drawing on would hide it.
     pub(crate) fn is_broken() -> bool {
         PANICKED.load(Ordering::SeqCst)
     }
+}
+
+/// Whether a terminal of this kind can do no more than print lines.
+fn is_dumb(kind: Option<&str>) -> bool {
+    kind == Some("dumb")
+}
+
+/// Bytes in the letters that a terminal takes a clipboard in (RFC 4648).
+fn base64(bytes: &[u8]) -> String {
+    const LETTERS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    let letters = |chunk: &[u8]| {
+        let bits = [0, 1, 2].into_iter().fold(0_u32, |bits, at| bits << 8 | u32::from(*chunk.get(at).unwrap_or(&0)));
+        let letter = |at: usize| char::from(LETTERS[(bits >> (18 - 6 * at)) as usize & 63]);
+        [0, 1, 2, 3].map(|at| if at <= chunk.len() { letter(at) } else { '=' })
+    };
+    bytes.chunks(3).flat_map(letters).collect()
 }
 
 /// Draws one frame as a whole, finished with `look`.
@@ -220,4 +244,25 @@ pub fn restore_on_panic() {
             report(panic);
         }));
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_clipboard_is_written_as_terminals_read_it() {
+        // RFC 4648, section 10.
+        let known = [
+            ("", ""),
+            ("f", "Zg=="),
+            ("fo", "Zm8="),
+            ("foo", "Zm9v"),
+            ("foob", "Zm9vYg=="),
+            ("fooba", "Zm9vYmE="),
+            ("foobar", "Zm9vYmFy"),
+        ];
+        known.into_iter().for_each(|(text, letters)| assert_eq!(base64(text.as_bytes()), letters));
+        assert!(is_dumb(Some("dumb")) && !is_dumb(Some("xterm")) && !is_dumb(None));
+    }
 }

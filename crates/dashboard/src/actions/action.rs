@@ -94,6 +94,8 @@ pub(crate) enum Action {
     Scroll(isize),
     /// Start to type what the lists shall show.
     Filter,
+    /// Put the selected setting, or all of them, on the clipboard.
+    Copy(bool),
     /// Show every event and alarm in full.
     Log,
     /// Look at the step with the largest control force, or forget it.

@@ -273,6 +273,17 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         make: |_| Ok(Action::Acknowledge),
     },
     ActionRow {
+        name: "copy",
+        argument: "[settings]",
+        meaning: "the selected setting, or all, to the clipboard as KEY=VALUE",
+        keys: &[keys(&[("c", "")], "copy the selected setting to the terminal's clipboard", None)],
+        make: |word| match word {
+            "" => Ok(Action::Copy(false)),
+            "settings" => Ok(Action::Copy(true)),
+            other => Err(format!("'{other}': expected settings, or nothing")),
+        },
+    },
+    ActionRow {
         name: "log",
         argument: "",
         meaning: "events and alarms in full",

@@ -68,6 +68,7 @@ impl App<'_> {
                 }
             }
             Action::Help => self.layers.push(Layer::Help(0)),
+            Action::Copy(all) => self.copy(all),
             Action::Log => self.layers.push(Layer::Log(0)),
             Action::Peak(reset) => self.peak(reset),
             Action::Command(line) => self.layers.push(Layer::Command(LineEditor::from(&*line))),
@@ -123,6 +124,28 @@ impl App<'_> {
             // These are for recordings alone.
             Action::Pace(_) | Action::Event(_) | Action::Loop | Action::GoTo(_) | Action::End(_) => {}
         }
+    }
+
+    /// Has settings put on the clipboard, as `:set` and `--set` take them.
+    fn copy(&mut self, all: bool) {
+        let Some(settings) = self.settings() else {
+            self.tell(Message::Bad("no settings are known yet".into()));
+            return;
+        };
+        let units = self.units();
+        let told = |key: &Key| {
+            let value = settings.get(*key).ok()?;
+            Some(if key.parameter.off == Some(value) && key.parameter.name != "seed" {
+                format!("{key}=off")
+            } else {
+                format!("{key}={}", text::number::significant(value * units.setting(*key).factor, 15))
+            })
+        };
+        let keys = if all { settings.keys() } else { self.selected().into_iter().collect() };
+        let words: Vec<String> = keys.iter().filter_map(told).collect();
+        let words = words.join(" ");
+        self.tell(Message::Good(format!("to the terminal's clipboard: {words}")));
+        self.copies = Some(words);
     }
 
     /// Looks at the step with the largest control force of those that count, or has the count begin anew.

@@ -364,6 +364,34 @@ fn the_mode_that_is_pointed_at_is_told_of_beside_its_pole() {
 }
 
 #[test]
+fn a_burst_of_letters_that_no_hand_types_drives_no_machine() {
+    let of = |text: &str| {
+        let (mut app, taken) = dashboard(&Options::default());
+        let keys = text.chars().map(|letter| match letter {
+            '\n' => Input::Key(KeyEvent::new(Enter, KeyModifiers::NONE)),
+            letter => Input::Key(KeyEvent::new(Char(letter), KeyModifiers::NONE)),
+        });
+        app.take_all(keys.collect());
+        (taken.try_iter().count(), app)
+    };
+    let (edits, app) = of("lullabies 0iR\nand more");
+    assert_eq!((edits, &app.message.0, app.quit), (0, &Message::Bad(TOO_FAST.into()), None));
+    assert_eq!(of("llllllllllllllll").0, 16, "a key that is held down");
+    assert_eq!(of("llu").0, 3, "a quick hand");
+    assert_eq!(of(":kd=0.25\n").0, 1, "a line that begins as a command");
+}
+
+#[test]
+fn settings_are_copied_as_they_are_typed() {
+    let (_, mut app) = pressed(&[Down, Down, Down, Char('c')]);
+    assert_eq!(app.copies.take().as_deref(), Some("kd=-0.5879"));
+    command(&mut app, "copy settings");
+    let all = app.copies.take().unwrap();
+    assert!(all.starts_with("speed=2.5 trip=1000 deadband.1=1") && all.contains(" ramp=off"), "{all}");
+    assert!(actions::parse(&format!("set {all}")).is_ok(), "{all}");
+}
+
+#[test]
 fn strips_are_what_the_layout_says() {
     let (mut app, _) = dashboard(&Options::default());
     let text = "[[screen]]\nstrips = \"force\"\npicture = \"strips\"";

@@ -4,6 +4,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 
 use super::alarms::AlarmList;
+use super::campbell::Campbell;
 use super::damping::Damping;
 use super::damping_over_speed::DampingOverSpeed;
 use super::events::Events;
@@ -105,6 +106,14 @@ pub(crate) const PANELS: &[PanelKind] = &[
         is_plot: true,
         is_of_motion: true,
         make: || Box::<DampingOverSpeed>::default(),
+    },
+    PanelKind {
+        name: "campbell",
+        meaning: "frequencies of all modes over speed, and the critical speeds",
+        least: (28, 6),
+        is_plot: true,
+        is_of_motion: true,
+        make: || Box::<Campbell>::default(),
     },
     PanelKind {
         name: "nyquist",

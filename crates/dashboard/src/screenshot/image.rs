@@ -111,20 +111,27 @@ fn draw_row(cells: &[(u16, &Cell)], y: f64, out: &mut String) {
                 line(out, format_args!("<path fill=\"{ink}\" d=\"{path}\"/>"));
             }
             Kind::Text => {
-                let text: String = cells[from..to].iter().map(|(_, cell)| escaped(cell.symbol())).collect();
                 let bold = if first.modifier.contains(Modifier::BOLD) { " font-weight=\"bold\"" } else { "" };
-                // Whatever font there is, a cell is as wide as a cell.
-                let (length, base) = (wide, y + 0.77 * CELL.1);
-                line(
-                    out,
-                    format_args!(
-                        "<text x=\"{x}\" y=\"{base}\" textLength=\"{length}\" fill=\"{ink}\"{bold}>{text}</text>"
-                    ),
-                );
+                let base = y + 0.77 * CELL.1;
+                for piece in pieces(&cells[from..to]) {
+                    let text: String = piece.iter().map(|(_, cell)| escaped(cell.symbol())).collect();
+                    // Whatever font there is, and whatever reads this: every letter has its place.
+                    let places: Vec<String> =
+                        piece.iter().map(|(at, _)| (f64::from(*at) * CELL.0).to_string()).collect();
+                    let places = places.join(" ");
+                    line(out, format_args!("<text x=\"{places}\" y=\"{base}\" fill=\"{ink}\"{bold}>{text}</text>"));
+                }
             }
         }
         from = to;
     }
+}
+
+/// A run of text in pieces: those of one letter a cell together, a cell of several letters (an accent of its own) by itself.
+fn pieces<'a>(run: &'a [(u16, &'a Cell)]) -> impl Iterator<Item = &'a [(u16, &'a Cell)]> {
+    let is_one = |cell: &Cell| cell.symbol().chars().count() == 1;
+    let pieces = run.chunk_by(move |(_, a), (_, b)| is_one(a) && is_one(b));
+    pieces.filter(|piece| piece.iter().any(|(_, cell)| kind(cell) == Kind::Text))
 }
 
 fn line(out: &mut String, what: std::fmt::Arguments<'_>) {
@@ -144,6 +151,7 @@ fn kind(cell: &Cell) -> Kind {
     match cell.symbol().chars().next() {
         None | Some(' ') => Kind::Blank,
         Some('\u{2580}'..='\u{259f}' | '\u{2800}'..='\u{28ff}') => Kind::Dots,
+        Some(glyph) if arms(glyph).is_some() => Kind::Dots,
         Some(_) => Kind::Text,
     }
 }
@@ -216,8 +224,58 @@ fn shapes(cell: &Cell, x: f64, y: f64) -> String {
             };
             filled.iter().map(square).collect()
         }
-        _ => quadrants(glyph).into_iter().map(rect).collect(),
+        _ => arms(glyph).map_or_else(|| quadrants(glyph), strokes).into_iter().map(rect).collect(),
     }
+}
+
+/// The arms of a line that frames are made of, to the left, right, up and down: 0 for none, 1 thin, 2 thick.
+fn arms(glyph: char) -> Option<[u8; 4]> {
+    Some(match glyph {
+        '─' => [1, 1, 0, 0],
+        '│' => [0, 0, 1, 1],
+        '┌' => [0, 1, 0, 1],
+        '┐' => [1, 0, 0, 1],
+        '└' => [0, 1, 1, 0],
+        '┘' => [1, 0, 1, 0],
+        '├' => [0, 1, 1, 1],
+        '┤' => [1, 0, 1, 1],
+        '┬' => [1, 1, 0, 1],
+        '┴' => [1, 1, 1, 0],
+        '┼' => [1, 1, 1, 1],
+        '━' => [2, 2, 0, 0],
+        '┃' => [0, 0, 2, 2],
+        '┏' => [0, 2, 0, 2],
+        '┓' => [2, 0, 0, 2],
+        '┗' => [0, 2, 2, 0],
+        '┛' => [2, 0, 2, 0],
+        _ => return None,
+    })
+}
+
+/// Strokes from the middle of a cell along these arms, in parts of the cell: whole pixels, so that cells meet without a gap.
+fn strokes(arms: [u8; 4]) -> Vec<[f64; 4]> {
+    let [left, right, up, down] = arms;
+    // Half as wide as a line is, across and down.
+    let half = |thick: u8| [0.5, 1.0][usize::from(thick > 1)];
+    let widest = half(arms.into_iter().max().unwrap_or(1));
+    let (across, along) = (widest / CELL.0, widest / CELL.1);
+    let level = |thick: u8, [from, to]: [f64; 2]| {
+        let half = half(thick) / CELL.1;
+        (thick > 0).then_some([from, 0.5 - half, to, 0.5 + half])
+    };
+    let upright = |thick: u8, [from, to]: [f64; 2]| {
+        let half = half(thick) / CELL.0;
+        (thick > 0).then_some([0.5 - half, from, 0.5 + half, to])
+    };
+    [
+        level(left, [0.0, 0.5 + across]),
+        level(right, [0.5 - across, 1.0]),
+        upright(up, [0.0, 0.5 + along]),
+        upright(down, [0.5 - along, 1.0]),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// The parts of a cell that a block fills.
@@ -275,7 +333,7 @@ mod tests {
     fn wide_characters_have_no_blank_behind_them() {
         let wide = frame_data(&["漢字x"], Style::new());
         assert_eq!(text(&wide), "漢字x\n");
-        assert!(svg(&wide).contains("textLength=\"40\" fill=\"#d0d0d0\">漢字x</text>"), "{}", svg(&wide));
+        assert!(svg(&wide).contains("<text x=\"0 16 32\" y=\"12.32\" fill=\"#d0d0d0\">漢字x</text>"), "{}", svg(&wide));
     }
 
     #[test]
@@ -309,6 +367,23 @@ mod tests {
         {
             let filled: f64 = quadrants(glyph).iter().map(|[l, t, r, b]| (r - l) * (b - t)).sum();
             assert!((filled - share).abs() < 1e-12, "{glyph}: {filled}");
+        }
+    }
+
+    #[test]
+    fn every_letter_has_a_place_and_frames_are_strokes_that_meet() {
+        let drawn = svg(&frame_data(&["ab e\u{301}c"], Style::new()));
+        assert!(
+            !drawn.contains("textLength") && drawn.contains("x=\"0 8 16\"") && drawn.contains(">e\u{301}</text>"),
+            "{drawn}"
+        );
+        let frame = svg(&frame_data(&["┌─┐"], Style::new()));
+        assert!(!frame.contains("<text ") && frame.contains("H16V8.5"), "{frame}");
+        for glyph in "─│┌┐└┘├┤┬┴┼━┃┏┓┗┛".chars() {
+            let parts = strokes(arms(glyph).unwrap());
+            let reaches = |edge: usize, at: f64| parts.iter().any(|part| part[edge] == at);
+            let found = [reaches(0, 0.0), reaches(2, 1.0), reaches(1, 0.0), reaches(3, 1.0)];
+            assert_eq!(found, arms(glyph).unwrap().map(|arm| arm > 0), "{glyph}");
         }
     }
 
