@@ -113,6 +113,8 @@ pub(crate) struct App<'a> {
     look: Look,
     /// What the last frame was drawn on.
     area: Rect,
+    /// Where the mouse is, where the terminal tells of it.
+    pointer: Option<(u16, u16)>,
     /// Where a drag was last.
     dragged: Option<(u16, u16)>,
     /// What the loop is to do with the terminal before the next frame: stop, take it over anew, ring.
@@ -171,6 +173,7 @@ impl<'a> App<'a> {
             pictures: options.pictures.clone(),
             look: Look::of_screenshot(options.appearance),
             area: Rect::default(),
+            pointer: None,
             dragged: None,
             suspend: false,
             continued: false,
@@ -302,6 +305,7 @@ impl<'a> App<'a> {
             filter: &self.filter,
             keymap: &self.keymap,
             held: self.held.as_ref(),
+            pointer: self.pointer,
             what_if: what_if.as_ref(),
             read_only: self.read_only,
             locked: self.locked,

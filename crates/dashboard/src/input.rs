@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 use crossbeam::channel::Sender;
-use crossterm::event::{self, Event, KeyEvent, KeyEventKind, MouseEvent, MouseEventKind};
+use crossterm::event::{self, Event, KeyEvent, KeyEventKind, MouseEvent};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 
 /// How soon the keyboard thread notices that it shall end; nobody waits for that. Crossterm spins through the last
@@ -54,8 +54,7 @@ pub(crate) fn keyboard(inputs: Sender<Input>, stop: Arc<AtomicBool>) -> std::io:
                 Ok(false) => continue,
                 Ok(true) => match event::read() {
                     Ok(Event::Key(key)) if key.kind != KeyEventKind::Release => Input::Key(key),
-                    // A mouse that only moves over the screen asks for nothing.
-                    Ok(Event::Mouse(mouse)) if mouse.kind != MouseEventKind::Moved => Input::Mouse(mouse),
+                    Ok(Event::Mouse(mouse)) => Input::Mouse(mouse),
                     Ok(Event::Paste(text)) => Input::Paste(text),
                     Ok(Event::Resize(..)) => Input::Resized,
                     Ok(_) => continue,

@@ -1,17 +1,18 @@
 //! The screen: a line that says how things stand, the panels of a [`Layout`], a line of hints, and what lies on top.
 
 use ratatui::buffer::Buffer;
-use ratatui::layout::{Constraint, Flex, Layout as Split, Rect};
+use ratatui::layout::{Constraint, Flex, Layout as Split, Position, Rect};
 use ratatui::style::Modifier;
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
 
+use crate::drawing::write;
 use crate::layers::Layer;
 use crate::layout::{Layout, SMALLEST};
 use crate::panels::panel::PanelCommand;
 use crate::panels::registry::{PANELS, Panels};
 use crate::theme;
-use crate::view::View;
+use crate::view::{Message, View};
 use crate::{help, log, popup, status_line, time_line};
 
 /// Draws everything.
@@ -36,6 +37,8 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     }
     let (places, strips) = layout.places_and_strips(body);
     panels.command_any(&PanelCommand::StripsOfLayout(strips));
+    let over = view.pointer.map(Position::from).filter(|_| view.layers.is_empty());
+    let mut told = None;
     for (kind, place) in places {
         panels.draw(kind, view, place, buffer);
         if PANELS[kind].is_of_motion && view.standstill().is_some() {
@@ -44,8 +47,17 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
         if view.selection.plot == Some(kind) {
             mark_chosen(place, buffer);
         }
+        if let Some(at) = over.filter(|at| place.contains(*at)) {
+            told = panels.told_at(kind, view, place, at);
+        }
     }
-    status_line::draw_foot(view, foot, buffer);
+    match told.filter(|_| *view.message == Message::Hints) {
+        Some(told) => write(buffer, foot, foot.x + 1, foot.y, &told, theme::loud(theme::CURSOR)),
+        None => {
+            status_line::draw_foot(view, foot, buffer);
+            foot.x
+        }
+    };
     let title = match view.layers.last() {
         Some(Layer::AskFound(..) | Layer::AskUnstable(..)) => popup::BESIDE,
         _ => popup::COMPLETES,

@@ -35,6 +35,8 @@ pub(crate) struct View<'a> {
     pub(crate) keymap: &'a Keymap,
     /// Settings that are held to compare with.
     pub(crate) held: Option<&'a Settings>,
+    /// Where the mouse is, if it was moved after the last key.
+    pub(crate) pointer: Option<(u16, u16)>,
     /// What the change that is being typed or asked about would mean.
     pub(crate) what_if: Option<&'a WhatIf>,
     pub(crate) read_only: bool,
@@ -118,6 +120,7 @@ pub(crate) mod tests {
             filter: "",
             keymap: &KEYMAP,
             held: None,
+            pointer: None,
             what_if: None,
             read_only: false,
             locked: false,

@@ -14,6 +14,8 @@ use telemetry::frame_data::FrameData;
 
 impl App<'_> {
     pub(crate) fn press(&mut self, key: KeyEvent) {
+        // Who types does not point.
+        self.pointer = None;
         let action = self.keymap.action(key);
         // These work whatever lies on top, unless they are a letter of a text.
         let is_text = self.layers.last().is_some_and(Layer::takes_letters) && is_letter(key);

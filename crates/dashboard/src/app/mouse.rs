@@ -14,6 +14,7 @@ impl App<'_> {
     /// The mouse: what lies on top first, then the panel under it.
     pub(super) fn mouse(&mut self, event: MouseEvent) {
         let at = (event.column, event.row);
+        self.pointer = Some(at);
         let mouse = match event.kind {
             MouseEventKind::ScrollUp => Mouse::Wheel(-1),
             MouseEventKind::ScrollDown => Mouse::Wheel(1),

@@ -79,6 +79,16 @@ impl Panel for DampingOverSpeed {
         }
     }
 
+    fn told_at(&self, view: &View<'_>, area: Rect, at: Position) -> Option<String> {
+        let inner = area.inner(Margin::new(1, 1));
+        let ([low, high], _) = self.shown.filter(|_| inner.contains(at))?;
+        let speed = low + (f64::from(at.x - inner.x) + 0.5) / f64::from(inner.width) * (high - low);
+        let pole_trace = view.jobs.pole_trace(&PoleTraceRequest::of(view.data.era.as_ref()?)?)?;
+        let damping = pole_trace.min_damping_near(speed);
+        let word = theme::verdict(damping).1;
+        Some(format!("{}  minimum damping {damping:.4} {word}", view.data.units().speed_told(speed)))
+    }
+
     fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
         match command {
             PanelCommand::Value(scalings) => Some(self.value.take(*scalings.first()?, None)),

@@ -34,6 +34,11 @@ pub(crate) trait Panel {
         None
     }
 
+    /// What is told of what the mouse is over, in a line.
+    fn told_at(&self, _view: &View<'_>, _area: Rect, _at: Position) -> Option<String> {
+        None
+    }
+
     /// Changes a scale or what it shows; `None` if that is no matter of this panel.
     fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
         let PanelCommand::Value([scaling, ..]) = command else { return None };

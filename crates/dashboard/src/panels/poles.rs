@@ -79,6 +79,18 @@ impl Panel for Poles {
         }
     }
 
+    fn told_at(&self, view: &View<'_>, area: Rect, at: Position) -> Option<String> {
+        let inner = area.inner(Margin::new(1, 1));
+        let factor = view.data.units().rate.factor;
+        let [re, im] = [self.re.shown()?, self.im.shown()?].map(|range| range.map(|end| end / factor));
+        let along = |cell: u16, cells: u16| (f64::from(cell) + 0.5) / f64::from(cells);
+        let here = inner.contains(at).then(|| {
+            let x = re[0] + along(at.x - inner.x, inner.width) * (re[1] - re[0]);
+            C64::new(x, im[1] - along(at.y - inner.y, inner.height) * (im[1] - im[0]))
+        })?;
+        Some(told(here, &view.data.units(), usize::from(u16::MAX)))
+    }
+
     fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
         let PanelCommand::Value(scalings) = command else { return None };
         let re = self.re.take(*scalings.first()?, None);

@@ -244,6 +244,11 @@ impl Panels {
         self.0[kind].get_or_insert_with(PANELS[kind].make).mouse(view, area, mouse, at)
     }
 
+    /// What the panel in row `kind` of the table tells of what the mouse is over.
+    pub(crate) fn told_at(&self, kind: usize, view: &View<'_>, area: Rect, at: Position) -> Option<String> {
+        self.0[kind].as_ref()?.told_at(view, area, at)
+    }
+
     /// Moves the list of the panel in row `kind` of the table, if it is one.
     pub(crate) fn scroll(&mut self, kind: usize, rows: isize) {
         self.0[kind].get_or_insert_with(PANELS[kind].make).scroll(rows);
@@ -411,6 +416,9 @@ mod tests {
                     for (width, height) in [(0, 0), (1, 1), (7, 3), kind.least, USUAL, LARGE] {
                         let area = Rect::new(2, 1, width, height);
                         panels.draw(at, &view, area, &mut Buffer::empty(Rect::new(0, 0, 200, 60)));
+                        for spot in [(2, 1), (4, 3), (width, height), (width / 2, height / 2)] {
+                            panels.told_at(at, &view, area, Position::from(spot));
+                        }
                         for mouse in [Mouse::Click, Mouse::Drag(1), Mouse::Wheel(3), Mouse::Wheel(-3)] {
                             for spot in [(2, 1), (4, 3), (width, height), (width / 2, height / 2)] {
                                 panels.mouse(at, &view, area, mouse, Position::from(spot));

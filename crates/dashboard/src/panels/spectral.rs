@@ -41,6 +41,15 @@ impl Panel for SpectralPanel {
         self.axes.mouse(view, mouse, at)
     }
 
+    fn told_at(&self, view: &View<'_>, _area: Rect, at: Position) -> Option<String> {
+        let ([low, high], area) = self.axes.shown?;
+        let units = view.data.units();
+        let frequency = low + (f64::from(at.x.checked_sub(area.x)?) + 0.5) / f64::from(area.width) * (high - low);
+        let speed = view.data.now.map_or(0.0, |now| view.data.track.speed(now));
+        let order = if speed > 0.0 { format!("  {}X", short(frequency / speed, 4)) } else { String::new() };
+        area.contains(at).then(|| format!("frequency {}{order}", units.frequency.told(frequency, 5)))
+    }
+
     fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
         self.axes.command(command)
     }

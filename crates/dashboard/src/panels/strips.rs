@@ -99,6 +99,25 @@ impl Panel for Strips {
         }
     }
 
+    fn told_at(&self, view: &View<'_>, area: Rect, at: Position) -> Option<String> {
+        let (data, inner) = (view.data, area.inner(Margin::new(1, 1)));
+        let window = &data.window;
+        if !inner.contains(at) || window.is_empty() {
+            return None;
+        }
+        let along = (f64::from(at.x - inner.x) + 0.5) / f64::from(inner.width);
+        let step = window.start + (along * window.len() as f64) as usize;
+        let rows = Layout::vertical(vec![Constraint::Fill(1); usize::from(inner.height).min(self.shown().len())]);
+        let row = rows.split(inner).iter().position(|row| row.contains(at))?;
+        let strip = self.shown().get(row)?;
+        let unit = strip.unit(&data.units());
+        let value = |trace: &Trace| Some(format!("{} {}", trace.label, unit.short(trace.value(data, step)?, 5)));
+        let values: Vec<String> = strip.traces(data.masses()).iter().filter_map(value).collect();
+        let ago = (window.end - 1 - step) as f64 * data.seconds;
+        let (ago, tau) = (short(-ago, 4), short(data.track.tau(step), 6));
+        Some(format!("{ago} s  tau {tau}  {} {}", values.join("  "), unit.name))
+    }
+
     fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
         match command {
             PanelCommand::Value(scalings) => self.rescale(None, *scalings.first()?),

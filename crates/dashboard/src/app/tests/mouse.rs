@@ -107,3 +107,28 @@ fn a_click_on_an_event_or_an_alarm_goes_to_its_time_and_acknowledges() {
     let at = app.with_view(|view, _, _| view.data.now.map(|now| view.data.track.wall_ns(now)));
     assert_eq!(at, Some(50_601_000_000_000));
 }
+
+#[test]
+fn what_the_mouse_is_over_is_told_at_the_foot_until_a_key_is_pressed() {
+    let (mut app, taken) = dashboard(&Options::default());
+    app.layout = 2;
+    let shown = frame(&mut app);
+    let over = |words: &str| {
+        let (row, line) = shown.lines().enumerate().find(|(_, line)| line.contains(words)).unwrap();
+        let column = line.chars().collect::<String>().find(words).map(|byte| line[..byte].chars().count()).unwrap();
+        MouseEvent {
+            kind: MouseEventKind::Moved,
+            column: column as u16 + 6,
+            row: row as u16 + 3,
+            modifiers: KeyModifiers::NONE,
+        }
+    };
+    app.mouse(over("damping  stable"));
+    let foot = |app: &mut App<'_>| frame(app).lines().last().unwrap().to_owned();
+    assert!(foot(&mut app).contains("minimum damping 0."), "{}", foot(&mut app));
+    app.mouse(over("poles ▲forward"));
+    assert!(foot(&mut app).contains("ζ "), "{}", foot(&mut app));
+    press(&mut app, &[KeyCode::Down]);
+    assert!(foot(&mut app).contains("help"), "{}", foot(&mut app));
+    assert!(taken.is_empty(), "looking changes nothing");
+}
