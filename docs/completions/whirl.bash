@@ -133,8 +133,14 @@ _whirl() {
             whirl__subcmd__rotor,check)
                 cmd="whirl__subcmd__rotor__subcmd__check"
                 ;;
+            whirl__subcmd__rotor,import)
+                cmd="whirl__subcmd__rotor__subcmd__import"
+                ;;
             whirl__subcmd__rotor,list)
                 cmd="whirl__subcmd__rotor__subcmd__list"
+                ;;
+            whirl__subcmd__rotor,reduce)
+                cmd="whirl__subcmd__rotor__subcmd__reduce"
                 ;;
             whirl__subcmd__rotor,show)
                 cmd="whirl__subcmd__rotor__subcmd__show"
@@ -684,7 +690,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__modes)
-            opts="-h --feedback --deadband --set --speed --points --json --csv --help"
+            opts="-h --feedback --deadband --set --speed --points --out --draw --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -707,6 +713,10 @@ _whirl() {
                     return 0
                     ;;
                 --points)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -882,7 +892,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__rotor)
-            opts="-h --help list show check"
+            opts="-h --help list show check import reduce"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -913,6 +923,24 @@ _whirl() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        whirl__subcmd__rotor__subcmd__import)
+            opts="-h --average --name --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --name)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         whirl__subcmd__rotor__subcmd__list)
             opts="-h --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
@@ -920,6 +948,40 @@ _whirl() {
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__rotor__subcmd__reduce)
+            opts="-h --over --points --up-to --coordinates --check --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --over)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --points)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --up-to)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --coordinates)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --check)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;

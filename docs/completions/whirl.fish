@@ -193,6 +193,9 @@ complete -c whirl -n "__fish_whirl_using_subcommand modes" -l deadband -d 'Clear
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l out -d 'Draw the slowest modes along the rotor into a file that ends in .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l draw -d 'Draw them in the terminal, in place of the table'
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -s h -l help -d 'Print help'
@@ -360,10 +363,12 @@ complete -c whirl -n "__fish_whirl_using_subcommand assign" -l force -d 'Replace
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand assign" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -f -a "list" -d 'List the built-in rotors'
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -f -a "show" -d 'Print a rotor, or feedback for it, as the TOML of its file'
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check" -f -a "check" -d 'Say what is wrong with rotor and feedback files'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check import reduce" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check import reduce" -f -a "list" -d 'List the built-in rotors'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check import reduce" -f -a "show" -d 'Print a rotor, or feedback for it, as the TOML of its file'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check import reduce" -f -a "check" -d 'Say what is wrong with rotor and feedback files'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check import reduce" -f -a "import" -d 'Print a rotor that another program has saved (ROSS: TOML or JSON) as the TOML of its file'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and not __fish_seen_subcommand_from list show check import reduce" -f -a "reduce" -d 'Say what a rotor of shaft elements loses by the coordinates that it is stepped in'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from list" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from list" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from list" -s h -l help -d 'Print help'
@@ -375,3 +380,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subco
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -l feedback -d 'Take every file for feedback, whatever is in it'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l name -d 'What the rotor is called [default: as its file]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l average -d 'Go on with the mean where the two directions differ'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l over -d 'Look at this range of spin speeds (rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l points -d 'How many speeds of the range to look at' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l up-to -d 'Compare poles up to this frequency (Hz) [default: ten times the highest speed, at least that of the fourth mode]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l coordinates -d 'Keep this many coordinates in place of those of the file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l check -d 'Fail if a pole is off by more than this part of its size' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -s h -l help -d 'Print help'

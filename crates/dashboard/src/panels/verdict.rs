@@ -30,7 +30,7 @@ pub(super) fn notes(view: &View<'_>, room: usize) -> Vec<(String, Style)> {
             Ok(Some(cycle)) => notes.push(whirls(cycle, era, view, &units, room)),
             Ok(None) => {}
             Err(why) => {
-                notes.push((longest(&[&format!("whirl unknown: {why}"), "whirl unknown"], room), theme::quiet()))
+                notes.push((longest(&[&format!("whirl unknown: {why}"), "whirl unknown"], room), theme::quiet()));
             }
         }
         notes.extend(found.worst.map(|worst| any_deadband(worst, room)));
