@@ -158,8 +158,9 @@ struct whirl_bench_status { /* 888 bytes, whirl.BenchStatus */
     double dtau;
     /* 184: Runge-Kutta steps that make one step under the settings in force, at least 1: see rotor::step. */
     uint32_t substeps;
-    /* 188: Always 0. */
-    uint32_t reserved;
+    /* 188: The leg of its profile that the speed is on, counted from 1, and how many legs there are; zeros where it
+       follows none, or has come to the end of it. */
+    uint16_t leg[2];
     /* 192: Revision of the settings: 1 at the start, up by 1 with each change. */
     uint64_t revision;
     /* 200: The first step made with them. */

@@ -98,11 +98,16 @@ fn a_live_bench_follows_a_profile_until_its_speed_is_set() {
         steps.iter().all(|(tau, speed)| (speed - (1.0 + 0.001 * tau)).abs() < 1e-9)
     };
     assert!(on_the_way(&speeds("200")));
+    // How far it has got is told to whoever asks, at once or later.
+    let leg = || root.run(&["status", "--json"]).json()["benches"][0]["leg"].clone();
+    assert_eq!(leg(), serde_json::json!([1, 2]));
+    assert!(root.run(&["status"]).stdout.contains("leg 1 of 2 of its profile"));
     // Gains do not take it off its way.
     assert_eq!(root.run(&["set", "kd.1=3.9"]).code, Some(0));
     assert!(on_the_way(&speeds("200")));
     assert_eq!(root.run(&["set", "speed=1.5", "ramp=off"]).code, Some(0));
     assert!(speeds("50").iter().all(|(_, speed)| *speed == 1.5));
+    assert!(leg().is_null(), "it has left its profile");
     // Both are on the record.
     let (mut count, mut events) = (0, String::new());
     // On a busy machine it is also told how late the simulation was, any number of times.

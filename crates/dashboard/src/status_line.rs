@@ -94,6 +94,10 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         {
             add(5, told, plain);
         }
+        let [leg, legs] = bench_status.leg;
+        if legs > 0 && view.time.is_live() {
+            add(5, format!("leg {leg} of {legs}"), plain);
+        }
         add(9, format!("{:.0}/s", data.rate), plain);
         if bench_status.substeps > 1 {
             add(8, format!("{} substeps", bench_status.substeps), plain);

@@ -102,6 +102,12 @@ impl Profile {
         course
     }
 
+    /// Which leg it is on at a time, counted from 0; none once all are over.
+    #[must_use]
+    pub fn leg_at(&self, tau: f64) -> Option<usize> {
+        self.course()[1..].iter().position(|(ends, _)| tau < *ends)
+    }
+
     /// Whether a drive of given torque turns it for a while: then the speeds of its course are those of a rotor that does not whirl.
     #[must_use]
     pub fn is_driven(&self) -> bool {
@@ -191,5 +197,9 @@ mod tests {
         assert!((profile.duration() - (900.0 + 300.0 * (100.0_f64.ln() + 1.0))).abs() < 1e-9);
         assert_eq!(profile.told(None), "the speed follows a profile: from 0 to 6 at 0.01, for 300, to 0 from 0.02 on");
         assert_eq!((profile.speeds(), profile.leg_words(2)), ([0.0, 6.0], "leg 3 (line 6)".into()));
+        assert_eq!(
+            [0.0, 599.0, 600.0, 900.0, 1e4].map(|tau| profile.leg_at(tau)),
+            [Some(0), Some(0), Some(1), Some(2), None]
+        );
     }
 }

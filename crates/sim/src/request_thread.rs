@@ -139,8 +139,16 @@ impl<'a> RequestThread<'a> {
         self.bench_status.number += 1;
         self.bench_status.wall_ns = crate::wall_ns();
         self.bench_status.health = self.pace.health(self.exchange, listeners);
+        self.bench_status.leg = self.leg();
         self.news = false;
         news.bench_status(&self.bench_status)
+    }
+
+    /// The leg of its profile that the speed is on, and how many there are.
+    fn leg(&self) -> [u16; 2] {
+        let Some(profile) = &self.profile else { return [0; 2] };
+        let tau = f64::from_bits(self.exchange.counters.tau_bits.load(Ordering::Relaxed));
+        profile.leg_at(tau).map_or([0; 2], |leg| [leg as u16 + 1, profile.legs.len() as u16])
     }
 
     /// Sends the snapshots that the stepping thread has taken, and gives it their buffers back, with the room that it needs.

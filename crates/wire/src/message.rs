@@ -103,8 +103,9 @@ message! {
         pub dtau: f64,
         /// Runge-Kutta steps that make one step under the settings in force, at least 1: see [`rotor::step`].
         pub substeps: u32,
-        /// Always 0.
-        pub reserved: u32,
+        /// The leg of its profile that the speed is on, counted from 1, and how many legs there are; zeros where it follows none, or has
+        /// come to the end of it.
+        pub leg: [u16; 2],
         /// Revision of the settings: 1 at the start, up by 1 with each change.
         pub revision: u64,
         /// The first step made with them.

@@ -53,7 +53,7 @@ macro_rules! plain {
     };
 }
 
-plain! { u32 => "uint32_t", u64 => "uint64_t", f64 => "double" }
+plain! { u16 => "uint16_t", u32 => "uint32_t", u64 => "uint64_t", f64 => "double" }
 
 impl<T: CType, const N: usize> CType for [T; N] {
     fn c_type() -> (String, String) {

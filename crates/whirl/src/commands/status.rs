@@ -42,6 +42,9 @@ struct Bench {
     /// Those in which people are told; scripts read `R`.
     #[serde(skip)]
     units: Units,
+    /// The leg of its profile that the speed is on, and how many there are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    leg: Option<[u16; 2]>,
     rate_hz: Option<f64>,
     dtau: Option<f64>,
     /// Runge-Kutta steps that make one step.
@@ -173,6 +176,7 @@ impl Bench {
             // Which may be on its way to the one that is set.
             speed: bench_status.map(|bench_status| bench_status.present_speed()),
             units: Units::with(bench_status.and_then(|bench_status| bench_status.scales())),
+            leg: bench_status.map(|bench_status| bench_status.leg).filter(|[_, legs]| *legs > 0),
             rate_hz: bench_status.map(|bench_status| bench_status.rate_hz),
             dtau: bench_status.map(|bench_status| bench_status.dtau),
             substeps: bench_status.map(|bench_status| bench_status.substeps),
@@ -218,6 +222,9 @@ impl Bench {
             (None, Some(why)) => format!("TRIPPED: {why}"),
             (None, None) => "running".into(),
         };
+        if let Some([leg, legs]) = self.leg {
+            state += &format!("; leg {leg} of {legs} of its profile");
+        }
         if self.full {
             state += &format!("; full: no room for more than {MAX_READERS} readers");
         }
