@@ -137,7 +137,7 @@ impl Balanced {
         let moved = self.at(s).lu().solve(&self.b)?;
         let mut sensitivity = &self.c * moved * (-s * self.delay).exp();
         (0..sensitivity.nrows()).for_each(|k| sensitivity[(k, k)] += C64::ONE);
-        Some(largest_singular(sensitivity)).filter(|size| size.is_finite())
+        Some(largest_singular(&sensitivity)).filter(|size| size.is_finite())
     }
 }
 
@@ -154,6 +154,6 @@ impl Balanced {
 }
 
 /// The largest singular value of a small matrix.
-pub(crate) fn largest_singular(matrix: DMatrix<C64>) -> f64 {
+pub(crate) fn largest_singular(matrix: &DMatrix<C64>) -> f64 {
     if matrix.len() == 1 { matrix[0].norm() } else { matrix.singular_values().max() }
 }

@@ -180,7 +180,7 @@ impl Cover<'_> {
         let read = &system.c * &x;
         let mut middle = &read * late;
         (0..middle.nrows()).for_each(|k| middle[(k, k)] += C64::ONE);
-        let value = largest_singular(middle.clone());
+        let value = largest_singular(&middle);
         let change: f64 = changes.iter().sum();
         let share = change * inverse.norm();
         if share >= MOST_CHANGE {
@@ -196,7 +196,7 @@ impl Cover<'_> {
             for (k, (slope, half)) in slopes.iter().zip(&cell.half).enumerate() {
                 there += slope * C64::from(if bits >> k & 1 == 1 { *half } else { -half });
             }
-            largest_singular(there)
+            largest_singular(&there)
         };
         let first = (0..1 << slopes.len()).map(corner).fold(0.0, f64::max);
         let (nx, ny) = (x.norm(), y.norm());

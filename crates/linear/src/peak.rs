@@ -52,16 +52,16 @@ pub fn least<E>(
         let there = at(best.0 + if step.abs() >= near { step } else { near.copysign(step) })?;
         if there.1 <= best.1 {
             if there.0 >= best.0 {
-                low = best.0
+                low = best.0;
             } else {
-                high = best.0
+                high = best.0;
             }
             (best, second, third) = (there, best, second);
         } else {
             if there.0 < best.0 {
-                low = there.0
+                low = there.0;
             } else {
-                high = there.0
+                high = there.0;
             }
             if there.1 <= second.1 || second.0 == best.0 {
                 (second, third) = (there, second);

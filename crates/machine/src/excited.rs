@@ -27,7 +27,7 @@ fn held(tone: f64, period: f64) -> impl Iterator<Item = (f64, f64)> {
 impl MachineLoop {
     /// The largest that the motion of every station can be under tones that are added to the command, beside the motion that there is,
     /// once they have swung in: the sum of what each does, in `e_t`. Of a sampled loop with the images of each tone that the hold of its
-    /// samples makes, [`IMAGES`] on each side: what is beyond is less than the first of them by a thousand. The loop must be stable.
+    /// samples makes, eight on each side: what is beyond is less than the first of them by a thousand. The loop must be stable.
     ///
     /// # Errors
     /// Eigenvalues that cannot be had.
