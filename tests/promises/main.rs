@@ -1,6 +1,7 @@
 //! Promises of the contract, one a file, kept by the real program.
 
 mod assess;
+mod beams;
 mod circular;
 mod console;
 mod documents;

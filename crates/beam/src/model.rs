@@ -147,7 +147,7 @@ impl FullModel {
         let mut row = RowDVector::zeros(self.mass.nrows());
         let at = |position: f64| (position - place.position).abs() <= 1e-12 * (1.0 + position.abs());
         if let Some(node) = self.nodes.iter().position(|node| at(node.position)) {
-            row[2 * node] = 1.0;
+            row[self.displacements[node]] = 1.0;
         } else if let Some(inside) = self.inside.iter().find(|inside| at(inside.position)) {
             row.fixed_columns_mut::<4>(2 * inside.node).copy_from(&inside.row);
         }

@@ -325,7 +325,9 @@ impl<'a> App<'a> {
                 let typed = [(self.selected()?, typed.text().parse().ok()?)];
                 Edit::Set(data.units().settings_of_typed(&typed)).applied(present)?
             }
-            Layer::Command(line) => self.candidate(&actions::parse(line.text()).ok()?, present)?,
+            Layer::Command(line) => {
+                self.candidate(&actions::parse(&actions::with_keys(line.text(), Some(present))).ok()?, present)?
+            }
             Layer::AskFound(edit, _) => edit.applied(present)?,
             Layer::AskUnstable(_, settings, _) => (**settings).clone(),
             _ => return None,

@@ -4,13 +4,15 @@
 use linear::peak::top;
 use linear::{DelaySystem, LoopGain};
 use nalgebra::{DMatrix, DVector};
-use rotor::{C64, Direction, LinearForm, OperatingPoint, Plant, Rotor, Settings, Station};
+use rotor::{C64, Characteristic, Direction, LinearForm, OperatingPoint, Plant, Rotor, Settings, Station};
 
 use crate::forced::forced_response;
 use crate::margins::{MachineLoop, MarginsError};
 
 /// How far off the straight line between two points the middle may be, relative to its size.
 const OFF: f64 = 0.005;
+/// What is smaller than this part of the largest is not made finer: rounding has no curve.
+const FAINT: f64 = 1e-6;
 /// Decades below the end of a band in which there are points in any case.
 const LOW_DECADES: i32 = 3;
 /// The most halvings of a stretch.
@@ -74,8 +76,11 @@ impl MachineLoop {
             },
             _ => None,
         };
-        if let Some(reach) = &reach {
-            at.extend(reach.frequencies(from, to));
+        if reach.is_some() {
+            let about = self.resonances()?.into_iter().flat_map(|pole| {
+                [0.0, 0.3, 1.0, 3.0].into_iter().flat_map(move |n| [pole.im - n * pole.re, pole.im + n * pole.re])
+            });
+            at.extend(about.filter(|w| (from..=to).contains(w)));
             at.sort_by(f64::total_cmp);
             at.dedup();
         }
@@ -89,11 +94,13 @@ impl MachineLoop {
             };
             FrequencyPoint { frequency, value }
         };
-        let mut points: Vec<FrequencyPoint> = Vec::with_capacity(4 * at.len());
-        for frequency in at {
-            let next = value(frequency);
+        let known: Vec<FrequencyPoint> = at.into_iter().map(value).collect();
+        let sizes = known.iter().map(|p| p.value.norm()).filter(|size| size.is_finite());
+        let floor = FAINT * sizes.fold(0.0, f64::max);
+        let mut points: Vec<FrequencyPoint> = Vec::with_capacity(4 * known.len());
+        for next in known {
             if let Some(last) = points.last().copied() {
-                straighten(&value, last, next, DEPTH, &mut points);
+                straighten(&value, last, next, (DEPTH, floor), &mut points);
             }
             points.push(next);
         }
@@ -121,6 +128,11 @@ impl MachineLoop {
         let mut force = DVector::zeros(self.form().a.nrows());
         force.rows_mut(n, n).copy_from(&column.dense(n));
         self.reaching(&row.row, &force)
+    }
+
+    /// Poles of the closed loop, about which its responses change; with a delay those that are no echoes of it.
+    fn resonances(&self) -> Result<Vec<C64>, MarginsError> {
+        Ok(Characteristic::of(self.form())?.roots()?.iter().map(|root| root.pole).collect())
     }
 
     /// What a push on the states, a column, does to a row of the displacements, every loop closed; `None` of a sampled loop.
@@ -158,11 +170,6 @@ impl Reach {
         let (pushed, read) = (gains.view((0, loops), (loops, 1)), gains.view((loops, 0), (1, loops)));
         (gains[(loops, loops)] * -1.0 + (read * s * pushed)[0]) / late
     }
-
-    /// Frequencies between which nothing is missed.
-    fn frequencies(&self, from: f64, to: f64) -> Vec<f64> {
-        self.joined.curve(from, to, &[0.0]).iter().map(|p| p.frequency).collect()
-    }
 }
 
 /// Points between two, until the middle of each stretch is on the line.
@@ -170,15 +177,15 @@ fn straighten(
     value: &impl Fn(f64) -> FrequencyPoint,
     a: FrequencyPoint,
     b: FrequencyPoint,
-    depth: usize,
+    (depth, floor): (usize, f64),
     points: &mut Vec<FrequencyPoint>,
 ) {
     let middle = value(0.5 * (a.frequency + b.frequency));
     let apart = (middle.value - (a.value + b.value) * 0.5).norm();
-    if depth > 0 && apart > OFF * middle.value.norm() + f64::MIN_POSITIVE {
-        straighten(value, a, middle, depth - 1, points);
+    if depth > 0 && apart > OFF * middle.value.norm() + floor {
+        straighten(value, a, middle, (depth - 1, floor), points);
         points.push(middle);
-        straighten(value, middle, b, depth - 1, points);
+        straighten(value, middle, b, (depth - 1, floor), points);
     }
 }
 

@@ -133,7 +133,7 @@ impl BeamRotor {
         let columns = rows.clone();
         let holds = Holds::of(&self.full, |spring| {
             let station = self.coordinate(spring.station);
-            (Direction::Unit(2 * spring.node), station)
+            (Direction::Unit(self.full.displacements[spring.node]), station)
         })?;
         let stations = self.stations(rows);
         matrices(
@@ -141,7 +141,11 @@ impl BeamRotor {
             [&self.full.stiffness, &self.full.cross_stiffness, &self.full.internal],
             &self.scales,
             holds,
-            Places { stations, columns, unbalance: self.unbalance(order, |node| Direction::Unit(2 * node)) },
+            Places {
+                stations,
+                columns,
+                unbalance: self.unbalance(order, |node| Direction::Unit(self.full.displacements[node])),
+            },
         )
         .map(|(plant, _)| plant)
     }
@@ -247,12 +251,15 @@ fn scales_of(drawing: &Drawing, full: &FullModel) -> Result<Scales, RotorError> 
     Ok(Scales { w0, k_t, m_t, e_t })
 }
 
+/// Speeds in rad/s with stiffness and damping at each, SI.
+type OverSpeed = Vec<(f64, C64, C64)>;
+
 /// What holds a rotor to the ground, apart by how it is computed.
 struct Holds {
-    /// Constant and without play: `(row, stiffness, damping)`, SI.
+    /// Constant and without play: what reads the displacement, stiffness and damping, SI.
     constant: Vec<(Direction, C64, C64)>,
-    /// Over speed.
-    tabulated: Vec<(Direction, Vec<(f64, C64, C64)>)>,
+    /// Over speed: the same with the speeds.
+    tabulated: Vec<(Direction, OverSpeed)>,
     /// With play: place, stiffness, clearance, whether it is a touchdown bearing.
     contacts: Vec<(usize, f64, f64, bool)>,
 }
@@ -403,7 +410,7 @@ fn matrices(
 /// What reads the displacement of a place of the full model.
 fn row_of(full: &FullModel, place: &Place) -> Direction {
     match place.station {
-        Some(station) => Direction::Unit(2 * full.station_nodes[station]),
+        Some(station) => Direction::Unit(full.displacements[full.station_nodes[station]]),
         None => Direction::Dense(full.row(place).iter().map(|x| C64::from(*x)).collect()),
     }
 }

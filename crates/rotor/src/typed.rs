@@ -88,7 +88,7 @@ pub struct Assigned {
     said: Vec<(String, Vec<Place>)>,
 }
 
-/// One value: the name of its setting, and the mass or signal.
+/// One value: the name of its setting, and the mass, signal or control bearing.
 type Place = (&'static str, usize);
 
 /// The place of the control law as a whole.
@@ -109,6 +109,7 @@ impl Assigned {
         let name = key.parameter.name;
         let places = match (key.parameter.scope, key.index) {
             (Scope::Mass, None) => (0..self.masses).map(|mass| (name, mass)).collect(),
+            (Scope::Bearing, None) => (0..crate::MAX_BEARINGS).map(|bearing| (name, bearing)).collect(),
             (_, index) => vec![(name, index.unwrap_or(0))],
         };
         let again = |place: &Place| places.contains(place);

@@ -223,10 +223,13 @@ fn any_feedback() -> impl Strategy<Value = (usize, Feedback)> {
     })
 }
 
+/// What a bearing is made of: name, signals, filters, parts of its loop.
+type Made = (Option<String>, Vec<Signal>, Vec<Filter>, Parts);
+
 /// Bearings at the first masses, with one clock and names of their own.
-fn joined(bearings: Vec<(Option<String>, Vec<Signal>, Vec<Filter>, Parts)>) -> Feedback {
+fn joined(bearings: Vec<Made>) -> Feedback {
     let Parts { sample, delay, .. } = bearings[0].3;
-    let one = |(station, (name, signals, filters, parts)): (usize, (Option<String>, _, _, Parts))| ControlBearing {
+    let one = |(station, (name, signals, filters, parts)): (usize, Made)| ControlBearing {
         name: name.map(|name| format!("{name}{station}")),
         station,
         signals,

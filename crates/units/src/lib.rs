@@ -17,8 +17,6 @@
 
 mod dimension;
 mod scales;
-mod typed;
 
 pub use dimension::{Dimension, Unit, Units};
 pub use scales::Scales;
-pub use typed::typed_in_si;

@@ -95,7 +95,14 @@ pub(crate) fn text(path: &str) -> Result<String, FileError> {
 /// All that is wrong with it.
 pub(crate) fn rotor_of(path: &str, text: &str) -> Result<Rotor, FileError> {
     let stem = Path::new(path).file_stem().unwrap_or_default().to_string_lossy();
-    file::read_rotor(text, &stem).map_err(|faults| FileError::wrong(path, text, faults))
+    // Files that it names lie beside it.
+    let folder = Path::new(path).parent().unwrap_or(Path::new("")).to_owned();
+    let open = move |name: &str| {
+        let of_matrices = folder.join(name);
+        std::fs::read(&of_matrices)
+            .map_err(|error| format!("{}: {error}: expected a file of matrices", of_matrices.display()))
+    };
+    file::read_rotor_with(text, &stem, &open).map_err(|faults| FileError::wrong(path, text, faults))
 }
 
 /// The feedback in a file's text, for a rotor of `masses` masses if it is known.
@@ -266,16 +273,16 @@ pub(crate) fn assign_all(
     assignments: &[String],
 ) -> Result<(), Failure> {
     let mut assigned = Assigned::new(rotor.len());
-    let mut note = |key: &str, typed: &str| match key {
+    let mut note = |key: &str, typed: &str, settings: &Settings| match key {
         "feedback" => Ok(assigned.feedback(typed)?),
-        key => Ok::<_, Failure>(assigned.key(key.parse()?, typed)?),
+        key => Ok::<_, Failure>(assigned.key(settings.key(key)?, typed)?),
     };
     for (option, key) in said {
-        note(key, option)?;
+        note(key, option, settings)?;
     }
     for typed in assignments {
         let key = assign(rotor, units, settings, typed)?;
-        note(key, typed)?;
+        note(key, typed, settings)?;
     }
     Ok(())
 }
@@ -296,7 +303,7 @@ pub(crate) fn assign<'t>(
         settings.feedback = feedback(rotor, value)?;
         return Ok(key);
     }
-    let parsed: Key = key.parse()?;
+    let parsed: Key = settings.key(key)?;
     let number = parsed.parameter.parse(value).ok_or_else(|| SettingsError::NotANumber {
         key: key.to_owned(),
         found: value.to_owned(),

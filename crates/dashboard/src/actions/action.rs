@@ -21,8 +21,6 @@ pub(crate) enum Action {
     Type,
     /// Set these, all at once, as they were typed: in the units of the bench.
     SetTyped(Vec<(Key, f64)>),
-    /// The same where some were typed with an SI unit behind them: for a rotor that has such units.
-    SetInSi(Vec<(Key, f64)>),
     /// The speed goes from one (the present one if there is none) to another at a rate, all as typed.
     RunUp {
         /// The speed that it is to have now.

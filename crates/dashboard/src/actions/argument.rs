@@ -4,8 +4,6 @@ use alarms::{AskedLimit, Watch};
 use rotor::typed::Assigned;
 use rotor::{Key, MAX_MASSES};
 
-use units::typed_in_si;
-
 use super::action::Action;
 use crate::axis::Scaling;
 
@@ -121,7 +119,7 @@ pub(super) fn spectra(text: &str) -> Result<Action, String> {
 pub(super) fn assignments(text: &str) -> Result<Action, String> {
     let spaced = text.replace('=', " = ");
     let words: Vec<&str> = spaced.split_whitespace().filter(|word| *word != "=").collect();
-    let (mut set, mut has_unit) = (Vec::new(), false);
+    let mut set = Vec::new();
     // How many masses there are is not known here: as many as there can be.
     let mut assigned = Assigned::new(MAX_MASSES);
     for pair in words.chunks(2) {
@@ -130,15 +128,9 @@ pub(super) fn assignments(text: &str) -> Result<Action, String> {
         assigned.key(key, &pair.join("=")).map_err(|error| error.to_string())?;
         let number = match (*value, key.parameter.off) {
             ("off", Some(off)) => Ok(off),
-            (value, _) => match typed_in_si(value, key.parameter.dimension) {
-                Some(value) => {
-                    has_unit = true;
-                    Ok(value)
-                }
-                None => number(value),
-            },
+            (value, _) => number(value),
         };
         set.push((key, number.map_err(|error| format!("{key} = {error}"))?));
     }
-    Ok(if has_unit { Action::SetInSi(set) } else { Action::SetTyped(set) })
+    Ok(Action::SetTyped(set))
 }

@@ -1,6 +1,6 @@
 //! A line as it is typed after `:`, or stands behind a key.
 
-use rotor::{Key, PARAMETERS};
+use rotor::{Key, PARAMETERS, Settings};
 
 use super::action::Action;
 use super::argument::assignments;
@@ -9,6 +9,18 @@ use super::table::ACTIONS;
 /// Whether a word is a setting, with or without an index.
 fn is_setting(word: &str) -> bool {
     word.parse::<Key>().is_ok()
+}
+
+/// A line whose settings are called as they are where there are several control bearings, `left.kd=3`, with the keys that they are.
+pub(crate) fn with_keys(line: &str, settings: Option<&Settings>) -> String {
+    let Some(settings) = settings else { return line.to_owned() };
+    let key = |word: &str| settings.key(word).ok().filter(|_| word.contains('.')).map(|key| key.to_string());
+    let word = |word: &str| match word.split_once('=') {
+        Some((name, rest)) => key(name).map(|key| format!("{key}={rest}")),
+        None => key(word),
+    };
+    let words = line.split(' ').map(|typed| word(typed).unwrap_or_else(|| typed.to_owned()));
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// What a command line asks for.
@@ -63,6 +75,18 @@ mod tests {
                 assert!(needs_text || parse(&line).is_ok(), "{chord}: {line}: {:?}", parse(&line));
             }
         }
+    }
+
+    #[test]
+    fn settings_are_called_after_their_control_bearing() {
+        let rotor = rotor::builtin::rotor("rig").unwrap();
+        let own = rotor::builtin::feedback(&rotor, "own").unwrap();
+        let settings = Settings::new(&rotor, 1.0, own);
+        let read = |line: &str| with_keys(line, Some(&settings));
+        assert_eq!(read("right.kd=3"), "kd.2=3");
+        assert_eq!(read("set left.kd = 3 right.lag 0.1 speed=2"), "set kd.1 = 3 lag.2 0.1 speed=2");
+        assert_eq!(read("note the left.one is loud"), "note the left.one is loud");
+        assert_eq!(with_keys("right.kd=3", None), "right.kd=3");
     }
 
     #[test]

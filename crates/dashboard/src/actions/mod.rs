@@ -10,6 +10,6 @@ mod row;
 mod table;
 
 pub(crate) use action::Action;
-pub(crate) use line::parse;
+pub(crate) use line::{parse, with_keys};
 pub(crate) use row::{ActionRow, KeyBinding};
 pub(crate) use table::{ACTIONS, MOUSE};

@@ -92,7 +92,6 @@ impl App<'_> {
             Action::Edit(edit) => self.send(edit),
             Action::NudgeSelected(_)
             | Action::SetTyped(_)
-            | Action::SetInSi(_)
             | Action::RunUp { .. }
             | Action::Stay
             | Action::StrikeBearing

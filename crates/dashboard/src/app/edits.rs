@@ -105,10 +105,7 @@ impl App<'_> {
                 let key = self.selected().ok_or_else(|| "no settings are known yet".to_owned());
                 key.map(|key| self.nudge(key, *steps))
             }
-            Action::SetInSi(_) if self.units().scales.is_none() => {
-                Err("this rotor is counted in its own scales: expected numbers without a unit".into())
-            }
-            Action::SetTyped(values) | Action::SetInSi(values) => match self.overridden(values) {
+            Action::SetTyped(values) => match self.overridden(values) {
                 Some(why) => Err(why),
                 None => Ok(Edit::Set(self.units().settings_of_typed(values))),
             },

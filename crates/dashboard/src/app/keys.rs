@@ -102,7 +102,7 @@ impl App<'_> {
         if line.trim().is_empty() {
             return;
         }
-        match actions::parse(line) {
+        match actions::parse(&actions::with_keys(line, self.settings().as_ref())) {
             Ok(action) => self.act(action),
             Err(why) => self.tell(Message::Bad(why)),
         }

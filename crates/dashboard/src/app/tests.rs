@@ -364,28 +364,6 @@ fn the_mode_that_is_pointed_at_is_told_of_beside_its_pole() {
 }
 
 #[test]
-fn a_unit_behind_a_number_is_understood_where_the_rotor_has_units() {
-    let (mut app, taken) = dashboard(&Options::default());
-    command(&mut app, "speed 3000rpm");
-    assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("without a unit")), "{:?}", app.message.0);
-    let mut bench_status = tests::bench_status("three-mass", "composite");
-    let scales = telemetry::test_support::SI;
-    bench_status.scales = [scales.w0, scales.k_t, scales.m_t, scales.e_t];
-    lock(&app.feed).push_bench_status(bench_status);
-    for typed in ["speed 3000rpm", "speed=50Hz", "speed 3000"] {
-        command(&mut app, typed);
-    }
-    command(&mut app, "set deadband=10um speed=50Hz");
-    let edits: Vec<Edit> = taken.try_iter().collect();
-    let speed = 3000.0 / 60.0 * std::f64::consts::TAU / scales.w0;
-    let near = |a: f64, b: f64| (a - b).abs() < 1e-9 * b;
-    let is_speed = |edit: &Edit| matches!(edit, Edit::Set(values) if values.len() == 1 && near(values[0].1, speed));
-    assert!(edits.len() == 4 && edits[..3].iter().all(is_speed), "{edits:?}");
-    let both = |values: &[(Key, f64)]| near(values[0].1, 1e-5 / scales.e_t) && near(values[1].1, speed);
-    assert!(matches!(&edits[3], Edit::Set(values) if both(values)), "{edits:?}");
-}
-
-#[test]
 fn a_burst_of_letters_that_no_hand_types_drives_no_machine() {
     let of = |text: &str| {
         let (mut app, taken) = dashboard(&Options::default());

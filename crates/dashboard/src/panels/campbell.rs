@@ -11,7 +11,6 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
-use ratatui::style::Color;
 use ratatui::text::Line;
 use rotor::C64;
 use telemetry::jobs::{PoleTrace, PoleTraceRequest};
@@ -96,13 +95,15 @@ fn draw(view: &View<'_>, panel: &mut Campbell, area: Rect, buffer: &mut Buffer) 
         }
     }
     for branch in &pole_trace.branches {
-        // Each stretch of one kind as a whole, from where the one before it ends.
-        let mut from = 0;
-        for stretch in branch.chunk_by(|a, b| color_of(*a) == color_of(*b)) {
-            let places = from.max(1) - 1..from + stretch.len();
-            from += stretch.len();
-            let points = pole_trace.speeds[places.clone()].iter().zip(&branch[places]);
-            plot.path(points.map(|(speed, pole)| [*speed, pole.im.abs()]), color_of(stretch[0]));
+        let points: Vec<(f64, C64)> = pole_trace.speeds.iter().copied().zip(branch.iter().copied()).collect();
+        for pair in points.windows(2) {
+            let [(from, a), (to, b)] = [pair[0], pair[1]];
+            let color = match b {
+                b if b.re > 0.0 => theme::BAD,
+                b if b.im < 0.0 => theme::BACKWARD,
+                _ => theme::FORWARD,
+            };
+            plot.line([from, a.im.abs()], [to, b.im.abs()], color);
         }
     }
     plot.paint(buffer);
@@ -116,15 +117,6 @@ fn draw(view: &View<'_>, panel: &mut Campbell, area: Rect, buffer: &mut Buffer) 
     let speed_factor = units.speed.factor;
     let column = |shown: f64| plot.cell(shown / speed_factor, 0.5 * (bottom + most)).map(|(x, _)| x);
     ticks::level(area, [0.0, top * speed_factor], column, buffer);
-}
-
-/// A mode that grows, and else its sense of whirl.
-fn color_of(pole: C64) -> Color {
-    match pole {
-        pole if pole.re > 0.0 => theme::BAD,
-        pole if pole.im < 0.0 => theme::BACKWARD,
-        _ => theme::FORWARD,
-    }
 }
 
 /// The speeds at which a mode of forward whirl turns with the spin, rising: between two speeds of the trace by straight lines.

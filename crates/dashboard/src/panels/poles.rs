@@ -253,7 +253,9 @@ fn trail(view: &View<'_>, plot: &mut Plot) {
     let Some(question) = view.data.era.as_ref().and_then(|era| PoleTraceRequest::of(era)) else { return };
     let Some(pole_trace) = view.jobs.pole_trace(&question) else { return };
     for branch in &pole_trace.branches {
-        plot.path(branch.iter().map(|pole| [pole.re, pole.im]), theme::TRAIL);
+        for pair in branch.windows(2) {
+            plot.line([pair[0].re, pair[0].im], [pair[1].re, pair[1].im], theme::TRAIL);
+        }
     }
 }
 

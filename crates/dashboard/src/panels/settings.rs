@@ -123,7 +123,7 @@ fn draw_row(
 ) {
     let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
     write(buffer, row, row.left(), row.top(), if cursor.is_some() { "▶" } else { " " }, theme::loud(theme::CURSOR));
-    let name = write(buffer, row, row.left() + 2, row.top(), &key.to_string(), style) - row.left();
+    let name = write(buffer, row, row.left() + 2, row.top(), &settings.label(key), style) - row.left();
     let typed = cursor.and_then(|cursor| cursor.typed.as_ref());
     let value = match typed {
         Some(typed) => Line::from(typed.spans(theme::badge(theme::CURSOR))),

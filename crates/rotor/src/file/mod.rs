@@ -21,7 +21,7 @@ mod write;
 pub use document::FeedbackDocument;
 pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback, write_feedback_for};
 pub use profile_toml::read_profile;
-pub use rotor_toml::{read_rotor, write_rotor};
+pub use rotor_toml::{read_rotor, read_rotor_with, write_rotor};
 
 /// What a file holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]

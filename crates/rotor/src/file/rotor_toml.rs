@@ -13,9 +13,21 @@ use crate::{FIELDS, MAX_MASSES, MAX_NAME, Mass, PARAMETERS, PhysicalMass, Rotor,
 /// # Errors
 /// All that is wrong with the file, with lines and columns.
 pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Faults> {
+    read(text, default_name, None)
+}
+
+/// The same of a rotor whose file may name files of matrices, which `open` gives the bytes of.
+///
+/// # Errors
+/// All that is wrong with the file, with lines and columns.
+pub fn read_rotor_with(text: &str, default_name: &str, open: &beam::Open) -> Result<Rotor, Faults> {
+    read(text, default_name, Some(open))
+}
+
+fn read(text: &str, default_name: &str, open: Option<&beam::Open>) -> Result<Rotor, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
     if beam::is_drawing(&file) {
-        return read_drawing(text, default_name);
+        return read_drawing(text, default_name, open);
     }
     reader.only(&file, &["name", "units", "reference_length", "mass", "shaft"]);
     let name = name(&mut reader, &file).unwrap_or_else(|| fitting(default_name));
@@ -64,8 +76,9 @@ pub fn read_rotor(text: &str, default_name: &str) -> Result<Rotor, Faults> {
 }
 
 /// Reads a rotor of shaft elements: see [`beam::read`].
-fn read_drawing(text: &str, default_name: &str) -> Result<Rotor, Faults> {
-    let drawing = beam::read(text, default_name)?;
+fn read_drawing(text: &str, default_name: &str, open: Option<&beam::Open>) -> Result<Rotor, Faults> {
+    let also = beam::Also { open, ..beam::Also::default() };
+    let (drawing, ()) = beam::read_and(text, default_name, also, |_, _, _| ())?;
     // What only the whole has wrong has no line of its own.
     Rotor::from_drawing(drawing).map_err(|error| {
         let told = error.to_string();

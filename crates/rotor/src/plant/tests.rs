@@ -93,5 +93,5 @@ fn what_is_no_plant_is_refused_with_a_reason() {
     assert_eq!(told(&|g| g.stiffness[1] = DMatrix::zeros(2, 2)), "stiffness does not fit 1 coordinates");
     assert_eq!(told(&|g| g.damping[0][(0, 0)].im = f64::NAN), "damping has an entry that is not finite");
     assert_eq!(told(&|g| g.columns = vec![Direction::Unit(1)]), "a control bearing does not fit 1 coordinates");
-    assert_eq!(told(&|g| g.mass = DMatrix::zeros(0, 0)), "0 coordinates: expected 1 to 64");
+    assert_eq!(told(&|g| g.mass = DMatrix::zeros(0, 0)), "0 coordinates: expected 1 to 512");
 }

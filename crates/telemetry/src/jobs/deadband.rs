@@ -22,17 +22,14 @@ impl DeadbandRequest {
     /// What to ask about settings in force, at the speed that the machine runs at; nothing without clearances, or as long as the rotor
     /// is not known.
     pub fn of(era: &Era) -> Option<Self> {
-        Self::at(era.rotor.as_ref()?, &era.settings, era.speed)
+        Self::with(era.rotor.clone()?, &Settings { speed: era.speed, ..era.settings.clone() })
     }
 
-    /// The same of any settings, at a speed.
-    pub fn at(rotor: &Arc<Rotor>, settings: &Settings, speed: f64) -> Option<Self> {
-        if !has_deadband(settings) {
-            return None;
-        }
-        let bare = Settings::new(rotor, speed, settings.feedback.clone());
+    /// The same of other settings, at the speed that they set.
+    pub fn with(rotor: Arc<Rotor>, settings: &Settings) -> Option<Self> {
+        let bare = Settings::new(&rotor, settings.speed, settings.feedback.clone());
         let settings = Settings { deadband: settings.deadband.clone(), ..bare };
-        Some(Self { rotor: rotor.clone(), settings })
+        has_deadband(&settings).then_some(Self { rotor, settings })
     }
 }
 
@@ -82,7 +79,7 @@ mod tests {
         let rotor = Arc::new(builtin::rotor("three-mass").unwrap());
         let mut settings = Settings::new(&rotor, speed, builtin::feedback(&rotor, feedback).unwrap());
         settings.deadband.fill(1.0);
-        DeadbandEffects::of(&DeadbandRequest::at(&rotor, &settings, 2.5).unwrap())
+        DeadbandEffects::of(&DeadbandRequest::with(rotor, &settings).unwrap())
     }
 
     #[test]
@@ -102,10 +99,10 @@ mod tests {
         let rotor = Arc::new(builtin::rotor("three-mass").unwrap());
         let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
         settings.deadband.fill(0.0);
-        assert_eq!(DeadbandRequest::at(&rotor, &settings, 2.5), None);
+        assert_eq!(DeadbandRequest::with(rotor.clone(), &settings), None);
         settings.deadband.fill(1.0);
         settings.feedback.bearings[0].parts.sample = 0.1;
-        let sampled = DeadbandEffects::of(&DeadbandRequest::at(&rotor, &settings, 2.5).unwrap());
+        let sampled = DeadbandEffects::of(&DeadbandRequest::with(rotor, &settings).unwrap());
         assert_eq!(sampled.cycle, Err(CircularError::Sampled));
     }
 }

@@ -324,7 +324,7 @@ impl Told<'_> {
         vec![
             format!(
                 "Feedback {}; operating range {from} to {to}; cross-coupled stiffness is added at mass {}.",
-                args.machine.feedback.as_deref().unwrap_or("off"),
+                args.machine.feedback.as_deref().unwrap_or(rotor::builtin::analysis_feedback_name(question.rotor)),
                 question.cross_at + 1
             ),
             "Decrement, cross-coupling, critical speeds, sensitivity and the response to residual unbalance count every support bearing \

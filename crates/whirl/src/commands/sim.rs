@@ -74,8 +74,9 @@ impl LiveArgs {
             // Whoever takes the speed off its profile, or puts it back, does not make it jump.
             settings.ramp = profile.greatest_rate();
         }
-        // A rotor from a file has clearances of its own.
-        if self.machine.deadband.is_none() && rotor::builtin::ROTORS.contains(&self.machine.rotor.as_str()) {
+        // A rotor from a file has clearances of its own, and so have the touchdown bearings of magnetic ones.
+        let is_built_in = rotor::builtin::ROTORS.contains(&self.machine.rotor.as_str());
+        if self.machine.deadband.is_none() && is_built_in && rotor.is_chain() {
             settings.deadband.fill(Self::DEADBAND);
         }
         let mut options = Vec::new();
