@@ -48,7 +48,10 @@ impl Sampler {
         self.last = state.into();
         self.steps += 1;
         self.saturated += u64::from(state.flags().has(Flags::SATURATED));
-        let [y, z] = state.force_delivered();
+        let forces = (0..state.bearings()).map(|bearing| state.force(bearing)[1]);
+        // What is not a number must not be lost among others.
+        let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
+        let force = forces.map(|[y, z]| y.hypot(z)).fold(0.0, larger);
         let radius = state.largest_radius();
         let at = self.last;
         let worst = |kept: &mut Option<Sample>, value: f64| {
@@ -57,7 +60,7 @@ impl Sampler {
             }
         };
         worst(&mut self.orbit, radius);
-        worst(&mut self.force, y.hypot(z));
+        worst(&mut self.force, force);
     }
 
     /// Takes in an event: from which step on which settings hold.

@@ -7,7 +7,7 @@ use std::ops::Range;
 use ratatui::style::Color;
 
 use units::Dimension;
-use wire::{CHANNELS, PAIRS, Scope};
+use wire::{CHANNELS, Layout, PAIRS, Scope};
 
 use crate::theme;
 use telemetry::frame_data::FrameData;
@@ -57,9 +57,18 @@ impl Source {
         self.kind().map(|channel| channel.row().dimension)
     }
 
-    /// Whether there is one for each mass.
+    /// Whether there is one for each mass, sensor or further control bearing.
     fn is_of_masses(self) -> bool {
-        self.kind().is_some_and(|channel| channel.row().scope != Scope::Once)
+        self.scope() != Scope::Once
+    }
+
+    fn scope(self) -> Scope {
+        self.kind().map_or(Scope::Once, |channel| channel.row().scope)
+    }
+
+    /// The number by which the first of them is called.
+    fn first_number(self) -> usize {
+        self.kind().and_then(|channel| wire::Column { channel, index: 0 }.number()).unwrap_or(1)
     }
 
     /// Whether it is never negative.
@@ -171,9 +180,9 @@ impl Strip {
         self.parts.len() == 1 && self.parts[0].1.is_none() && self.parts[0].0.is_of_masses()
     }
 
-    /// Its lines on a rotor of `masses` masses. A strip of more masses than colours would be a tangle: the first few
-    /// stand for all.
-    pub(crate) fn traces(&self, masses: usize) -> Vec<Trace> {
+    /// Its lines of steps that are laid out like this. A strip of more masses than colours would be a tangle: the first few stand for
+    /// all.
+    pub(crate) fn traces(&self, layout: Layout) -> Vec<Trace> {
         let mut traces = Vec::new();
         for (source, mass) in &self.parts {
             let (name, colors) = (source.name(), theme::TRACES);
@@ -185,10 +194,12 @@ impl Strip {
             };
             match source {
                 source if source.is_of_masses() => {
-                    let chosen = mass.map_or(0..masses.min(colors.len()), |mass| mass..(mass + 1).min(masses));
+                    let count = layout.count(source.scope());
+                    let chosen = mass.map_or(0..count.min(colors.len()), |mass| mass..(mass + 1).min(count));
+                    let number = |mass: usize| mass + source.first_number();
                     traces.extend(chosen.map(|mass| Trace {
-                        label: format!("{name}.{}", mass + 1),
-                        mark: char::from_digit((mass as u32 + 1) % 36, 36).unwrap_or('?'),
+                        label: format!("{name}.{}", number(mass)),
+                        mark: char::from_digit(number(mass) as u32 % 36, 36).unwrap_or('?'),
                         color: colors[mass % colors.len()],
                         channel: source.channel(mass),
                     }));
@@ -238,7 +249,7 @@ fn part(word: &str) -> Result<(Source, Option<usize>), String> {
     }
     let indexed = word.rsplit_once('.').and_then(|(name, mass)| {
         let source = source(name).filter(|source| source.is_of_masses())?;
-        Some((source, Some(mass.parse::<usize>().ok()?.checked_sub(1)?)))
+        Some((source, Some(mass.parse::<usize>().ok()?.checked_sub(source.first_number())?)))
     });
     indexed.ok_or_else(|| format!("'{word}': expected {}", known()))
 }
@@ -254,7 +265,12 @@ mod tests {
     use super::*;
 
     fn labels(word: &str) -> Vec<String> {
-        Strip::read(word).unwrap().traces(3).into_iter().map(|trace| trace.label).collect()
+        Strip::read(word)
+            .unwrap()
+            .traces(Layout::new(3).with_bearings(2))
+            .into_iter()
+            .map(|trace| trace.label)
+            .collect()
     }
 
     #[test]
@@ -263,6 +279,9 @@ mod tests {
         assert_eq!(labels("radius.2"), ["radius.2"]);
         assert_eq!(labels("u"), ["u.y", "u.z"]);
         assert_eq!(labels("force+command"), ["force", "command"]);
+        assert_eq!(labels("bearing.force.2+force"), ["bearing.force.2", "force"]);
+        assert_eq!(labels("bearing.u.y"), ["bearing.u.y.2"], "the second control bearing");
+        assert_eq!(labels("bearing.u.y.3"), [""; 0], "a control bearing that this machine does not have");
         assert_eq!(labels("y.7"), [""; 0], "a mass that this rotor does not have");
         for (word, wrong) in [
             ("x", "'x': expected tau, angle, speed"),
@@ -280,7 +299,7 @@ mod tests {
     #[test]
     fn lines_of_one_strip_differ_in_colour_and_in_mark() {
         for word in ["y", "y.1+z.1", "u", "force+command+u.z", "y.1+y.2+z.2+radius.1", "command.y+command.z"] {
-            let traces = Strip::read(word).unwrap().traces(3);
+            let traces = Strip::read(word).unwrap().traces(Layout::new(3).with_bearings(2));
             for (at, trace) in traces.iter().enumerate() {
                 assert!(
                     traces[..at].iter().all(|other| other.mark != trace.mark && other.color != trace.color),

@@ -52,8 +52,10 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
         framed(Line::from(name), area, buffer);
         return;
     };
-    let [y, z] = data.track.force(at);
-    let (now, peak) = (y.hypot(z) * unit.factor, data.peak_force * unit.factor);
+    // Of several control bearings the one that works hardest.
+    let sizes = (0..data.track.layout().bearings()).map(|bearing| data.track.forces(at, bearing)[1]);
+    let now = sizes.map(|[y, z]| y.hypot(z)).fold(0.0, f64::max) * unit.factor;
+    let peak = data.peak_force * unit.factor;
     // What the bearing may do, or else a round number: a bar against its own maximum says nothing.
     let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * unit.factor);
     let [_, full] = axis.over([0.0, limit.unwrap_or_else(|| nice_ceiling(1.2 * peak))]);

@@ -142,8 +142,9 @@ impl Poles {
         let (_, poles) = view.data.poles()?;
         let factor = view.data.units().rate.factor;
         let candidates = view.what_if.iter().flat_map(|candidate| &candidate.poles);
-        let reach =
-            |part: fn(&C64) -> f64| factor * poles.iter().chain(candidates.clone()).map(part).fold(0.0, f64::max);
+        let near = within(poles);
+        let shown = || poles.iter().chain(candidates.clone()).filter(|pole| pole.norm() <= near || pole.re >= 0.0);
+        let reach = |part: fn(&C64) -> f64| factor * shown().map(part).fold(0.0, f64::max);
         let top = nice_ceiling(reach(|p| p.im.abs()) * 1.05);
         let left = nice_ceiling(reach(|p| -p.re) * 1.05);
         // The unstable side is always in view, wide enough to see a pole arrive.
@@ -152,6 +153,18 @@ impl Poles {
         let dimensionless = |range: [f64; 2]| range.map(|end| end / factor);
         Some(Window { x: dimensionless(self.re.over([-left, right])), y: dimensionless(self.im.over([-top, top])) })
     }
+}
+
+/// How far from the origin poles are shown unasked: all of a machine of few modes; of one of many, as shaft elements have, the slower half,
+/// with room around, because the fastest are decades away from those that anybody turns.
+fn within(poles: &[C64]) -> f64 {
+    const FEW: usize = 16;
+    if poles.len() <= FEW {
+        return f64::INFINITY;
+    }
+    let mut sizes: Vec<f64> = poles.iter().map(|pole| pole.norm()).collect();
+    sizes.sort_by(f64::total_cmp);
+    1.5 * sizes[sizes.len() / 2]
 }
 
 /// Writes a scale at the right of the first of these rows in which no mark would hide a part of its numbers; else nowhere.

@@ -83,14 +83,18 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let name = format!("{:>3}", mass + 1);
         lines.push((row(&name, [y, z, vy, vz, radius]), Style::new().fg(theme::TRACES[mass % theme::TRACES.len()])));
     }
-    let ([y, z], [cy, cz]) = (track.force(now), track.commanded(now));
     // Below the headings of the masses: along y, along z, and in all.
     let force = |name: &str, [y, z]: [f64; 2]| {
         let [y, z, size] = [y, z, y.hypot(z)].map(|value| units.force.short(value, DIGITS));
         row(name, [y, z, String::new(), String::new(), size])
     };
-    lines.push((force(delivered, [y, z]), Style::new().fg(theme::FORCE)));
-    lines.push((force(commanded, [cy, cz]), plain));
+    let bearings = track.layout().bearings();
+    for bearing in 0..bearings {
+        let [asked, given] = track.forces(now, bearing);
+        let name = |what: &str| if bearings > 1 { format!("{what} {}", bearing + 1) } else { what.to_owned() };
+        lines.push((force(&name(delivered), given), Style::new().fg(theme::FORCE)));
+        lines.push((force(&name(commanded), asked), plain));
+    }
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
     for sensor in 0..track.layout().sensors() {

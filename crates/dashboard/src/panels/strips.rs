@@ -112,7 +112,7 @@ impl Panel for Strips {
         let strip = self.shown().get(row)?;
         let unit = strip.unit(&data.units());
         let value = |trace: &Trace| Some(format!("{} {}", trace.label, unit.short(trace.value(data, step)?, 5)));
-        let values: Vec<String> = strip.traces(data.masses()).iter().filter_map(value).collect();
+        let values: Vec<String> = strip.traces(data.track.layout()).iter().filter_map(value).collect();
         let ago = (window.end - 1 - step) as f64 * data.seconds;
         let (ago, tau) = (short(-ago, 4), short(data.track.tau(step), 6));
         Some(format!("{ago} s  tau {tau}  {} {}", values.join("  "), unit.name))
@@ -208,7 +208,7 @@ fn draw_strip(
     if columns == 0 {
         return;
     }
-    let traces = strip.traces(data.masses());
+    let traces = strip.traces(data.track.layout());
     // Every column of dots shows the range of its steps, so that no peak falls between two columns.
     let steps = data.track.columns(data.window.clone(), columns);
     let columns_of = |trace: &Trace| -> Vec<Column> {

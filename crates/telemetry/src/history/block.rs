@@ -35,6 +35,13 @@ impl StepQuantity {
     /// Magnitude of the control delivered.
     pub const FORCE: Self = Self::size(Channel::ForceY, 0);
 
+    /// Size of the control delivered by a control bearing, counted from 0.
+    #[must_use]
+    pub const fn force(bearing: usize) -> Self {
+        let (channels, index) = wire::force_channels(bearing);
+        Self::size(channels[1][0], index)
+    }
+
     /// Displacement of a mass along y.
     pub const fn y(mass: usize) -> Self {
         Self::Of(Channel::Y, mass)

@@ -124,8 +124,9 @@ impl History {
         }
         self.tripped = tripped;
         self.last_tau = state.tau();
-        let [u_y, u_z] = state.force_delivered();
-        self.peak_force = self.peak_force.max(u_y.hypot(u_z));
+        for [u_y, u_z] in (0..state.bearings()).map(|bearing| state.force(bearing)[1]) {
+            self.peak_force = self.peak_force.max(u_y.hypot(u_z));
+        }
         self.keep(state);
     }
 
@@ -253,9 +254,9 @@ impl History {
             return self.peak_force;
         }
         let since = self.peak_since(place);
-        self.track(&(since..place + 1))
-            .range(StepQuantity::FORCE, 0..(place + 1 - since) as usize)
-            .map_or(0.0, |[_, most]| most)
+        let track = self.track(&(since..place + 1));
+        let most = |bearing| track.range(StepQuantity::force(bearing), 0..(place + 1 - since) as usize);
+        (0..track.layout().bearings()).filter_map(most).map(|[_, most]| most).fold(0.0, f64::max)
     }
 
     /// From which place on the largest control up to `place` counts.
@@ -271,8 +272,10 @@ impl History {
     pub fn peak_place(&self, place: u64) -> Option<u64> {
         let since = self.peak_since(place);
         let track = self.track(&(since..place + 1));
-        let [_, most] = track.range(StepQuantity::FORCE, 0..track.len())?;
-        (0..track.len()).find(|step| track.value(StepQuantity::FORCE, *step) >= most).map(|step| track.index_of(step))
+        let forces = (0..track.layout().bearings()).map(StepQuantity::force);
+        let peaks = forces.filter_map(|force| Some((track.range(force, 0..track.len())?[1], force)));
+        let (most, force) = peaks.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        (0..track.len()).find(|step| track.value(force, *step) >= most).map(|step| track.index_of(step))
     }
 
     /// Has the largest control count from the newest step on.

@@ -122,6 +122,12 @@ impl Track {
         [self.value(StepQuantity::FORCE_Y, step), self.value(StepQuantity::FORCE_Z, step)]
     }
 
+    /// Control `[y, z]` asked for at a control bearing, counted from 0, at step `step`, and what it delivers.
+    pub fn forces(&self, step: usize, bearing: usize) -> [[f64; 2]; 2] {
+        let (channels, index) = wire::force_channels(bearing);
+        channels.map(|pair| pair.map(|channel| self.value(StepQuantity::Of(channel, index), step)))
+    }
+
     /// Control `[y, z]` asked for at step `step`.
     pub fn commanded(&self, step: usize) -> [f64; 2] {
         [self.value(StepQuantity::COMMAND_Y, step), self.value(StepQuantity::COMMAND_Z, step)]
