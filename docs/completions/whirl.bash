@@ -262,7 +262,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__bode)
-            opts="-h --feedback --deadband --set --speed --over --of --band --show --out --draw --force --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --over --of --band --show --out --draw --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -606,7 +606,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__margin)
-            opts="-h --feedback --deadband --set --speed --over --points --zones --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --over --points --zones --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -690,7 +690,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__modes)
-            opts="-h --feedback --deadband --set --speed --points --out --draw --force --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --points --out --draw --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -746,7 +746,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__poles)
-            opts="-h --feedback --deadband --set --speed --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

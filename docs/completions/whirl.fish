@@ -169,6 +169,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The f
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -s h -l help -d 'Print help'
@@ -194,6 +195,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand modes" -l set -d 'Any other 
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l points -d 'Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l out -d 'Draw the slowest modes along the rotor into a file that ends in .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l draw -d 'Draw them in the terminal, in place of the table'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
@@ -206,6 +208,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand margin" -l speed -d 'Spin sp
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l over -d 'The worst over spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l points -d 'How many speeds of the range, evenly spaced; the worst is sought between them too [default: 201]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l zones -d 'Peaks of sensitivity at which zones A, B and C end [default: 3,4,5, those of ISO 14839-3]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help'
@@ -232,6 +235,7 @@ amplitude\t'Amplitude over frequency'
 phase\t'Phase over frequency'
 nyquist\t'The response in the complex plane, with -1 and circles of equal sensitivity around it'"
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l out -d 'Draw it into a file that ends in .svg or .png' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l draw -d 'Draw it in the terminal, in place of the table'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l json -d 'Print one JSON document'

@@ -26,18 +26,23 @@ fn val_an_imported_rotor_has_the_poles_that_its_own_program_gives_it() {
     assert_eq!(run(&["rotor", "check", mine]).code, Some(0));
 
     let rpm = (500.0 * 30.0 / std::f64::consts::PI).to_string();
-    let document = run(&["poles", mine, "--speed", &rpm, "--json"]).json();
-    let w0 = document["scales"]["w0"].as_f64().expect("SI");
-    let poles: Vec<[f64; 2]> = (document["modes"].as_array().expect("modes").iter())
-        .map(|mode| ["re", "im"].map(|part| mode[part].as_f64().expect("a number") * w0))
-        .collect();
-    for [re, im] in &expected("overhung_gyroscopic", "500")[..16] {
-        let apart = |pole: &[f64; 2]| (pole[0] - re).hypot(pole[1] - im);
-        let nearest = poles.iter().map(apart).fold(f64::INFINITY, f64::min);
-        // Real eigenvalues come with their conjugates, which are backward whirl of another pair.
-        let mirrored = poles.iter().map(|p| apart(&[p[0], -p[1]])).fold(f64::INFINITY, f64::min);
-        assert!(nearest.min(mirrored) < 1e-4 * re.hypot(*im), "{re} {im} is off by {nearest}");
+    let known = expected("overhung_gyroscopic", "500");
+    // As it is stepped, and with all the coordinates of its elements.
+    for (also, compared, within) in [(&[][..], 16, 1e-4), (&["--full"][..], 24, 1e-8)] {
+        let document = run(&[&["poles", mine, "--speed", &rpm, "--json"], also].concat()).json();
+        let w0 = document["scales"]["w0"].as_f64().expect("SI");
+        let poles: Vec<[f64; 2]> = (document["modes"].as_array().expect("modes").iter())
+            .map(|mode| ["re", "im"].map(|part| mode[part].as_f64().expect("a number") * w0))
+            .collect();
+        for [re, im] in &known[..compared] {
+            let apart = |pole: &[f64; 2]| (pole[0] - re).hypot(pole[1] - im);
+            let nearest = poles.iter().map(apart).fold(f64::INFINITY, f64::min);
+            // Real eigenvalues come with their conjugates, which are backward whirl of another pair.
+            let mirrored = poles.iter().map(|p| apart(&[p[0], -p[1]])).fold(f64::INFINITY, f64::min);
+            assert!(nearest.min(mirrored) < within * re.hypot(*im), "{re} {im} is off by {nearest} {also:?}");
+        }
     }
+    assert_eq!(run(&["poles", "--speed", "1", "--full"]).code, Some(2), "a chain has no other coordinates");
 }
 
 #[test]

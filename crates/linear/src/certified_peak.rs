@@ -20,6 +20,10 @@ use crate::balance::balance_matrix;
 use crate::system::Balanced;
 use crate::{C64, DelayError, DelaySystem, eigenvalues, least};
 
+/// Where a peak is looked for about each pole, in parts of how fast that fades.
+const ABOUT: [f64; 9] = [-3.0, -1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0, 3.0];
+/// A peak has to be seen from a level so much below it.
+const SEEN_BELOW: f64 = 1e-3;
 /// How far above what was found the level begins at which nothing is to be on the axis, relative to it.
 const GAP: f64 = 1e-8;
 /// What it is raised to at most, where rounding leaves eigenvalues on the axis.
@@ -85,7 +89,8 @@ fn level_sets(system: &Balanced) -> Result<CertifiedPeak, DelayError> {
         }
     };
     let poles = eigenvalues(closed.clone())?;
-    poles.iter().map(|s| s.im).chain([0.0]).for_each(|w| see(&mut best, w));
+    let about = poles.iter().flat_map(|s| ABOUT.map(|part| s.im + part * s.re));
+    about.chain([0.0]).for_each(|w| see(&mut best, w));
     let mut gap = GAP;
     for _ in 0..LEVELS {
         if !best.0.is_finite() {
@@ -94,6 +99,9 @@ fn level_sets(system: &Balanced) -> Result<CertifiedPeak, DelayError> {
         let level = (best.0 * (1.0 + 2.0 * gap)).max(1.0 + LEAST);
         let mut on_axis = on_the_axis(system, &closed, level)?;
         if on_axis.is_empty() {
+            if !is_seen(system, &closed, best, &poles)? {
+                return Err(DelayError::NoBound);
+            }
             let (amplitude, frequency) = system.climbed(best, &poles);
             let below = level.max(amplitude);
             return Ok(CertifiedPeak { amplitude, frequency, below, proof: PeakProof::Hamiltonian });
@@ -111,6 +119,20 @@ fn level_sets(system: &Balanced) -> Result<CertifiedPeak, DelayError> {
         }
     }
     Err(DelayError::NoBound)
+}
+
+/// Whether a level just below the peak that is known crosses the axis next to it: what does not see that peak, because rounding has moved its
+/// eigenvalues too far, proves nothing about others.
+fn is_seen(
+    system: &Balanced,
+    closed: &DMatrix<C64>,
+    (peak, at): (f64, Option<f64>),
+    poles: &[C64],
+) -> Result<bool, DelayError> {
+    let level = peak * (1.0 - SEEN_BELOW);
+    let (Some(w), true) = (at, level > 1.0 + LEAST) else { return Ok(true) };
+    let width = poles.iter().map(|s| (s - C64::new(0.0, w)).norm()).fold(f64::INFINITY, f64::min);
+    Ok(on_the_axis(system, closed, level)?.iter().any(|crossing| (crossing - w).abs() <= width))
 }
 
 /// Frequencies at which a level may be a singular value of `S`.

@@ -13,6 +13,8 @@ use crate::poles::PolesError;
 
 /// How far left of the first crossing a delay margin of samples is looked for, in periods.
 const STEPS_PER_PERIOD: f64 = 8.0;
+/// States of the largest loop that is proven anything of: the matrix of a level has twice as many.
+const MOST_CERTIFIED: usize = 100;
 /// How far above what was found the bound of a sensitivity with a delay is, relative to it.
 const CERTIFIED_WITHIN: f64 = 1e-3;
 /// The longest delay of a sampled loop that is looked at, in periods.
@@ -145,7 +147,9 @@ impl MachineLoop {
     /// # Errors
     /// Eigenvalues that cannot be had, or a pole on the axis.
     pub fn certified_peak(&self) -> Result<Option<CertifiedPeak>, MarginsError> {
-        let Some([a, b, c]) = self.form.continuous() else { return Ok(None) };
+        let Some([a, b, c]) = self.form.continuous().filter(|[a, ..]| a.nrows() <= MOST_CERTIFIED) else {
+            return Ok(None);
+        };
         Ok(Some(DelaySystem::new(a, b, c, self.form.delay)?.certified_peak(CERTIFIED_WITHIN)?))
     }
 

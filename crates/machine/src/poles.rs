@@ -58,12 +58,14 @@ impl MachinePoles {
             let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
             return Ok(Self { modes: Spectrum::of(&closed_loop)?.modes, z: None, right_of: None });
         }
-        let form = LinearForm::of(&Plant::of(rotor), feedback, &OperatingPoint::at(speed))?;
+        let plant = Plant::of(rotor);
+        let form = LinearForm::of(&plant, feedback, &OperatingPoint::at(speed))?;
         let machine = Characteristic::of(&form)?;
         let n = form.coordinates;
         let mode = |pole: C64, root: C64| {
             let state = machine.system().sensitivity(root).map(|vectors| vectors.right);
-            let mut shape: Vec<C64> = state.map_or_else(Vec::new, |state| state.iter().take(n).copied().collect());
+            let read = |state: &[C64]| plant.stations().iter().map(|station| station.row.read(&state[..n])).collect();
+            let mut shape: Vec<C64> = state.map_or_else(Vec::new, |state| read(state.as_slice()));
             rotor::scale_to_largest(&mut shape);
             Mode { pole, shape }
         };

@@ -57,15 +57,15 @@ fn val_its_sensitivity_and_the_delay_it_bears_are_those_of_the_whole_rotor() {
             assert!((ours - number(&peak[0])).abs() < 2e-3 * ours, "{ours} for {}", peak[0]);
         }
     }
-    // And with a delay in both loops.
+    // And with a delay in both loops, of all the coordinates of its elements.
     let mut late = settings.clone();
     late.feedback.set_delay(scales.tau(100e-6));
-    let found = margins(&rotor, &late, 0.0).expect("stable");
-    for (bearing, peak) in found.bearings.iter().zip([2.466, 2.057]) {
-        let ours = bearing.margins.sensitivity().amplitude;
-        assert!((ours - peak).abs() < 3e-3 * peak, "{ours} for {peak}");
+    let whole = rotor.in_full().expect("a plant");
+    let each: Vec<_> = (MachineLoop::each(&whole, &late, 0.0).expect("fits").into_iter()).map(|m| m.gain).collect();
+    for (gain, peak) in each.iter().zip([2.465_775, 2.057_126]) {
+        let ours = gain.margins().sensitivity().amplitude;
+        assert!((ours - peak).abs() < 5e-3 * peak, "{ours} for {peak}");
     }
-    let each: Vec<_> = (MachineLoop::each(&rotor, &late, 0.0).expect("fits").into_iter()).map(|m| m.gain).collect();
     let together = SeveralLoops::of(&each).expect("found");
     assert!(together.largest_sensitivity.amplitude >= 2.46);
 }
@@ -84,5 +84,19 @@ fn val_in_motion_it_settles_to_its_unbalance_response() {
     let turned = C64::cis(-sample.angle);
     for (ours, exact) in sample.displacement.iter().zip(&response.points[0].stations) {
         assert!((ours * turned - exact).norm() < 1e-3 * (1.0 + exact.norm()), "{} and {exact}", ours * turned);
+    }
+}
+
+/// What shaft elements make of the matrices is far from normal: a proof that rounding has spoilt is none.
+#[test]
+fn what_is_proven_of_the_rig_is_not_below_what_is_found() {
+    let (rotor, settings) = rig();
+    for speed in [0.0, 1.5, 3.0, 4.5] {
+        let found = margins(&rotor, &settings, speed).expect("stable");
+        let peak = found.together.expect("two bearings").largest_sensitivity.amplitude;
+        let machine = MachineLoop::at(&rotor, &settings, speed).expect("fits");
+        if let Ok(Some(proven)) = machine.certified_peak() {
+            assert!(proven.below >= peak * (1.0 - 1e-9), "{} at {speed}, but {peak} is found", proven.below);
+        }
     }
 }

@@ -23,7 +23,7 @@ const MICROMETRE: f64 = 1e-6;
 const WORST_CONDITION: f64 = 1e7;
 
 /// A rotor of shaft elements, reduced.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct BeamRotor {
     drawing: Drawing,
     scales: Scales,
@@ -120,6 +120,11 @@ impl BeamRotor {
             (Some(name), _) | (None, Some(name)) => name.clone(),
             (None, None) => format!("station {}", place.name),
         }
+    }
+
+    /// The same with a plant of all the coordinates of the elements.
+    pub(crate) fn in_full(&self) -> Result<Self, RotorError> {
+        Ok(Self { plant: self.full_plant()?, ..self.clone() })
     }
 
     /// The plant with all the coordinates of the elements, its stations those of the reduced one: what is lost by reduction is not

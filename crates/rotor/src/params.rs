@@ -230,6 +230,18 @@ impl Rotor {
         Ok(Self { name, body: Body::Beam(Arc::new(BeamRotor::new(drawing)?)) })
     }
 
+    /// The same with a plant of all the coordinates of its elements, for linear analysis: nothing is lost by reduction, and nothing but
+    /// [`crate::Plant`] and what is made of it changes. A chain is what it is. It is not to be stepped: its coordinates are no places.
+    ///
+    /// # Errors
+    /// Matrices that are no plant.
+    pub fn in_full(&self) -> Result<Self, RotorError> {
+        Ok(match &self.body {
+            Body::Chain { .. } => self.clone(),
+            Body::Beam(beam) => Self { name: self.name.clone(), body: Body::Beam(Arc::new(beam.in_full()?)) },
+        })
+    }
+
     /// How many masses it has, 1 to 16; of shaft elements, how many places have their displacement as a coordinate.
     #[must_use]
     #[allow(clippy::len_without_is_empty, reason = "a rotor is never empty")]

@@ -11,7 +11,7 @@ use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
 use text::{Faults, MAX_BYTES};
 
 use crate::failure::Failure;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{MachineArgs, Whole};
 use crate::range::{Range, RangeError};
 use crate::units::Units;
 
@@ -210,6 +210,21 @@ impl Machine {
             }
         }
         Ok(machine)
+    }
+
+    /// The same, its rotor with all coordinates of its shaft elements if that is asked for.
+    ///
+    /// # Errors
+    /// A chain, which has no others; matrices that are no plant.
+    pub(crate) fn whole(mut self, whole: Whole) -> Result<Self, Failure> {
+        if whole.full {
+            if self.rotor.is_chain() {
+                let why = "--full: a chain of masses is looked at in its own coordinates already";
+                return Err(Failure::Usage(format!("{why}: {} is one", self.rotor.name())));
+            }
+            self.rotor = self.rotor.in_full().map_err(|error| Failure::Work(error.to_string()))?;
+        }
+        Ok(self)
     }
 
     /// The machine of a sweep over the speeds `over` as typed, all of which must be allowed, and that range of `R`.

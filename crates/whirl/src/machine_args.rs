@@ -21,6 +21,14 @@ pub(crate) struct MachineArgs {
     pub set: Vec<String>,
 }
 
+/// How much of a rotor linear analysis looks at.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct Whole {
+    /// Look at all coordinates of shaft elements, not at those that are stepped
+    #[arg(long)]
+    pub full: bool,
+}
+
 impl MachineArgs {
     /// Refuses settings of the speed beside what sets it all along.
     ///

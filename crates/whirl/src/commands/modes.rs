@@ -11,7 +11,7 @@ use serde::Serialize;
 use super::linear::{self, Part, PoleDocument};
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{MachineArgs, Whole};
 use crate::output::{Cell, Format, Table, print_text};
 use crate::picture;
 use crate::place::Force;
@@ -22,6 +22,8 @@ use crate::units::{Units, UnitsDocument};
 pub(crate) struct ModesArgs {
     #[command(flatten)]
     machine: MachineArgs,
+    #[command(flatten)]
+    whole: Whole,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
@@ -100,7 +102,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
         return Err(Failure::Usage("--points: the orbits are in the output of --json and --csv alone".into()));
     }
     let points = args.points.unwrap_or(POINTS);
-    let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    let machine = Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?.whole(args.whole)?;
     linear::neglects(&args.machine);
     let (Machine { rotor, settings }, units) = (&machine, machine.units());
     if let Some(path) = &args.out {

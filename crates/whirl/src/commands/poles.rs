@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::linear::{self, Part, PoleDocument, StabilityDocument, word};
 use crate::catalog;
 use crate::failure::Failure;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{MachineArgs, Whole};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::units::UnitsDocument;
 
@@ -16,6 +16,8 @@ use crate::units::UnitsDocument;
 pub(crate) struct PolesArgs {
     #[command(flatten)]
     machine: MachineArgs,
+    #[command(flatten)]
+    whole: Whole,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
@@ -61,7 +63,8 @@ impl ModeDocument {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
-    let machine = catalog::Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?;
+    let machine =
+        catalog::Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?.whole(args.whole)?;
     linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
     let poles = MachinePoles::of(rotor, &machine.settings)?;

@@ -14,7 +14,7 @@ use super::linear;
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{MachineArgs, Whole};
 use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
@@ -31,6 +31,8 @@ const ROWS: usize = 41;
 pub(crate) struct BodeArgs {
     #[command(flatten)]
     machine: MachineArgs,
+    #[command(flatten)]
+    whole: Whole,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: Option<f64>,
@@ -152,7 +154,7 @@ pub(crate) fn run(args: &BodeArgs) -> Result<(), Failure> {
 }
 
 fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Failure> {
-    let machine = Machine::open(&args.machine, Some(speed), catalog::Default::Analysis)?;
+    let machine = Machine::open(&args.machine, Some(speed), catalog::Default::Analysis)?.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let speed = machine.settings.speed;
     if let TransferFunction::Station(station) = of

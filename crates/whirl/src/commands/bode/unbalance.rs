@@ -49,6 +49,7 @@ pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
         ));
     }
     let (machine, range) = Machine::open_over(&args.machine, over)?;
+    let machine = machine.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let Some(UnbalanceResponse { points, peaks }) =
         unbalance_response(rotor, &machine.settings, [range.from, range.to])?
