@@ -313,23 +313,24 @@ complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l csv -d 'Print row
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l over -d 'Every spin speed of a range, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l speed -d 'One spin speed R alone (SI rotors: in rpm)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l signal -d 'What drives the bearing: the sum of all sensors with four gains, or four gains for each sensor' -r -f -a "composite\t'The sum of all sensors, with four gains: the report\'s'
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l signal -d 'What drives a bearing: the sum of all sensors with four gains, or four gains for each sensor [default: composite; with shaft elements the law of the drawing]' -r -f -a "composite\t'The sum of all sensors, with four gains: the report\'s'
 individual\t'Every sensor by itself, with four gains each'"
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l sensors -d 'The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing\'s and its neighbour\'s]' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bearing -d 'The mass that carries the control bearing; or any, to compare all' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l feedback -d 'Search the gains of this feedback: its bearing, signals, filters and loop are taken as they are' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l sensors -d 'The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing\'s and its neighbour\'s]. With shaft elements: places by name or number, such as left,right, read by every magnetic bearing [default: each its own]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bearing -d 'The mass that carries the control bearing; or any, to compare all [default: 1; with shaft elements every magnetic bearing]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l feedback -d 'Search the gains of this feedback: its bearings, signals, filters and loops are taken as they are' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l set -d 'A part of the loop, such as lag=0.02, sample=0.05 or delay=0.02 (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l gains -d 'How gains depend on speed: fixed, linear, or table:N for N values over the range' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bound -d 'The largest magnitude of any gain' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l bound -d 'The largest magnitude of any gain [default: 20]; with shaft elements in times of the largest gain that its signal has in the law that is searched [default: 4], or of the stiffness K_t where that has none' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l force-limit -d 'The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l max-sensitivity -d 'The largest peak of the sensitivity |S| at the control bearing\'s command, at every condition' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l min-delay -d 'The smallest delay margin at every condition, in tau (SI rotors: in s)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l max-sensitivity -d 'The largest peak of the sensitivity |S| at the command of any control bearing, the others closed, at every condition' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l min-delay -d 'The smallest delay margin at every condition, in tau (SI rotors: in s); of one delay in the commands of all bearings' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l robust -d 'Hold for every stiffness that deadband can leave: of each support bearing by itself, or one factor for all' -r -f -a "deadband\t'The factor of each support bearing anywhere from 0 to 1, each by itself'
 deadband-common\t'One factor from 0 to 1 for all support bearings'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l delay -d 'Hold for a delay between measurement and force, one or a range, in tau (SI rotors: in s)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l vary -d 'Hold for every value of a parameter: damping.1=0.2..0.3, shaft.2=10%; repeatable, dimensionless' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l measure -d 'What a mode is worth: its damping ratio, or its decay rate' -r -f -a "ratio\t'Damping ratio, -Re / |lambda|'
 decay\t'Decay rate, -Re lambda per tau'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l mode-weights -d 'Weights of forward and backward whirl: a mode\'s damping ratio counts divided by its weight' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l method -d 'How a climb goes' -r -f -a "nonsmooth\t'Smoothing continuation with slopes, then convex steps on the modes that matter, and a proof'
 powell\t'Powell\'s direction sets, as in the report'"

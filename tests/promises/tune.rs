@@ -413,3 +413,47 @@ fn rows_for_a_spreadsheet_are_numbers_of_scheduled_gains_too() {
         }
     }
 }
+
+/// What is found for a rotor of shaft elements on its magnetic bearings is what the machine is, by every command that reads it back.
+#[test]
+fn the_law_of_a_shaft_on_two_magnetic_bearings_is_made_better_and_read_back() {
+    let folder = folder();
+    let file = folder.path().join("better.toml");
+    let ask =
+        ["tune", "rig", "--speed", "6000", "--starts", "1", "--max-sensitivity", "3", "--min-delay", "2e-5", "--json"];
+    let document = run(&[&ask[..], &["--out", text(&file)]].concat()).json();
+    assert_eq!((&document["stable"], &document["proven"]), (&Value::from(true), &Value::from(false)), "{document}");
+    assert!(document["below"].is_number(), "{document}");
+    let before = run(&["poles", "rig", "--speed", "6000", "--json"]).json();
+    assert!(number(&document, "min_damping") > number(&before, "min_damping"), "{document}");
+    let poles = run(&["poles", "rig", "--speed", "6000", "--feedback", text(&file), "--json"]).json();
+    // Of the modes that count.
+    let modes = poles["modes"].as_array().expect("modes").iter();
+    let counts = |mode: &&Value| number(mode, "re").hypot(number(mode, "im")) <= number(&document, "below");
+    let read = modes.filter(counts).map(|mode| number(mode, "damping")).fold(1.0, f64::min);
+    assert!((read - number(&document, "min_damping")).abs() < 1e-8, "{read} {}", document["min_damping"]);
+    let margin = run(&["margin", "rig", "--speed", "6000", "--feedback", text(&file), "--json"]).json();
+    let (told, read) = (&document["sensitivity"]["peak"], &margin["sensitivity"]["peak"]);
+    let [told, read] = [told, read].map(|value| value.as_f64().unwrap_or_else(|| panic!("{margin}")));
+    assert!(told <= 3.003 && (told / read - 1.0).abs() < 1e-3, "{told} {read}");
+    // Gains alone, of sensors that are named, and from a file for both ends of a chain.
+    let named =
+        ["tune", "rig", "--speed", "3000", "--signal", "individual", "--sensors", "left,right", "--starts", "1"];
+    let document = run(&[&named[..], &["--json"]].concat()).json();
+    assert!(number(&document, "min_damping") > number(&before, "min_damping"), "{document}");
+    for (options, words) in [
+        (&["rig", "--bearing", "1"][..], "--bearing: every magnetic bearing"),
+        (&["rig", "--vary", "mass.1=10%"], "--vary mass.1: parameters of masses vary, but rig is of shaft elements"),
+        (&["rig", "--sensors", "left,middle"], "--sensors: no place 'middle': rig has magnetic bearings left, right"),
+        (&["rig", "--sensors", "left,left"], "--sensors: place 'left' is named twice"),
+        (&["rig", "--sensors", "any:2"], "--sensors any: places of a rotor of shaft elements are named"),
+        (&["rig", "--below", "0"], "expected a finite number above 0"),
+        (&["rig", "--robust", "deadband"], "--robust: rig has no support bearing with stiffness"),
+        (&["three-mass", "--below", "100"], "--below: every mode of a chain of masses counts"),
+        (&["three-mass", "--sensors", "1,left"], "expected masses counted from 1"),
+    ] {
+        let refused = run(&[&["tune"], options, &["--speed", "6"]].concat());
+        assert_eq!(refused.code, Some(2), "{options:?}: {refused:?}");
+        assert!(refused.stderr.contains(words), "{options:?}: {}", refused.stderr);
+    }
+}

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use rotor::{Feedback, FeedbackError, Gain, Rotor, Settings};
+use rotor::{Feedback, FeedbackError, Rotor, Settings};
 use tuner::{
     Family, FamilyError, LoopMargins, Options, Problem, ProblemError, Progress, Schedule, Stop, Structure, tune,
 };
@@ -254,17 +254,17 @@ impl Drop for GainSearch {
     }
 }
 
-/// The question: the bearing and signals of the present feedback, their gains constant and no larger than twenty, or than
-/// what they are now.
+/// The question: the bearing and signals of the present feedback, their gains constant and no larger than the search's own
+/// bound, or than what they are now.
 fn problem(rotor: &Rotor, feedback: &Feedback, goal: &SearchGoal) -> Result<Problem, SearchError> {
     let mut family = Family::new(rotor, goal.from, goal.to)?;
     if goal.robust {
         family.any_deadband(true)?;
     }
     let structure = Structure::new(rotor, feedback, Schedule::Fixed)?;
-    let gains = feedback.signals().flat_map(|signal| &signal.gains);
-    let largest = gains.filter_map(|gain| if let Gain::Constant(value) = gain { Some(value.abs()) } else { None });
-    let mut problem = Problem::new(family, structure, largest.fold(20.0, f64::max));
+    let own = structure.variables_of(feedback);
+    let bound = own.iter().map(|gain| gain.abs()).fold(structure.default_bound(), f64::max);
+    let mut problem = Problem::new(family, structure, bound);
     (problem.max_sensitivity, problem.min_delay) = (goal.max_sensitivity, goal.min_delay);
     problem.check()?;
     Ok(problem)

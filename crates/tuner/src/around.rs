@@ -1,10 +1,10 @@
-//! A condition of a loop that is more than gains and a delay: filters, lags, samples.
+//! A condition of a loop that is more than gains and a delay at one bearing of a chain: filters, lags, samples, several bearings, shafts.
 //!
 //! The machine's matrices are linear in every gain, so they are put together once without any and once with each alone:
 //! `A + sum g_k A_k`, `C + sum g_k C_k`. A sampled loop has its step in place of `A`, and `z` for roots.
 
-use nalgebra::DMatrix;
-use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant};
+use nalgebra::{DMatrix, RowDVector};
+use rotor::{C64, Characteristic, LinearForm};
 
 use crate::{Problem, delay};
 
@@ -34,13 +34,12 @@ impl Around {
     /// At a condition of `problem`; `None` if the loop has nothing of the kind.
     pub(crate) fn at(problem: &Problem, point: &[f64]) -> Option<Self> {
         let structure = &problem.structure;
-        if !structure.has_loop() {
+        if structure.is_plain() {
             return None;
         }
-        let (plant, at) = (Plant::of(&problem.family.rotor_at(point)), OperatingPoint::at(point[0]));
+        let (plant, at) = (problem.family.plant(point), problem.family.operating(point));
         let delay = problem.delay(point);
-        let with =
-            |only: Option<usize>| matrices(&LinearForm::of(&plant, &structure.unit(only, delay).into(), &at).ok()?);
+        let with = |only: Option<usize>| matrices(&LinearForm::of(&plant, &structure.unit(only, delay), &at).ok()?);
         let ([a, b, c], period) = with(None)?;
         let by = (0..structure.gains())
             .map(|k| with(Some(k)).map(|([with_a, _, with_c], _)| [with_a - &a, with_c - &c]))
@@ -76,11 +75,11 @@ impl Around {
         // At a defective pole the slope is infinite: large and finite keeps a search going.
         let give = if at.give.norm() < 1e-12 { C64::from(1e-12) } else { at.give };
         let late = (-root * self.delay).exp();
-        let through = if self.b.is_empty() { C64::ZERO } else { (at.left.transpose() * &self.b)[0] * late };
+        let through = if self.b.is_empty() { RowDVector::zeros(0) } else { at.left.transpose() * &self.b * late };
         for (out, [by_a, by_c]) in out.iter_mut().zip(&self.by) {
             let moved = at.left.dot(&(by_a * &at.right));
-            let fed_back = if self.b.is_empty() { C64::ZERO } else { (by_c * &at.right)[0] };
-            *out = (moved + through * fed_back) / give * per_root;
+            let fed_back = if self.b.is_empty() { C64::ZERO } else { (&through * (by_c * &at.right))[0] };
+            *out = (moved + fed_back) / give * per_root;
         }
     }
 }
@@ -101,7 +100,7 @@ pub(crate) fn poles(closed: &Characteristic, near: &[C64]) -> Option<(Vec<C64>, 
 pub(crate) fn poles_of(problem: &Problem, variables: &[f64], point: &[f64]) -> Option<(Vec<C64>, Option<f64>)> {
     let mut feedback = problem.structure.feedback(variables);
     feedback.set_delay(problem.delay(point));
-    let plant = Plant::of(&problem.family.rotor_at(point));
-    let form = LinearForm::of(&plant, &feedback, &OperatingPoint::at(point[0])).ok()?;
+    let (plant, at) = (problem.family.plant(point), problem.family.operating(point));
+    let form = LinearForm::of(&plant, &feedback, &at).ok()?;
     poles(&Characteristic::of(&form).ok()?, &[])
 }

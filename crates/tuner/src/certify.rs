@@ -179,7 +179,7 @@ fn look(problem: &Problem, gains: &[f64], cell: &Cell, planes: &[(C64, f64)], st
     let Ok(poles) = centre.poles() else { return Some(told(cut(None), f64::NEG_INFINITY, C64::ZERO)) };
     let mut settled = poles.clone();
     centre.settle(&mut settled);
-    let (value, pole) = problem.measure.worst(&settled);
+    let (value, pole) = problem.worst(&settled);
     let Some(basis) = Basis::of(&centre, &poles) else { return Some(told(cut(None), value, pole)) };
     // Every corner; the first bit is the first axis that varies.
     let corner = |bits: usize| {

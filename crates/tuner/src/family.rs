@@ -1,14 +1,14 @@
 //! A family of operating conditions: a box of speeds, stiffness factors, parameters and delays, every point of which the
 //! same gains must hold.
 
-use rotor::{ClosedLoop, FIELDS, Feedback, Mass, Quadratic, Rotor};
+use rotor::{C64, ClosedLoop, FIELDS, Feedback, Mass, OperatingPoint, Plant, Quadratic, Rotor};
 
 /// What one coordinate of a condition is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FamilyQuantity {
     /// Spin speed `R`.
     Speed,
-    /// The factor, 0 to 1, that deadband leaves of the stiffness of the support bearings at these masses (from 0).
+    /// The factor, 0 to 1, that deadband leaves of the stiffness of the support bearings at these masses or places (from 0).
     Stiffness(Vec<usize>),
     /// A parameter of one mass (from 0): the index in [`rotor::FIELDS`].
     Parameter {
@@ -97,6 +97,9 @@ pub enum FamilyError {
         /// How many masses there are.
         masses: usize,
     },
+    /// A parameter of masses, of a rotor that has none.
+    #[error("{0} is of a chain of masses, but this rotor is of shaft elements")]
+    Chain(String),
     /// A coordinate named twice.
     #[error("{0} is given twice")]
     Twice(String),
@@ -133,6 +136,9 @@ impl Family {
         if self.axes.iter().any(|other| other.quantity.name() == name) {
             return Err(FamilyError::Twice(name));
         }
+        if !self.rotor.is_chain() && matches!(quantity, FamilyQuantity::Parameter { .. } | FamilyQuantity::Shaft(_)) {
+            return Err(FamilyError::Chain(name));
+        }
         let masses = self.rotor.len();
         let (exists, expected, allowed) = match quantity {
             FamilyQuantity::Speed | FamilyQuantity::Delay => (true, "finite numbers, not negative", from >= 0.0),
@@ -161,8 +167,10 @@ impl Family {
     /// # Errors
     /// As for [`Family::push`].
     pub fn any_deadband(&mut self, each_by_itself: bool) -> Result<(), FamilyError> {
-        let with_bearing = |(i, mass): (usize, &Mass)| (mass.bearing_stiffness > 0.0).then_some(i);
-        let bearings: Vec<usize> = self.rotor.masses().iter().enumerate().filter_map(with_bearing).collect();
+        let plant = Plant::of(&self.rotor);
+        // A touchdown bearing holds nothing while all is well.
+        let holds = |k: &usize| plant.contacts()[*k].stiffness > 0.0 && !plant.contacts()[*k].is_touchdown;
+        let bearings: Vec<usize> = (0..plant.contacts().len()).filter(holds).collect();
         let groups: Vec<Vec<usize>> =
             if each_by_itself { bearings.into_iter().map(|i| vec![i]).collect() } else { vec![bearings] };
         for group in groups.into_iter().filter(|group| !group.is_empty()) {
@@ -225,14 +233,39 @@ impl Family {
         self.axes.iter().zip(point).map(value).collect()
     }
 
-    /// The equations of motion at a point, control off.
+    /// The equations of motion of a chain at a point, control off.
     pub(crate) fn open(&self, point: &[f64]) -> Quadratic {
         let off = Feedback::new(0, Vec::new());
         Quadratic::of(&ClosedLoop::new(&self.rotor_at(point), &off, point[0], &[]))
     }
 
-    /// The rotor at a point.
+    /// The rotor without control at a point.
+    pub(crate) fn plant(&self, point: &[f64]) -> Plant {
+        Plant::of(&self.rotor_at(point))
+    }
+
+    /// Where [`Self::plant`] is looked at: factors of a chain are in its stiffness already.
+    pub(crate) fn operating(&self, point: &[f64]) -> OperatingPoint {
+        let mut at = OperatingPoint::at(point[0]);
+        if self.rotor.is_chain() || self.axes.len() == 1 {
+            return at;
+        }
+        let contacts = Plant::of(&self.rotor);
+        let all = |contact: &rotor::Contact| if contact.is_touchdown { 0.0 } else { 1.0 };
+        at.contact_factors = contacts.contacts().iter().map(all).collect();
+        for (axis, &factor) in self.axes.iter().zip(point) {
+            if let FamilyQuantity::Stiffness(of) = &axis.quantity {
+                of.iter().for_each(|&i| at.contact_factors[i] = factor);
+            }
+        }
+        at
+    }
+
+    /// The rotor at a point; of shaft elements, the rotor.
     pub(crate) fn rotor_at(&self, point: &[f64]) -> Rotor {
+        if !self.rotor.is_chain() {
+            return self.rotor.clone();
+        }
         let mut masses = self.rotor.masses().to_vec();
         let mut shafts = self.rotor.shafts().to_vec();
         for (axis, &at) in self.axes.iter().zip(point) {
@@ -255,16 +288,19 @@ impl Family {
         Rotor::new(self.rotor.name(), masses, shafts).expect("every value was checked when its range was")
     }
 
-    /// `Re R^2` of each mass at a point: what unbalance drives it with.
-    pub(crate) fn unbalance(&self, point: &[f64]) -> Vec<f64> {
+    /// What unbalance drives each coordinate with at a point; of a chain `Re R^2` of each mass.
+    pub(crate) fn unbalance(&self, point: &[f64]) -> Vec<C64> {
         let speed = point[0];
+        if !self.rotor.is_chain() {
+            return Plant::of(&self.rotor).unbalance().iter().map(|u| u * (speed * speed)).collect();
+        }
         let mut made: Vec<f64> = self.rotor.masses().iter().map(|mass| mass.unbalance).collect();
         for (axis, &at) in self.axes.iter().zip(point) {
             if let FamilyQuantity::Parameter { field: 5, mass } = axis.quantity {
                 made[mass] = at;
             }
         }
-        made.iter().map(|radius| radius * speed * speed).collect()
+        made.iter().map(|radius| C64::from(radius * speed * speed)).collect()
     }
 
     /// The delay at a point, if it is one of the coordinates.

@@ -1,73 +1,77 @@
 //! The steady control force of the linear rotor under its unbalance, exact, with its slope in each gain.
 //!
-//! Synchronous whirl `p = c exp(j R tau)` solves `Q0(j R) c = Re R^2 + e_b u` with the loop open, and the loop answers `u = H c`,
-//! where `H = sum g_k U_k`: what gain `k` alone, being 1, answers. With `Q0 c0 = Re R^2` and `Q0 d = e_b`, and
-//! `alpha_k = U_k c0`, `beta_k = U_k d`,
+//! Synchronous whirl `p = c exp(j R tau)` solves `Q0(j R) c = Re R^2 + sum_b column_b u_b` with the loop open, and the loops answer
+//! `u = sum_k g_k e_b(k) U_k c`, where `U_k` is what gain `k` alone, being 1, answers at its bearing `b(k)`. With `Q0 c0 = Re R^2` and
+//! `Q0 d_b = column_b`, and `alpha_k = U_k c0`, `beta_kb = U_k d_b`,
 //!
 //! ```text
-//! u = alpha g / (1 - beta g),      du / dg_k = (alpha_k + beta_k u) / (1 - beta g)
+//! (I - B) u = a,   a = sum_k g_k e_b(k) alpha_k,   B = sum_k g_k e_b(k) beta_k^T,   du / dg_k = (I - B)^-1 e_b(k) (alpha_k + beta_k u)
 //! ```
 //!
-//! Of a sampled loop it is the fundamental of the held force.
+//! Of several bearings the largest force counts. Of a sampled loop it is the fundamental of the held force.
 
-use control::LinearLoop;
+use nalgebra::{DMatrix, DVector};
 use rotor::C64;
 
 use crate::Problem;
+use crate::answers::Answers;
 
 /// What the force at one condition is made from, control off.
 #[derive(Clone, Debug)]
 pub(crate) struct Synchronous {
     /// What each gain answers to whirl under the unbalance.
     alpha: Vec<C64>,
-    /// What it answers to whirl under a unit of control.
+    /// What it answers to whirl under a unit of control at each bearing, gain by gain.
     beta: Vec<C64>,
+    bearing_of: Vec<usize>,
+    count: usize,
     speed: f64,
 }
 
 impl Synchronous {
     /// At a condition of `problem`.
     pub(crate) fn new(problem: &Problem, point: &[f64]) -> Self {
-        let (structure, speed) = (&problem.structure, point[0]);
-        let (open, unbalance) = (problem.family.open(point), problem.family.unbalance(point));
-        let s = C64::new(0.0, speed);
-        let mut free: Vec<C64> = unbalance.iter().map(|&u| C64::from(u)).collect();
-        open.respond(s, &mut free);
-        let mut per_force = vec![C64::ZERO; unbalance.len()];
-        per_force[structure.bearing()] = C64::ONE;
-        open.respond(s, &mut per_force);
-        let delay = problem.delay(point);
-        if !structure.has_loop() {
-            // Gains alone, late.
-            let late = -C64::cis(-speed * delay);
-            let of = |whirl: &[C64]| structure.gain_sensitivities(whirl, s).into_iter().map(|x| x * late).collect();
-            return Self { alpha: of(&free), beta: of(&per_force), speed };
-        }
-        let (alpha, beta) = (0..structure.gains())
-            .map(|k| {
-                let around = LinearLoop::new(&structure.unit(Some(k), delay), structure.masses(), speed).ok();
-                let Some((around, answer)) = around.and_then(|a| a.fundamental(speed).map(|answer| (a, answer))) else {
-                    return (C64::ZERO, C64::ZERO);
-                };
-                let of = |whirl: &[C64]| around.sensors.iter().zip(&answer).map(|(at, h)| h * whirl[*at]).sum::<C64>();
-                (of(&free), of(&per_force))
-            })
-            .unzip();
-        Self { alpha, beta, speed }
+        let (speed, bearing_of) = (point[0], problem.structure.bearing_of_gains());
+        let gains = bearing_of.len();
+        let Some(answers) = Answers::at(problem, point) else {
+            return Self { alpha: vec![C64::ZERO; gains], beta: vec![C64::ZERO; gains], bearing_of, count: 1, speed };
+        };
+        let mut whirls = vec![answers.whirl_under(C64::new(0.0, speed), &problem.family.unbalance(point))];
+        whirls.extend(answers.whirls(C64::new(0.0, speed)));
+        // An integrator at rest holds whatever there is: without spin there is no force to hold.
+        let force = |z: &C64| if z.is_finite() { -z } else { C64::ZERO };
+        let mut by_whirl = answers.to(problem, speed, &whirls).into_iter();
+        let alpha = by_whirl.next().unwrap_or_default().iter().map(force).collect();
+        let by_bearing: Vec<Vec<C64>> = by_whirl.collect();
+        let beta = (0..gains).flat_map(|k| by_bearing.iter().map(move |of| force(&of[k]))).collect();
+        Self { alpha, beta, bearing_of, count: answers.count(), speed }
     }
 
     /// `|u|` for gains `variables`, and its slope in each of them if there is room for it in `slope`.
     pub(crate) fn force(&self, problem: &Problem, variables: &[f64], slope: &mut [f64]) -> f64 {
-        let gains = problem.structure.gains_at(variables, self.speed);
-        let sum = |of: &[C64]| of.iter().zip(&gains).map(|(of, gain)| of * gain).sum::<C64>();
-        let loop_gain = C64::ONE - sum(&self.beta);
-        let force = sum(&self.alpha) / loop_gain;
-        let size = force.norm();
+        let (gains, m) = (problem.structure.gains_at(variables, self.speed), self.count);
+        let (mut around, mut driven) = (DMatrix::<C64>::identity(m, m), DVector::<C64>::zeros(m));
+        for (k, gain) in gains.iter().enumerate() {
+            let at = self.bearing_of[k];
+            driven[at] += self.alpha[k] * gain;
+            (0..m).for_each(|b| around[(at, b)] -= self.beta[k * m + b] * gain);
+        }
+        let Some(inverse) = around.try_inverse() else {
+            slope.fill(0.0);
+            return f64::INFINITY;
+        };
+        let forces = &inverse * driven;
+        let largest = (0..m).fold(0, |most, b| if forces[b].norm_sqr() > forces[most].norm_sqr() { b } else { most });
+        let size = forces[largest].norm();
         if !slope.is_empty() {
             // At no force at all there is no direction in which it grows.
-            let toward = if size > 0.0 { force.conj() / size } else { C64::ZERO };
-            let by_gain: Vec<f64> =
-                self.alpha.iter().zip(&self.beta).map(|(a, b)| (toward * (a + b * force) / loop_gain).re).collect();
+            let toward = if size > 0.0 { forces[largest].conj() / size } else { C64::ZERO };
+            let by_gain: Vec<f64> = (0..gains.len())
+                .map(|k| {
+                    let back: C64 = (0..m).map(|b| self.beta[k * m + b] * forces[b]).sum();
+                    (toward * inverse[(largest, self.bearing_of[k])] * (self.alpha[k] + back)).re
+                })
+                .collect();
             problem.structure.spread(self.speed, &by_gain, 0.0, slope);
         }
         size

@@ -4,7 +4,7 @@
 //! has kinks where the least damped mode changes, and Powell's method stops at them. Here:
 //!
 //! * a [`Problem`] asks about a [`Family`] of conditions (speeds, deadband states, delays, boxes of parameters) and a
-//!   [`Structure`] (bearing, signals, gains fixed or scheduled over speed), with a [`Measure`], a bound on gains, and limits of
+//!   [`Structure`] (bearings, signals, gains fixed or scheduled over speed), with a [`Measure`], a bound on gains, and limits of
 //!   the control force, of the peak of the sensitivity and of the delay margin;
 //! * [`tune()`] climbs from many random starts, each by smoothing ([`smooth`]) and by sequential convex steps on the modes
 //!   that matter ([`minimax`]), also where poles merge ([`rows`]); adds the conditions that turn out to be worst
@@ -28,6 +28,7 @@
 //!
 //! Pure but for a thread pool: no files, no terminal.
 
+mod answers;
 mod around;
 mod certify;
 mod conditions;

@@ -38,12 +38,6 @@ impl Measure {
         }
     }
 
-    /// The worst of `poles`: what it is worth, and which it is; infinite if there are none.
-    pub(crate) fn worst(self, poles: &[C64]) -> (f64, C64) {
-        let each = poles.iter().map(|&pole| (self.of(pole), pole));
-        each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst })
-    }
-
     /// What it changes by when the pole moves by `(dre, dim)`: the two derivatives.
     pub(crate) fn slope(self, pole: C64) -> [f64; 2] {
         match self {

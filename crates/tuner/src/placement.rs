@@ -20,7 +20,7 @@ pub struct Question<'a> {
     pub family: &'a Family,
     /// What stands around the gains.
     pub parts: rotor::Parts,
-    /// Feedback whose bearing, signals and filters are taken as they are, whatever place is asked for.
+    /// Feedback whose bearings, signals, filters and loops are taken as they are, whatever place is asked for.
     pub template: Option<rotor::Feedback>,
     /// Whether the sensors are summed to one signal, as in the report.
     pub composite: bool,
@@ -36,6 +36,8 @@ pub struct Question<'a> {
     pub max_sensitivity: Option<f64>,
     /// The smallest delay margin.
     pub min_delay: Option<f64>,
+    /// Up to where modes count, see [`Problem::below`].
+    pub below: Option<f64>,
 }
 
 impl Question<'_> {
@@ -47,8 +49,8 @@ impl Question<'_> {
     pub fn at(&self, bearing: usize, sensors: &[usize]) -> Problem {
         let rotor = self.family.rotor();
         let make = if self.composite { Structure::composite } else { Structure::individual };
-        let mut template = self.template.clone().unwrap_or_else(|| make(rotor.len(), bearing, sensors));
-        template.first_mut().parts = self.parts;
+        let make = || make(rotor.len(), bearing, sensors).with_parts(self.parts);
+        let template = self.template.clone().unwrap_or_else(make);
         let structure = Structure::new(rotor, &template, self.schedule.clone()).expect("masses that exist");
         Problem {
             family: self.family.clone(),
@@ -58,6 +60,7 @@ impl Question<'_> {
             force_limit: self.force_limit,
             max_sensitivity: self.max_sensitivity,
             min_delay: self.min_delay,
+            below: self.below,
         }
     }
 }

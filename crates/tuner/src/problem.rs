@@ -1,5 +1,7 @@
 //! A gain search as a question: which rotor over which conditions, which structure, what counts, and what is allowed.
 
+use rotor::{C64, Characteristic, LinearForm, damping_ratio};
+
 use crate::{Family, Measure, Structure};
 
 /// What is searched for: the gains of `structure` that make the worst mode of the worst condition in `family` as good as
@@ -18,16 +20,28 @@ pub struct Problem {
     pub force_limit: Option<f64>,
     /// The largest peak of the sensitivity `|S|` over frequencies of both signs, at every condition; above 1.
     pub max_sensitivity: Option<f64>,
-    /// The smallest delay margin at every condition, in `tau`; above 0.
+    /// The smallest delay margin at every condition, in `tau`; above 0. Of several bearings it is of one delay in all their commands.
     pub min_delay: Option<f64>,
+    /// Modes with `|lambda|` above this, in radians per `tau`, are to decay, but their damping does not count; above 0. See
+    /// [`Problem::default_below`].
+    pub below: Option<f64>,
 }
+
+/// Modes past [`Problem::below`] are worth so much more the further up they are, ...
+const PAST: i32 = 32;
+/// ... up to so many times: a mode turns unstable at worth 0 everywhere, and nothing jumps in between.
+const MOST_WORTH: f64 = 1e3;
+/// By default modes count up to so many times the top speed, at least.
+const TOP_SPEEDS: f64 = 4.0;
+/// And so many forward modes count, at least.
+const WHIRL_PAIRS: usize = 4;
 
 /// Why a question makes no sense.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ProblemError {
-    /// A rotor that is no chain.
-    #[error("the gain search is for chains of masses: this rotor is of shaft elements")]
-    Chain,
+    /// A frequency that leaves no modes, or is given for a chain.
+    #[error("modes count up to {0}: expected a finite number above 0, for a rotor of shaft elements")]
+    Below(f64),
     /// A bound that leaves no gains.
     #[error("bound = {0}: expected a finite number above 0")]
     Bound(f64),
@@ -59,10 +73,12 @@ pub enum ProblemError {
 }
 
 impl Problem {
-    /// The plain question: damping ratio, all modes alike, gains up to `bound`.
+    /// The plain question: damping ratio, all modes alike up to [`Self::default_below`], gains up to `bound`.
     #[must_use]
     pub fn new(family: Family, structure: Structure, bound: f64) -> Self {
+        let below = Self::default_below(&family, &structure);
         Self {
+            below,
             family,
             structure,
             measure: Measure::default(),
@@ -83,10 +99,78 @@ impl Problem {
         self.max_sensitivity.is_some() || self.min_delay.is_some()
     }
 
-    /// Whether the loop is gains alone at every condition, without a delay too.
+    /// Up to where modes count by default: all of them for a chain; for a rotor of shaft elements, whose highest modes no gain moves,
+    /// up to four times the top speed and so far that four forward modes of the template's loop count.
+    #[must_use]
+    pub fn default_below(family: &Family, structure: &Structure) -> Option<f64> {
+        if structure.is_chain() {
+            return None;
+        }
+        let top = family.speeds().1;
+        let point: Vec<f64> = (0..family.axes().len()).map(|axis| family.ends(axis)[1]).collect();
+        let poles = || {
+            let form =
+                LinearForm::of(&family.plant(&point), &structure.feedback(&structure.own()), &family.operating(&point));
+            Characteristic::of(&form.ok()?).ok()?.roots().ok()
+        };
+        let mut whirls: Vec<f64> = poles()
+            .unwrap_or_default()
+            .iter()
+            .map(|root| root.pole)
+            .filter(|pole| pole.im > 0.0 && damping_ratio(*pole).abs() < 0.5)
+            .map(|pole| pole.norm())
+            .collect();
+        whirls.sort_by(f64::total_cmp);
+        // Between the last that counts and the next.
+        let between = match whirls.get(WHIRL_PAIRS - 1..) {
+            Some([last, next, ..]) => (last * next).sqrt(),
+            Some([last]) => 2.0 * last,
+            _ => 0.0,
+        };
+        Some((TOP_SPEEDS * top).max(between)).filter(|below| *below > 0.0)
+    }
+
+    /// How many points a scan of about `total` has: with shaft elements each takes a hundred times as long, and less happens from one
+    /// speed to the next.
+    pub(crate) fn points(&self, total: usize) -> usize {
+        if self.structure.is_chain() { total } else { (total / 5).max(2) }
+    }
+
+    /// What a pole that decays is worth, in times of its measure, and how that grows with its size.
+    fn weight(&self, pole: C64) -> [f64; 2] {
+        let Some(below) = self.below.filter(|below| pole.norm() > *below) else { return [1.0, 0.0] };
+        let part = pole.norm() / below;
+        let weight = part.powi(PAST);
+        if weight < MOST_WORTH { [weight, f64::from(PAST) * weight / pole.norm()] } else { [MOST_WORTH, 0.0] }
+    }
+
+    /// The worth of a pole: positive if it decays.
+    pub(crate) fn worth(&self, pole: C64) -> f64 {
+        let value = self.measure.of(pole);
+        if value > 0.0 { value * self.weight(pole)[0] } else { value }
+    }
+
+    /// What its worth changes by when the pole moves by `(dre, dim)`: the two derivatives.
+    pub(crate) fn worth_slope(&self, pole: C64) -> [f64; 2] {
+        let (value, slope) = (self.measure.of(pole), self.measure.slope(pole));
+        let [weight, grows] = self.weight(pole);
+        if value <= 0.0 || grows == 0.0 && weight == 1.0 {
+            return slope;
+        }
+        let size = pole.norm();
+        [slope[0] * weight + value * grows * pole.re / size, slope[1] * weight + value * grows * pole.im / size]
+    }
+
+    /// The worst of `poles`: what it is worth, and which it is; infinite if there are none.
+    pub(crate) fn worst(&self, poles: &[C64]) -> (f64, C64) {
+        let each = poles.iter().map(|&pole| (self.worth(pole), pole));
+        each.fold((f64::INFINITY, C64::ZERO), |worst, this| if this.0 < worst.0 { this } else { worst })
+    }
+
+    /// Whether the loop is gains alone at every condition, at one bearing of a chain, without a delay too.
     #[must_use]
     pub fn is_ideal(&self) -> bool {
-        !self.structure.has_loop() && !self.family.has_delay() && self.structure.delay() == 0.0
+        self.structure.is_plain() && !self.family.has_delay() && self.structure.delay() == 0.0
     }
 
     /// Checks that there is something to search.
@@ -94,12 +178,12 @@ impl Problem {
     /// # Errors
     /// The first part that makes no sense.
     pub fn check(&self) -> Result<(), ProblemError> {
-        if !self.family.rotor().is_chain() {
-            return Err(ProblemError::Chain);
-        }
         let positive = |x: f64| x.is_finite() && x > 0.0;
         if !positive(self.bound) {
             return Err(ProblemError::Bound(self.bound));
+        }
+        if let Some(below) = self.below.filter(|&below| !positive(below) || self.family.rotor().is_chain()) {
+            return Err(ProblemError::Below(below));
         }
         if let Some(limit) = self.force_limit.filter(|&limit| !positive(limit)) {
             return Err(ProblemError::Force(limit));

@@ -26,7 +26,7 @@ pub(crate) fn peak_below(problem: &Problem, gains: &[f64], known: f64, stop: &St
     let axes: Vec<usize> = family.varying().collect();
     let is_affine =
         |axis: &usize| matches!(family.axes()[*axis].quantity, FamilyQuantity::Speed | FamilyQuantity::Stiffness(_));
-    let is_plain = !structure.has_loop() && !family.has_delay() && *structure.schedule() == Schedule::Fixed;
+    let is_plain = structure.is_plain() && !family.has_delay() && *structure.schedule() == Schedule::Fixed;
     if !is_plain || !known.is_finite() || axes.len() > MOST_AXES || !axes.iter().all(is_affine) {
         return None;
     }

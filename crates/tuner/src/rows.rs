@@ -76,7 +76,8 @@ impl Row {
     /// The row of `source` at the gains last evaluated, which are `gains`.
     fn of(source: Source, evaluator: &mut Evaluator, gains: &[f64]) -> Self {
         let mut slope = vec![0.0; gains.len()];
-        let measure = evaluator.problem.measure;
+        let problem = evaluator.problem;
+        let measure = problem.measure;
         let (kind, value, slack) = match source {
             Source::Mode(reading) => {
                 evaluator.slope(reading, &mut slope);
@@ -86,9 +87,9 @@ impl Row {
                 let pair = Pair::of(a, b, evaluator);
                 match source {
                     Source::Mean(..) => {
-                        let [by_re, by_im] = measure.slope(pair.mean);
+                        let [by_re, by_im] = problem.worth_slope(pair.mean);
                         slope.iter_mut().zip(&pair.d_mean).for_each(|(s, d)| *s = by_re * d.re + by_im * d.im);
-                        (Kind::Worth, measure.of(pair.mean), 0.0)
+                        (Kind::Worth, problem.worth(pair.mean), 0.0)
                     }
                     Source::Skew(..) => {
                         slope.iter_mut().zip(&pair.d_spread).for_each(|(s, d)| *s = d.im / UNIT);
@@ -149,7 +150,7 @@ impl Row {
             force @ Source::Force(_) => force,
             Source::Margin(condition, place) => {
                 let places = evaluator.places(condition, gains);
-                let same = places.into_iter().filter(|other| other.ask == place.ask);
+                let same = places.into_iter().filter(|other| (other.ask, other.bearing) == (place.ask, place.bearing));
                 let distance = |other: &Place| (other.frequency - place.frequency).abs();
                 match same.min_by(|a, b| distance(a).total_cmp(&distance(b))) {
                     Some(place) => Source::Margin(condition, place),

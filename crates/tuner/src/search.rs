@@ -36,7 +36,7 @@ pub struct Options {
     pub starts: usize,
     /// What random numbers start from. The same seed gives the same answer, whatever the number of threads.
     pub seed: u64,
-    /// Random gains are drawn evenly from `-spread` to `spread`, never beyond the bound.
+    /// Random gains are drawn evenly from `-spread` to `spread`, of shaft elements around the template's, never beyond the bound.
     pub spread: f64,
     /// How sharply the worst over a continuous family is to be bounded, see [`Certificate::tolerance`].
     pub tolerance: f64,
@@ -61,12 +61,21 @@ impl Options {
             (1, _) => 32,
             _ => 16,
         };
+        let own = problem.structure.own();
+        if !problem.structure.is_chain() {
+            // What there is comes first, and the others begin around it.
+            return Self { starts: STARTS_OF_SHAFTS, spread: 0.5, first: vec![own], ..Self::plain(starts) };
+        }
         let spread = if problem.structure.variables() <= 4 { 1.0 } else { problem.bound.min(5.0) };
+        Self { spread, ..Self::plain(starts) }
+    }
+
+    fn plain(starts: usize) -> Self {
         Self {
             method: Method::Nonsmooth,
             starts,
             seed: 1,
-            spread,
+            spread: 1.0,
             tolerance: 1e-4,
             first: Vec::new(),
             prove: true,
@@ -160,6 +169,8 @@ const FINEST: usize = 4000;
 /// Of the last scan where the loop is more than gains: its poles take ten to a thousand times as long, and what lies between
 /// two points is walked down to.
 const FINEST_AROUND: usize = 600;
+/// Climbs of a rotor of shaft elements: one from the template's gains, others from around them.
+const STARTS_OF_SHAFTS: usize = 4;
 /// Rounds of adding conditions that turned out to be worse.
 const ROUNDS: usize = 8;
 /// Poles nearer than this, relative to their size, are treated as a merging pair.
@@ -235,7 +246,7 @@ pub fn evaluate(problem: &Problem, options: &Options, gains: &[f64], stop: Stop)
     problem.check()?;
     let begun = Instant::now();
     let evaluations = AtomicU64::new(0);
-    let points = problem.family.grid(&counts(&problem.family, COARSE));
+    let points = problem.family.grid(&counts(&problem.family, problem.points(COARSE)));
     let climb = Climb { value: 0.0, gains: gains.to_vec(), points };
     let mut tuned = prove(problem, options, climb, &evaluations, &stop, false);
     tuned.evaluations = evaluations.into_inner();
@@ -254,14 +265,22 @@ fn first_gains(problem: &Problem, options: &Options, start: usize) -> Vec<f64> {
     let spread = options.spread.min(problem.bound);
     // Every knot of a gain begins alike: a schedule departs from constant gains.
     let knots = problem.structure.schedule().knots();
-    let gains = problem.structure.variables() / knots;
-    (0..gains).flat_map(|_| vec![spread * (2.0 * random.f64() - 1.0); knots]).collect()
+    let gains = problem.structure.gains();
+    let around = match problem.structure.is_chain() {
+        true => vec![0.0; gains * knots],
+        false => problem.structure.own(),
+    };
+    let mut draw = |around: &[f64]| {
+        let by = spread * (2.0 * random.f64() - 1.0);
+        around.iter().map(|gain| (gain + by).clamp(-problem.bound, problem.bound)).collect::<Vec<f64>>()
+    };
+    around.chunks_exact(knots).flat_map(&mut draw).collect()
 }
 
 fn climb(problem: &Problem, options: &Options, start: usize, evaluations: &AtomicU64, stop: &Stop) -> Climb {
     let mut gains = first_gains(problem, options, start);
     let family = &problem.family;
-    let mut points = family.grid(&counts(family, COARSE));
+    let mut points = family.grid(&counts(family, problem.points(COARSE)));
     let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     match options.method {
         Method::Powell => powell::climb(&mut evaluator, &mut gains, stop),
@@ -270,7 +289,7 @@ fn climb(problem: &Problem, options: &Options, start: usize, evaluations: &Atomi
             improve(&mut evaluator, &mut gains, 0.05, stop);
         }
     }
-    let fine = counts(family, FINE);
+    let fine = counts(family, problem.points(FINE));
     let mut value = exchange(&mut evaluator, &mut points, &mut gains, &fine, options.method, stop);
     if family.varying().next().is_none() {
         value = value.min(evaluator.merit(&gains));
@@ -319,7 +338,7 @@ pub(crate) fn exchange(
         }
         if problem.asks_margins() {
             // Margins change little from one condition to the next, and are dear: what lies between is walked down to.
-            let fewer = counts(&problem.family, Family::points(scan).min(FINE));
+            let fewer = counts(&problem.family, Family::points(scan).min(problem.points(FINE)));
             let tightest = tightest_places(problem, gains, &fewer, 4, stop);
             let least = tightest.first().map_or(0.0, |(in_hand, _)| *in_hand);
             value -= EXCESS * (-least - 1e-6).max(0.0);
@@ -360,7 +379,7 @@ fn prove(
     let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     let family = &problem.family;
     let varies = family.varying().next().is_some();
-    let finest = counts(family, if problem.is_ideal() { FINEST } else { FINEST_AROUND });
+    let finest = counts(family, if problem.is_ideal() { FINEST } else { problem.points(FINEST_AROUND) });
     if improving && varies && !stop.is_set() {
         exchange(&mut evaluator, &mut points, &mut gains, &finest, options.method, stop);
     }
@@ -421,7 +440,7 @@ fn prove(
     let hardest = hardest_places(problem, &gains, &finest, 1, stop).into_iter().next();
     let (force, force_at) = hardest.unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
     let margins = match problem.asks_margins() {
-        true => worst_margins(problem, &gains, &counts(family, FINE), stop),
+        true => worst_margins(problem, &gains, &counts(family, problem.points(FINE)), stop),
         false => None,
     };
     let peak_below = match (&margins, problem.max_sensitivity) {

@@ -3,7 +3,13 @@
 //! A *variable* is the value of one gain at one knot; between knots a gain is linear in speed. So every gain at every
 //! speed is linear in the variables, and a bound on the variables bounds the gains over the whole range.
 
+use control::LinearLoop;
 use rotor::{C64, ControlBearing, ControlRow, Feedback, FeedbackError, Gain, GainKind, Rotor, Signal};
+
+/// Of a rotor of shaft elements: how many times the template's own gains are searched by default.
+const OWN_GAINS: f64 = 4.0;
+/// Of a chain: the largest gain by default.
+const LARGEST_GAIN: f64 = 20.0;
 
 /// How gains depend on speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -67,24 +73,38 @@ impl Schedule {
 /// The feedback that is searched: everything about it but the values of its gains.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
-    /// The one control bearing and its signals, their gains meaningless.
-    template: ControlBearing,
+    /// The control bearings and their signals, every gain 0.
+    template: Feedback,
     schedule: Schedule,
     masses: usize,
+    is_chain: bool,
+    /// What a variable of 1 is, for every gain.
+    scales: Vec<f64>,
+    /// The template's own gains at rest, in those units.
+    own: Vec<f64>,
 }
 
 impl Structure {
-    /// The structure of `template` for `rotor`: its bearing and the weights of its signals.
+    /// The structure of `template` for `rotor`: its bearings and the weights of their signals.
+    ///
+    /// For a chain of masses a variable is a gain. For a rotor of shaft elements, whose laws have gains of any size before their
+    /// filters, it is a gain in parts of the largest that the template's signal has; where it has none, of what is a stiffness of 1
+    /// behind the filters at the frequency 1.
     ///
     /// # Errors
-    /// A template that does not fit the rotor, or has several control bearings.
+    /// A template that does not fit the rotor.
     pub fn new(rotor: &Rotor, template: &Feedback, schedule: Schedule) -> Result<Self, FeedbackError> {
         template.check(rotor.len())?;
-        let Some(bearing) = template.only() else {
-            return Err(FeedbackError::Bearings(template.bearings.len()));
-        };
-        let template = bearing.off();
-        Ok(Self { template, schedule, masses: rotor.len() })
+        let (masses, is_chain) = (rotor.len(), rotor.is_chain());
+        let (mut scales, mut own) = (Vec::new(), Vec::new());
+        for bearing in &template.bearings {
+            for signal in &bearing.signals {
+                let scale = if is_chain { 1.0 } else { scale_of(bearing, signal, masses)? };
+                scales.extend([scale; 4]);
+                own.extend(signal.gains.iter().map(|gain| gain.at(0.0) / scale));
+            }
+        }
+        Ok(Self { template: template.off(), schedule, masses, is_chain, scales, own })
     }
 
     /// One signal that sums `sensors` (masses counted from 0) with weight 1: the report's composite output (4.26).
@@ -106,10 +126,40 @@ impl Structure {
         &self.schedule
     }
 
-    /// The mass that carries the control bearing, counted from 0.
+    /// The place that carries the first control bearing, counted from 0.
     #[must_use]
     pub fn bearing(&self) -> usize {
-        self.template.station
+        self.template.first().station
+    }
+
+    /// The places that carry the control bearings, counted from 0.
+    pub fn bearings(&self) -> impl Iterator<Item = usize> + '_ {
+        self.template.bearings.iter().map(|bearing| bearing.station)
+    }
+
+    /// What bearing `k` is called.
+    #[must_use]
+    pub fn label(&self, bearing: usize) -> String {
+        self.template.label(bearing)
+    }
+
+    /// The bound on variables that is taken where none is asked for.
+    #[must_use]
+    pub fn default_bound(&self) -> f64 {
+        if self.is_chain { LARGEST_GAIN } else { OWN_GAINS }
+    }
+
+    /// Whether it is for a chain of masses.
+    #[must_use]
+    pub fn is_chain(&self) -> bool {
+        self.is_chain
+    }
+
+    /// The variables of the template itself, its gains at rest.
+    #[must_use]
+    pub fn own(&self) -> Vec<f64> {
+        let knots = self.schedule.knots();
+        self.own.iter().flat_map(|gain| vec![*gain; knots]).collect()
     }
 
     /// How many masses the rotor has that it is for.
@@ -118,10 +168,10 @@ impl Structure {
         self.masses
     }
 
-    /// How many variables there are: signals x 4 gains x knots, in this order, the knot running fastest.
+    /// How many variables there are: signals of all bearings x 4 gains x knots, in this order, the knot running fastest.
     #[must_use]
     pub fn variables(&self) -> usize {
-        self.template.signals.len() * 4 * self.schedule.knots()
+        self.gains() * self.schedule.knots()
     }
 
     /// The feedback with the gains `variables`.
@@ -132,8 +182,10 @@ impl Structure {
     pub fn feedback(&self, variables: &[f64]) -> Feedback {
         let mut made = self.template.clone();
         let mut values = variables.chunks_exact(self.schedule.knots());
-        for gain in made.signals.iter_mut().flat_map(|signal| &mut signal.gains) {
+        let gains = made.bearings.iter_mut().flat_map(|b| &mut b.signals).flat_map(|signal| &mut signal.gains);
+        for (gain, scale) in gains.zip(&self.scales) {
             let values = values.next().expect("a value for every knot of every gain");
+            let values: Vec<f64> = values.iter().map(|value| value * scale).collect();
             *gain = match &self.schedule {
                 Schedule::Fixed => Gain::Constant(values[0]),
                 Schedule::Linear { from, to } => {
@@ -143,7 +195,7 @@ impl Structure {
                 Schedule::Table(speeds) => Gain::Table(speeds.iter().copied().zip(values.iter().copied()).collect()),
             };
         }
-        made.into()
+        made
     }
 
     /// The variables that come nearest to `feedback`, which has the same signals: its gains at the knots.
@@ -154,37 +206,51 @@ impl Structure {
             Schedule::Linear { from, to } => vec![*from, *to],
             Schedule::Table(speeds) => speeds.clone(),
         };
-        let gains = feedback.signals().flat_map(|signal| &signal.gains);
-        gains.flat_map(|gain| speeds.iter().map(|&speed| gain.at(speed))).collect()
+        let gains = feedback.signals().flat_map(|signal| &signal.gains).zip(&self.scales);
+        gains.flat_map(|(gain, scale)| speeds.iter().map(move |&speed| gain.at(speed) / scale)).collect()
     }
 
     /// Whether the loop is more than gains and a delay: filters, lags, samples.
     pub(crate) fn has_loop(&self) -> bool {
-        let parts = &self.template.parts;
-        let has_filter =
-            !self.template.filters.is_empty() || self.template.signals.iter().any(|s| !s.filters.is_empty());
-        has_filter || parts.sensor_lag > 0.0 || parts.lag > 0.0 || parts.sample > 0.0
+        self.template.bearings.iter().any(|bearing| {
+            let parts = &bearing.parts;
+            let has_filter = !bearing.filters.is_empty() || bearing.signals.iter().any(|s| !s.filters.is_empty());
+            has_filter || parts.sensor_lag > 0.0 || parts.lag > 0.0 || parts.sample > 0.0
+        })
+    }
+
+    /// Whether it is gains and a delay at one bearing of a chain, which has a way of its own.
+    pub(crate) fn is_plain(&self) -> bool {
+        self.is_chain && self.template.bearings.len() == 1 && !self.has_loop()
     }
 
     /// Whether the loop acts at samples.
     pub(crate) fn is_sampled(&self) -> bool {
-        self.template.parts.sample > 0.0
+        self.template.sample() > 0.0
     }
 
     /// The delay of the loop, where the family has none of its own.
     pub(crate) fn delay(&self) -> f64 {
-        self.template.parts.delay
+        self.template.delay()
     }
 
     /// How many gains there are at one speed.
     pub(crate) fn gains(&self) -> usize {
-        4 * self.template.signals.len()
+        self.scales.len()
+    }
+
+    /// The same bearings and signals, what a variable of 1 is too, with another dependence on speed.
+    #[must_use]
+    pub(crate) fn with_schedule(&self, schedule: Schedule) -> Self {
+        Self { schedule, ..self.clone() }
     }
 
     /// The gains at one speed, signal by signal.
-    pub(crate) fn gains_at(&self, variables: &[f64], speed: f64) -> Vec<f64> {
+    #[must_use]
+    pub fn gains_at(&self, variables: &[f64], speed: f64) -> Vec<f64> {
         let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
-        variables.chunks_exact(knots).map(|values| near.iter().map(|(k, weight)| values[*k] * weight).sum()).collect()
+        let gain = |values: &[f64]| near.iter().map(|(k, weight)| values[*k] * weight).sum::<f64>();
+        variables.chunks_exact(knots).zip(&self.scales).map(|(values, scale)| gain(values) * scale).collect()
     }
 
     /// Slopes in each variable from those in each gain at one speed.
@@ -197,25 +263,44 @@ impl Structure {
     ) {
         let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
         out.fill(zero);
-        for (out, slope) in out.chunks_exact_mut(knots).zip(by_gain) {
-            near.iter().for_each(|(k, weight)| out[*k] += *slope * *weight);
+        for ((out, slope), scale) in out.chunks_exact_mut(knots).zip(by_gain).zip(&self.scales) {
+            near.iter().for_each(|(k, weight)| out[*k] += *slope * (*weight * scale));
         }
     }
 
     /// The feedback with every gain 0, but for gain `only`, which is 1; with this delay.
-    pub(crate) fn unit(&self, only: Option<usize>, delay: f64) -> ControlBearing {
+    pub(crate) fn unit(&self, only: Option<usize>, delay: f64) -> Feedback {
         let mut made = self.template.clone();
-        made.parts.delay = delay;
-        let gains = made.signals.iter_mut().flat_map(|signal| &mut signal.gains);
+        made.set_delay(delay);
+        let gains = made.bearings.iter_mut().flat_map(|b| &mut b.signals).flat_map(|signal| &mut signal.gains);
         gains.enumerate().for_each(|(k, gain)| *gain = Gain::Constant(f64::from(u8::from(Some(k) == only))));
         made
     }
 
-    /// The control law at one speed, with the gains `variables`.
+    /// Every signal alone, with `kd` of 1 and with `cd` of 1: two bearings each, of that signal and no other; with this delay.
+    pub(crate) fn unit_signals(&self, delay: f64) -> Vec<[ControlBearing; 2]> {
+        let of = |bearing: &ControlBearing, signal: &Signal| {
+            [GainKind::Kd, GainKind::Cd].map(|kind| {
+                let mut alone = ControlBearing { signals: vec![signal.clone()], ..bearing.clone() };
+                alone.parts.delay = delay;
+                *alone.signals[0].gain_mut(kind) = Gain::Constant(1.0);
+                alone
+            })
+        };
+        self.template.bearings.iter().flat_map(|b| b.signals.iter().map(move |signal| of(b, signal))).collect()
+    }
+
+    /// Which bearing each gain drives.
+    pub(crate) fn bearing_of_gains(&self) -> Vec<usize> {
+        let each = self.template.bearings.iter().enumerate();
+        each.flat_map(|(k, bearing)| vec![k; 4 * bearing.signals.len()]).collect()
+    }
+
+    /// The control law of a chain's only bearing at one speed, with the gains `variables`.
     pub(crate) fn row(&self, variables: &[f64], speed: f64) -> ControlRow {
-        let mut row = ControlRow { bearing: self.template.station, ..ControlRow::default() };
+        let mut row = ControlRow { bearing: self.bearing(), ..ControlRow::default() };
         let (knots, [(i, at_i), (j, at_j)]) = (self.schedule.knots(), self.schedule.weights(speed));
-        for (signal, values) in self.template.signals.iter().zip(variables.chunks_exact(4 * knots)) {
+        for (signal, values) in self.template.first().signals.iter().zip(variables.chunks_exact(4 * knots)) {
             let gain = |kind: GainKind| {
                 let own = &values[kind as usize * knots..];
                 own[i] * at_i + own[j] * at_j
@@ -232,11 +317,11 @@ impl Structure {
         row
     }
 
-    /// What `u` changes by with each variable at one speed, for whirl `p exp(lambda tau)`: `- d u / d variable`, into `out`.
+    /// What `u` of a chain's only bearing changes by with each variable at one speed, for whirl `p exp(lambda tau)`: `- d u / d variable`, into `out`.
     pub(crate) fn sensitivities(&self, speed: f64, shape: &[C64], lambda: C64, out: &mut [C64]) {
         let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
         out.fill(C64::ZERO);
-        for (signal, out) in self.template.signals.iter().zip(out.chunks_exact_mut(4 * knots)) {
+        for (signal, out) in self.template.first().signals.iter().zip(out.chunks_exact_mut(4 * knots)) {
             for (own, value) in out.chunks_exact_mut(knots).zip(by_gain(signal, shape, lambda)) {
                 near.iter().for_each(|(knot, weight)| own[*knot] += value * weight);
             }
@@ -245,8 +330,22 @@ impl Structure {
 
     /// The same with each gain there.
     pub(crate) fn gain_sensitivities(&self, shape: &[C64], lambda: C64) -> Vec<C64> {
-        self.template.signals.iter().flat_map(|signal| by_gain(signal, shape, lambda)).collect()
+        self.template.signals().flat_map(|signal| by_gain(signal, shape, lambda)).collect()
     }
+}
+
+/// What a variable of 1 is for the gains of `signal`: see [`Structure::new`].
+fn scale_of(bearing: &ControlBearing, signal: &Signal, stations: usize) -> Result<f64, FeedbackError> {
+    let largest = signal.gains.iter().map(|gain| gain.at(0.0).abs()).fold(0.0, f64::max);
+    if largest > 0.0 {
+        return Ok(largest);
+    }
+    let mut alone = ControlBearing { signals: vec![signal.clone()], ..bearing.clone() };
+    *alone.signals[0].gain_mut(GainKind::Kd) = Gain::Constant(1.0);
+    let around = LinearLoop::new(&alone, stations, 0.0)?;
+    let answer = around.fundamental(1.0).unwrap_or_default();
+    let size = answer.iter().map(|h| h.norm()).fold(0.0, f64::max);
+    Ok(if size > 0.0 && size.is_finite() { 1.0 / size } else { 1.0 })
 }
 
 /// `- d u / d gain` of one signal for whirl `p exp(lambda tau)`, in the order of [`GainKind::ALL`].

@@ -17,7 +17,7 @@ use crate::conditions::counts;
 use crate::evaluate::Evaluator;
 use crate::search::{COARSE, FINE, exchange, improve};
 use crate::stop::Stop;
-use crate::{Method, Options, Problem, ProblemError, Progress, Schedule, Structure, Tuned, evaluate, tune};
+use crate::{Method, Options, Problem, ProblemError, Progress, Schedule, Tuned, evaluate, tune};
 
 /// Gains over speed.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,11 +119,18 @@ impl Station {
     /// Improves the gains, held by a tether.
     fn settle(&mut self, tether: Option<(Vec<f64>, f64)>, stop: &Stop) {
         let family = &self.problem.family;
-        let mut points = family.grid(&counts(family, COARSE));
+        let mut points = family.grid(&counts(family, self.problem.points(COARSE)));
         let mut evaluator = Evaluator::new(&self.problem, &points).until(*stop);
         evaluator.tether = tether;
         improve(&mut evaluator, &mut self.gains, 0.1, stop);
-        exchange(&mut evaluator, &mut points, &mut self.gains, &counts(family, FINE), Method::Nonsmooth, stop);
+        exchange(
+            &mut evaluator,
+            &mut points,
+            &mut self.gains,
+            &counts(family, self.problem.points(FINE)),
+            Method::Nonsmooth,
+            stop,
+        );
         self.value = evaluator.evaluate(&self.gains);
     }
 }
@@ -137,9 +144,7 @@ fn evaluate_table(
     stop: Stop,
 ) -> Result<Tuned, ProblemError> {
     let (from, to) = (speeds[0], speeds[speeds.len() - 1]);
-    let template = problem.structure.feedback(&gains[0]);
-    let structure = Structure::new(problem.family.rotor(), &template, Schedule::Table(speeds.to_vec()))
-        .expect("the structure of a problem that was checked");
+    let structure = problem.structure.with_schedule(Schedule::Table(speeds.to_vec()));
     let each = gains[0].len();
     let variables: Vec<f64> = (0..each).flat_map(|i| gains.iter().map(move |at| at[i])).collect();
     let family = problem.family.over_speeds(from, to);

@@ -1,5 +1,6 @@
 //! One answer: the gains, what they are worth, where that is, and how sure it is.
 
+use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -27,7 +28,7 @@ pub(super) struct Document<'a> {
     /// With a delay there are infinitely many poles: all of those with a real part above this count, and were counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     count_right_of: Option<f64>,
-    /// The smallest damping ratio over modes and conditions.
+    /// The smallest damping ratio over conditions and the modes that count, see `below`.
     min_damping: f64,
     /// The spin speed `R` where that is.
     worst_speed: f64,
@@ -63,6 +64,9 @@ pub(super) struct Document<'a> {
     /// Where margins are asked for, the largest peak of the sensitivity and the smallest delay margin, each with its condition.
     #[serde(flatten)]
     margins: Map<String, Value>,
+    /// With shaft elements: modes count up to here, in radians per `tau`; those above are to be stable.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     interrupted: bool,
     /// Every choice of bearing and sensors, best first, if they were to be chosen.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -143,6 +147,7 @@ impl<'a> Document<'a> {
             max_force: tuned.force,
             max_force_at: condition(problem, &tuned.force_at, None),
             margins: margins(problem, tuned),
+            below: problem.below,
             interrupted: tuned.interrupted,
             ranking: if places.len() > 1 { places.iter().map(rank_row).collect() } else { Vec::new() },
             units: asked.units().document(),
@@ -227,13 +232,25 @@ fn list(masses: &[usize]) -> String {
 
 fn heading(asked: &Asked, best: &Placement) -> String {
     let (rotor, range) = (asked.rotor().name(), &asked.range_text);
+    if let Some(names) = asked.bearing_names() {
+        return format!("{rotor}, {range}: control bearings {names}");
+    }
     format!("{rotor}, {range}: bearing at mass {}, sensors at {}", best.bearing + 1, list(&best.sensors))
+}
+
+/// What the `k`-th of all signals is called: its number, and of several bearings the bearing's name before its number there.
+fn signal_name(tuned: &Tuned, k: usize) -> String {
+    match tuned.feedback.place_of_signal(k).filter(|_| tuned.feedback.bearings.len() > 1) {
+        Some((bearing, place)) => format!("{}.{}", tuned.feedback.label(bearing), place + 1),
+        None => (k + 1).to_string(),
+    }
 }
 
 /// The gains, one a row; a scheduled one as its file says it.
 fn gains(tuned: &Tuned) -> Table {
     let mut table = Table::new(&["signal", "gain", "value"]);
     for (k, signal) in tuned.feedback.signals().enumerate() {
+        let name = signal_name(tuned, k);
         for kind in GainKind::ALL {
             let value = match signal.gain(kind) {
                 rotor::Gain::Constant(value) => Cell::from(*value),
@@ -243,7 +260,7 @@ fn gains(tuned: &Tuned) -> Table {
                     Cell::from(&each.join("  "))
                 }
             };
-            table.row([Cell::from(&(k + 1)), Cell::from(&kind.name()), value]);
+            table.row([Cell::from(&name), Cell::from(&kind.name()), value]);
         }
     }
     table
@@ -253,6 +270,7 @@ fn gains(tuned: &Tuned) -> Table {
 fn gains_in_rows(tuned: &Tuned, (from, to): (f64, f64)) -> Table {
     let mut table = Table::new(&["signal", "gain", "speed", "value"]);
     for (k, signal) in tuned.feedback.signals().enumerate() {
+        let name = signal_name(tuned, k);
         for kind in GainKind::ALL {
             let gain = signal.gain(kind);
             let points: Vec<(Cell, f64)> = match gain {
@@ -261,7 +279,7 @@ fn gains_in_rows(tuned: &Tuned, (from, to): (f64, f64)) -> Table {
                 rotor::Gain::Table(points) => points.iter().map(|(speed, value)| ((*speed).into(), *value)).collect(),
             };
             for (speed, value) in points {
-                table.row([Cell::from(&(k + 1)), Cell::from(&kind.name()), speed, value.into()]);
+                table.row([Cell::from(&name), Cell::from(&kind.name()), speed, value.into()]);
             }
         }
     }
@@ -289,6 +307,10 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
             rounded(document.min_damping),
             speed_text(units, Some(document.worst_speed))
         ));
+    }
+    if let Some(below) = document.below {
+        let hertz = below / TAU / units.time(1.0);
+        lines.push(format!("modes up to {} Hz count; those above are stable if the worth is above 0", rounded(hertz)));
     }
     if document.marginal {
         lines.push("a mode is marginal: within rounding of the axis, neither stable nor unstable".to_owned());

@@ -60,10 +60,11 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     let names: Vec<String> = (0..found.evaluated.feedback.signal_count())
         .flat_map(|k| GainKind::ALL.map(|kind| format!("{}.{}", kind.name(), k + 1)))
         .collect();
+    let gains_of = |variables: &[f64]| problem.structure.gains_at(variables, from);
     let head = [units.pick("speed", "speed (rpm)"), "min damping"].map(str::to_owned);
     let mut table = Table::new(&[&head[..], &names[..]].concat());
     for (speed, (value, gains)) in found.speeds.iter().zip(found.values.iter().zip(&found.gains)) {
-        table.row([units.speed(*speed), *value].into_iter().chain(gains.iter().copied()).map(Cell::from));
+        table.row([units.speed(*speed), *value].into_iter().chain(gains_of(gains)).map(Cell::from));
     }
     let footer = format!(
         "interpolated: min damping {} at {}, {}; no gain changes by more than {} per unit of speed",
@@ -82,7 +83,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         write_file(path, args.force, (found.feedback(), asked.rotor()), std::slice::from_ref(&footer))?;
     }
     if let Some(path) = &args.plot {
-        picture::draw(path, args.force, &[chart(asked, &found, &names)])?;
+        picture::draw(path, args.force, &[chart(asked, &found, &names, &gains_of)])?;
     }
     let document = Document {
         rotor: asked.rotor().name(),
@@ -106,7 +107,8 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     verdict(asked, &found.evaluated)
 }
 
-fn chart(asked: &Asked, found: &Tracked, names: &[String]) -> Chart {
+fn chart(asked: &Asked, found: &Tracked, names: &[String], gains_of: &dyn Fn(&[f64]) -> Vec<f64>) -> Chart {
+    let each: Vec<Vec<f64>> = found.gains.iter().map(|variables| gains_of(variables)).collect();
     let looks = [
         (Look::Solid, Color::BLUE),
         (Look::Dashed, Color::VERMILLION),
@@ -115,10 +117,10 @@ fn chart(asked: &Asked, found: &Tracked, names: &[String]) -> Chart {
     ];
     let series = names.iter().enumerate().map(|(i, name)| {
         let (look, color) = looks[i % looks.len()];
-        let points = found.speeds.iter().zip(&found.gains).map(|(speed, gains)| (*speed, gains[i])).collect();
+        let points = found.speeds.iter().zip(&each).map(|(speed, gains)| (*speed, gains[i])).collect();
         Series::new(name, look, color, points)
     });
-    let all = || found.gains.iter().flatten();
+    let all = || each.iter().flatten();
     let (low, high) = (all().fold(0.0, |a: f64, g| a.min(*g)), all().fold(0.0, |a: f64, g| a.max(*g)));
     let margin = 0.05 * (high - low).max(1e-9);
     let (from, to) = asked.family.speeds();

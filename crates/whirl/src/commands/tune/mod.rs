@@ -4,6 +4,7 @@ mod answer;
 mod follow;
 mod front;
 mod question;
+mod shafts;
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -36,16 +37,18 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: Option<f64>,
 
-    /// What drives the bearing: the sum of all sensors with four gains, or four gains for each sensor
-    #[arg(long, value_enum, default_value_t = Signal::Composite, help_heading = "Structure")]
-    signal: Signal,
-    /// The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing's and its neighbour's]
+    /// What drives a bearing: the sum of all sensors with four gains, or four gains for each sensor [default: composite; with shaft
+    /// elements the law of the drawing]
+    #[arg(long, value_enum, help_heading = "Structure")]
+    signal: Option<Signal>,
+    /// The masses with sensors, such as 1,2; or any:2 to compare every choice of two [default: the bearing's and its neighbour's].
+    /// With shaft elements: places by name or number, such as left,right, read by every magnetic bearing [default: each its own]
     #[arg(long, value_name = "N,N,..|any:N", help_heading = "Structure")]
     sensors: Option<Places>,
-    /// The mass that carries the control bearing; or any, to compare all
-    #[arg(long, value_name = "N|any", default_value = "1", help_heading = "Structure")]
-    bearing: Places,
-    /// Search the gains of this feedback: its bearing, signals, filters and loop are taken as they are
+    /// The mass that carries the control bearing; or any, to compare all [default: 1; with shaft elements every magnetic bearing]
+    #[arg(long, value_name = "N|any", help_heading = "Structure")]
+    bearing: Option<Places>,
+    /// Search the gains of this feedback: its bearings, signals, filters and loops are taken as they are
     #[arg(
         long,
         value_name = "NAME|FILE",
@@ -59,16 +62,17 @@ pub(crate) struct TuneArgs {
     /// How gains depend on speed: fixed, linear, or table:N for N values over the range
     #[arg(long, value_name = "fixed|linear|table:N", default_value = "fixed", help_heading = "Structure")]
     gains: Gains,
-    /// The largest magnitude of any gain
-    #[arg(long, value_name = "G", default_value_t = 20.0, allow_negative_numbers = true, help_heading = "Structure")]
-    bound: f64,
+    /// The largest magnitude of any gain [default: 20]; with shaft elements in times of the largest gain that its signal has in the
+    /// law that is searched [default: 4], or of the stiffness K_t where that has none
+    #[arg(long, value_name = "G", allow_negative_numbers = true, help_heading = "Structure")]
+    bound: Option<f64>,
     /// The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)
     #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = "Structure")]
     force_limit: Option<f64>,
-    /// The largest peak of the sensitivity |S| at the control bearing's command, at every condition
+    /// The largest peak of the sensitivity |S| at the command of any control bearing, the others closed, at every condition
     #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = "Structure")]
     max_sensitivity: Option<f64>,
-    /// The smallest delay margin at every condition, in tau (SI rotors: in s)
+    /// The smallest delay margin at every condition, in tau (SI rotors: in s); of one delay in the commands of all bearings
     #[arg(long, value_name = "T", allow_negative_numbers = true, help_heading = "Structure")]
     min_delay: Option<f64>,
 
@@ -85,6 +89,10 @@ pub(crate) struct TuneArgs {
     /// What a mode is worth: its damping ratio, or its decay rate
     #[arg(long, value_enum, default_value_t = MeasureName::Ratio, help_heading = "Objective")]
     measure: MeasureName,
+    /// With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the
+    /// top speed, and past the fourth forward mode]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, help_heading = "Objective")]
+    below: Option<f64>,
     /// Weights of forward and backward whirl: a mode's damping ratio counts divided by its weight
     #[arg(
         long,

@@ -1,15 +1,17 @@
 //! What is asked: options into a family, structures and choices of place, each checked and named in the user's terms.
 
+use std::f64::consts::TAU;
 use std::str::FromStr;
 
 use control::{PARTS, Parts};
 use rotor::typed::pair;
 use rotor::{FIELDS, Feedback, Rotor};
 use tuner::{
-    Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Problem, ProblemError, Question, Schedule, choices,
+    Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Problem, ProblemError, Question, Schedule, Structure,
+    choices,
 };
 
-use super::TuneArgs;
+use super::{TuneArgs, shafts};
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -48,6 +50,8 @@ pub(super) enum MeasureName {
 pub(super) enum Places {
     /// These.
     These(Vec<usize>),
+    /// These, some of them by name.
+    Named(Vec<String>),
     /// Every choice of so many.
     Any(usize),
 }
@@ -60,6 +64,11 @@ impl FromStr for Places {
         if let Some(rest) = typed.strip_prefix("any") {
             let count = if rest.is_empty() { Some(1) } else { rest.strip_prefix(':').and_then(|n| n.parse().ok()) };
             return count.filter(|&n| n > 0).map(Self::Any).ok_or_else(expected);
+        }
+        let names: Vec<String> = typed.split(',').map(|name| name.trim().to_owned()).collect();
+        let is_name = |name: &String| name.starts_with(char::is_alphabetic);
+        if names.iter().any(is_name) && names.iter().all(|name| !name.is_empty()) {
+            return Ok(Self::Named(names));
         }
         let masses: Option<Vec<usize>> =
             typed.split(',').map(|mass| mass.trim().parse().ok().filter(|&mass: &usize| mass > 0)).collect();
@@ -203,6 +212,8 @@ pub(super) struct Asked {
     force_limit: Option<f64>,
     max_sensitivity: Option<f64>,
     min_delay: Option<f64>,
+    /// In radians per `tau`.
+    below: Option<f64>,
     /// Masses for the bearing to choose from, counted from 0.
     pub(super) bearings: Vec<usize>,
     /// Sensor sets to choose from; empty for the default of each bearing.
@@ -248,6 +259,13 @@ impl Asked {
                 return Err(Failure::Usage(format!("--robust: {name} has no support bearing with stiffness")));
             }
         }
+        if let Some(varied) = args.vary.first().filter(|_| !rotor.is_chain()) {
+            let name = rotor.name();
+            return Err(Failure::Usage(format!(
+                "--vary {}: parameters of masses vary, but {name} is of shaft elements",
+                varied.key
+            )));
+        }
         for varied in &args.vary {
             family.push(varied.axis(&rotor)?)?;
         }
@@ -284,12 +302,31 @@ impl Asked {
                 return Err(Failure::Usage(format!("--{name} {value}: expected a finite number above 0")));
             }
         }
-        if let Some(spread) = args.spread.filter(|spread| *spread > args.bound) {
-            let bound = args.bound;
+        let template = match args.feedback {
+            Some(_) => Some(feedback.clone()),
+            None if rotor.is_chain() => None,
+            None => Some(shafts::template(args, &rotor, &feedback)?),
+        };
+        let bound = match (args.bound, &template) {
+            (Some(bound), _) => bound,
+            (None, Some(template)) => {
+                let structure = Structure::new(&rotor, template, Schedule::Fixed);
+                structure.map_err(|error| Failure::Usage(error.to_string()))?.default_bound()
+            }
+            (None, None) => 20.0,
+        };
+        if let Some(spread) = args.spread.filter(|spread| *spread > bound) {
             return Err(Failure::Usage(format!("--spread {spread}: expected at most --bound, which is {bound}")));
         }
-        let template = args.feedback.is_some().then(|| feedback.clone());
-        let bearings = masses(&args.bearing, &rotor, "bearing")?;
+        if args.below.is_some() && rotor.is_chain() {
+            return Err(Failure::Usage("--below: every mode of a chain of masses counts: leave it out".into()));
+        }
+        let bearing = args.bearing.clone().unwrap_or(Places::These(vec![1]));
+        let bearings = masses(&bearing, &rotor, "bearing")?;
+        let sensors = match &args.sensors {
+            Some(typed) if rotor.is_chain() => masses(typed, &rotor, "sensors")?,
+            _ => Vec::new(),
+        };
         if bearings.iter().any(|chosen| chosen.len() != 1) {
             return Err(Failure::Usage("--bearing: there is one control bearing: expected one mass, or any".into()));
         }
@@ -298,15 +335,16 @@ impl Asked {
             range_text,
             parts: feedback.bearings[0].parts,
             template,
-            composite: args.signal == Signal::Composite,
+            composite: args.signal != Some(Signal::Individual),
             schedule,
             measure: measure(args)?,
-            bound: args.bound,
+            bound,
             force_limit: None,
             max_sensitivity: args.max_sensitivity,
             min_delay: args.min_delay.map(|least| least / units.time(1.0)),
+            below: args.below.map(|hertz| hertz * TAU * units.time(1.0)),
             bearings: bearings.into_iter().flatten().collect(),
-            sensors: args.sensors.as_ref().map_or(Ok(Vec::new()), |typed| masses(typed, &rotor, "sensors"))?,
+            sensors,
         };
         if let Some(limit) = args.force_limit {
             let own = asked.template.as_ref().map(|template| &template.bearings[0].station);
@@ -314,9 +352,20 @@ impl Asked {
             let Some(&bearing) = own.or(only) else {
                 return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
             };
+            let mass = |bearing: &rotor::ControlBearing| rotor.control_mass(bearing.station);
+            let of_all = asked.template.iter().flat_map(|template| &template.bearings).map(mass);
+            if of_all.into_iter().any(|other| other != rotor.control_mass(bearing)) {
+                return Err(Failure::Usage(
+                    "--force-limit: the control bearings carry unequal masses, so no one limit is that of all".into(),
+                ));
+            }
             asked.force_limit = Some(limit / units.force(1.0, rotor.control_mass(bearing)));
         }
         let (bearing, sensors) = asked.choices().swap_remove(0);
+        if asked.below.is_none() && !rotor.is_chain() {
+            let plain = asked.problem(bearing, &sensors);
+            asked.below = Problem::default_below(&plain.family, &plain.structure);
+        }
         asked.problem(bearing, &sensors).check()?;
         Ok(asked)
     }
@@ -363,7 +412,18 @@ impl Asked {
             force_limit: self.force_limit,
             max_sensitivity: self.max_sensitivity,
             min_delay: self.min_delay,
+            below: self.below,
         }
+    }
+
+    /// What the control bearings are called, where there are several or they hang shafts.
+    pub(super) fn bearing_names(&self) -> Option<String> {
+        let template = self.template.as_ref()?;
+        if template.bearings.len() == 1 && self.rotor().is_chain() {
+            return None;
+        }
+        let names: Vec<String> = (0..template.bearings.len()).map(|k| template.label(k)).collect();
+        Some(names.join(", "))
     }
 
     /// The problem for one choice.
@@ -408,6 +468,10 @@ fn masses(typed: &Places, rotor: &Rotor, option: &str) -> Result<Vec<Vec<usize>>
             }
             None => Ok(vec![masses.iter().map(|mass| mass - 1).collect()]),
         },
+        Places::Named(names) => Err(Failure::Usage(format!(
+            "--{option}: '{}': expected masses counted from 1 such as 1,2, or any, or any:2",
+            names.join(",")
+        ))),
         Places::Any(count) if *count > n => {
             Err(Failure::Usage(format!("--{option} any:{count}: {} has only {n} masses", rotor.name())))
         }
