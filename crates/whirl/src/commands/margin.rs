@@ -157,6 +157,10 @@ fn certified(machine: &Machine, speed: f64) -> Option<CertifiedPeak> {
     MachineLoop::at(&machine.rotor, &machine.settings, speed).ok()?.certified_peak().ok()?
 }
 
+/// Why there is no bound of the sensitivity.
+const NO_BOUND: &str =
+    "a bound is told of loops that are not sampled and of at most 100 states, where rounding leaves it sure";
+
 /// Writes it beside the peak of the sensitivity: `below`, or why there is none.
 fn put_certified(fields: &mut Map<String, Value>, name: &str, certified: Option<&CertifiedPeak>) {
     let Some(sensitivity) = fields.get_mut(name) else { return };
@@ -164,11 +168,7 @@ fn put_certified(fields: &mut Map<String, Value>, name: &str, certified: Option<
     match certified.map(|peak| peak.proof) {
         Some(PeakProof::Hamiltonian) => sensitivity["proof"] = json!("hamiltonian"),
         Some(PeakProof::Covered) => sensitivity["proof"] = json!("covered"),
-        None => {
-            sensitivity["below_null"] = json!(
-                "a bound is told of loops that are not sampled and of at most 100 states, where rounding leaves it sure"
-            )
-        }
+        None => sensitivity["below_null"] = json!(NO_BOUND),
     }
 }
 
