@@ -94,12 +94,12 @@ fn compare(full: &FullModel, reduced: &Reduced, of: &[(f64, Vec<C64>)], up_to: f
     let least = 1e-3 * up_to;
     let mut poles = Vec::new();
     for (speed, all) in of {
-        let mut left = reduced.eigenvalues(&full.springs, *speed)?;
+        let kept = reduced.eigenvalues(&full.springs, *speed)?;
         for &pole in all.iter().filter(|pole| pole.norm() <= up_to) {
             let distance = |other: &C64| (other - pole).norm();
-            let nearest = left.iter().enumerate().min_by(|(_, a), (_, b)| distance(a).total_cmp(&distance(b)));
-            // A pole without a partner is lost whole.
-            let found = nearest.map(|(at, _)| at).map_or(C64::ZERO, |at| left.swap_remove(at));
+            // Not one to one: a pole that has no partner must not take that of another.
+            let nearest = kept.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+            let found = nearest.copied().unwrap_or(C64::ZERO);
             let ratio = |s: C64| if s.norm() > least { -s.re / s.norm() } else { 0.0 };
             poles.push(LostPole {
                 speed: *speed,

@@ -147,7 +147,12 @@ impl Feedback {
             bearing.check(stations).map_err(of_this)?;
             for before in &self.bearings[..k] {
                 if before.station == bearing.station {
-                    return Err(FeedbackError::Twice(format!("at station {}", bearing.station + 1)));
+                    let before = self.bearings.iter().position(|b| std::ptr::eq(b, before)).unwrap_or(0);
+                    return Err(FeedbackError::Twice(format!(
+                        "in one place: {} and {}",
+                        self.label(before),
+                        self.label(k)
+                    )));
                 }
                 if bearing.name.is_some() && before.name == bearing.name {
                     return Err(FeedbackError::Twice(format!("called '{}'", self.label(k))));
@@ -208,7 +213,7 @@ mod tests {
             feedback.check(3).expect_err("refused").to_string()
         };
         assert_eq!(told(&|f| f.bearings.clear()), "feedback has 1 to 8 control bearings, found 0");
-        assert_eq!(told(&|f| f.bearings[1].station = 0), "two control bearings at station 1");
+        assert_eq!(told(&|f| f.bearings[1].station = 0), "two control bearings in one place: left and right");
         assert_eq!(told(&|f| f.bearings[1].name = Some("left".into())), "two control bearings called 'left'");
         assert_eq!(
             told(&|f| f.bearings[1].station = 3),

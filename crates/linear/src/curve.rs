@@ -39,7 +39,10 @@ impl LoopGain {
             starts.extend([far, -far]);
             far *= 4.0;
         }
-        starts.retain(|w| (from..=to).contains(w));
+        // Next to an integrator's pole at 0 the gain is rounding of infinities; nothing happens there that is not seen beside it.
+        let quiet = self.quiet();
+        starts.extend([quiet, -quiet]);
+        starts.retain(|w| (from..=to).contains(w) && w.abs() >= quiet);
         starts.sort_by(f64::total_cmp);
         starts.dedup_by(|a, b| (*a - *b).abs() <= 1e-12 * (1.0 + a.abs()));
         let mut points = Vec::with_capacity(4 * starts.len());
@@ -48,7 +51,9 @@ impl LoopGain {
         points.push(here);
         for &next in &starts[1..] {
             let there = self.at(next);
-            self.fill(here, there, DEPTH, &mut points);
+            if next > quiet || here.frequency < -quiet {
+                self.fill(here, there, DEPTH, &mut points);
+            }
             points.push(there);
             here = there;
         }

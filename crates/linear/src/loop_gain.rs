@@ -11,6 +11,9 @@ use nalgebra::{DMatrix, Hessenberg};
 use crate::balance::balance_matrix;
 use crate::{C64, DelayError, DelaySystem, eigenvalues};
 
+/// Poles smaller than this part of the largest are at 0.
+const INTEGRATES: f64 = 1e-11;
+
 /// What frequency means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Plane {
@@ -201,6 +204,19 @@ impl LoopGain {
             Plane::Continuous { .. } => [pole.im, pole.re.abs()],
             Plane::Sampled { period } => [pole.arg() / period, pole.norm().ln().abs() / period],
         })
+    }
+
+    /// Below this size a frequency is 0 to the loop: where something in it integrates, a millionth of the slowest pole that does not;
+    /// 0 where nothing does.
+    pub(crate) fn quiet(&self) -> f64 {
+        let sizes = || self.resonances().map(|[frequency, width]| frequency.hypot(width));
+        let largest = sizes().fold(0.0, f64::max);
+        let integrates = self.poles.iter().any(|pole| match self.plane {
+            Plane::Continuous { .. } => pole.norm() <= INTEGRATES * largest,
+            Plane::Sampled { .. } => (pole - 1.0).norm() <= INTEGRATES,
+        });
+        let slowest = sizes().filter(|size| *size > INTEGRATES * largest).fold(f64::INFINITY, f64::min);
+        if integrates && slowest.is_finite() { 1e-6 * slowest } else { 0.0 }
     }
 
     /// A frequency beyond which `|L|` is less than `least`; of a sampled loop, half the sampling rate.

@@ -112,7 +112,7 @@ impl LoopGain {
                 let factor = -1.0 / value.re;
                 let place = if factor > 1.0 { &mut margins.gain_up } else { &mut margins.gain_down };
                 let is_nearer = |known: GainMargin| (factor - 1.0).abs() < (known.factor - 1.0).abs();
-                if factor != 1.0 && place.is_none_or(is_nearer) {
+                if factor != 1.0 && factor < FAINT.recip() && place.is_none_or(is_nearer) {
                     *place = Some(GainMargin { factor, frequency });
                 }
             }

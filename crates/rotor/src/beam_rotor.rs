@@ -15,7 +15,7 @@ use units::Scales;
 
 use crate::params::{BeamError, RotorError};
 use crate::plant::{Contact, Direction, Matrices, Plant, Station, Tabulated};
-use crate::{C64, MAX_MASSES};
+use crate::{C64, MAX_BEARINGS, MAX_MASSES};
 
 /// Where nothing says how long one dimensionless unit of length is: a micrometre.
 const MICROMETRE: f64 = 1e-6;
@@ -43,6 +43,9 @@ impl PartialEq for BeamRotor {
 impl BeamRotor {
     /// Reduces a drawing and makes a plant of it.
     pub(crate) fn new(drawing: Drawing) -> Result<Self, RotorError> {
+        if drawing.magnetics.len() > MAX_BEARINGS {
+            return Err(BeamError::Magnetics(drawing.magnetics.len()).into());
+        }
         let full = drawing.full();
         let scales = scales_of(&drawing, &full)?;
         let reduced = full.reduce(&drawing, drawing.coordinates.unwrap_or(MAX_MASSES))?;
@@ -243,7 +246,7 @@ fn scales_of(drawing: &Drawing, full: &FullModel) -> Result<Scales, RotorError> 
     let held = full.springs.iter().filter(|spring| !spring.is_touchdown());
     let k_t = positive(
         "the sum of the stiffness of bearings, seals and magnetic bearings",
-        held.map(|spring| spring.stiffness.at(0.0).abs()).sum(),
+        held.map(|spring| spring.stiffness.at(0.0).abs()).sum::<f64>() + 0.0,
         "a finite number of N/m greater than 0, because w0 = sqrt(K_t / M_t)",
     )?;
     let w0 = positive("w0 = sqrt(K_t / M_t)", (k_t / m_t).sqrt(), "a finite number of rad/s greater than 0")?;

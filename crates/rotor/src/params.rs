@@ -5,7 +5,7 @@ use std::sync::Arc;
 use beam::Drawing;
 use text::Domain;
 
-use crate::{BeamRotor, C64, MAX_MASSES, MAX_NAME, Physical, PlantError};
+use crate::{BeamRotor, C64, MAX_BEARINGS, MAX_MASSES, MAX_NAME, Physical, PlantError};
 
 /// One lumped mass with what acts on it, in the dimensionless ratios of Tables 3.1 and 4.1.
 #[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
@@ -142,6 +142,9 @@ pub enum BeamError {
         /// The station, counted from 1.
         station: usize,
     },
+    /// More magnetic bearings than a machine can have.
+    #[error("{0} magnetic bearings: expected at most {MAX_BEARINGS}")]
+    Magnetics(usize),
     /// Two bearings with play at one station.
     #[error("two bearings with play at station {station}: expected one")]
     TwoContacts {

@@ -105,12 +105,13 @@ pub(crate) fn rotor_of(path: &str, text: &str) -> Result<Rotor, FileError> {
     file::read_rotor_with(text, &stem, &open).map_err(|faults| FileError::wrong(path, text, faults))
 }
 
-/// The feedback in a file's text, for a rotor of `masses` masses if it is known.
+/// The feedback in a file's text, for a rotor if it is known.
 ///
 /// # Errors
 /// All that is wrong with it.
-pub(crate) fn feedback_of(path: &str, text: &str, masses: Option<usize>) -> Result<Feedback, FileError> {
-    file::read_feedback(text, masses).map_err(|faults| FileError::wrong(path, text, faults))
+pub(crate) fn feedback_of(path: &str, text: &str, rotor: Option<&Rotor>) -> Result<Feedback, FileError> {
+    let read = rotor.map_or_else(|| file::read_feedback(text, None), |rotor| file::read_feedback_for(text, rotor));
+    read.map_err(|faults| FileError::wrong(path, text, faults))
 }
 
 /// The rotor of that name, or in that file.

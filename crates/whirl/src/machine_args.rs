@@ -10,7 +10,7 @@ pub(crate) struct MachineArgs {
     /// The rotor: jeffcott, three-mass, rig, or a TOML file
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     pub rotor: String,
-    /// The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file
+    /// The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file
     #[arg(long, value_name = "NAME|FILE")]
     pub feedback: Option<String>,
     /// Clearance of every support bearing, in e_t (SI rotors: in m)

@@ -224,7 +224,8 @@ mod tests {
                     Gain::Linear { at_zero: -0.0, slope: f64::MIN_POSITIVE };
                 settings.feedback.first_mut().signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 1e-17)]);
                 settings.ramp = 0.25;
-                settings.feedback.first_mut().parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..Parts::default() };
+                let parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..Parts::default() };
+                settings.feedback = settings.feedback.with_parts(parts);
                 settings.feedback.first_mut().filters = vec![Filter::SynchronousNotch { width: 0.1 }];
                 settings.feedback.first_mut().signals[0].filters = vec![
                     Filter::Lowpass { corner: 8.0, order: 3 },

@@ -69,11 +69,11 @@ pub(super) struct CompletenessDocument {
 
 /// What is proven of `found`, where branches on at most `enumerated` bearings at a time are all found; and a line that says so.
 pub(super) fn completeness(machine: &Machine, found: &Circular, enumerated: usize) -> (CompletenessDocument, String) {
-    let bearings = machine.rotor.masses().iter().zip(&machine.settings.deadband);
-    let clearances = bearings.filter(|(mass, g)| mass.bearing_stiffness > 0.0 && **g > 0.0).count();
+    let gapped = |(place, g): (usize, &f64)| machine.rotor.has_contact(place) && *g > 0.0;
+    let clearances = machine.settings.deadband.iter().enumerate().filter(|of| gapped(*of)).count();
     let (complete, total) = (found.complete.iter().filter(|all| **all).count(), found.complete.len());
-    let parts = &machine.settings.feedback.bearings[0].parts;
-    let is_limited = parts.limit.min(parts.slew).is_finite();
+    let mut bearings = machine.settings.feedback.bearings.iter();
+    let is_limited = bearings.any(|bearing| bearing.parts.limit.min(bearing.parts.slew).is_finite());
     let words = if complete == total {
         "proven complete: no other circular orbit at these speeds, but for rounding".to_owned()
     } else {
@@ -101,7 +101,8 @@ pub(super) fn completeness(machine: &Machine, found: &Circular, enumerated: usiz
              reaches them are not sought"
         ),
     };
-    let sensors = if parts.noise > 0.0 || parts.quantum > 0.0 {
+    let mut bearings = machine.settings.feedback.bearings.iter();
+    let sensors = if bearings.any(|bearing| bearing.parts.noise > 0.0 || bearing.parts.quantum > 0.0) {
         "\nnoise and resolution of the sensors are left out"
     } else {
         ""

@@ -174,7 +174,7 @@ enum Content {
 }
 
 fn check(args: &CheckArgs) -> Result<(), Failure> {
-    let masses = args.rotor.as_deref().map(catalog::rotor).transpose()?.map(|rotor| rotor.len());
+    let rotor = args.rotor.as_deref().map(catalog::rotor).transpose()?;
     let read = |file: &str| -> (Option<Kind>, Result<Content, FileError>) {
         let text = match catalog::text(file) {
             Ok(text) => text,
@@ -183,7 +183,7 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
         let kind = if args.feedback { Kind::Feedback } else { kind_of(&text) };
         let content = match kind {
             Kind::Rotor => catalog::rotor_of(file, &text).map(Content::Rotor),
-            Kind::Feedback => catalog::feedback_of(file, &text, masses).map(Content::Feedback),
+            Kind::Feedback => catalog::feedback_of(file, &text, rotor.as_ref()).map(Content::Feedback),
         };
         (Some(kind), content)
     };

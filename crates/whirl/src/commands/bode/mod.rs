@@ -157,6 +157,21 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
     let machine = Machine::open(&args.machine, Some(speed), catalog::Default::Analysis)?.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let speed = machine.settings.speed;
+    let of = match (of, rotor.beam()) {
+        // As everywhere, a number is that of the drawing.
+        (TransferFunction::Station(station), Some(beam)) => {
+            let known = || {
+                let stations = beam.places().iter().filter_map(|place| Some((place.station? + 1).to_string()));
+                stations.collect::<Vec<_>>().join(", ")
+            };
+            let missing = || {
+                let (asked, there) = (station + 1, known());
+                Failure::Usage(format!("--of station={asked}: expected a station that is simulated: {there}"))
+            };
+            TransferFunction::Station(beam.coordinate(station).ok_or_else(missing)?)
+        }
+        _ => of,
+    };
     if let TransferFunction::Station(station) = of
         && station >= rotor.len()
     {
@@ -187,7 +202,7 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
         TransferFunction::Station(_) => units.pick(" (1 / w0^2)", " (m/N)"),
         _ => "",
     };
-    let title = format!("{}, {} at {}", rotor.name(), name(of), units.speed_text(speed));
+    let title = format!("{}, {} at {}", rotor.name(), name(of, rotor), units.speed_text(speed));
     let charts = || chart::of(&points, &title, args.show, units, scale, unit, of == TransferFunction::Loop);
     if let Some(path) = &args.out {
         picture::draw(path, args.force, &charts())?;
@@ -223,7 +238,7 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
     let heading = format!(
         "{}: {} at {}, deadband neglected; phase in degrees, negative frequencies are backward whirl",
         rotor.name(),
-        name(of),
+        name(of, rotor),
         units.speed_text(speed)
     );
     if args.draw {
@@ -243,13 +258,13 @@ fn degrees(z: C64) -> f64 {
 }
 
 /// What a response is, in words.
-fn name(of: TransferFunction) -> String {
+fn name(of: TransferFunction, rotor: &rotor::Rotor) -> String {
     match of {
         TransferFunction::Loop => "gain of the open loop".into(),
         TransferFunction::Sensitivity => "sensitivity".into(),
         TransferFunction::Closed => "closed loop".into(),
         TransferFunction::Station(station) => {
-            format!("displacement of mass {} per force at the control bearing", station + 1)
+            format!("displacement of {} per force at the first control bearing", rotor.place_name(station))
         }
     }
 }
