@@ -57,7 +57,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "tune" -d 'Search the ga
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "report" -d 'Make the NASA report again: every figure, and every printed number beside ours'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedback that assigns poles, or show which modes each bearing and sensor reaches'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "rotor" -d 'List the built-in rotors, show one as a file, or check files'
-complete -c whirl -n "__fish_whirl_using_subcommand up" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l bench -d 'Name of the bench' -r
@@ -75,7 +75,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l read-only -d 'Only lo
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l locked -d 'Begin with the machine locked against keys: ctrl-l unlocks it'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand sim" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l bench -d 'Name of the bench' -r
@@ -165,7 +165,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand status" -l csv -d 'Print row
 complete -c whirl -n "__fish_whirl_using_subcommand status" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand clean" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand clean" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
@@ -173,7 +173,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand poles" -l full -d 'Look at a
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand trace" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
@@ -182,14 +182,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand trace" -l campbell -d 'Print
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l over -d 'Spin speeds R to search, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c whirl -n "__fish_whirl_using_subcommand modes" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand modes" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
@@ -201,7 +201,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand modes" -l force -d 'Replace 
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand modes" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand margin" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
@@ -223,7 +223,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand measure" -l force -d 'Replac
 complete -c whirl -n "__fish_whirl_using_subcommand measure" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand measure" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand measure" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand bode" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand bode" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
@@ -241,7 +241,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand bode" -l force -d 'Replace a
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand bode" -s h -l help -d 'Print help (see more with \'--help\')'
-complete -c whirl -n "__fish_whirl_using_subcommand assess" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l over -d 'Spin speeds R that the machine passes, both ends included (SI rotors: in rpm)' -r
@@ -258,7 +258,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand assess" -l force -d 'Replace
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
@@ -274,7 +274,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand run" -l force -d 'Replace a 
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand run" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand runup" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand runup" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l from -d 'Spin speed R at the beginning, in the steady orbit there (SI rotors: in rpm)' -r
@@ -289,13 +289,13 @@ complete -c whirl -n "__fish_whirl_using_subcommand runup" -l json -d 'Print one
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand runup" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
-complete -c whirl -n "__fish_whirl_using_subcommand force" -l deadband -d 'Clearances of all support bearings to try, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand force" -l deadband -d 'Clearances of all support bearings to try, in e_t (SI rotors: in m) [default: the rotor\'s own]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l points -d 'How many speeds, evenly spaced' -r
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand force" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand force" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand response" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand response" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
@@ -303,7 +303,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand response" -l points -d 'How 
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand response" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand response" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r

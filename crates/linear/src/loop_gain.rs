@@ -208,7 +208,8 @@ impl LoopGain {
 
     /// Below this size a frequency is 0 to the loop: where something in it integrates, a millionth of the slowest pole that does not;
     /// 0 where nothing does.
-    pub(crate) fn quiet(&self) -> f64 {
+    #[must_use]
+    pub fn quiet(&self) -> f64 {
         let sizes = || self.resonances().map(|[frequency, width]| frequency.hypot(width));
         let largest = sizes().fold(0.0, f64::max);
         let integrates = self.poles.iter().any(|pole| match self.plane {

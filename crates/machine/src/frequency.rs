@@ -99,7 +99,10 @@ impl MachineLoop {
         let floor = FAINT * sizes.fold(0.0, f64::max);
         let mut points: Vec<FrequencyPoint> = Vec::with_capacity(4 * known.len());
         for next in known {
-            if let Some(last) = points.last().copied() {
+            // What lies between the two next to an integrator's pole is rounding of infinities.
+            let across = 1.5 * self.gain.quiet();
+            let is_across = |last: &FrequencyPoint| last.frequency.abs().max(next.frequency.abs()) <= across;
+            if let Some(last) = points.last().copied().filter(|last| !is_across(last)) {
                 straighten(&value, last, next, (DEPTH, floor), &mut points);
             }
             points.push(next);

@@ -4,12 +4,25 @@ use std::fmt;
 
 use crate::{Key, Settings};
 
+/// One value that has changed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChangedValue {
+    /// Which.
+    pub key: Key,
+    /// The key as a person reads it ([`Settings::label`]), with its control bearing where there are several.
+    pub label: String,
+    /// The value before.
+    pub was: f64,
+    /// The value after.
+    pub is: f64,
+}
+
 /// What has changed from one [`Settings`] to another.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Difference {
     /// The keys whose value differs: before and after; a scheduled gain at the speed of either. One row for the
     /// deadbands of all masses if they were, and are, all alike.
-    pub values: Vec<(Key, f64, f64)>,
+    pub values: Vec<ChangedValue>,
     /// Whether the control law differs in more than its gains' values: bearing, signals, weights, schedules.
     pub law: bool,
 }
@@ -51,7 +64,7 @@ impl Difference {
                 }
                 key.index = None;
             }
-            difference.values.push((key, was, is));
+            difference.values.push(ChangedValue { key, label: after.label(key), was, is });
         }
         difference
     }
@@ -66,8 +79,8 @@ impl Difference {
 impl fmt::Display for Difference {
     /// `speed 2.5 -> 3, kd.1 -0.5879 -> 0.1`; dimensionless.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (i, (key, was, is)) in self.values.iter().enumerate() {
-            write!(f, "{}{key} {was} -> {is}", if i > 0 { ", " } else { "" })?;
+        for (i, ChangedValue { label, was, is, .. }) in self.values.iter().enumerate() {
+            write!(f, "{}{label} {was} -> {is}", if i > 0 { ", " } else { "" })?;
         }
         match (self.law, self.values.is_empty()) {
             (true, true) => f.write_str("another feedback"),
@@ -115,5 +128,16 @@ mod tests {
             }),
             "speed 2.5 -> 1, another feedback"
         );
+    }
+
+    #[test]
+    fn of_several_control_bearings_a_change_names_its_own() {
+        let rotor = builtin::rotor("rig").expect("built in");
+        let before = Settings::new(&rotor, 0.0, builtin::feedback(&rotor, "own").expect("built in"));
+        let mut after = before.clone();
+        let key = after.key("right.kd").expect("a key");
+        let was = before.get(key).expect("a gain");
+        after.set(key, 3.0).expect("in range");
+        assert_eq!(Difference::between(&before, &after).to_string(), format!("right.kd {was} -> 3"));
     }
 }

@@ -72,7 +72,7 @@ pub use closed_loop::ClosedLoop;
 pub use control::{
     ControlBearing, ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal,
 };
-pub use difference::Difference;
+pub use difference::{ChangedValue, Difference};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};
 pub use linear::eigenvalues;

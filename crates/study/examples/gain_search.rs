@@ -240,7 +240,8 @@ fn front(rotor: &Rotor, page: &mut String, folder: &Path) -> Done<()> {
 
 /// Largest force and largest orbit of any mass once transients have died; nothing if the motion left all bounds.
 fn steady(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: f64) -> Done<Option<(f64, f64, bool)>> {
-    let outcome = until_settled(rotor, feedback, speed, deadband, 3000.0, &AtomicBool::new(false))?;
+    let clearances = vec![deadband; rotor.len()];
+    let outcome = until_settled(rotor, feedback, speed, &clearances, 3000.0, &AtomicBool::new(false))?;
     let radius = outcome.max_displacement.iter().copied().fold(0.0, f64::max);
     let settled = outcome.settled != Settled::No;
     Ok(outcome.diverged_at.is_none().then_some((outcome.max_force, radius, settled)))

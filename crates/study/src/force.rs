@@ -38,7 +38,7 @@ pub enum ForceError {
     Run(#[from] RunError),
 }
 
-/// The sweep: `[deadband][speed]`, each clearance common to all support bearings and each run from rest.
+/// The sweep: `[clearances][speed]`, each run from rest; of each set of clearances one of every support bearing, in `e_t`.
 ///
 /// The steady motion is the one reached from rest: where several are stable, others exist. `done` is called after
 /// every point, from any thread.
@@ -49,30 +49,30 @@ pub fn sweep(
     rotor: &Rotor,
     feedback: &Feedback,
     speeds: &[f64],
-    deadbands: &[f64],
+    clearances: &[Vec<f64>],
     stop: &AtomicBool,
     done: &(dyn Fn() + Sync),
 ) -> Result<Vec<Vec<ForcePoint>>, ForceError> {
-    let places: Vec<(f64, f64)> =
-        deadbands.iter().flat_map(|&deadband| speeds.iter().map(move |&speed| (deadband, speed))).collect();
+    let places: Vec<(&[f64], f64)> =
+        clearances.iter().flat_map(|of_all| speeds.iter().map(move |&speed| (of_all.as_slice(), speed))).collect();
     // One point a task: their lengths differ by a hundred.
     let points = places
         .par_iter()
         .with_max_len(1)
-        .map(|&(deadband, speed)| {
-            let point = steady(rotor, feedback, speed, deadband, stop);
+        .map(|&(clearances, speed)| {
+            let point = steady(rotor, feedback, speed, clearances, stop);
             done();
             point
         })
         .collect::<Result<Vec<ForcePoint>, ForceError>>()?;
     Ok(if speeds.is_empty() {
-        vec![Vec::new(); deadbands.len()]
+        vec![Vec::new(); clearances.len()]
     } else {
         points.chunks(speeds.len()).map(<[ForcePoint]>::to_vec).collect()
     })
 }
 
-/// The steady force at one speed and clearance.
+/// The steady force at one speed and with one clearance of every support bearing.
 ///
 /// # Errors
 /// As for [`sweep`].
@@ -80,15 +80,15 @@ pub fn steady(
     rotor: &Rotor,
     feedback: &Feedback,
     speed: f64,
-    deadband: f64,
+    clearances: &[f64],
     stop: &AtomicBool,
 ) -> Result<ForcePoint, ForceError> {
-    let outcome = until_settled(rotor, feedback, speed, deadband, LONGEST, stop)?;
+    let outcome = until_settled(rotor, feedback, speed, clearances, LONGEST, stop)?;
     let Outcome { max_force, settled, stability, centre, diverged_at, .. } = outcome;
     Ok(ForcePoint { max_force, settled, stability, centre, diverged_at })
 }
 
-/// The whole outcome of a run from rest at one speed and clearance, until transients have died or `longest` in `tau`.
+/// The whole outcome of a run from rest at one speed and with one clearance of every support bearing, until transients have died or `longest` in `tau`.
 ///
 /// # Errors
 /// As for [`sweep`].
@@ -96,11 +96,10 @@ pub fn until_settled(
     rotor: &Rotor,
     feedback: &Feedback,
     speed: f64,
-    deadband: f64,
+    clearances: &[f64],
     longest: f64,
     stop: &AtomicBool,
 ) -> Result<Outcome, ForceError> {
-    let clearances = vec![deadband; rotor.len()];
-    let plan = Plan::steady(rotor, feedback, speed, &clearances, longest, Settle::DetectAndStop)?;
+    let plan = Plan::steady(rotor, feedback, speed, clearances, longest, Settle::DetectAndStop)?;
     Ok(run(&plan, &mut [], stop)?)
 }

@@ -30,7 +30,8 @@ fn val_steady_force_over_speed_is_the_exact_one_where_the_orbit_is_circular() {
     let (rotor, feedback) = machine("jeffcott", "cancel");
     let speeds = [0.0, 0.5, 1.0, 2.0, 3.5, 5.0];
     let deadbands = [0.0, 1.0, 10.0];
-    let points = sweep(&rotor, &feedback, &speeds, &deadbands, &AtomicBool::new(false), &|| ()).expect("sweeps");
+    let clearances = deadbands.map(|deadband| vec![deadband; rotor.len()]);
+    let points = sweep(&rotor, &feedback, &speeds, &clearances, &AtomicBool::new(false), &|| ()).expect("sweeps");
     for (deadband, row) in deadbands.iter().zip(&points) {
         let exact = synchronous(&rotor, &feedback, &[*deadband], &speeds).expect("solved");
         for (i, point) in row.iter().enumerate() {
@@ -52,7 +53,8 @@ fn val_three_mass_settles_on_its_stable_circular_orbits() {
         let exact = synchronous(&rotor, &feedback, &[deadband; 3], &[speed]).expect("solved");
         let [orbit] = &exact.orbits[0][..] else { panic!("one orbit") };
         assert!(orbit.is_stable());
-        let point = steady(&rotor, &feedback, speed, deadband, &AtomicBool::new(false)).expect("runs");
+        let point =
+            steady(&rotor, &feedback, speed, &vec![deadband; rotor.len()], &AtomicBool::new(false)).expect("runs");
         assert_eq!(point.settled, Settled::Steady, "R = {speed}");
         // Near resonance the orbit answers to the step's 5e-8 a radian some fifty times over.
         assert!((point.max_force - orbit.force).abs() < 5e-6 * orbit.force, "{point:?} for {}", orbit.force);

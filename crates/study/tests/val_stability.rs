@@ -30,7 +30,7 @@ fn balanced(rotor: &Rotor) -> Rotor {
 }
 
 fn point(rotor: &Rotor, feedback: &Feedback, speed: f64, deadband: f64) -> ForcePoint {
-    steady(rotor, feedback, speed, deadband, &AtomicBool::new(false)).expect("simulated")
+    steady(rotor, feedback, speed, &vec![deadband; rotor.len()], &AtomicBool::new(false)).expect("simulated")
 }
 
 /// The largest real part of a pole, deadband neglected.
@@ -93,7 +93,8 @@ fn stable_values_are_called_stable() {
 fn a_beating_motion_that_a_hidden_mode_would_leave_is_called_unstable() {
     // Bounce whirls by itself in the clearances and beats with the unbalance; pitch grows faster, but nothing starts it.
     let (rotor, feedback) = centre_bearing([-0.4, 0.3, -0.3, 0.0]);
-    let outcome = until_settled(&rotor, &feedback, 4.4, 1.0, LONGEST, &AtomicBool::new(false)).expect("simulated");
+    let outcome = until_settled(&rotor, &feedback, 4.4, &vec![1.0; rotor.len()], LONGEST, &AtomicBool::new(false))
+        .expect("simulated");
     assert_eq!(outcome.settled, Settled::Beating, "{outcome:?}");
     let found_growth = outcome.stability.expect("it has settled");
     assert_eq!((found_growth.stability, found_growth.by), (Stability::Unstable, Means::Simulation), "{found_growth:?}");

@@ -1,7 +1,7 @@
 //! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
 //! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
 
-use rotor::{Difference, Key, Scales, Settings, SettingsError};
+use rotor::{ChangedValue, Difference, Key, Scales, Settings, SettingsError};
 use text::number::{nice_ceiling, significant};
 use units::Dimension;
 
@@ -146,10 +146,10 @@ impl Units {
     pub fn difference(&self, before: &Settings, after: &Settings) -> String {
         let Difference { values, law } = Difference::between(before, after);
         // As few digits as tell the two apart, but for a few that read well.
-        let one = |(key, was, is): &(Key, f64, f64)| {
+        let one = |ChangedValue { key, label, was, is }: &ChangedValue| {
             let told = |digits| [*was, *is].map(|value| self.value_in(*key, value, digits));
             let [was, is] = (DIGITS..17).map(told).find(|[was, is]| was != is).unwrap_or_else(|| told(17));
-            format!("{key} {was} -> {is}")
+            format!("{label} {was} -> {is}")
         };
         let told = values.iter().map(one).chain(law.then(|| "another feedback".to_owned()));
         told.collect::<Vec<_>>().join(", ")

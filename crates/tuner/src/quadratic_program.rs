@@ -30,7 +30,8 @@ const ITERATIONS: usize = 60;
 const DONE: [f64; 2] = [1e-11, 1e-13];
 /// What is still good for a search, which tries the step it gets: rounding may end it there.
 const GOOD: [f64; 2] = [1e-7, 1e-8];
-/// So many steps that bring nothing more are enough.
+/// Once it is good, so many steps that bring nothing more are enough; before that the gap may grow for a while, as where the way leads along
+/// a limit that does not bind in the end.
 const PATIENCE: usize = 6;
 
 impl Program {
@@ -61,6 +62,7 @@ impl Program {
         let (mut d_slack, mut d_dual, mut target) = (vec![0.0; m], vec![0.0; m], vec![0.0; m]);
         // The best so far: with the gap all but closed, what rounding has left of the matrix can spoil what was there.
         let mut best = ([f64::INFINITY; 2], z.clone(), dual.clone(), 0);
+        let is_good = |reached: [f64; 2]| reached[0] < GOOD[0] && reached[1] < GOOD[1];
         for iteration in 0..=ITERATIONS {
             self.residuals(&z, &slack, &dual, &mut residual, &mut violation);
             let gap = dot(&slack, &dual) / m.max(1) as f64;
@@ -70,7 +72,8 @@ impl Program {
             if short(reached) < short(best.0) {
                 best = (reached, z.clone(), dual.clone(), iteration);
             }
-            let is_done = short(reached) < 1.0 || iteration == ITERATIONS || iteration - best.3 > PATIENCE;
+            let brings_no_more = is_good(best.0) && iteration - best.3 > PATIENCE;
+            let is_done = short(reached) < 1.0 || iteration == ITERATIONS || brings_no_more;
             if is_done || !reached.iter().all(|part| part.is_finite()) {
                 break;
             }
@@ -122,7 +125,7 @@ impl Program {
             add(&mut dual, &d_dual);
         }
         let (reached, point, multipliers, _) = best;
-        (reached[0] < GOOD[0] && reached[1] < GOOD[1]).then_some(Solution { point, multipliers })
+        is_good(reached).then_some(Solution { point, multipliers })
     }
 
     /// `Q z + c + A' dual` and `A z + slack - b`.

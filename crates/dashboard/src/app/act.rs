@@ -81,8 +81,8 @@ impl App<'_> {
             }
             Action::Edit(Edit::Restart) if self.locked => self.tell(Message::Bad(LOCKED.into())),
             Action::Select(rows_down) => {
-                let keys = self.settings().map(|settings| rows(&settings)).unwrap_or_default();
-                let shown = shown_rows(&keys, &self.filter, self.row);
+                let settings = self.settings();
+                let shown = settings.map(|now| shown_rows(&now, &self.filter, self.row)).unwrap_or_default();
                 let at = shown.iter().position(|row| *row == self.row).unwrap_or(shown.len());
                 let to = at.saturating_add_signed(rows_down).min(shown.len().saturating_sub(1));
                 self.row = shown.get(to).copied().unwrap_or(0);
@@ -136,9 +136,10 @@ impl App<'_> {
         let told = |key: &Key| {
             let value = settings.get(*key).ok()?;
             Some(if key.parameter.off == Some(value) && key.parameter.name != "seed" {
-                format!("{key}=off")
+                format!("{}=off", settings.label(*key))
             } else {
-                format!("{key}={}", text::number::significant(value * units.setting(*key).factor, 15))
+                let name = settings.label(*key);
+                format!("{name}={}", text::number::significant(value * units.setting(*key).factor, 15))
             })
         };
         let keys = if all { settings.keys() } else { self.selected().into_iter().collect() };

@@ -40,10 +40,11 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
     rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
 }
 
-/// The places of the rows that a filter lets through, and of the selected one, which is never hidden.
-pub(crate) fn shown_rows(rows: &[Key], filter: &str, selected: usize) -> Vec<usize> {
-    let row = |key: &Key| format!("{key} {}", key.parameter.meaning);
-    let places = rows.iter().enumerate().filter(|(at, key)| *at == selected || passes(filter, &row(key)));
+/// The places among [`rows`] of those that a filter lets through, and of the selected one, which is never hidden.
+pub(crate) fn shown_rows(settings: &Settings, filter: &str, selected: usize) -> Vec<usize> {
+    let row = |key: &Key| format!("{key} {} {}", settings.label(*key), key.parameter.meaning);
+    let keys = rows(settings);
+    let places = keys.iter().enumerate().filter(|(at, key)| *at == selected || passes(filter, &row(key)));
     places.map(|(at, _)| at).collect()
 }
 
@@ -58,7 +59,7 @@ impl Panel for SettingsPanel {
     fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         let inner = area.inner(Margin::new(1, 1));
         let selected = view.cursor.row;
-        let shown = shown_rows(&rows(view.data.settings.as_ref()?), view.filter, selected);
+        let shown = shown_rows(view.data.settings.as_ref()?, view.filter, selected);
         match mouse {
             Mouse::Wheel(notches) => Some(PanelRequest::SelectRows(notches as isize)),
             Mouse::Drag(0) => None,
@@ -82,7 +83,8 @@ fn first_row(shown: &[usize], selected: usize, height: u16) -> usize {
 fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let (data, cursor) = (view.data, view.cursor);
     let keys = data.settings.as_ref().map(rows).unwrap_or_default();
-    let shown = shown_rows(&keys, view.filter, cursor.row);
+    let shown =
+        data.settings.as_ref().map(|settings| shown_rows(settings, view.filter, cursor.row)).unwrap_or_default();
     let passed = filter_title(view.filter, shown.len(), keys.len());
     let title = match &data.bench_status {
         Some(bench_status) => {
@@ -236,6 +238,17 @@ mod tests {
         assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 1);
         settings.deadband[1] = 0.0;
         assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 3);
+    }
+
+    #[test]
+    fn settings_of_one_of_several_control_bearings_are_found_by_its_name() {
+        let rotor = rotor::builtin::rotor("rig").unwrap();
+        let settings = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "own").unwrap());
+        let keys = rows(&settings);
+        let found = shown_rows(&settings, "right", 0);
+        let names: Vec<String> = found.iter().map(|at| settings.label(keys[*at])).collect();
+        assert_eq!(names[0], "speed", "the selected one is never hidden");
+        assert!(names.len() > 4 && names[1..].iter().all(|name| name.starts_with("right.")), "{names:?}");
     }
 
     #[test]

@@ -124,7 +124,8 @@ impl Evidence {
 
         let sweep = |rotor: &Rotor, feedback: &Feedback, to: usize| -> Result<Forces, ReportError> {
             let speeds = speeds(0.0, to as f64, PER_UNIT * to + 1);
-            let by_deadband = force::sweep(rotor, feedback, &speeds, &DEADBANDS, onlooker.stop, onlooker.done)?;
+            let clearances = DEADBANDS.map(|deadband| vec![deadband; rotor.len()]);
+            let by_deadband = force::sweep(rotor, feedback, &speeds, &clearances, onlooker.stop, onlooker.done)?;
             Ok(Forces { speeds, by_deadband })
         };
         let jeffcott_forces = sweep(&jeffcott, &cancel, 5)?;

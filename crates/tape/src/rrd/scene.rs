@@ -96,8 +96,8 @@ impl Scene {
         self.fastest = poles.iter().map(|p| p.im.abs()).fold(settings.speed.abs().max(0.1), f64::max);
         let mut chunks = Chunks::new();
         let titled = |key: &rotor::Key| match key.parameter.unit() {
-            "" => key.to_string(),
-            unit => format!("{key} ({unit})"),
+            "" => settings.label(*key),
+            unit => format!("{} ({unit})", settings.label(*key)),
         };
         let keys = settings.keys();
         let names: Vec<String> = keys.iter().map(titled).collect();

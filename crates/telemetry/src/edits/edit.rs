@@ -57,15 +57,25 @@ impl Edit {
         self.apply(&mut settings).ok()?.then_some(settings)
     }
 
-    /// What it is, for whoever asked for it, in the bench's `units`.
-    pub fn describe(&self, units: &Units) -> String {
+    /// What it has made of `settings`, for whoever asked for it, in the bench's `units`.
+    pub fn describe_in(&self, settings: &Settings, units: &Units) -> String {
         match self {
-            Self::Nudge(key, _) => key.to_string(),
+            Self::Nudge(key, _) => settings.label(*key),
             Self::Set(values) => values
                 .iter()
-                .map(|(key, value)| format!("{key} = {}", units.value(*key, *value)))
+                .map(|(key, value)| format!("{} = {}", settings.label(*key), units.value(*key, *value)))
                 .collect::<Vec<_>>()
                 .join(", "),
+            Self::Sure(edit, _) => edit.describe_in(settings, units),
+            other => other.describe(units),
+        }
+    }
+
+    /// What it is, without saying of which settings, in the bench's `units`.
+    pub fn describe(&self, units: &Units) -> String {
+        match self {
+            Self::Nudge(..) => super::NUDGED.into(),
+            Self::Set(_) => "typed".into(),
             Self::Off => "control off".into(),
             Self::Become(_, what) => what.clone(),
             Self::Swap(_) => "swapped".into(),
@@ -88,8 +98,6 @@ impl Edit {
     /// Why the settings change, for the record.
     pub fn reason(&self) -> String {
         match self {
-            Self::Nudge(..) => super::NUDGED.into(),
-            Self::Set(_) => "typed".into(),
             Self::Undo => super::UNDO.into(),
             Self::Redo => super::REDO.into(),
             Self::Sure(edit, _) => edit.reason(),

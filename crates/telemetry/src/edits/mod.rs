@@ -179,7 +179,7 @@ impl<C: Carrier> EditThread<C> {
                     wanted.apply(settings).map(|_| ()).map_err(|error| units.fault(&error))
                 })
                 .map(|applied| {
-                    let words = told(&applied.answer, &wanted.describe(&self.units()));
+                    let words = told(&applied.answer, &wanted.describe_in(&applied.after, &self.units()));
                     if matches!(wanted, Edit::Swap(_)) {
                         EditOutcome::Swapped(words, Box::new(applied.before))
                     } else {

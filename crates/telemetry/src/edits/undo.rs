@@ -113,7 +113,7 @@ impl UndoHistory {
 fn nudged_key(before: &Settings, after: &Settings) -> Option<Key> {
     let difference = Difference::between(before, after);
     match (&difference.values[..], difference.law) {
-        ([(key, ..)], false) => Some(*key),
+        ([only], false) => Some(only.key),
         _ => None,
     }
 }

@@ -125,7 +125,7 @@ impl Branch {
             Edit::Note(_) => return Err(ReplayError::NoNotes),
             edit => {
                 edit.apply(&mut state.settings).map_err(|error| ReplayError::settings(error, &units))?;
-                edit.describe(&units)
+                edit.describe_in(&state.settings, &units)
             }
         };
         state.settings.check(&self.root.rotor).map_err(|error| ReplayError::settings(error, &units))?;

@@ -26,8 +26,8 @@ pub(crate) struct ForceArgs {
     /// The feedback: off; cancel (jeffcott); composite, individual (three-mass); or a TOML file
     #[arg(long, value_name = "NAME|FILE")]
     feedback: Option<String>,
-    /// Clearances of all support bearings to try, in e_t (SI rotors: in m)
-    #[arg(long, value_name = "G,G,..", value_delimiter = ',', default_value = "0", allow_negative_numbers = true)]
+    /// Clearances of all support bearings to try, in e_t (SI rotors: in m) [default: the rotor's own]
+    #[arg(long, value_name = "G,G,..", value_delimiter = ',', allow_negative_numbers = true)]
     deadband: Vec<f64>,
     /// Spin speeds R, both ends included (SI rotors: in rpm)
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
@@ -76,17 +76,14 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("deadband {} is given twice: expected each once", args.deadband[twice])));
     }
     let mut opened = None;
-    let mut deadbands = Vec::with_capacity(args.deadband.len());
+    let mut clearances = Vec::with_capacity(args.deadband.len());
+    let to_try: Vec<Option<f64>> =
+        if args.deadband.is_empty() { vec![None] } else { args.deadband.iter().copied().map(Some).collect() };
     // Every speed and clearance is checked like a setting before anything starts.
-    for &deadband in &args.deadband {
-        let machine = MachineArgs {
-            rotor: args.rotor.clone(),
-            feedback: args.feedback.clone(),
-            deadband: Some(deadband),
-            set: vec![],
-        };
+    for deadband in to_try {
+        let machine = MachineArgs { rotor: args.rotor.clone(), feedback: args.feedback.clone(), deadband, set: vec![] };
         let (machine, over) = Machine::open_over(&machine, args.over)?;
-        deadbands.push(machine.units().length_from_typed(deadband));
+        clearances.push(machine.settings.deadband.clone());
         opened = Some((machine, over));
     }
     let Some((machine, over)) = opened else {
@@ -95,7 +92,9 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
     let (rotor, units) = (&machine.rotor, machine.units());
     let speeds = over.points(args.points as usize);
     let stop = interrupt::flag()?;
-    let total = speeds.len() * deadbands.len();
+    let total = speeds.len() * clearances.len();
+    // Of clearances that differ the largest stands for them, as it does among settings.
+    let deadbands: Vec<f64> = clearances.iter().map(|all| all.iter().copied().fold(0.0, f64::max)).collect();
     let (done, watched) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
     let report = || {
         let count = done.fetch_add(1, Ordering::Relaxed) + 1;
@@ -105,7 +104,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
             let _ = write!(std::io::stderr(), "\r{count} of {total} points{end}");
         }
     };
-    let points = study::force::sweep(rotor, &machine.settings.feedback, &speeds, &deadbands, &stop, &report)?;
+    let points = study::force::sweep(rotor, &machine.settings.feedback, &speeds, &clearances, &stop, &report)?;
 
     let mut table = Table::new(units.pick(
         &["speed", "deadband", "max force", "motion", "stability", "centre"],
@@ -127,7 +126,8 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
             table.row(numbers.into_iter().chain(words.iter().map(Cell::from)));
         }
     }
-    let footer = footer(points.iter().flatten(), rotor.is_balanced());
+    let differ = clearances.iter().any(|all| all.iter().any(|one| *one != all[0]));
+    let footer = footer(points.iter().flatten(), rotor.is_balanced(), differ);
     let document = Document {
         rotor: rotor.name(),
         speeds: &speeds,
@@ -155,10 +155,13 @@ fn of<T>(points: &[Vec<ForcePoint>], value: impl Fn(&ForcePoint) -> T) -> Vec<Ve
 }
 
 /// What the words of the table do not say.
-fn footer<'a>(points: impl Iterator<Item = &'a ForcePoint> + Clone, balanced: bool) -> String {
+fn footer<'a>(points: impl Iterator<Item = &'a ForcePoint> + Clone, balanced: bool, differ: bool) -> String {
     let growth = points.filter_map(|p| p.stability);
     let total = growth.clone().count();
     let mut lines = Vec::new();
+    if differ {
+        lines.push("the bearings have clearances of their own: the largest is shown".to_owned());
+    }
     if balanced {
         lines.push("nothing drives this rotor: every unbalance is zero".to_owned());
     }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use machine::StabilityLoss;
 use serde::Serialize;
-use wire::{Answer, Change, Commander};
+use wire::{Answer, Change, Commander, WireError};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -56,6 +56,8 @@ enum Document {
         #[serde(skip_serializing_if = "Option::is_none")]
         min_damping: Option<Damping>,
     },
+    /// The bench was asked and has not answered: it may yet make the change.
+    Unknown { accepted: Option<bool>, reason: String },
 }
 
 #[derive(Debug, Serialize)]
@@ -73,10 +75,12 @@ struct Done {
     substeps: [u32; 2],
 }
 
-/// Why nothing was changed.
+/// Why nothing was changed, as far as is known.
 enum NotDone {
     /// It would make a stable machine unstable.
     Unstable(StabilityLoss),
+    /// It was asked for, and no answer came.
+    Unanswered(WireError),
     /// Anything else.
     Failed(Failure),
 }
@@ -106,6 +110,13 @@ pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
         // What is wrong with a change is a refusal, whoever notices it: the bench, or we before asking it.
         Err(NotDone::Failed(Failure::Usage(reason) | Failure::Work(reason))) => (reason, None),
         Err(NotDone::Failed(failure)) => return Err(failure),
+        Err(NotDone::Unanswered(silence)) => {
+            let reason = silence.to_string();
+            if args.json {
+                output::print_json(&Document::Unknown { accepted: None, reason: reason.clone() })?;
+            }
+            return Err(Failure::Work(format!("not known whether it is changed, as it may yet be: {reason}")));
+        }
         Err(NotDone::Unstable(loss)) => {
             let damping = Damping { now: loss.now, then: loss.then };
             (format!("{loss}; --force makes it all the same"), Some(damping))
@@ -139,7 +150,10 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         }
         let base_revision = bench_status.revision;
         let request = Change::Settings { base_revision, settings }.request(&who, &args.why)?;
-        let answer = commander.ask(&request, PATIENCE)?;
+        let answer = match commander.ask(&request, PATIENCE) {
+            Err(silence @ WireError::NoAnswer(_)) => return Err(NotDone::Unanswered(silence)),
+            answer => answer?,
+        };
         if answer.is_accepted() {
             let changed = answer.revision != base_revision;
             let Answer { revision, applied_at_step: step, substeps, .. } = answer;

@@ -1,6 +1,6 @@
 //! `whirl tail --events`: what has happened on a bench, and what happens, one line an event.
 
-use rotor::{Difference, Rotor, Settings};
+use rotor::{ChangedValue, Difference, Rotor, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use wire::message::Trip;
@@ -82,9 +82,9 @@ impl Teller {
 /// `speed 2.5 -> 3`, in the units of the machine.
 fn words(difference: &Difference, (units, mass): (Units, f64)) -> Vec<String> {
     let values = difference.values.iter();
-    let values = values.map(|(key, was, is)| {
+    let values = values.map(|ChangedValue { key, label, was, is }| {
         let [was, is] = [*was, *is].map(|value| units.value(key.parameter.dimension, mass, value));
-        format!("{key} {} -> {}", plain(was), plain(is))
+        format!("{label} {} -> {}", plain(was), plain(is))
     });
     values.chain(difference.law.then(|| "another feedback".to_owned())).collect()
 }
