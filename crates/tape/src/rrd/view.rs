@@ -10,21 +10,21 @@ use rerun::blueprint::{
     VisualizerComponentMapping,
 };
 use rerun::log::LogMsg;
-use rotor::Rotor;
+use wire::Layout;
 
 use super::scene;
 use crate::schema::{self, Column};
 use crate::session::Source;
 
 /// The messages that carry the layout; none if rerun has been switched off by its environment variable.
-pub(super) fn blueprint(rotor: &Rotor, source: Source) -> Vec<LogMsg> {
+pub(super) fn blueprint(steps: Layout, source: Source) -> Vec<LogMsg> {
     // Its own builder of layouts obeys the variable and would then have nothing to send.
     if std::env::var("RERUN").is_ok_and(|value| ["0", "false", "off"].contains(&value.to_lowercase().as_str())) {
         return Vec::new();
     }
     let made = RecordingStreamBuilder::new(schema::APPLICATION).enabled(true).memory();
     let Ok((stream, storage)) = made else { return Vec::new() };
-    if layout(rotor, source).send(&stream, BlueprintActivation::default()).is_err() {
+    if layout(steps, source).send(&stream, BlueprintActivation::default()).is_err() {
         return Vec::new();
     }
     // The stream's own recording is empty: only the layout goes into the file.
@@ -32,8 +32,8 @@ pub(super) fn blueprint(rotor: &Rotor, source: Source) -> Vec<LogMsg> {
     storage.take().into_iter().filter(is_layout).collect()
 }
 
-fn layout(rotor: &Rotor, source: Source) -> Blueprint {
-    let masses = rotor.len();
+fn layout(steps: Layout, source: Source) -> Blueprint {
+    let masses = steps.masses();
     let orbit = |mass: usize| {
         let path = scene::orbit_path(mass);
         Spatial2DView::new(format!("orbit of mass {} (e_t, z up)", mass + 1)).with_origin(path.as_str()).into()
@@ -46,11 +46,15 @@ fn layout(rotor: &Rotor, source: Source) -> Blueprint {
     };
     let poles: ContainerLike = Spatial2DView::new("poles (w0, im up)").with_origin(schema::POLES).into();
     let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<Column> {
-        schema::columns(Layout::new(masses)).into_iter().filter(|column| wanted(&column.name)).collect()
+        schema::columns(steps).into_iter().filter(|column| wanted(&column.name)).collect()
     };
     let place = named(&|name| name.starts_with(['y', 'z']));
     let velocity = named(&|name| name.starts_with("vy") || name.starts_with("vz"));
-    let control = named(&|name| name == "uy" || name == "uz");
+    // Of the first control bearing, and with a number each of the further ones; not what was asked of them.
+    let delivered = |name: &str| {
+        ["uy", "uz", "bearing_uy", "bearing_uz"].contains(&name.trim_end_matches(|c: char| c.is_ascii_digit()))
+    };
+    let control = named(&delivered);
     let speed = named(&|name| name == "speed");
     let gain_view = TimeSeriesView::new("settings").with_contents([scene::values_path()]);
     let damping = format!("{}/min_damping", schema::POLES);

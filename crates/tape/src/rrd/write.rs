@@ -11,7 +11,7 @@ use rerun::log::{Chunk, ChunkError, LogMsg, RowId};
 use rerun::{AsComponents, EntityPath, StoreKind, TimePoint};
 use rotor::Rotor;
 use wire::message::Health;
-use wire::{BenchStatus, Happening, Moment};
+use wire::{BenchStatus, Happening, Layout, Moment};
 
 use super::{chunks, scene, view};
 use crate::batch::Batch;
@@ -101,7 +101,8 @@ impl Writer {
         for chunk in self.scene.still() {
             self.put(chunk)?;
         }
-        for message in view::blueprint(&self.rotor, head.session.source) {
+        let steps = Layout::new(self.rotor.len()).with_bearings(head.session.bearings);
+        for message in view::blueprint(steps, head.session.source) {
             self.append(&message)?;
         }
         // Without it nothing on file can be read: damage in one place shall not cost all others.
