@@ -8,7 +8,7 @@ pub(crate) mod event;
 use std::collections::BTreeMap;
 
 use alarms::{Limits, Watch};
-use rotor::file::{read_feedback, write_feedback};
+use rotor::file::{read_feedback, read_rotor, write_feedback, write_rotor};
 use rotor::{C64, Mass, Rotor, Scales, Settings};
 use serde::{Deserialize, Serialize};
 use wire::Layout;
@@ -69,11 +69,22 @@ pub(crate) struct SessionDocument {
 #[derive(Debug, Serialize, Deserialize)]
 struct RotorDocument {
     name: String,
-    /// Per mass, the values of [`rotor::FIELDS`] by their keys.
+    /// Per mass, the values of [`rotor::FIELDS`] by their keys; none of a rotor of shaft elements.
     masses: Vec<MassDocument>,
     shafts: Vec<f64>,
+    /// A rotor of shaft elements or matrices as its file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    drawing: Option<DrawingDocument>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     scales: Option<ScalesDocument>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct DrawingDocument {
+    /// How many stations move: each has columns of its own.
+    stations: usize,
+    /// The text of the rotor's file.
+    file: String,
 }
 
 #[derive(Debug, Serialize, Deserialize)]
@@ -132,6 +143,7 @@ impl SessionDocument {
                 name: rotor.name().to_owned(),
                 masses: rotor.masses().iter().map(mass).collect(),
                 shafts: rotor.shafts().to_vec(),
+                drawing: rotor.beam().map(|_| DrawingDocument { stations: rotor.len(), file: write_rotor(rotor) }),
                 scales: scales.map(|Scales { w0, k_t, m_t, e_t }| ScalesDocument { w0, k_t, m_t, e_t }),
             },
             columns: schema::columns(Layout::new(rotor.len()).with_bearings(session.bearings))
@@ -141,9 +153,9 @@ impl SessionDocument {
         }
     }
 
-    /// How many masses the rotor has.
+    /// How many masses, or stations that move, the rotor has.
     pub(crate) fn masses(&self) -> usize {
-        self.rotor.masses.len()
+        self.rotor.drawing.as_ref().map_or(self.rotor.masses.len(), |drawing| drawing.stations)
     }
 
     pub(crate) fn read(self) -> Result<(Session, Rotor, Option<Scales>), BadDocument> {
@@ -152,8 +164,20 @@ impl SessionDocument {
                 *m;
             Mass { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
         };
-        let RotorDocument { name, masses, shafts, scales } = self.rotor;
-        let rotor = Rotor::new(&name, masses.iter().map(mass).collect(), shafts).map_err(bad)?;
+        let RotorDocument { name, masses, shafts, drawing, scales } = self.rotor;
+        let rotor = match drawing {
+            None => Rotor::new(&name, masses.iter().map(mass).collect(), shafts).map_err(bad)?,
+            Some(DrawingDocument { stations, file }) => {
+                let rotor = read_rotor(&file, &name).map_err(bad)?;
+                if rotor.len() != stations {
+                    return Err(bad(format!(
+                        "a rotor of {} stations: expected the {stations} that its head names",
+                        rotor.len()
+                    )));
+                }
+                rotor
+            }
+        };
         let scales = scales.map(|ScalesDocument { w0, k_t, m_t, e_t }| Scales { w0, k_t, m_t, e_t });
         let session = Session {
             schema: self.schema,
@@ -255,6 +279,40 @@ impl RevisionDocument {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn of_two_bearings() -> Session {
+        Session {
+            schema: schema::VERSION,
+            whirl: "0.1.0".into(),
+            simulation: "0.1.0".into(),
+            run_id: 7,
+            bench: "rig".into(),
+            source: Source::Live,
+            started_ns: 1,
+            rate_hz: 1000.0,
+            dtau: 0.01,
+            bearings: 2,
+            limits: None,
+        }
+    }
+
+    #[test]
+    fn every_rotor_comes_back_from_a_head_with_its_stations_and_numbers() {
+        for name in rotor::builtin::ROTORS {
+            let rotor = rotor::builtin::rotor(name).unwrap();
+            let session = of_two_bearings();
+            let written = text(&SessionDocument::new(&session, &rotor, rotor.scales().copied()));
+            let document = parse::<SessionDocument>(&written).unwrap();
+            assert_eq!(document.masses(), rotor.len(), "{name}");
+            assert_eq!(document.read().unwrap(), (session, rotor.clone(), rotor.scales().copied()), "{name}");
+        }
+        let rig = rotor::builtin::rotor("rig").unwrap();
+        let written = text(&SessionDocument::new(&of_two_bearings(), &rig, None));
+        let fewer = written.replace("\"stations\":12", "\"stations\":11");
+        assert_ne!(fewer, written);
+        let told = parse::<SessionDocument>(&fewer).unwrap().read().unwrap_err().to_string();
+        assert_eq!(told, "a rotor of 12 stations: expected the 11 that its head names");
+    }
 
     #[test]
     fn settings_recorded_before_there_were_substeps_were_stepped_with_one() {
