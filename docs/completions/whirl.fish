@@ -208,10 +208,18 @@ complete -c whirl -n "__fish_whirl_using_subcommand margin" -l speed -d 'Spin sp
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l over -d 'The worst over spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l points -d 'How many speeds of the range, evenly spaced; the worst is sought between them too [default: 201]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l zones -d 'Peaks of sensitivity at which zones A, B and C end [default: 3,4,5, those of ISO 14839-3]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l box -d 'The worst damping when every parameter of the rotor that is not 0 lies anywhere within so much of its value' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l vary -d 'The same of one parameter: damping.1=0.2..0.3, delay=0..0.1, shaft.2=10%; repeatable, and before what `--box` says. Settings are typed as for `--set`, a drawing\'s numbers in SI units, a chain\'s dimensionless' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l tolerance -d 'How sharply the worst is bounded where it can be proven' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l samples -d 'Draw so many machines whose parameters lie anywhere there' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l distribution -d 'How they are spread' -r -f -a "uniform\t'All of a range alike'
+normal\t'About its middle, three standard deviations to either end; nothing outside'"
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l seed -d 'What random numbers start from; the same seed draws the same machines, on any number of threads' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l sensitivities -d 'What every parameter does to damping and margins, the largest effects first; `--csv` has these rows'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l csv -d 'Print rows for a spreadsheet'
-complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help (see more with \'--help\')'
 complete -c whirl -n "__fish_whirl_using_subcommand measure" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand measure" -l band -d 'Frequencies, each forward and backward, in radians per tau (SI rotors: in Hz) [default: up to twice the fastest mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand measure" -l tones -d 'How many tones of each direction, at most, evenly over the logarithm of frequency' -r

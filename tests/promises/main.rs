@@ -27,4 +27,5 @@ mod speeds;
 mod tune;
 mod typed;
 mod units;
+mod unsure;
 mod workbench;

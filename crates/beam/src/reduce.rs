@@ -94,6 +94,23 @@ impl FullModel {
         })
     }
 
+    /// The same rotor with other numbers among the shapes of `reduced`, which has as many coordinates in full: how its motion depends on
+    /// those numbers, without the shapes' own dependence on them.
+    #[must_use]
+    pub fn among(&self, reduced: &Reduced) -> Reduced {
+        let shape = &reduced.shape;
+        let place = |matrix: &DMatrix<f64>| shape.tr_mul(&(matrix * shape));
+        Reduced {
+            mass: place(&self.mass),
+            damping: place(&self.damping),
+            gyroscopic: place(&self.gyroscopic),
+            stiffness: place(&self.stiffness),
+            cross_stiffness: place(&self.cross_stiffness),
+            internal: place(&self.internal),
+            ..reduced.clone()
+        }
+    }
+
     /// `count` shapes, orthonormal over `M`.
     fn shapes(&self, count: usize) -> Result<DMatrix<f64>, ReductionError> {
         let scale = scale(&self.mass, &self.stiffness);

@@ -110,8 +110,9 @@ impl Filter {
         FILTERS[place].0
     }
 
-    /// Its numbers with their keys, but for polynomials and orders.
-    fn positive(&self) -> Vec<(&'static str, f64)> {
+    /// Its numbers with their keys, all greater than 0; without polynomials and orders.
+    #[must_use]
+    pub fn positive(&self) -> Vec<(&'static str, f64)> {
         match *self {
             Self::Lowpass { corner, .. } | Self::Derivative { corner } => vec![("corner", corner)],
             Self::Lead { zero, pole } => vec![("zero", zero), ("pole", pole)],
@@ -120,6 +121,19 @@ impl Filter {
             Self::Integrator { rate } => vec![("rate", rate)],
             Self::Transfer { .. } => vec![],
         }
+    }
+
+    /// The `place`-th of [`Filter::positive`], to change; `None` if there are not so many.
+    pub fn positive_mut(&mut self, place: usize) -> Option<&mut f64> {
+        let all: [Option<&mut f64>; 2] = match self {
+            Self::Lowpass { corner, .. } | Self::Derivative { corner } => [Some(corner), None],
+            Self::Lead { zero, pole } => [Some(zero), Some(pole)],
+            Self::Notch { frequency, width } => [Some(frequency), Some(width)],
+            Self::SynchronousNotch { width } => [Some(width), None],
+            Self::Integrator { rate } => [Some(rate), None],
+            Self::Transfer { .. } => [None, None],
+        };
+        all.into_iter().nth(place).flatten()
     }
 
     /// Checks its numbers.

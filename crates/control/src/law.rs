@@ -43,6 +43,16 @@ impl Gain {
         }
     }
 
+    /// The same times `factor` at every speed.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::Constant(value) => Self::Constant(value * factor),
+            Self::Linear { at_zero, slope } => Self::Linear { at_zero: at_zero * factor, slope: slope * factor },
+            Self::Table(points) => Self::Table(points.iter().map(|&(s, v)| (s, v * factor)).collect()),
+        }
+    }
+
     /// All numbers in it are finite, and a table has points of strictly rising speed.
     fn is_sound(&self) -> bool {
         match self {

@@ -154,14 +154,21 @@ impl MachineLoop {
     }
 
     /// The largest amplification from noise of displacement readings to force, without the loop's feedback, at a frequency.
-    fn noise_to_force(&self, frequency: f64) -> f64 {
+    #[must_use]
+    pub fn noise_to_force(&self, frequency: f64) -> f64 {
         let clean = self.around.of_displacement(frequency);
         clean.map_or(f64::NAN, |row| row.iter().map(|x| x.norm_sqr()).sum::<f64>().sqrt())
     }
 
+    /// The force `|u|` of this bearing per noise of size 1 in the displacements that its sensors read, at a frequency, the loop closed.
+    #[must_use]
+    pub fn force_per_noise(&self, frequency: f64) -> f64 {
+        self.noise_to_force(frequency) * self.gain.at(frequency).sensitivity().norm()
+    }
+
     /// The peak of force per noise, on the curve of its gain.
     fn force_peak(&self, curve: &[linear::FrequencyGain]) -> AmplitudePeak {
-        let of = |w: f64| self.noise_to_force(w) * self.gain.at(w).sensitivity().norm();
+        let of = |w: f64| self.force_per_noise(w);
         let values: Vec<f64> =
             curve.iter().map(|p| self.noise_to_force(p.frequency) * p.sensitivity().norm()).collect();
         let best =

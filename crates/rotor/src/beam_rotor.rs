@@ -62,6 +62,21 @@ impl BeamRotor {
         Ok(made)
     }
 
+    /// It with other numbers in the drawing: in the same scales, the same shapes and the same places, so that settings keep their
+    /// meaning and everything is a smooth function of those numbers.
+    pub(crate) fn redrawn(&self, drawing: Drawing) -> Result<Self, RotorError> {
+        let full = drawing.full();
+        let size = |of: &FullModel| (of.mass.nrows(), of.springs.len());
+        if size(&full) != size(&self.full) {
+            return Err(BeamError::OtherShape.into());
+        }
+        let reduced = full.among(&self.reduced);
+        let (plant, clearances) = plant_of(&full, &reduced, &self.scales)?;
+        let is_in_full = self.plant.order() != self.reduced.coordinates();
+        let made = Self { drawing, full, reduced, plant, clearances, scales: self.scales };
+        if is_in_full { made.in_full() } else { Ok(made) }
+    }
+
     /// What it was made of.
     #[must_use]
     pub fn drawing(&self) -> &Drawing {

@@ -142,6 +142,9 @@ pub enum BeamError {
         /// The station, counted from 1.
         station: usize,
     },
+    /// A drawing with other parts than the one whose numbers it is to change.
+    #[error("the drawing has other parts than the rotor: expected the same with other numbers")]
+    OtherShape,
     /// More magnetic bearings than a machine can have.
     #[error("{0} magnetic bearings: expected at most {MAX_BEARINGS}")]
     Magnetics(usize),
@@ -242,6 +245,18 @@ impl Rotor {
         Ok(match &self.body {
             Body::Chain { .. } => self.clone(),
             Body::Beam(beam) => Self { name: self.name.clone(), body: Body::Beam(Arc::new(beam.in_full()?)) },
+        })
+    }
+
+    /// It with other numbers in its drawing, which has the same parts in the same places: in the scales of this one, reduced to the same
+    /// shapes and places, so that settings keep their meaning and poles are smooth functions of the numbers. A chain is what it is.
+    ///
+    /// # Errors
+    /// A drawing of another make, or matrices that are no plant.
+    pub fn redrawn(&self, drawing: Drawing) -> Result<Self, RotorError> {
+        Ok(match &self.body {
+            Body::Chain { .. } => self.clone(),
+            Body::Beam(beam) => Self { name: self.name.clone(), body: Body::Beam(Arc::new(beam.redrawn(drawing)?)) },
         })
     }
 

@@ -233,6 +233,12 @@ impl Family {
         self.axes.iter().zip(point).map(value).collect()
     }
 
+    /// The point at which the quantities have these values: the inverse of [`Self::values`].
+    #[must_use]
+    pub fn point(&self, values: &[f64]) -> Vec<f64> {
+        self.values(values)
+    }
+
     /// The equations of motion of a chain at a point, control off.
     pub(crate) fn open(&self, point: &[f64]) -> Quadratic {
         let off = Feedback::new(0, Vec::new());

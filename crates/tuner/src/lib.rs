@@ -62,7 +62,7 @@ pub use opened::LoopMargins;
 pub use pareto::{ParetoPoint, Price, pareto};
 pub use placement::{Placement, Question, choices, rank};
 pub use problem::{Problem, ProblemError};
-pub use search::{Active, Method, Options, Progress, Tuned, evaluate, tune};
+pub use search::{Active, Method, Options, Progress, Tuned, bound, evaluate, tune};
 pub use stop::Stop;
 pub use structure::{Schedule, Structure};
 pub use track::{Tracked, track};

@@ -254,6 +254,23 @@ pub fn evaluate(problem: &Problem, options: &Options, gains: &[f64], stop: Stop)
     Ok(tuned)
 }
 
+/// Bounds the worst over the family for given gains, from `point` on, which is known to be bad: looks at up to `budget` boxes of
+/// conditions. Nothing is searched beside what boxes show.
+///
+/// # Errors
+/// A problem that makes no sense.
+pub fn bound(
+    problem: &Problem,
+    gains: &[f64],
+    point: &[f64],
+    tolerance: f64,
+    budget: u64,
+    stop: Stop,
+) -> Result<Certificate, ProblemError> {
+    problem.check()?;
+    Ok(certify(problem, gains, point, tolerance, budget, &stop))
+}
+
 /// The gains that climb `start` begins with.
 fn first_gains(problem: &Problem, options: &Options, start: usize) -> Vec<f64> {
     if let Some(gains) = options.first.get(start) {

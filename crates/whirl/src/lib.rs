@@ -42,7 +42,7 @@
 //! * [`place`] is where a result goes that is a file.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
-//! * [`range`] reads ranges as typed, `A..B`.
+//! * [`range`] reads ranges as typed, `A..B`; [`varied`] parameters over a range, `KEY=A..B` or `KEY=P%`.
 
 mod amount;
 mod attach;
@@ -63,6 +63,7 @@ mod place;
 mod range;
 mod recordings;
 mod units;
+mod varied;
 
 use std::process::ExitCode;
 

@@ -50,7 +50,8 @@ impl Table {
         self.rows.push(cells.into_iter().collect());
     }
 
-    fn to_text(&self) -> String {
+    /// It as people read it.
+    pub(crate) fn to_text(&self) -> String {
         let mut table = comfy_table::Table::new();
         table.load_style(comfy_table::presets::NOTHING).set_header(self.header.iter());
         for row in &self.rows {

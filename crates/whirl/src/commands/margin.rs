@@ -1,4 +1,7 @@
-//! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range.
+//! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range, and of a machine that is not quite
+//! what is thought.
+
+mod unsure;
 
 use ::linear::{AmplitudePeak, CertifiedPeak, DelayMargin, GainMargin, Margins, PeakProof, PhaseMargin};
 use machine::{
@@ -16,6 +19,7 @@ use crate::machine_args::{MachineArgs, Whole};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
 use crate::units::{Units, UnitsDocument};
+use unsure::Unsure;
 
 /// How many speeds of a range are looked at, if nobody says.
 const POINTS: u32 = 201;
@@ -41,6 +45,8 @@ pub(crate) struct MarginArgs {
     #[arg(long, value_name = "A,B,C", value_delimiter = ',', num_args = 1)]
     zones: Option<Vec<f64>>,
     #[command(flatten)]
+    unsure: Unsure,
+    #[command(flatten)]
     format: Format,
 }
 
@@ -55,6 +61,8 @@ struct Document<'a> {
     margins: Map<String, Value>,
     /// One a control bearing, with the others closed.
     bearings: Vec<Value>,
+    #[serde(flatten)]
+    unsure: Map<String, Value>,
     #[serde(flatten)]
     units: UnitsDocument,
 }
@@ -141,10 +149,14 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         min_damping: found.min_damping,
         margins: fields,
         bearings,
+        unsure: Map::new(),
         units: units.document(),
     };
     let heading =
         format!("{}: margins at {}, deadband neglected", rotor.name(), units.speed_text(machine.settings.speed));
+    let unsure = args.unsure.told(&machine)?;
+    let document = Document { unsure: unsure.fields, ..document };
+    let table = unsure.rows.filter(|_| args.format.csv).unwrap_or(table);
     let above = certified.as_ref().map_or(String::new(), |peak| {
         let how = match peak.proof {
             PeakProof::Hamiltonian => "by its Hamiltonian matrix",
@@ -154,6 +166,7 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         format!("no frequency has {what} above {} ({how})\n", rounded(peak.below))
     });
     let footer = format!("minimum damping {}\n{above}{}", rounded(found.min_damping), told.remarks(&machine));
+    let footer = footer + "\n" + &unsure.text;
     args.format.print(&document, &heading, &table, &footer)
 }
 

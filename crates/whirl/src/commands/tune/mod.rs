@@ -19,8 +19,9 @@ use crate::interrupt;
 use crate::output::{Format, rounded};
 use crate::place::Force;
 use crate::range::Range;
+use crate::varied::Varied;
 
-use question::{Asked, Gains, MeasureName, Places, Robust, Signal, Span, Varied};
+use question::{Asked, Gains, MeasureName, Places, Robust, Signal, Span};
 
 /// Options of `whirl tune`. What it finds is feedback, for `--feedback` and for files.
 #[derive(Debug, clap::Args)]

@@ -17,6 +17,7 @@ use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::range::Range;
 use crate::units::Units;
+use crate::varied::{By, Varied};
 
 /// What drives the bearing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -127,73 +128,42 @@ impl FromStr for Span {
     }
 }
 
-/// A parameter that varies.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Varied {
-    key: String,
-    by: By,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum By {
-    Range(Range),
-    /// Either way of the rotor's own value.
-    Part(f64),
-}
-
-impl FromStr for Varied {
-    type Err = String;
-
-    fn from_str(typed: &str) -> Result<Self, String> {
-        let expected = || format!("'{typed}': expected KEY=A..B or KEY=P%, such as damping.1=0.2..0.3 or shaft.2=10%");
-        let (key, by) = pair(typed).map_err(|_| expected())?;
-        let percent = |by: &str| by.strip_suffix('%')?.trim().parse().ok().filter(|p: &f64| *p > 0.0 && *p < 100.0);
-        let by = match by.parse() {
-            Ok(range) => By::Range(range),
-            Err(_) => By::Part(percent(by).ok_or_else(expected)? / 100.0),
-        };
-        Ok(Self { key: key.to_owned(), by })
-    }
-}
-
-impl Varied {
-    /// The coordinate that it is for `rotor`.
-    fn axis(&self, rotor: &Rotor) -> Result<FamilyAxis, Failure> {
-        let unknown = || {
-            let names: Vec<&str> = FIELDS.iter().map(|field| field.name).filter(|name| *name != "deadband").collect();
-            Failure::Usage(format!(
-                "'{}' is no parameter: expected {} or shaft, a dot, and a number from 1, such as damping.1",
-                self.key,
-                names.join(", ")
-            ))
-        };
-        let (name, number) = self.key.split_once('.').ok_or_else(unknown)?;
-        let number: usize = number.parse().ok().filter(|&n| n > 0).ok_or_else(unknown)?;
-        let missing = || {
-            let (masses, shafts) = (rotor.len(), rotor.shafts().len());
-            Failure::Usage(format!("'{}': {} has {masses} masses and {shafts} shafts", self.key, rotor.name()))
-        };
-        let (quantity, value) = if name == "shaft" {
-            (FamilyQuantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
-        } else {
-            // Clearance has no part in the linear rotor: deadband states are what --robust is for.
-            let known = FIELDS.iter().position(|field| field.name == name && name != "deadband");
-            let field = known.ok_or_else(unknown)?;
-            let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
-            (FamilyQuantity::Parameter { field, mass: number - 1 }, mass.values()[field])
-        };
-        let (from, to) = match self.by {
-            By::Range(range) => (range.from, range.to),
-            By::Part(part) => {
-                let width = part * value.abs();
-                if width == 0.0 {
-                    return Err(Failure::Usage(format!("'{}' is 0: a part of it is nothing; give a range", self.key)));
-                }
-                (value - width, value + width)
+/// The coordinate of a family that a parameter of `rotor` is.
+fn axis(varied: &Varied, rotor: &Rotor) -> Result<FamilyAxis, Failure> {
+    let unknown = || {
+        let names: Vec<&str> = FIELDS.iter().map(|field| field.name).filter(|name| *name != "deadband").collect();
+        Failure::Usage(format!(
+            "'{}' is no parameter: expected {} or shaft, a dot, and a number from 1, such as damping.1",
+            varied.key,
+            names.join(", ")
+        ))
+    };
+    let (name, number) = varied.key.split_once('.').ok_or_else(unknown)?;
+    let number: usize = number.parse().ok().filter(|&n| n > 0).ok_or_else(unknown)?;
+    let missing = || {
+        let (masses, shafts) = (rotor.len(), rotor.shafts().len());
+        Failure::Usage(format!("'{}': {} has {masses} masses and {shafts} shafts", varied.key, rotor.name()))
+    };
+    let (quantity, value) = if name == "shaft" {
+        (FamilyQuantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
+    } else {
+        // Clearance has no part in the linear rotor: deadband states are what --robust is for.
+        let known = FIELDS.iter().position(|field| field.name == name && name != "deadband");
+        let field = known.ok_or_else(unknown)?;
+        let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
+        (FamilyQuantity::Parameter { field, mass: number - 1 }, mass.values()[field])
+    };
+    let (from, to) = match varied.by {
+        By::Range(range) => (range.from, range.to),
+        By::Part(part) => {
+            let width = part * value.abs();
+            if width == 0.0 {
+                return Err(Failure::Usage(format!("'{}' is 0: a part of it is nothing; give a range", varied.key)));
             }
-        };
-        Ok(FamilyAxis { quantity, from, to })
-    }
+            (value - width, value + width)
+        }
+    };
+    Ok(FamilyAxis { quantity, from, to })
 }
 
 /// The whole question.
@@ -267,7 +237,7 @@ impl Asked {
             )));
         }
         for varied in &args.vary {
-            family.push(varied.axis(&rotor)?)?;
+            family.push(axis(varied, &rotor)?)?;
         }
         if let Some(Span { from, to }) = args.delay {
             let second = units.time(1.0);

@@ -1,0 +1,325 @@
+//! A machine as it is said to be, and the same with other numbers.
+
+use beam::{Drawing, Sketch};
+use control::Filter;
+use linear::DelayError;
+use machine::{MachinePoles, MarginsError, PolesError};
+use rotor::{
+    FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings, SettingsError,
+};
+
+use crate::drawn::DRAWN;
+use crate::parameter::{Parameter, Quantity};
+
+/// Why a number cannot be another, or nothing can be said of a machine.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum VariationError {
+    /// No parameter of that name.
+    #[error("no parameter '{found}': there are {known}")]
+    Unknown {
+        /// What was found.
+        found: String,
+        /// What there is, in words.
+        known: String,
+    },
+    /// A value that the parameter cannot have.
+    #[error("{name} = {found}: expected {expected}")]
+    Value {
+        /// The parameter.
+        name: String,
+        /// The value.
+        found: f64,
+        /// What it may be.
+        expected: String,
+    },
+    /// A setting that cannot be.
+    #[error(transparent)]
+    Setting(#[from] SettingsError),
+    /// Numbers of which no rotor can be made.
+    #[error(transparent)]
+    Rotor(#[from] RotorError),
+    /// A drawing that is none.
+    #[error(transparent)]
+    Drawing(#[from] beam::DrawingError),
+    /// Poles that cannot be had.
+    #[error(transparent)]
+    Poles(#[from] PolesError),
+    /// Margins that cannot be had.
+    #[error(transparent)]
+    Margins(#[from] MarginsError),
+}
+
+impl From<DelayError> for VariationError {
+    fn from(error: DelayError) -> Self {
+        Self::Poles(error.into())
+    }
+}
+
+impl From<control::FeedbackError> for VariationError {
+    fn from(error: control::FeedbackError) -> Self {
+        Self::Poles(error.into())
+    }
+}
+
+/// A machine as it is said to be: rotor and settings, its speed among them.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    /// The rotor.
+    pub rotor: Rotor,
+    /// Settings that fit it.
+    pub settings: Settings,
+}
+
+impl Model {
+    /// That of a rotor under settings, which must have passed [`Settings::check`].
+    #[must_use]
+    pub fn new(rotor: Rotor, settings: Settings) -> Self {
+        Self { rotor, settings }
+    }
+
+    /// The parameter that is typed as `name`: a setting as `whirl set` has it, a parameter of a mass such as `damping.1`, `shaft.2`,
+    /// `factor.1`, a number of a drawing such as `bearing.1.stiffness`, `gain` or a filter's `filter.1.corner`.
+    ///
+    /// # Errors
+    /// No such parameter: what there is.
+    pub fn parameter(&self, name: &str) -> Result<Parameter, VariationError> {
+        let made = |quantity| Ok(Parameter { quantity, name: name.to_owned() });
+        if let Some(quantity) = self.of_rotor(name).or_else(|| self.of_loop(name)) {
+            return made(quantity);
+        }
+        match self.settings.key(name) {
+            Ok(key) => {
+                self.settings.get(key)?;
+                made(Quantity::Setting(key))
+            }
+            Err(SettingsError::UnknownKey(_)) => {
+                let all: Vec<String> = self.parameters().into_iter().map(|of| of.name).collect();
+                Err(VariationError::Unknown { found: name.to_owned(), known: all.join(", ") })
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    fn of_rotor(&self, name: &str) -> Option<Quantity> {
+        let counted = |typed: &str| typed.parse::<usize>().ok()?.checked_sub(1);
+        let (first, rest) = name.split_once('.')?;
+        if let Some(beam) = self.rotor.beam() {
+            let (number, field) = rest.split_once('.')?;
+            let row = *DRAWN.iter().find(|row| (row.part, row.field) == (first, field))?;
+            let of_name = || beam.drawing().magnetics.iter().position(|m| first == "magnetic" && m.name == number);
+            let at = counted(number).or_else(of_name)?;
+            return (row.get)(beam.drawing(), at).map(|_| Quantity::Drawn { row, at });
+        }
+        let at = counted(rest)?;
+        match first {
+            "shaft" => (at < self.rotor.shafts().len()).then_some(Quantity::Shaft(at)),
+            "factor" => self.rotor.has_contact(at).then_some(Quantity::Factor(at)),
+            _ => {
+                let field = FIELDS.iter().position(|row| row.name == first && first != "deadband")?;
+                (at < self.rotor.len()).then_some(Quantity::Field { field, mass: at })
+            }
+        }
+    }
+
+    fn of_loop(&self, name: &str) -> Option<Quantity> {
+        let feedback = &self.settings.feedback;
+        if name == "gain" {
+            return Some(Quantity::LoopGain(None));
+        }
+        if let Some(bearing) = name.strip_prefix("gain.").or_else(|| name.strip_suffix(".gain")) {
+            return feedback.find(bearing).map(|bearing| Quantity::LoopGain(Some(bearing)));
+        }
+        let (number, key) = name.strip_prefix("filter.")?.split_once('.')?;
+        let filter = number.parse::<usize>().ok()?.checked_sub(1)?;
+        let numbers = filters(feedback).nth(filter)?.positive();
+        let number = numbers.iter().position(|(of, _)| *of == key)?;
+        Some(Quantity::Filter { filter, number })
+    }
+
+    /// Every parameter that linear analysis knows, in the order of files and settings.
+    #[must_use]
+    pub fn parameters(&self) -> Vec<Parameter> {
+        let (feedback, mut all) = (&self.settings.feedback, Vec::new());
+        let mut add = |quantity, name| all.push(Parameter { quantity, name });
+        for key in self.settings.keys() {
+            // Without a lag there is nothing to be damped.
+            let has_part = key.parameter.name != "lag_damping"
+                || feedback.bearings.iter().any(|bearing| bearing.parts.lag > 0.0 && bearing.parts.lag_damping > 0.0);
+            if has_part {
+                add(Quantity::Setting(key), self.settings.label(key));
+            }
+        }
+        match feedback.bearings.len() {
+            1 => add(Quantity::LoopGain(None), "gain".into()),
+            several => {
+                for k in 0..several {
+                    add(Quantity::LoopGain(Some(k)), format!("{}.gain", feedback.label(k)));
+                }
+            }
+        }
+        for (filter, of) in filters(feedback).enumerate() {
+            for (number, (key, _)) in of.positive().into_iter().enumerate() {
+                add(Quantity::Filter { filter, number }, format!("filter.{}.{key}", filter + 1));
+            }
+        }
+        for mass in 0..self.rotor.masses().len() {
+            for (field, row) in FIELDS.iter().enumerate().filter(|(_, row)| row.name != "deadband") {
+                add(Quantity::Field { field, mass }, format!("{}.{}", row.name, mass + 1));
+            }
+            if self.rotor.has_contact(mass) {
+                add(Quantity::Factor(mass), format!("factor.{}", mass + 1));
+            }
+        }
+        (0..self.rotor.shafts().len()).for_each(|k| add(Quantity::Shaft(k), format!("shaft.{}", k + 1)));
+        if let Some(beam) = self.rotor.beam() {
+            let drawing = beam.drawing();
+            // What is not there has no size that a change of it could be measured by. An inertia that is not on its own is not there.
+            for row in DRAWN {
+                for at in 0.. {
+                    let Some(value) = (row.get)(drawing, at) else { break };
+                    if value != 0.0 {
+                        add(Quantity::Drawn { row, at }, format!("{}.{}.{}", row.part, at + 1, row.field));
+                    }
+                }
+            }
+        }
+        all.retain(Parameter::is_linear);
+        all
+    }
+
+    /// The value of a parameter.
+    #[must_use]
+    pub fn value(&self, parameter: &Parameter) -> f64 {
+        match &parameter.quantity {
+            Quantity::Setting(key) => self.settings.get(*key).unwrap_or(f64::NAN),
+            Quantity::LoopGain(_) | Quantity::Factor(_) => 1.0,
+            Quantity::Filter { filter, number } => {
+                let of = filters(&self.settings.feedback).nth(*filter);
+                of.and_then(|of| of.positive().get(*number).map(|(_, value)| *value)).unwrap_or(f64::NAN)
+            }
+            Quantity::Field { field, mass } => self.rotor.masses()[*mass].values()[*field],
+            Quantity::Shaft(shaft) => self.rotor.shafts()[*shaft],
+            Quantity::Drawn { row, at } => {
+                self.rotor.beam().and_then(|beam| (row.get)(beam.drawing(), *at)).unwrap_or(f64::NAN)
+            }
+        }
+    }
+
+    /// The same machine with other values of some of its parameters. A drawing keeps its scales, shapes and places.
+    ///
+    /// # Errors
+    /// A value that a parameter cannot have, or a machine that cannot be.
+    pub fn with(&self, changes: &[(&Parameter, f64)]) -> Result<Self, VariationError> {
+        let mut made = Self { rotor: self.rotor.clone(), settings: self.settings.clone() };
+        let mut chain: Option<(Vec<Mass>, Vec<f64>)> = None;
+        let mut sketch: Option<Sketch> = None;
+        let lumped = || (self.rotor.masses().to_vec(), self.rotor.shafts().to_vec());
+        for (parameter, value) in changes {
+            let value = *value;
+            let admit = |is_allowed: bool, expected: &str| match is_allowed {
+                true => Ok(()),
+                false => {
+                    let (name, expected) = (parameter.name.clone(), expected.to_owned());
+                    Err(VariationError::Value { name, found: value, expected })
+                }
+            };
+            match &parameter.quantity {
+                Quantity::Setting(key) => made.settings.set(*key, value)?,
+                Quantity::Field { field, mass } => {
+                    let domain = FIELDS[*field].domain;
+                    admit(domain.admits(value), domain.words())?;
+                    let (masses, _) = chain.get_or_insert_with(lumped);
+                    let mut values = masses[*mass].values();
+                    values[*field] = value;
+                    masses[*mass] = Mass::from_values(values);
+                }
+                Quantity::Shaft(shaft) => {
+                    admit(value.is_finite() && value >= 0.0, "a finite number, not negative")?;
+                    chain.get_or_insert_with(lumped).1[*shaft] = value;
+                }
+                Quantity::Drawn { row, at } => {
+                    admit(value.is_finite(), "a finite number")?;
+                    let of = |beam: &rotor::BeamRotor| beam.drawing().clone().into_sketch();
+                    let sketch = sketch.get_or_insert_with(|| self.rotor.beam().map(of).unwrap_or_default());
+                    (row.set)(sketch, *at, value);
+                }
+                Quantity::Factor(_) => admit((0.0..=1.0).contains(&value), "a number from 0 to 1")?,
+                Quantity::LoopGain(_) => admit(value.is_finite(), "a finite number")?,
+                Quantity::Filter { .. } => {
+                    admit(value.is_finite() && value > 0.0, "a finite number greater than 0")?;
+                }
+            }
+        }
+        // Factors act on whatever the other changes have left.
+        for (parameter, value) in changes {
+            match &parameter.quantity {
+                Quantity::Factor(mass) => {
+                    chain.get_or_insert_with(lumped).0[*mass].bearing_stiffness *= value;
+                }
+                Quantity::LoopGain(bearing) => scale(&mut made.settings.feedback, *bearing, *value),
+                Quantity::Filter { filter, number } => {
+                    if let Some(of) = filter_mut(&mut made.settings.feedback, *filter)
+                        && let Some(place) = of.positive_mut(*number)
+                    {
+                        *place = *value;
+                    }
+                }
+                _ => {}
+            }
+        }
+        if let Some((masses, shafts)) = chain {
+            made.rotor = Rotor::new(self.rotor.name(), masses, shafts)?;
+        }
+        if let Some(sketch) = sketch {
+            made.rotor = self.rotor.redrawn(Drawing::new(sketch)?)?;
+        }
+        Ok(made)
+    }
+
+    /// Its smallest damping ratio.
+    ///
+    /// # Errors
+    /// Poles that cannot be had.
+    pub fn min_damping(&self) -> Result<f64, VariationError> {
+        Ok(machine::min_damping(&self.rotor, &self.settings, self.settings.speed)?)
+    }
+
+    /// Its poles.
+    ///
+    /// # Errors
+    /// Poles that cannot be had.
+    pub fn poles(&self) -> Result<MachinePoles, VariationError> {
+        Ok(MachinePoles::of(&self.rotor, &self.settings)?)
+    }
+
+    /// It as matrices at its speed.
+    pub(crate) fn form(&self) -> Result<LinearForm, VariationError> {
+        let at = OperatingPoint::at(self.settings.speed);
+        Ok(LinearForm::of(&Plant::of(&self.rotor), &self.settings.feedback, &at)?)
+    }
+}
+
+/// Every filter of a feedback: bearing by bearing, of its signals and then its own.
+fn filters(feedback: &Feedback) -> impl Iterator<Item = &Filter> {
+    feedback
+        .bearings
+        .iter()
+        .flat_map(|bearing| bearing.signals.iter().flat_map(|signal| &signal.filters).chain(&bearing.filters))
+}
+
+/// The `place`-th of [`filters`], to change.
+fn filter_mut(feedback: &mut Feedback, place: usize) -> Option<&mut Filter> {
+    let all = feedback.bearings.iter_mut().flat_map(|bearing| {
+        bearing.signals.iter_mut().flat_map(|signal| &mut signal.filters).chain(&mut bearing.filters)
+    });
+    all.into_iter().nth(place)
+}
+
+fn scale(feedback: &mut Feedback, bearing: Option<usize>, factor: f64) {
+    for (k, of) in feedback.bearings.iter_mut().enumerate() {
+        if bearing.is_none_or(|bearing| bearing == k) {
+            let gains = of.signals.iter_mut().flat_map(|signal| &mut signal.gains);
+            gains.for_each(|gain: &mut Gain| *gain = gain.scaled(factor));
+        }
+    }
+}
