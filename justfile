@@ -92,6 +92,22 @@ manual:
 header:
     cargo run -p wire --example header -- crates/wire/whirl.h
 
+# The messages for Python, made from the same tables (a test compares)
+python-messages:
+    cargo run -p wire --example python -- crates/wire/python/whirl/messages.py
+
+# The Python package against a real bench (sets up numpy, iceoryx2 and pytest in target/)
+check-python:
+    cargo build --release
+    python3 -m venv target/python-bench
+    target/python-bench/bin/pip install --quiet -e crates/wire/python[test]
+    cd crates/wire/python && ../../../target/python-bench/bin/mypy whirl
+    WHIRL=target/release/whirl target/python-bench/bin/python -m pytest -q crates/wire/python/tests
+
+# The page of the protocol, docs/protocol.md, made from the same tables (a test compares)
+protocol:
+    cargo run -p wire --example protocol -- docs/protocol.md
+
 # The documents' pictures, of a real bench, into docs/pictures
 screenshots:
     docs/pictures/make

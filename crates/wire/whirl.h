@@ -55,6 +55,8 @@
 #define WHIRL_SATURATED UINT32_C(0x10000) /* the control bearing is at its limit */
 #define WHIRL_TRIPPED UINT32_C(0x20000) /* the machine has tripped: the rotor is held where it was */
 #define WHIRL_LATE UINT32_C(0x40000) /* the step was sent more than one step period after it was due */
+#define WHIRL_EXTERNAL UINT32_C(0x80000) /* the command comes from a controller outside */
+#define WHIRL_HELD UINT32_C(0x100000) /* a command from outside that should be there is not: the last one is held */
 
 /* The double whose bits a word is. */
 static inline double whirl_number(uint64_t word) {
@@ -105,7 +107,8 @@ struct whirl_health { /* 72 bytes, whirl.Health */
 
 /* What tripped the machine; all zero while it runs. */
 struct whirl_trip { /* 32 bytes, whirl.Trip */
-    /* 0: 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers. */
+    /* 0: 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came from
+       outside. */
     uint32_t cause;
     /* 4: The mass with the largest orbit, counted from 1. */
     uint32_t mass;
@@ -299,6 +302,58 @@ struct whirl_snapshot_head { /* 32 bytes, whirl.SnapshotHead */
     uint64_t revision;
     /* 24: Time of the rotor. */
     double tau;
+};
+
+/* What a controller outside is given: what the sensors read before a step with which a sample is due. */
+struct whirl_readings { /* 624 bytes, whirl.Readings */
+    /* 0: Which run of which process: as in the steps. */
+    uint64_t run_id;
+    /* 8: Number of these readings in their run: up by 1 with every sample. The command that answers them has it. */
+    uint64_t number;
+    /* 16: The step that the machine makes next. */
+    uint64_t seq;
+    /* 24: Wall clock when they were sent, nanoseconds since 1970. */
+    uint64_t wall_ns;
+    /* 32: Wall clock by which their command must be there to act in time, nanoseconds since 1970; 0 where the
+       machine waits for it. */
+    uint64_t deadline_ns;
+    /* 40: Time of the rotor. */
+    double tau;
+    /* 48: Spin angle in radians, unwrapped. */
+    double angle;
+    /* 56: Spin speed R. */
+    double speed;
+    /* 64: How many masses there are. */
+    uint32_t masses;
+    /* 68: How many control bearings there are. */
+    uint32_t bearings;
+    /* 72: 1 if the machine waits for the command (lockstep), 0 in real time. */
+    uint32_t lockstep;
+    /* 76: 1 if commands from outside act, 0 while the law of the bench does. */
+    uint32_t acting;
+    /* 80: The newest readings that were answered. */
+    uint64_t answered;
+    /* 88: Commands that came after their deadline, since the start. */
+    uint64_t late;
+    /* 96: Samples whose command was not there at its deadline, since the start. */
+    uint64_t missed;
+    /* 104: Commands that were not taken, because they were not finite, since the start. */
+    uint64_t refused;
+    /* 112: Of every mass y, z, vy, vz as the sensors of the first control bearing read them, in e_t and w0 e_t;
+       zeros after the last. */
+    double readings[16][4];
+};
+
+/* What a controller outside sends back. */
+struct whirl_control_command { /* 152 bytes, whirl.ControlCommand */
+    /* 0: The run_id of the readings. */
+    uint64_t run_id;
+    /* 8: The number of the readings that it answers. */
+    uint64_t number;
+    /* 16: Wall clock when it was sent, nanoseconds since 1970; 0 if it is not told. */
+    uint64_t wall_ns;
+    /* 24: Control uy, uz at every control bearing, in w0^2 e_t; what is after the last is not looked at. */
+    double command[8][2];
 };
 
 #endif

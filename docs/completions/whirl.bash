@@ -31,6 +31,9 @@ _whirl() {
             whirl,config)
                 cmd="whirl__subcmd__config"
                 ;;
+            whirl,control)
+                cmd="whirl__subcmd__control"
+                ;;
             whirl,cycles)
                 cmd="whirl__subcmd__cycles"
                 ;;
@@ -109,6 +112,9 @@ _whirl() {
             whirl,up)
                 cmd="whirl__subcmd__up"
                 ;;
+            whirl,wire)
+                cmd="whirl__subcmd__wire"
+                ;;
             whirl__subcmd__config,defaults)
                 cmd="whirl__subcmd__config__subcmd__defaults"
                 ;;
@@ -152,7 +158,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status clean poles trace thresholds modes margin measure bode assess run runup force response cycles tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles tune report assign rotor"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -374,6 +380,24 @@ _whirl() {
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__control)
+            opts="-h --bench --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --bench)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -1166,7 +1190,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__sim)
-            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --as-child --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --lockstep --as-child --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1505,6 +1529,24 @@ _whirl() {
                     return 0
                     ;;
                 --record)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__wire)
+            opts="-h --bench --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --bench)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -39,6 +39,8 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "config" -d 'Say where t
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "set" -d 'Change gains, speed, deadband ... of a running simulation'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "note" -d 'Mark the present step of a running simulation with a note'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "status" -d 'List running benches: rates, lateness, losses, who is attached'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "control" -d 'Let a program of any kind control a running simulation, by its standard input and output'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "wire" -d 'Say how another program finds and reads a bench: root, services, types, sizes, offsets, units'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "clean" -d 'Remove what crashed processes left behind; never touches a live bench'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "poles" -d 'Print eigenvalues and minimum damping at one speed'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "trace" -d 'Print every pole as a branch over speed, or the Campbell diagram'
@@ -84,6 +86,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand sim" -l profile -d 'Legs of 
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l lockstep -d 'Not in real time: wait at every sample for the command of a controller outside (`external`), and go as fast as that, bit for bit repeatable'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l as-child -d 'Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when the parent dies'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l bench -d 'Name of the bench' -r
@@ -163,6 +166,12 @@ complete -c whirl -n "__fish_whirl_using_subcommand note" -s h -l help -d 'Print
 complete -c whirl -n "__fish_whirl_using_subcommand status" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand status" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand status" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand control" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand control" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand wire" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand wire" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand wire" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand wire" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand clean" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand clean" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r

@@ -9,6 +9,7 @@ mod endings;
 mod events;
 mod examples;
 mod files;
+mod join;
 mod kept;
 mod linear;
 mod live;

@@ -119,6 +119,20 @@ impl Feedback {
         self.bearings.first().map_or(0.0, |bearing| bearing.parts.delay)
     }
 
+    /// Samples that a controller outside may miss before the laws here take over; `None` where there is none outside.
+    #[must_use]
+    pub fn external(&self) -> Option<u64> {
+        let samples = self.bearings.first().map_or(0.0, |bearing| bearing.parts.external);
+        (samples > 0.0).then_some(samples.ceil() as u64)
+    }
+
+    /// Samples missed by it that trip the machine; `None` for never.
+    #[must_use]
+    pub fn external_trip(&self) -> Option<u64> {
+        let samples = self.bearings.first().map_or(0.0, |bearing| bearing.parts.external_trip);
+        (samples > 0.0).then_some(samples.ceil() as u64)
+    }
+
     /// The same with these parts of the loop at every bearing.
     #[must_use]
     pub fn with_parts(mut self, parts: Parts) -> Self {
@@ -159,7 +173,12 @@ impl Feedback {
                 }
             }
             let (own, first) = (bearing.parts, self.first().parts);
-            for (key, found, first) in [("sample", own.sample, first.sample), ("delay", own.delay, first.delay)] {
+            for (key, found, first) in [
+                ("sample", own.sample, first.sample),
+                ("delay", own.delay, first.delay),
+                ("external", own.external, first.external),
+                ("external_trip", own.external_trip, first.external_trip),
+            ] {
                 if found != first {
                     return Err(FeedbackError::Clock { bearing: self.label(k), key, found, first });
                 }

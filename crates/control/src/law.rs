@@ -223,6 +223,16 @@ pub enum FeedbackError {
     /// A number of the loop is not allowed.
     #[error(transparent)]
     Part(#[from] PartError),
+    /// A controller outside of a loop without samples.
+    #[error(
+        "external = {0} without sample: expected sample = T beside it, the period at which a controller outside is asked"
+    )]
+    ExternalUnsampled(f64),
+    /// A trip for want of a controller that nobody waits for.
+    #[error(
+        "external_trip = {0} without external: expected external = N beside it, the samples that a controller outside may miss"
+    )]
+    ExternalTripAlone(f64),
     /// No control bearing, or more than a message can carry.
     #[error("feedback has 1 to {MAX_BEARINGS} control bearings, found {0}")]
     Bearings(usize),
@@ -234,7 +244,7 @@ pub enum FeedbackError {
     Clock {
         /// Which bearing.
         bearing: String,
-        /// `sample` or `delay`.
+        /// `sample`, `delay`, `external` or `external_trip`.
         key: &'static str,
         /// Its value there.
         found: f64,
@@ -295,6 +305,12 @@ impl ControlBearing {
         }
         self.filters.iter().try_for_each(Filter::check).map_err(FeedbackError::BearingFilter)?;
         self.parts.check()?;
+        if self.parts.external > 0.0 && self.parts.sample == 0.0 {
+            return Err(FeedbackError::ExternalUnsampled(self.parts.external));
+        }
+        if self.parts.external_trip > 0.0 && self.parts.external == 0.0 {
+            return Err(FeedbackError::ExternalTripAlone(self.parts.external_trip));
+        }
         Ok(())
     }
 

@@ -53,6 +53,18 @@ pub struct Parts {
     /// Largest magnitude of the force's rate of change; infinite without a limit.
     #[serde(with = "unlimited")]
     pub slew: f64,
+    /// Samples that a controller outside may leave without a command before the law here takes over; 0 is no controller outside.
+    #[serde(skip_serializing_if = "is_absent")]
+    pub external: f64,
+    /// Samples without a command after which the machine trips; 0 is never.
+    #[serde(skip_serializing_if = "is_absent")]
+    pub external_trip: f64,
+}
+
+/// What is not there is not told, so that whoever knows nothing of it can read the rest.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_absent(samples: &f64) -> bool {
+    *samples == 0.0
 }
 
 /// JSON has no infinity: no limit is `null` there.
@@ -82,6 +94,8 @@ impl Default for Parts {
             lag_damping: 0.0,
             limit: f64::INFINITY,
             slew: f64::INFINITY,
+            external: 0.0,
+            external_trip: 0.0,
         }
     }
 }
@@ -103,7 +117,7 @@ macro_rules! part {
 }
 
 /// Every number of the loop, in the order in which a signal passes them.
-pub const PARTS: [Part; 10] = [
+pub const PARTS: [Part; 12] = [
     part!(sensor_lag, "time constant of the sensors", Time, 1e-6, 1e6, 0.01, 0.0),
     part!(noise, "sensor noise, standard deviation per sample", Length, 1e-12, 1e6, 0.001, 0.0),
     part!(quantum, "resolution of the sensors", Length, 1e-12, 1e6, 0.001, 0.0),
@@ -114,6 +128,8 @@ pub const PARTS: [Part; 10] = [
     part!(lag_damping, "damping ratio of an actuator of second order", Number, 0.01, 100.0, 0.05, 0.0),
     part!(limit, "largest force |u|", Force, 1e-9, 1e12, 1.0, f64::INFINITY),
     part!(slew, "largest rate of force |du/dtau|", ForceRate, 1e-9, 1e12, 10.0, f64::INFINITY),
+    part!(external, "samples that a controller outside may miss", Number, 1.0, 1e6, 1.0, 0.0),
+    part!(external_trip, "samples missed by it that trip the machine", Number, 1.0, 1e6, 1.0, 0.0),
 ];
 
 impl Part {
@@ -148,7 +164,8 @@ impl Parts {
     /// Whether force follows displacement at once and exactly.
     #[must_use]
     pub fn is_ideal(&self) -> bool {
-        PARTS.iter().filter(|part| part.name != "seed" && part.name != "lag_damping").all(|p| (p.get)(self) == p.absent)
+        let alone = ["seed", "lag_damping", "external_trip"];
+        PARTS.iter().filter(|part| !alone.contains(&part.name)).all(|p| (p.get)(self) == p.absent)
     }
 
     /// Checks every number.
@@ -175,7 +192,7 @@ mod tests {
         let parts = Parts::default();
         parts.check().expect("allowed");
         assert!(parts.is_ideal());
-        for part in PARTS.iter().filter(|p| p.name != "seed" && p.name != "lag_damping") {
+        for part in PARTS.iter().filter(|p| !["seed", "lag_damping", "external_trip"].contains(&p.name)) {
             let mut changed = parts;
             (part.set)(&mut changed, part.step);
             assert!(!changed.is_ideal(), "{}", part.name);

@@ -128,6 +128,23 @@ impl Integrator {
         motion.pass(to + self.tolerance);
     }
 
+    /// Reads the sample that is due at `tau`, for a law outside. Returns whether one was read now.
+    pub(crate) fn sense(&mut self, tau: f64, speed: f64) -> bool {
+        let n = self.order();
+        let Self { plant, controllers, state, stations, .. } = self;
+        if !controllers.iter().any(Controller::may_be_external) {
+            return false;
+        }
+        let stage = seen(plant, stations, state, tau, 0.0, speed);
+        let (mut held, mut any) = (&state[2 * n..], false);
+        for controller in controllers {
+            let (own, rest) = held.split_at(controller.order());
+            any |= controller.sense(&stage, own);
+            held = rest;
+        }
+        any
+    }
+
     fn act(&mut self, tau: f64, speed: f64) {
         let n = self.order();
         let Self { plant, controllers, state, stations, .. } = self;

@@ -2,8 +2,11 @@
 //!
 //! Whoever steps a rotor steps this: the live process, a recording's what-if, an offline run. So none of them can differ.
 
+mod external;
 mod path;
 mod save;
+
+pub use external::Sensed;
 
 use control::{Excitation, MAX_BEARINGS, Output};
 use rotor::{C64, Stepper};

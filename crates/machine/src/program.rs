@@ -203,6 +203,12 @@ impl Program {
         self.feedback.bearings.len()
     }
 
+    /// The control bearings.
+    #[must_use]
+    pub fn feedback(&self) -> &Feedback {
+        &self.feedback
+    }
+
     /// How many coordinates the plant has.
     #[must_use]
     pub fn order(&self) -> usize {

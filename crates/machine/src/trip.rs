@@ -8,6 +8,15 @@ pub enum TripCause {
     Orbit = 1,
     /// The motion left the range of numbers: the last that was finite is kept.
     NotFinite = 2,
+    /// No command came from the controller outside for too many samples.
+    NoCommand = 3,
+}
+
+impl TripCause {
+    /// The cause of this number; none that is not known.
+    pub(crate) fn of(number: u64) -> Option<Self> {
+        [Self::Orbit, Self::NotFinite, Self::NoCommand].into_iter().find(|cause| *cause as u64 == number)
+    }
 }
 
 /// A machine that has stopped by itself.

@@ -163,7 +163,7 @@ const fn machine(
 }
 
 /// Every numeric setting, in the order in which panels show them.
-pub const PARAMETERS: [Parameter; 18] = [
+pub const PARAMETERS: [Parameter; 20] = [
     machine(
         "speed",
         "spin speed R = w / w0; with a ramp, where it goes",
@@ -216,6 +216,8 @@ pub const PARAMETERS: [Parameter; 18] = [
     part!(7),
     part!(8),
     part!(9),
+    part!(10),
+    part!(11),
 ];
 
 /// One settable value: a row of [`PARAMETERS`], and the mass, signal or control bearing it is meant for.

@@ -193,6 +193,9 @@ fn any_parts() -> impl Strategy<Value = Parts> {
                 (part.set)(&mut parts, value);
             }
         }
+        // Whole samples, and a controller outside is asked at samples.
+        parts.external = if parts.sample > 0.0 { parts.external.ceil() } else { 0.0 };
+        parts.external_trip = if parts.external > 0.0 { parts.external_trip.ceil() } else { 0.0 };
         // The damping is the lag's.
         if parts.lag == 0.0 {
             parts.lag_damping = 0.0;

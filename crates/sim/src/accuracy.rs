@@ -15,7 +15,7 @@ fn jeffcott(feedback: &str, speed: f64, deadband: f64) -> (Rotor, Settings) {
 }
 
 fn options(dtau: f64) -> Options {
-    Options { bench: BenchName::default(), rate_hz: Options::DEFAULT_RATE_HZ, dtau, profile: None }
+    Options { bench: BenchName::default(), rate_hz: Options::DEFAULT_RATE_HZ, dtau, ..Options::default() }
 }
 
 /// The state after `tau`, from rest.

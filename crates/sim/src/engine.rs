@@ -8,6 +8,7 @@ use rotor::C64;
 use wire::message::{Flags, Trip};
 use wire::{Channel, MAX_SNAPSHOT, Point, RowMut, SnapshotHead};
 
+use crate::external::ExternalCounters;
 use crate::pacer::Wake;
 
 /// Orders that may be under way at once; the request thread hands over one at a time.
@@ -86,6 +87,8 @@ pub(crate) struct Counters {
     pub(crate) speed_bits: AtomicU64,
     /// The largest orbit since it was asked for last, likewise.
     pub(crate) radius_bits: AtomicU64,
+    /// How a controller outside does.
+    pub(crate) external: ExternalCounters,
 }
 
 impl Counters {
@@ -169,12 +172,25 @@ pub(crate) struct Engine {
     save_every: u64,
     /// The step before which the next one is due.
     save_at: u64,
+    /// How often the loop or its time has begun anew: by settings, and by a restart.
+    generation: u64,
+    /// Whether commands come from a controller outside, and whether the last one is held for want of a newer.
+    external: [bool; 2],
 }
 
 impl Engine {
     /// A machine at rest, of which a snapshot is taken every so many steps at least.
     pub(crate) fn new(program: Program, run_id: u64, save_every: u64) -> Self {
-        Self { machine: Machine::new(program), run_id, seq: 0, revision: 1, save_every, save_at: 0 }
+        Self {
+            machine: Machine::new(program),
+            run_id,
+            seq: 0,
+            revision: 1,
+            save_every,
+            save_at: 0,
+            generation: 0,
+            external: [false; 2],
+        }
     }
 
     /// Takes a snapshot of the machine before its next step, if one is due: because something was `done` to it, because it has
@@ -215,9 +231,13 @@ impl Engine {
                 Order::Settings { program, revision } => {
                     self.machine.load(program);
                     self.revision = *revision;
+                    self.generation += 1;
                 }
                 Order::Impulse { mass, velocity } => self.machine.kick(*mass, *velocity),
-                Order::Restart => self.machine.restart(),
+                Order::Restart => {
+                    self.machine.restart();
+                    self.generation += 1;
+                }
                 Order::Excite(excitation) => self.machine.excite(0, excitation),
                 Order::Mark => {}
             }
@@ -234,6 +254,47 @@ impl Engine {
         // A snapshot of the machine as it is held.
         self.save_at = self.seq + 1;
         Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
+    }
+
+    /// Trips it for want of commands from outside.
+    pub(crate) fn trip_for_want_of_commands(&mut self) -> Option<Trip> {
+        let trip = self.machine.trip_for_want_of_commands()?;
+        self.save_at = self.seq + 1;
+        Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
+    }
+
+    pub(crate) fn machine(&self) -> &Machine {
+        &self.machine
+    }
+
+    pub(crate) fn machine_mut(&mut self) -> &mut Machine {
+        &mut self.machine
+    }
+
+    /// Whether the machine has tripped.
+    pub(crate) fn is_tripped(&self) -> bool {
+        self.machine.trip().is_some()
+    }
+
+    /// The number of the next step.
+    pub(crate) fn seq(&self) -> u64 {
+        self.seq
+    }
+
+    /// How often the loop or its time has begun anew.
+    pub(crate) fn generation(&self) -> u64 {
+        self.generation
+    }
+
+    /// From here on commands come from outside, or from the law of the bench again.
+    pub(crate) fn set_external(&mut self, external: bool) {
+        self.machine.set_external(external);
+        self.external = [external, false];
+    }
+
+    /// Whether the last command from outside is held for want of a newer.
+    pub(crate) fn set_held(&mut self, held: bool) {
+        self.external[1] = held;
     }
 
     /// The farthest that a mass is from its centre.
@@ -260,6 +321,8 @@ impl Engine {
             (Flags::SATURATED, sample.outputs.iter().any(|output| output.saturated)),
             (Flags::TRIPPED, self.machine.trip().is_some()),
             (Flags::LATE, is_late),
+            (Flags::EXTERNAL, self.external[0]),
+            (Flags::HELD, self.external[1]),
         ] {
             if is_set {
                 flags |= flag;

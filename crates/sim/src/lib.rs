@@ -13,7 +13,7 @@
 //! let rotor = rotor::builtin::rotor("jeffcott").ok_or("built in")?;
 //! let gains = rotor::builtin::feedback(&rotor, "cancel").ok_or("built in")?;
 //! let settings = rotor::Settings::new(&rotor, 3.0, gains);
-//! let options = Options { bench: "demo".parse()?, rate_hz: 1000.0, dtau: 0.01, profile: None };
+//! let options = Options { bench: "demo".parse()?, ..Options::default() };
 //! // Readers find it under its name once it is ready; this one ends it at once.
 //! let (carrier, stop) = (Memory::default(), AtomicBool::new(false));
 //! let summary = sim::run(&carrier, &rotor, settings, &options, &stop, || {
@@ -36,7 +36,9 @@ mod accuracy;
 mod clock;
 mod engine;
 mod excitation;
+mod external;
 mod health;
+mod lockstep;
 mod log;
 pub mod pacer;
 mod request_thread;
@@ -49,9 +51,11 @@ use machine::{Pace, Program};
 use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
-use wire::{BenchName, Carrier, Host, Layout, MAX_BURST, StateSender, WireError};
+use wire::{BenchName, Carrier, ControlHost, Host, Layout, MAX_BURST, StateSender, WireError};
 
 use crate::engine::{Engine, Exchange};
+use crate::external::{External, Ready};
+pub use crate::external::{ExternalCounts, ExternalError};
 use crate::pacer::Pacer;
 use crate::request_thread::RequestThread;
 
@@ -66,6 +70,20 @@ pub struct Options {
     pub dtau: f64,
     /// What the speed does from the start on, until somebody sets it; the settings have the speed at which it ends.
     pub profile: Option<Profile>,
+    /// Not in real time: the machine waits for the command of a controller outside at every sample, and goes as fast as that.
+    pub lockstep: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            bench: BenchName::default(),
+            rate_hz: Self::DEFAULT_RATE_HZ,
+            dtau: Self::DEFAULT_DTAU,
+            profile: None,
+            lockstep: false,
+        }
+    }
 }
 
 impl Options {
@@ -85,6 +103,8 @@ impl Options {
         if !(self.dtau > 0.0 && self.dtau <= 1.0) {
             return Err(SimError::Step(self.dtau));
         }
+        settings.check(rotor).map_err(machine::ProgramError::from)?;
+        external::check(settings, self)?;
         let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
         Ok(match &self.profile {
             Some(profile) => Program::compile_profile(rotor, settings, profile, pace)?,
@@ -102,6 +122,9 @@ pub enum SimError {
     /// The step is out of range.
     #[error("dtau = {0}: expected more than 0 and at most 1")]
     Step(f64),
+    /// A controller outside cannot work like this.
+    #[error(transparent)]
+    External(#[from] ExternalError),
     /// The settings do not fit the rotor, or cannot be stepped at this pace.
     #[error(transparent)]
     Program(#[from] machine::ProgramError),
@@ -126,11 +149,13 @@ pub struct Summary {
     pub health: Health,
     /// Whether it had tripped at the end, and why.
     pub trip: Trip,
+    /// How a controller outside did, if there was one.
+    pub external: Option<ExternalCounts>,
 }
 
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { bench, rotor, elapsed, health, trip } = self;
+        let Self { bench, rotor, elapsed, health, trip, external } = self;
         let seconds = elapsed.as_secs_f64();
         write!(
             f,
@@ -143,7 +168,8 @@ impl fmt::Display for Summary {
             health.lateness_p50_us,
             health.lateness_p99_us,
             health.lateness_max_us,
-        )
+        )?;
+        external.map_or(Ok(()), |counts| write!(f, "; {counts}"))
     }
 }
 
@@ -181,13 +207,27 @@ pub fn run<C: Carrier>(
             requests.run(&host, stop)
         });
         let answering = answering.map_err(|error| WireError::Internal(format!("no thread for requests: {error}")))?;
-        let stepped = step_until(stop, states, engine, &exchange, options, answering.thread());
+        let stepped = host.control().and_then(|control| {
+            let external = External::new(control, run_id, options);
+            if options.lockstep {
+                lockstep::step_until(stop, states, engine, external, &exchange, answering.thread())
+            } else {
+                step_until(stop, states, engine, external, &exchange, options, answering.thread())
+            }
+        });
         let elapsed = started.elapsed();
         stop.store(true, Ordering::Relaxed);
         answering.thread().unpark();
         let (health, trip) = answering.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))?;
         stepped?;
-        Ok(Summary { bench: options.bench.clone(), rotor: rotor.name().to_owned(), elapsed, health, trip })
+        Ok(Summary {
+            bench: options.bench.clone(),
+            rotor: rotor.name().to_owned(),
+            elapsed,
+            health,
+            trip,
+            external: exchange.counters.external.told(),
+        })
     })
 }
 
@@ -210,6 +250,7 @@ fn step_until(
     stop: &AtomicBool,
     mut states: impl StateSender,
     mut engine: Engine,
+    mut external: External<impl ControlHost>,
     exchange: &Exchange,
     options: &Options,
     answering: &std::thread::Thread,
@@ -227,13 +268,24 @@ fn step_until(
         let wake = pacer.wake(begun);
         exchange.counters.missed.fetch_add(wake.missed, Ordering::Relaxed);
         let mut sent = 0;
+        let mut failed = Ok(());
         while sent < wake.steps {
             let burst = (wake.steps - sent).min(MAX_BURST as u32);
             states.send(burst as usize, |place, row| {
                 let ordered = engine.take_orders(exchange);
                 engine.save(ordered, exchange);
-                let tripped = engine.step();
-                engine.fill(row, started_ns + wake.due_ns(sent + place as u32), wake.is_late);
+                let due_ns = started_ns + wake.due_ns(sent + place as u32);
+                // In real time it waits for nobody; what the carrier fails with is told below.
+                let begun = match external.before_step(&mut engine, exchange, due_ns) {
+                    Ok(Ready::Tripped(trip)) => Some(trip),
+                    Ok(Ready::Yes | Ready::NotYet) => None,
+                    Err(error) => {
+                        failed = Err(error);
+                        None
+                    }
+                };
+                let tripped = begun.or(engine.step());
+                engine.fill(row, due_ns, wake.is_late);
                 if let Some(trip) = tripped {
                     exchange.report_trip(trip, engine.tau());
                 }
@@ -241,6 +293,7 @@ fn step_until(
                     answering.unpark();
                 }
             })?;
+            std::mem::replace(&mut failed, Ok(()))?;
             sent += burst;
         }
         exchange.counters.count(&wake, engine.tau(), engine.speed());

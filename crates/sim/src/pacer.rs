@@ -38,6 +38,12 @@ pub struct Wake {
 }
 
 impl Wake {
+    /// One step, just when it is due: where nobody keeps a schedule.
+    #[must_use]
+    pub(crate) fn single() -> Self {
+        Self { steps: 1, missed: 0, lateness_ns: 0, is_late: false, first_due_ns: 0.0, period_ns: 0.0 }
+    }
+
     /// When step `step` of this wake-up was due, on the schedule as it now stands.
     #[must_use]
     pub fn due_ns(&self, step: u32) -> u64 {
@@ -49,7 +55,13 @@ impl Pacer {
     /// A schedule of `rate_hz` steps a second that starts now.
     #[must_use]
     pub fn new(rate_hz: f64) -> Self {
-        Self { period_ns: 1e9 / rate_hz, batch: (rate_hz / WAKE_UPS).ceil() as u32, next: 0, shift_ns: 0 }
+        Self { period_ns: 1e9 / rate_hz, batch: Self::steps_a_wake_up(rate_hz), next: 0, shift_ns: 0 }
+    }
+
+    /// How many steps share a wake-up at `rate_hz` steps a second.
+    #[must_use]
+    pub fn steps_a_wake_up(rate_hz: f64) -> u32 {
+        (rate_hz / WAKE_UPS).ceil() as u32
     }
 
     /// When the next wake-up is due: when the last of its steps is.

@@ -1,6 +1,7 @@
 //! The request thread: checks requests, hands them over, computes poles, and publishes bench statuses and events.
 
 mod excite;
+mod external;
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -49,6 +50,10 @@ pub(crate) struct RequestThread<'a> {
     excited: Option<Excited>,
     /// The largest orbits between bench statuses, of the last few.
     radii: VecDeque<f64>,
+    /// What was told of a controller outside, and when.
+    controller: external::Told,
+    /// What does not change of how the bench runs.
+    options: Options,
     /// Something has changed that readers have not been told.
     news: bool,
 }
@@ -90,6 +95,8 @@ impl<'a> RequestThread<'a> {
             applied: When { step: 0, tau: 0.0 },
             excited: None,
             radii: VecDeque::from([0.0; RADII]),
+            controller: external::Told::default(),
+            options: options.clone(),
             news: true,
         }
     }
@@ -119,6 +126,7 @@ impl<'a> RequestThread<'a> {
                 news.welcome()?;
                 self.publish(&mut news, host.listeners())?;
                 self.watch_pace();
+                self.watch_controller();
                 beat = Instant::now();
             }
             self.log.send(&mut news)?;
@@ -267,6 +275,8 @@ impl<'a> RequestThread<'a> {
         let change = Change::of(request).map_err(|error| error.to_string())?;
         let order = match &change {
             Change::Settings { settings, .. } => {
+                settings.check(self.rotor).map_err(|error| error.to_string())?;
+                crate::external::check(settings, &self.options).map_err(|error| error.to_string())?;
                 let BenchStatusMessage { dtau, rate_hz, .. } = **self.bench_status;
                 let pace = Pace { dtau, rate_hz };
                 let program = match &self.profile {

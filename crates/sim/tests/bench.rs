@@ -79,7 +79,7 @@ fn beside(feedback: &str, rate_hz: f64, act: impl FnOnce(&mut Bench, Settings)) 
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
     let carrier = Memory::with_room(ROOM);
-    let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01, profile: None };
+    let options = Options { bench: BenchName::default(), rate_hz, dtau: 0.01, ..Options::default() };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let simulation = scope.spawn(|| sim::run(&carrier, &rotor, settings.clone(), &options, &stop, || ()));
@@ -335,7 +335,7 @@ fn wrong_options_and_taken_names_are_refused() {
     let told = |options: Options, settings: Settings| {
         sim::run(&carrier, &rotor, settings, &options, &never, || unreachable!("never ready")).unwrap_err().to_string()
     };
-    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01, profile: None };
+    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01, ..Options::default() };
     let slow = Options { rate_hz: 0.0, ..options.clone() };
     assert_eq!(told(slow, settings.clone()), "rate = 0: expected 1 to 100000 steps a second");
     let coarse = Options { dtau: f64::NAN, ..options.clone() };

@@ -32,7 +32,7 @@ fn a_bench_with_a_dashboard_takes_less_than_4_mb_of_shared_memory() {
     let carrier = SharedMemory::new(&root, "test").unwrap();
     let rotor = builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
-    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01, profile: None };
+    let options = Options { bench: BenchName::default(), rate_hz: 1000.0, dtau: 0.01, ..Options::default() };
     let (stop, ready) = (AtomicBool::new(false), AtomicBool::new(false));
     let mut taken = 0;
     thread::scope(|scope| {

@@ -29,7 +29,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut settings = Settings::new(&rotor, 1.0, builtin::feedback(&rotor, "off").ok_or("built in")?);
     settings.deadband.fill(1.0);
     settings.trip = 20.0;
-    let options = sim::Options { bench: bench.clone(), rate_hz: RATE_HZ, dtau: DTAU, profile: None };
+    let options = sim::Options { bench: bench.clone(), rate_hz: RATE_HZ, dtau: DTAU, ..sim::Options::default() };
     let keep = Keep { min_free: 0, ..Keep::default() };
     // Of the rotor, and not of the machine that it is made on.
     let mut limits = Limits::default();

@@ -87,6 +87,17 @@ pub(crate) fn command(
     patiently(ROOM, || carrier.command(bench))
 }
 
+/// Takes the place of the one controller outside of a bench, as [`glance`] attaches.
+///
+/// # Errors
+/// No such bench, another version, or somebody controls it already.
+pub(crate) fn controller(
+    carrier: &SharedMemory,
+    bench: &BenchName,
+) -> Result<<SharedMemory as Carrier>::Controller, WireError> {
+    patiently(Duration::ZERO, || carrier.controller(bench))
+}
+
 /// Attaches with `attach`, again and again while the bench may be starting, and for `room` while it is full.
 fn patiently<T>(room: Duration, attach: impl Fn() -> Result<T, WireError>) -> Result<T, WireError> {
     let start = Instant::now();
@@ -127,7 +138,9 @@ impl From<WireError> for Failure {
         let words = error.to_string();
         match error {
             WireError::BenchName(_) | WireError::Root { .. } => Self::Usage(words),
-            WireError::NoBench(_) | WireError::Taken(_) | WireError::Recorded(_) => Self::Bench(words),
+            WireError::NoBench(_) | WireError::Taken(_) | WireError::Recorded(_) | WireError::Controlled(_) => {
+                Self::Bench(words)
+            }
             WireError::Version { .. }
             | WireError::Full { .. }
             | WireError::LeftBehind { .. }

@@ -248,7 +248,12 @@ impl Machine {
     /// As for [`assign_all`]; an assignment that undoes an option; what only a live bench looks at: the trip limit, and the ramp
     /// to a speed, at which everything offline is already.
     pub(crate) fn set(&mut self, said: &[(&str, &str)], assignments: &[String]) -> Result<(), Failure> {
-        const LIVE: [(&str, &str); 2] = [("trip", "trips"), ("ramp", "is on its way to a speed")];
+        const LIVE: [(&str, &str); 4] = [
+            ("trip", "trips"),
+            ("ramp", "is on its way to a speed"),
+            ("external", "has a controller outside"),
+            ("external_trip", "has a controller outside"),
+        ];
         for typed in assignments {
             let live = |(key, _): (&str, &str)| LIVE.into_iter().find(|(name, _)| *name == key.trim());
             if let Some((_, does)) = pair(typed).ok().and_then(live) {

@@ -51,6 +51,10 @@ pub(crate) enum Command {
     Note(commands::note::NoteArgs),
     /// List running benches: rates, lateness, losses, who is attached
     Status(commands::status::StatusArgs),
+    /// Let a program of any kind control a running simulation, by its standard input and output
+    Control(commands::control::ControlArgs),
+    /// Say how another program finds and reads a bench: root, services, types, sizes, offsets, units
+    Wire(commands::wire::WireArgs),
     /// Remove what crashed processes left behind; never touches a live bench
     Clean(commands::clean::CleanArgs),
     /// Print eigenvalues and minimum damping at one speed

@@ -2,8 +2,9 @@
 
 use crate::cli::{Cli, Command};
 use crate::commands::{
-    assess, assign, bode, clean, config, cycles, dash, export, force, info, layout, margin, measure, modes, note,
-    poles, record, replay, report, response, rotor, run, runup, set, sim, status, tail, thresholds, trace, tune, up,
+    assess, assign, bode, clean, config, control, cycles, dash, export, force, info, layout, margin, measure, modes,
+    note, poles, record, replay, report, response, rotor, run, runup, set, sim, status, tail, thresholds, trace, tune,
+    up, wire,
 };
 use crate::failure::Failure;
 
@@ -26,6 +27,8 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Set(args) => set::run(&args),
         Command::Note(args) => note::run(&args),
         Command::Status(args) => status::run(&args),
+        Command::Wire(args) => wire::run(&args),
+        Command::Control(args) => control::run(&args),
         Command::Clean(args) => clean::run(&args),
         Command::Poles(args) => poles::run(&args),
         Command::Trace(args) => trace::run(&args),

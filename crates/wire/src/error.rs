@@ -19,6 +19,9 @@ pub enum WireError {
     /// Somebody else records this bench.
     #[error("bench '{0}' is being recorded already: see `whirl status`")]
     Recorded(BenchName),
+    /// Somebody else controls this bench from outside.
+    #[error("bench '{0}' is controlled from outside already: see `whirl status`")]
+    Controlled(BenchName),
     /// The bench speaks another schema version, or another version of iceoryx2.
     #[error("bench '{bench}' was started by another version of whirl ({detail}): use the same version on both sides")]
     Version {

@@ -4,6 +4,7 @@
 use std::fmt::Write as _;
 
 use crate::channels::{CHANNELS, Scope, channels_of};
+use crate::control::{ControlCommand, Readings};
 use crate::message::{Analysis, Answer, BenchStatusMessage, Flags, Health, RequestMessage, Trip};
 use crate::wire_struct::{Message, MessageTable};
 use crate::{
@@ -13,6 +14,27 @@ use crate::{
 
 /// Longest line of a comment.
 const WIDTH: usize = 116;
+
+/// Numbers that the messages go by: name, value and meaning.
+pub const CONSTANTS: [(&str, usize, &str); 8] = [
+    ("SCHEMA", SCHEMA as usize, "version of all messages together"),
+    ("MAX_MASSES", rotor::MAX_MASSES, "masses of the largest rotor"),
+    ("MAX_BEARINGS", rotor::MAX_BEARINGS, "control bearings of the largest machine"),
+    ("MAX_BURST", MAX_BURST, "steps of the largest message of whirl/NAME/state"),
+    ("EVENTS_KEPT", EVENTS_KEPT, "events that reach readers that come late"),
+    ("DOCUMENTS_KEPT", DOCUMENTS_KEPT, "documents that reach readers that come late"),
+    ("MAX_DOCUMENT", MAX_DOCUMENT, "bytes of the largest document"),
+    ("MAX_SNAPSHOT", MAX_SNAPSHOT, "words of the largest snapshot"),
+];
+
+/// Flags of a step beside contacts: name, flag and meaning.
+pub const FLAGS: [(&str, Flags, &str); 5] = [
+    ("SATURATED", Flags::SATURATED, "the control bearing is at its limit"),
+    ("TRIPPED", Flags::TRIPPED, "the machine has tripped: the rotor is held where it was"),
+    ("LATE", Flags::LATE, "the step was sent more than one step period after it was due"),
+    ("EXTERNAL", Flags::EXTERNAL, "the command comes from a controller outside"),
+    ("HELD", Flags::HELD, "a command from outside that should be there is not: the last one is held"),
+];
 
 /// Every message, those that others contain first.
 #[must_use]
@@ -28,6 +50,8 @@ pub fn messages() -> Vec<MessageTable> {
         Answer::table(),
         RecorderStatus::table(),
         SnapshotHead::table(),
+        Readings::table(),
+        ControlCommand::table(),
     ]
 }
 
@@ -44,17 +68,7 @@ pub fn text() -> String {
          whirl.schema. Texts are UTF-8, padded with zeros, and have no zero at the end where they fill their place.",
     );
     out += "#ifndef WHIRL_H\n#define WHIRL_H\n\n#include <stdint.h>\n#include <string.h>\n\n";
-    let constants = [
-        ("SCHEMA", SCHEMA as usize, "version of all messages together"),
-        ("MAX_MASSES", rotor::MAX_MASSES, "masses of the largest rotor"),
-        ("MAX_BEARINGS", rotor::MAX_BEARINGS, "control bearings of the largest machine"),
-        ("MAX_BURST", MAX_BURST, "steps of the largest message of whirl/NAME/state"),
-        ("EVENTS_KEPT", EVENTS_KEPT, "events that reach readers that come late"),
-        ("DOCUMENTS_KEPT", DOCUMENTS_KEPT, "documents that reach readers that come late"),
-        ("MAX_DOCUMENT", MAX_DOCUMENT, "bytes of the largest document"),
-        ("MAX_SNAPSHOT", MAX_SNAPSHOT, "words of the largest snapshot"),
-    ];
-    for (name, value, meaning) in constants {
+    for (name, value, meaning) in CONSTANTS {
         let _ = writeln!(out, "#define WHIRL_{name} {value} /* {meaning} */");
     }
     out += "\n";
@@ -105,12 +119,7 @@ fn steps(out: &mut String) {
     out.push_str("#define WHIRL_SENSORS(row) ((unsigned)((row)[WHIRL_FLAGS] >> 48 & 0xff))\n");
     out.push_str("/* Control bearings after the first. */\n#define WHIRL_FURTHER(row) ((unsigned)((row)[WHIRL_FLAGS] >> 56))\n\n");
     out.push_str("/* Bit m of the flags is set while mass m presses on its bearing. */\n");
-    let flags = [
-        ("SATURATED", Flags::SATURATED, "the control bearing is at its limit"),
-        ("TRIPPED", Flags::TRIPPED, "the machine has tripped: the rotor is held where it was"),
-        ("LATE", Flags::LATE, "the step was sent more than one step period after it was due"),
-    ];
-    for (name, Flags(bits), meaning) in flags {
+    for (name, Flags(bits), meaning) in FLAGS {
         let _ = writeln!(out, "#define WHIRL_{name} UINT32_C({bits:#x}) /* {meaning} */");
     }
     out.push_str(

@@ -21,7 +21,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! A bench called `NAME` is eight iceoryx2 services ([`Topic`]):
+//! A bench called `NAME` is ten iceoryx2 services ([`Topic`]):
 //!
 //! | service | pattern | what |
 //! |---|---|---|
@@ -33,11 +33,14 @@
 //! | `whirl/NAME/recorder` | publish-subscribe of [`RecorderStatus`] | from the recorder, if there is one: file, size, losses; at least once a second |
 //! | `whirl/NAME/command` | request-response of slices of bytes (the new settings' document, or nothing) with a [`message::RequestMessage`], and [`Answer`] | changes, answered with the step that took them |
 //! | `whirl/NAME/wake` | event | tells the simulation that a request waits |
+//! | `whirl/NAME/reading` | publish-subscribe of [`Readings`] | what the sensors read, for a controller outside |
+//! | `whirl/NAME/control` | publish-subscribe of [`ControlCommand`] | its commands |
 
 mod bench_name;
 mod bench_status;
 mod benches;
 mod channels;
+mod control;
 mod delivery;
 mod document;
 mod error;
@@ -51,10 +54,13 @@ pub mod message;
 mod moment;
 mod name_lock;
 mod ports;
+pub mod protocol;
+pub mod python;
 mod recorder;
 mod request;
 mod root;
 mod shared_commands;
+mod shared_control;
 mod shared_glance;
 mod shared_memory;
 mod shared_news;
@@ -69,6 +75,7 @@ pub use bench_name::BenchName;
 pub use bench_status::BenchStatus;
 pub use benches::{AttachedProcess, BenchEntry, clean};
 pub use channels::{CHANNELS, Channel, ChannelRow, PAIRS, Pair, Scope, Substitute, WHOLES, channels_of};
+pub use control::{ControlCommand, Readings};
 pub use document::{
     Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, MAX_DOCUMENT, RotorDocument, SettingsDocument,
 };
@@ -80,11 +87,13 @@ pub use memory::Memory;
 pub use message::{Answer, Flags, SCHEMA};
 pub use moment::Moment;
 pub use ports::{
-    Carrier, Commander, Glance, Host, HostState, Inbox, Listener, MAX_BURST, NewsSender, RecorderSender, StateSender,
+    Carrier, Commander, ControlHost, Controlling, Glance, Host, HostState, Inbox, Listener, MAX_BURST, NewsSender,
+    RecorderSender, StateSender,
 };
 pub use recorder::{Keeping, RecorderState, RecorderStatus};
 pub use request::{Change, Request, RequestError};
 pub use root::Root;
+pub use shared_control::{SharedControlHost, SharedController};
 pub use shared_glance::SharedGlance;
 pub use shared_memory::{SharedListener, SharedMemory};
 pub use shared_news::{SharedNews, SharedRecorder};

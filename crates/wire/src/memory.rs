@@ -1,5 +1,6 @@
 //! The carrier for tests: queues in this process, with the manners of shared memory.
 
+mod control;
 mod readers;
 
 use std::collections::{HashMap, VecDeque};
@@ -7,6 +8,8 @@ use std::sync::mpsc;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::time::Duration;
 
+use control::ControlBox;
+pub(crate) use control::{MemoryControlHost, MemoryController};
 pub(crate) use readers::{MemoryCommander, MemoryGlance, MemoryListener};
 
 use crate::delivery::SentDocuments;
@@ -49,6 +52,8 @@ struct Bench {
     recorder: Mutex<Weak<()>>,
     recorder_status: Mutex<(u64, Box<RecorderStatus>)>,
     requests: Mutex<Option<mpsc::Sender<Envelope>>>,
+    control: Mutex<ControlBox>,
+    controller: Mutex<Weak<()>>,
 }
 
 /// The last events, and the readers of further ones.
@@ -91,6 +96,7 @@ impl Carrier for Memory {
     type Glance = MemoryGlance;
     type Commander = MemoryCommander;
     type Recorder = MemoryRecorder;
+    type Controller = MemoryController;
 
     fn host(&self, name: &BenchName) -> Result<MemoryHost, WireError> {
         let bench = lock(&self.benches)
@@ -107,6 +113,7 @@ impl Carrier for Memory {
         lock(&bench.bench_status).0 = 0;
         lock(&bench.events).kept.clear();
         *lock(&bench.last_snapshot) = None;
+        *lock(&bench.control) = ControlBox::default();
         Ok(MemoryHost { bench, claim })
     }
 
@@ -148,6 +155,18 @@ impl Carrier for Memory {
         drop(holder);
         Ok(MemoryRecorder { bench, _claim: claim })
     }
+
+    fn controller(&self, name: &BenchName) -> Result<MemoryController, WireError> {
+        let bench = self.existing(name)?;
+        let mut holder = lock(&bench.controller);
+        if holder.strong_count() > 0 {
+            return Err(WireError::Controlled(name.clone()));
+        }
+        let claim = Arc::new(());
+        *holder = Arc::downgrade(&claim);
+        drop(holder);
+        Ok(MemoryController { bench, _claim: claim })
+    }
 }
 
 /// See [`Memory`].
@@ -161,6 +180,7 @@ impl Host for MemoryHost {
     type States = MemoryStates;
     type News = MemoryNews;
     type Inbox = MemoryInbox;
+    type Control = MemoryControlHost;
 
     fn states(&self, layout: Layout) -> Result<MemoryStates, WireError> {
         Ok(MemoryStates { layout, bench: self.bench.clone(), _claim: self.claim.clone() })
@@ -178,6 +198,10 @@ impl Host for MemoryHost {
         let (sender, receiver) = mpsc::channel();
         *lock(&self.bench.requests) = Some(sender);
         Ok(MemoryInbox { receiver, _claim: self.claim.clone() })
+    }
+
+    fn control(&self) -> Result<MemoryControlHost, WireError> {
+        Ok(MemoryControlHost { bench: self.bench.clone(), _claim: self.claim.clone() })
     }
 
     fn listeners(&self) -> usize {

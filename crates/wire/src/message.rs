@@ -28,6 +28,10 @@ impl Flags {
     pub const TRIPPED: Self = Self(1 << 17);
     /// The step was sent more than one step period after it was due.
     pub const LATE: Self = Self(1 << 18);
+    /// The command comes from a controller outside.
+    pub const EXTERNAL: Self = Self(1 << 19);
+    /// A command from outside that should be there is not: the last one is held.
+    pub const HELD: Self = Self(1 << 20);
 
     /// Flags with the contact bits `mask`, bit `i` for mass `i`.
     #[must_use]
@@ -47,11 +51,17 @@ impl Flags {
         mass < MAX_MASSES && self.0 >> mass & 1 == 1
     }
 
-    /// Every flag that is set, by name: `contact.1`, `saturated`, `tripped`, `late`.
+    /// Every flag that is set, by name: `contact.1`, `saturated`, `tripped`, `late`, `external`, `held`.
     #[must_use]
     pub fn names(self) -> Vec<String> {
         let contact = (0..MAX_MASSES).filter(|i| self.in_contact(*i)).map(|i| format!("contact.{}", i + 1));
-        let rest = [(Self::SATURATED, "saturated"), (Self::TRIPPED, "tripped"), (Self::LATE, "late")];
+        let rest = [
+            (Self::SATURATED, "saturated"),
+            (Self::TRIPPED, "tripped"),
+            (Self::LATE, "late"),
+            (Self::EXTERNAL, "external"),
+            (Self::HELD, "held"),
+        ];
         contact.chain(rest.into_iter().filter(|(flag, _)| self.has(*flag)).map(|(_, name)| name.to_owned())).collect()
     }
 }
@@ -187,7 +197,7 @@ message! {
     "whirl.Trip"
     /// What tripped the machine; all zero while it runs.
     pub struct Trip {
-        /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers.
+        /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came from outside.
         pub cause: u32,
         /// The mass with the largest orbit, counted from 1.
         pub mass: u32,
@@ -229,6 +239,7 @@ impl Trip {
         match self.cause {
             0 => "running".to_owned(),
             1 => format!("orbit of mass {} reached {radius}, past the limit of {limit}", self.mass),
+            3 => format!("no command came from the controller outside; orbit of mass {} at {radius}", self.mass),
             _ => format!("motion of mass {} left the range of numbers after {radius}", self.mass),
         }
     }

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use crate::document::MAX_DOCUMENT;
 use crate::{
-    Answer, BenchName, BenchStatus, Event, Layout, MAX_SNAPSHOT, RecorderStatus, Request, Row, RowMut, SnapshotHead,
-    WireError,
+    Answer, BenchName, BenchStatus, ControlCommand, Event, Layout, MAX_SNAPSHOT, Readings, RecorderStatus, Request,
+    Row, RowMut, SnapshotHead, WireError,
 };
 
 /// A way to carry messages between a simulation and its readers.
@@ -22,6 +22,8 @@ pub trait Carrier: Clone + Send + Sync + 'static {
     type Commander: Commander;
     /// A recorder's side, for its status.
     type Recorder: RecorderSender;
+    /// The side of a controller outside.
+    type Controller: Controlling;
 
     /// Takes the name `bench` for a simulation in this process.
     ///
@@ -52,6 +54,12 @@ pub trait Carrier: Clone + Send + Sync + 'static {
     /// # Errors
     /// Somebody records it already, no such bench, another version, or no room.
     fn recorder(&self, bench: &BenchName) -> Result<Self::Recorder, WireError>;
+
+    /// Claims `bench` for the one controller outside that it can have.
+    ///
+    /// # Errors
+    /// Somebody controls it from outside already, no such bench, another version, or no room.
+    fn controller(&self, bench: &BenchName) -> Result<Self::Controller, WireError>;
 }
 
 /// A name held for a simulation. Dropping it, and the ports made from it, gives the name back.
@@ -62,6 +70,8 @@ pub trait Host: Send + Sync {
     type News: NewsSender;
     /// See [`Inbox`].
     type Inbox: Inbox;
+    /// See [`ControlHost`].
+    type Control: ControlHost;
 
     /// The port for states of this layout; there is one.
     ///
@@ -80,6 +90,12 @@ pub trait Host: Send + Sync {
     /// # Errors
     /// It cannot be made.
     fn inbox(&self) -> Result<Self::Inbox, WireError>;
+
+    /// The port for a controller outside; there is one.
+    ///
+    /// # Errors
+    /// It cannot be made.
+    fn control(&self) -> Result<Self::Control, WireError>;
 
     /// How many listeners there are.
     fn listeners(&self) -> usize;
@@ -128,6 +144,45 @@ pub trait NewsSender {
     /// # Errors
     /// The carrier fails.
     fn welcome(&mut self) -> Result<(), WireError>;
+}
+
+/// The bench's side of a controller outside. Nothing here waits, or allocates while nobody comes or goes.
+pub trait ControlHost {
+    /// Sends readings. The last ones also reach a controller that comes later.
+    ///
+    /// # Errors
+    /// There is no memory for them, or the carrier fails.
+    fn send(&mut self, readings: &Readings) -> Result<(), WireError>;
+
+    /// Visits the commands that have arrived, oldest first. Returns how many there were.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn commands(&mut self, visit: impl FnMut(&ControlCommand)) -> Result<usize, WireError>;
+
+    /// Gives a controller that has come since the last readings those.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn welcome(&mut self) -> Result<(), WireError>;
+}
+
+/// The side of a controller outside. Dropping it gives its place free for the next one.
+pub trait Controlling {
+    /// The oldest readings that wait, if any do.
+    ///
+    /// # Errors
+    /// The carrier fails.
+    fn readings(&mut self) -> Result<Option<Readings>, WireError>;
+
+    /// Sends a command.
+    ///
+    /// # Errors
+    /// There is no memory for it, or the carrier fails.
+    fn command(&mut self, command: &ControlCommand) -> Result<(), WireError>;
+
+    /// Whether the simulation is there. Takes up to a millisecond: not for every turn of a loop.
+    fn host(&self) -> HostState;
 }
 
 /// Sends the status of a recorder. Dropping it gives the bench free for the next one.

@@ -17,6 +17,7 @@ use crate::iceoryx::{self, Ipc, MAX_NODES, MAX_READERS, full, internal, opened, 
 use crate::name_lock::NameLock;
 use crate::ports::check_burst;
 use crate::shared_commands::{CommandServices, SharedCommander, SharedInbox};
+use crate::shared_control::{ControlServices, SharedControlHost, SharedController};
 use crate::shared_glance::SharedGlance;
 use crate::shared_news::{self, NewsServices, RECORDER_ROLE, SharedNews, SharedRecorder};
 use crate::{
@@ -25,7 +26,7 @@ use crate::{
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
-const BURSTS_BUFFERED: usize = 2048;
+pub(crate) const BURSTS_BUFFERED: usize = 2048;
 /// How long it may take until what a killed simulation has left is cleared away.
 const CLEARED: Duration = Duration::from_secs(3);
 /// The node name of a simulation; readers are called by their role.
@@ -86,7 +87,7 @@ impl SharedMemory {
     }
 }
 
-type StateService = publish_subscribe::PortFactory<Ipc, [u64], ()>;
+pub(crate) type StateService = publish_subscribe::PortFactory<Ipc, [u64], ()>;
 
 fn required_schema() -> Result<AttributeVerifier, WireError> {
     let key = "whirl.schema".try_into().map_err(internal)?;
@@ -95,7 +96,7 @@ fn required_schema() -> Result<AttributeVerifier, WireError> {
 }
 
 /// Whether a simulation that lives has the service open.
-fn host_of(states: &StateService) -> HostState {
+pub(crate) fn host_of(states: &StateService) -> HostState {
     let mut found = HostState::Gone;
     let listed = states.nodes(|node| match node {
         NodeState::Alive(view) if is_host(view.details().as_ref()) => {
@@ -118,6 +119,7 @@ impl Carrier for SharedMemory {
     type Glance = SharedGlance;
     type Commander = SharedCommander;
     type Recorder = SharedRecorder;
+    type Controller = SharedController;
 
     fn host(&self, bench: &BenchName) -> Result<SharedHost, WireError> {
         // First of all: who does not get it has made nothing that could be in the way of who does.
@@ -149,7 +151,8 @@ impl Carrier for SharedMemory {
         let _ = states.blocking_cleanup_dead_nodes(Duration::from_secs(1));
         let news = NewsServices::open(&node, bench)?;
         let commands = CommandServices::open(&node, bench)?;
-        Ok(SharedHost { states, news, commands, bench: bench.clone(), name })
+        let control = ControlServices::open(&node, bench)?;
+        Ok(SharedHost { states, news, commands, control, bench: bench.clone(), name })
     }
 
     fn listen(&self, bench: &BenchName) -> Result<SharedListener, WireError> {
@@ -177,6 +180,11 @@ impl Carrier for SharedMemory {
         drop(self.attach(bench)?);
         SharedRecorder::claim(&self.node(RECORDER_ROLE)?, bench, &self.root)
     }
+
+    fn controller(&self, bench: &BenchName) -> Result<SharedController, WireError> {
+        let (node, states) = self.attach(bench)?;
+        ControlServices::open(&node, bench)?.controller(bench, states, &self.root)
+    }
 }
 
 /// A bench's name, held in shared memory.
@@ -185,6 +193,7 @@ pub struct SharedHost {
     states: StateService,
     news: NewsServices,
     commands: CommandServices,
+    control: ControlServices,
     bench: BenchName,
     // Last, so that everything above is closed before the name is given back.
     name: NameLock,
@@ -194,6 +203,7 @@ impl Host for SharedHost {
     type States = SharedStates;
     type News = SharedNews;
     type Inbox = SharedInbox;
+    type Control = SharedControlHost;
 
     fn states(&self, layout: Layout) -> Result<SharedStates, WireError> {
         let words = MAX_BURST * layout.width();
@@ -208,6 +218,10 @@ impl Host for SharedHost {
 
     fn inbox(&self) -> Result<SharedInbox, WireError> {
         self.commands.inbox(self.name.clone())
+    }
+
+    fn control(&self) -> Result<SharedControlHost, WireError> {
+        self.control.host(self.name.clone())
     }
 
     fn listeners(&self) -> usize {

@@ -21,11 +21,15 @@ pub enum Topic {
     Command,
     /// That a request waits.
     Wake,
+    /// What a controller outside is given.
+    Reading,
+    /// What it commands.
+    Control,
 }
 
 impl Topic {
     /// All of them.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 10] = [
         Self::State,
         Self::Document,
         Self::Status,
@@ -34,6 +38,8 @@ impl Topic {
         Self::Recorder,
         Self::Command,
         Self::Wake,
+        Self::Reading,
+        Self::Control,
     ];
 
     /// The last part of its name.
@@ -48,6 +54,8 @@ impl Topic {
             Self::Recorder => "recorder",
             Self::Command => "command",
             Self::Wake => "wake",
+            Self::Reading => "reading",
+            Self::Control => "control",
         }
     }
 }

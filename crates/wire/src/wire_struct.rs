@@ -11,6 +11,10 @@ pub struct Field {
     pub c_type: String,
     /// What follows the name in C: `[4]`.
     pub c_suffix: String,
+    /// What it is made of: `u16`, `u32`, `u64`, `f64`, `text` (bytes of UTF-8), or the name of a message.
+    pub element: &'static str,
+    /// How many of those there are, outermost first; of one, nothing.
+    pub shape: Vec<usize>,
     /// Bytes before it.
     pub offset: usize,
     /// What it is.
@@ -38,14 +42,25 @@ pub trait Message {
     fn table() -> MessageTable;
 }
 
-/// What a field's type is in C: the type, and what follows the name.
+/// What a field's type is in C, and elsewhere.
 pub(crate) trait CType {
+    /// The type, and what follows the name.
     fn c_type() -> (String, String);
+
+    /// See [`Field::element`].
+    const ELEMENT: &'static str;
+
+    /// See [`Field::shape`].
+    fn shape() -> Vec<usize> {
+        Vec::new()
+    }
 }
 
 macro_rules! plain {
     ($($rust:ty => $c:literal),*) => {
         $(impl CType for $rust {
+            const ELEMENT: &'static str = stringify!($rust);
+
             fn c_type() -> (String, String) {
                 ($c.to_owned(), String::new())
             }
@@ -56,6 +71,12 @@ macro_rules! plain {
 plain! { u16 => "uint16_t", u32 => "uint32_t", u64 => "uint64_t", f64 => "double" }
 
 impl<T: CType, const N: usize> CType for [T; N] {
+    const ELEMENT: &'static str = T::ELEMENT;
+
+    fn shape() -> Vec<usize> {
+        std::iter::once(N).chain(T::shape()).collect()
+    }
+
     fn c_type() -> (String, String) {
         let (base, suffix) = T::c_type();
         (base, format!("[{N}]{suffix}"))
@@ -63,6 +84,12 @@ impl<T: CType, const N: usize> CType for [T; N] {
 }
 
 impl<const N: usize> CType for Text<N> {
+    const ELEMENT: &'static str = "text";
+
+    fn shape() -> Vec<usize> {
+        vec![N]
+    }
+
     fn c_type() -> (String, String) {
         ("char".to_owned(), format!("[{N}]"))
     }
@@ -112,6 +139,8 @@ macro_rules! message {
                             name: stringify!($field),
                             c_type,
                             c_suffix,
+                            element: <$of as CType>::ELEMENT,
+                            shape: <$of as CType>::shape(),
                             offset: std::mem::offset_of!($name, $field),
                             meaning: joined(&[$($meaning),*]),
                         }
@@ -121,6 +150,8 @@ macro_rules! message {
         }
 
         impl $crate::wire_struct::CType for $name {
+            const ELEMENT: &'static str = $type;
+
             fn c_type() -> (String, String) {
                 (format!("struct {}", $crate::wire_struct::c_name($type)), String::new())
             }

@@ -10,9 +10,10 @@ use std::time::{Duration, Instant};
 
 use rotor::{C64, Settings, builtin};
 use wire::{
-    Answer, BenchName, BenchStatus, Carrier, Change, Channel, Commander, EVENTS_KEPT, Glance, Happening, Host,
-    HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT, NewsSender, RecorderSender,
-    RecorderState, RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead, StateSender, Step, Topic, WireError,
+    Answer, BenchName, BenchStatus, Carrier, Change, Channel, Commander, ControlCommand, ControlHost, Controlling,
+    EVENTS_KEPT, Glance, Happening, Host, HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS,
+    MAX_SNAPSHOT, NewsSender, Readings, RecorderSender, RecorderState, RecorderStatus, Row, RowMut, SettingsDocument,
+    SnapshotHead, StateSender, Step, Topic, WireError,
 };
 
 /// A rotor of three masses.
@@ -382,6 +383,45 @@ fn a_recorder_that_goes_without_a_word_has_died(carrier: &impl Carrier) {
     assert!(listener.recorder().unwrap().unwrap().is_recording());
 }
 
+fn one_controller_a_bench_and_the_last_readings_for_who_comes_later(carrier: &impl Carrier) {
+    let name = bench("steered");
+    assert_eq!(carrier.controller(&name).err(), Some(WireError::NoBench(name.clone())));
+    let host = carrier.host(&name).unwrap();
+    let _states = host.states(LAYOUT).unwrap();
+    let mut control = host.control().unwrap();
+    control.send(&Readings { run_id: 7, number: 1, ..Readings::default() }).unwrap();
+
+    let mut first = carrier.controller(&name).unwrap();
+    assert_eq!(carrier.controller(&name).err(), Some(WireError::Controlled(name.clone())));
+    let readings = wait_for("the last readings", || {
+        control.welcome().unwrap();
+        first.readings().unwrap()
+    });
+    assert_eq!((readings.run_id, readings.number, first.host()), (7, 1, HostState::Alive));
+    first.command(&readings.answer([0.5, -0.25])).unwrap();
+    let mut told = Vec::new();
+    wait_for("a command", || (control.commands(|command| told.push(*command)).unwrap() > 0).then_some(()));
+    assert_eq!((told[0].number, told[0].command[0], told[0].is_finite(1)), (1, [0.5, -0.25], true));
+
+    // Faster than anybody reads, it loses the oldest, and holds nobody up.
+    for number in 2..100 {
+        control.send(&Readings { run_id: 7, number, ..Readings::default() }).unwrap();
+        first.command(&ControlCommand { run_id: 7, number, ..ControlCommand::default() }).unwrap();
+    }
+    let mut last = 0;
+    wait_for("the last command", || {
+        control.commands(|command| last = command.number).unwrap();
+        (last == 99).then_some(())
+    });
+    let newest = std::iter::from_fn(|| first.readings().unwrap()).last().unwrap();
+    assert_eq!(newest.number, 99);
+    // Its place is free when it goes.
+    drop(first);
+    carrier.controller(&name).unwrap();
+    let bad = ControlCommand { command: [[f64::NAN; 2]; 8], ..ControlCommand::default() };
+    assert!(!bad.is_finite(1) && bad.is_finite(0));
+}
+
 fn requests_are_answered(carrier: &impl Carrier) {
     let name = bench("answers");
     let host = carrier.host(&name).unwrap();
@@ -509,6 +549,7 @@ macro_rules! on {
             the_events_of_the_last_run_are_not_told_in_the_next
             one_recorder_a_bench_and_its_latest_status_for_all
             a_recorder_that_goes_without_a_word_has_died
+            one_controller_a_bench_and_the_last_readings_for_who_comes_later
             requests_are_answered
             a_silent_simulation_does_not_hang_its_readers
             a_listener_hears_the_next_simulation_of_the_name

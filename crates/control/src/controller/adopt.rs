@@ -42,6 +42,7 @@ impl Controller {
     /// filled. What is new begins as by [`Controller::start`].
     pub fn adopt(&mut self, other: &Self, from: &[C64], stage: &Stage<'_>, to: &mut [C64]) {
         self.start(other.output, stage, to);
+        self.set_external(other.is_external);
         if let (Some(noise), Some(old)) = (&mut self.noise, &other.noise)
             && self.parts.seed == other.parts.seed
         {

@@ -11,6 +11,7 @@
 
 mod adopt;
 mod excite;
+mod external;
 mod flow;
 mod row;
 mod save;
@@ -113,6 +114,10 @@ pub struct Controller {
     excitation: Option<Box<Excitation>>,
     /// Whether it acts over the present stretch.
     is_exciting: bool,
+    /// Whether commands come from outside.
+    is_external: bool,
+    /// Whether the sample that is due has been read already.
+    is_sensed: bool,
 }
 
 impl Controller {
@@ -146,7 +151,12 @@ impl Controller {
     ) -> Self {
         let parts = bearing.parts;
         let is_sampled = parts.sample > 0.0;
+        let is_external = parts.external > 0.0;
+        // Who is outside is given all that can be read.
         let sensed = |station: &usize| {
+            if is_external {
+                return true;
+            }
             let weighs = |weights: &[f64]| weights.get(*station).is_some_and(|w| *w != 0.0);
             bearing.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
         };
@@ -198,6 +208,8 @@ impl Controller {
             tolerance,
             excitation: None,
             is_exciting: false,
+            is_external: false,
+            is_sensed: false,
             sensors,
         };
         made.follow(speed);
@@ -244,6 +256,7 @@ impl Controller {
     /// Back to before it did anything, at `tau` = 0.
     pub fn rest(&mut self) {
         self.stop_excitation();
+        self.is_sensed = false;
         self.sampled.fill(C64::ZERO);
         self.reading.iter_mut().for_each(|readings| readings.fill(C64::ZERO));
         self.waiting.clear();
@@ -302,19 +315,14 @@ impl Controller {
                     break;
                 }
                 self.next_sample += 1;
-                if let Some(noise) = &mut self.noise {
-                    noise.draw();
+                if !std::mem::take(&mut self.is_sensed) {
+                    self.take_sample(stage, x);
                 }
-                self.read(stage, x);
+                // Computed in any case, so that what its filters hold is of the present when it has to take over.
                 let command = self.sampled_command();
-                let command = self.excited(command, at);
-                self.output.commanded = command;
-                let acts_from = at + self.parts.delay;
-                // A delay that was shortened meanwhile: the newest word counts.
-                while self.waiting.back().is_some_and(|(time, _)| *time >= acts_from) {
-                    self.waiting.pop_back();
+                if !self.is_external {
+                    self.send(self.excited(command, at), at + self.parts.delay);
                 }
-                self.waiting.push_back((acts_from, command));
             }
             while let Some((_, command)) = self.waiting.front().filter(|(time, _)| *time <= now) {
                 self.acting = *command;
@@ -326,6 +334,23 @@ impl Controller {
             // Beyond the last stretch until this one is known: as that went on.
             self.current = guess.unwrap_or(Stretch { value: [self.output.commanded; 2], ..Stretch::default() });
         }
+    }
+
+    fn take_sample(&mut self, stage: &Stage<'_>, x: &[C64]) {
+        if let Some(noise) = &mut self.noise {
+            noise.draw();
+        }
+        self.read(stage, x);
+    }
+
+    /// Sends a command on its way.
+    fn send(&mut self, command: C64, acts_from: f64) {
+        self.output.commanded = command;
+        // A delay that was shortened meanwhile: the newest word counts.
+        while self.waiting.back().is_some_and(|(time, _)| *time >= acts_from) {
+            self.waiting.pop_back();
+        }
+        self.waiting.push_back((acts_from, command));
     }
 
     /// The law on the present readings, in a sampled loop, whose filters go on by a sample.

@@ -85,7 +85,7 @@ impl Machine {
         self.trip = match words.take()? {
             0 => None,
             cause => Some(Trip {
-                cause: if cause == 1 { TripCause::Orbit } else { TripCause::NotFinite },
+                cause: TripCause::of(cause)?,
                 station: words.take()? as usize,
                 radius: words.take_f64()?,
                 limit: words.take_f64()?,

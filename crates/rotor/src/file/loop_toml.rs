@@ -37,6 +37,18 @@ pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &Units) ->
     {
         reader.wrong("lag_damping", value, "lag = T beside it: the damping is that of the actuator's lag");
     }
+    if parts.external > 0.0
+        && parts.sample == 0.0
+        && let Some(value) = table.get("external")
+    {
+        reader.wrong("external", value, "sample = T beside it: the period at which a controller outside is asked");
+    }
+    if parts.external_trip > 0.0
+        && parts.external == 0.0
+        && let Some(value) = table.get("external_trip")
+    {
+        reader.wrong("external_trip", value, "external = N beside it: the samples that a controller outside may miss");
+    }
     parts
 }
 

@@ -145,7 +145,7 @@ fn simulated(dtau: f64) -> Session {
     let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "composite").unwrap());
     settings.deadband.fill(1.0);
     let carrier = Memory::default();
-    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau, profile: None };
+    let options = sim::Options { bench: BenchName::default(), rate_hz: 2000.0, dtau, ..sim::Options::default() };
     let stop = AtomicBool::new(false);
     thread::scope(|scope| {
         let begun = settings.clone();

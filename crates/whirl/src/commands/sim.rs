@@ -46,6 +46,10 @@ pub(crate) struct LiveArgs {
 pub(crate) struct SimArgs {
     #[command(flatten)]
     pub(crate) live: LiveArgs,
+    /// Not in real time: wait at every sample for the command of a controller outside (`external`), and go as fast as that, bit for
+    /// bit repeatable
+    #[arg(long, conflicts_with = "rate")]
+    lockstep: bool,
     /// Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when
     /// the parent dies
     #[arg(long, hide = true)]
@@ -105,7 +109,7 @@ impl LiveArgs {
     /// Not a bench name, or a profile that is none.
     pub(crate) fn options(&self, rotor: &rotor::Rotor) -> Result<Options, Failure> {
         let profile = self.read_profile(rotor)?;
-        Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau: self.dtau, profile })
+        Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau: self.dtau, profile, ..Options::default() })
     }
 }
 
@@ -113,9 +117,11 @@ impl From<sim::SimError> for Failure {
     fn from(error: sim::SimError) -> Self {
         match error {
             sim::SimError::Wire(error) => error.into(),
-            sim::SimError::Rate(_) | sim::SimError::Step(_) | sim::SimError::Program(_) | sim::SimError::Profile(_) => {
-                Self::Usage(error.to_string())
-            }
+            sim::SimError::Rate(_)
+            | sim::SimError::Step(_)
+            | sim::SimError::Program(_)
+            | sim::SimError::Profile(_)
+            | sim::SimError::External(_) => Self::Usage(error.to_string()),
         }
     }
 }
@@ -126,7 +132,7 @@ impl From<sim::SimError> for Failure {
 /// A machine that cannot be made, or a bench that is taken.
 pub(crate) fn run(args: &SimArgs) -> Result<(), Failure> {
     let (rotor, settings) = args.live.machine()?;
-    let options = args.live.options(&rotor)?;
+    let options = Options { lockstep: args.lockstep, ..args.live.options(&rotor)? };
     let stop = interrupt::flag()?;
     if args.as_child {
         stop_when_stdin_closes(stop.clone());

@@ -148,7 +148,7 @@ struct Attached {
 impl Attached {
     /// Whether it reads the motion, and is not the simulation or somebody who looks or asks, as we do.
     fn is_reader(&self) -> bool {
-        !["sim", "set", "note", "status", "clean"].contains(&self.role.as_str())
+        !["sim", "set", "note", "status", "wire", "clean"].contains(&self.role.as_str())
     }
 }
 

@@ -127,7 +127,7 @@ fn for_people(state: &impl Step, lost: u64) -> String {
     }
     let [y, z] = state.force_delivered();
     let _ = write!(line, "  u: {:>10} {:>10}", rounded(y), rounded(z));
-    for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE] {
+    for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE, Flags::EXTERNAL, Flags::HELD] {
         if state.flags().has(flag) {
             let _ = write!(line, "  {}", flag.names().concat());
         }

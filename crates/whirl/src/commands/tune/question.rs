@@ -404,7 +404,7 @@ impl Asked {
 
 /// Settings of a search: numbers of the loop that its poles know.
 fn parts_alone(set: &[String]) -> Result<(), Failure> {
-    const NO_PART: [&str; 5] = ["noise", "quantum", "seed", "limit", "slew"];
+    const NO_PART: [&str; 7] = ["noise", "quantum", "seed", "limit", "slew", "external", "external_trip"];
     let names = || PARTS.iter().map(|part| part.name).filter(|name| !NO_PART.contains(name));
     for typed in set {
         let key = pair(typed).map_or(typed.as_str(), |(key, _)| key);
