@@ -33,6 +33,22 @@ impl Gain {
         }
     }
 
+    /// How fast it changes with speed at `speed`: of a table, over the piece that begins there or before.
+    #[must_use]
+    pub fn slope_at(&self, speed: f64) -> f64 {
+        match self {
+            Self::Constant(_) => 0.0,
+            Self::Linear { slope, .. } => *slope,
+            Self::Table(points) => {
+                let after = points.partition_point(|&(s, _)| s <= speed);
+                match (after.checked_sub(1).map(|i| points[i]), points.get(after)) {
+                    (Some((s0, v0)), Some(&(s1, v1))) => (v1 - v0) / (s1 - s0),
+                    _ => 0.0,
+                }
+            }
+        }
+    }
+
     /// The same gain raised by `delta` at every speed, so that a schedule keeps its shape when it is nudged.
     #[must_use]
     pub fn shifted(&self, delta: f64) -> Self {
@@ -333,9 +349,14 @@ impl ControlBearing {
     /// The law at one spin speed, as complex gains on each mass.
     #[must_use]
     pub fn at(&self, speed: f64) -> ControlRow {
+        self.row(|gain| gain.at(speed))
+    }
+
+    /// The law with a number for each of its gains, as complex gains on each mass.
+    pub(crate) fn row(&self, number: impl Fn(&Gain) -> f64) -> ControlRow {
         let mut row = ControlRow { bearing: self.station, ..ControlRow::default() };
         for signal in &self.signals {
-            let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|i| signal.gains[i].at(speed));
+            let [kd, cd, kc, cc] = [0, 1, 2, 3].map(|i| number(&signal.gains[i]));
             let on_displacement = C64::new(kd, -kc);
             let on_velocity = C64::new(cd, -cc);
             for (gain, weight) in row.displacement.iter_mut().zip(&signal.displacement) {

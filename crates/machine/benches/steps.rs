@@ -1,8 +1,9 @@
-//! A step of three masses: the fused path alone, the same in a machine, and with every part of the loop on.
+//! A step of three masses: the fused path alone, the same in a machine, and with every part of the loop on. What a changing speed costs
+//! is measured by `ramps`.
 
 use control::{Filter, Parts};
 use divan::{Bencher, black_box};
-use machine::{Leg, Machine, Program};
+use machine::{Machine, Program};
 use rotor::{Settings, builtin};
 
 fn main() {
@@ -120,25 +121,4 @@ fn every_continuous_part(bencher: Bencher) {
             f.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.1 }];
         }),
     );
-}
-
-/// The same machine on its way between two speeds, for as long as is measured: the peer is `ideal_machine`.
-#[divan::bench]
-fn ideal_machine_on_a_ramp(bencher: Bencher) {
-    thousand(bencher, on_its_way(|_| ()));
-}
-
-/// With parts of the loop on, at a steady speed and on a ramp: both are integrated, so that a ramp costs what it costs by itself.
-#[divan::bench(args = [false, true])]
-fn lagging_loop(bencher: Bencher, ramp: bool) {
-    let lag = |f: &mut rotor::Feedback| f.bearings[0].parts.lag = 0.02;
-    thousand(bencher, if ramp { on_its_way(lag) } else { machine(lag) });
-}
-
-/// A speed that rises so slowly that no measurement sees its end.
-fn on_its_way(change: impl Fn(&mut rotor::Feedback)) -> Machine {
-    let (rotor, settings) = settings(change);
-    let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
-    let from = settings.speed - 0.5;
-    Machine::spinning(program.following(vec![Leg::To { speed: settings.speed, rate: 1e-9 }]), from)
 }

@@ -1,14 +1,14 @@
 //! Plant and loop integrated together: classical fourth-order Runge-Kutta between instants at which something jumps.
 //!
-//! This is the way of everything that is not a chain under an ideal loop at a steady speed, which has a fused path of its
-//! own. It allocates nothing once it is made.
+//! This is the way of everything that is not a chain under an ideal loop, which has a fused path of its own unless its speed is driven
+//! by a given torque. It allocates nothing once it is made.
 
 use std::sync::Arc;
 
 use control::{Controller, Output, Stage, Words};
 use rotor::{C64, Direction, Plant, Spin};
 
-use crate::motion::{Drive, Motion};
+use crate::motion::{Drive, Motion, SAME_TIME};
 
 /// A plant in motion with the loop around it.
 #[derive(Clone, Debug)]
@@ -49,7 +49,7 @@ impl Integrator {
             stage: vec![C64::ZERO; width],
             slopes: std::array::from_fn(|_| vec![C64::ZERO; width]),
             stations: std::array::from_fn(|_| vec![C64::ZERO; stations]),
-            tolerance: 1e-9 * dtau,
+            tolerance: SAME_TIME * dtau,
             remembered: vec![Default::default(); columns.len()],
             columns,
             plant,

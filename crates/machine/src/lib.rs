@@ -1,8 +1,8 @@
 //! Plant, loop and motion as one [`Machine`]: stepped, guarded against what is not finite, tripped, saved and restored.
 //!
 //! A [`Program`] is settings compiled for it, away from the thread that steps, and swapped in between two steps. A chain under
-//! an ideal loop at a steady speed takes the fused path of crate `rotor`; everything else is integrated together with the
-//! loop's own states.
+//! an ideal loop takes the fused path of crate `rotor`, through a changing speed too unless that is driven by a given torque;
+//! everything else is integrated together with the loop's own states.
 //!
 //! ```
 //! use machine::{Machine, MachinePoles, Pace, Program};

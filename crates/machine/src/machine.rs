@@ -4,6 +4,8 @@
 
 mod external;
 mod path;
+#[cfg(test)]
+mod ramps;
 mod save;
 
 pub use external::Sensed;
@@ -14,6 +16,7 @@ use rotor::{C64, Stepper};
 use crate::motion::{Grid, Motion};
 use crate::program::Program;
 use crate::trip::{Trip, TripCause};
+use path::Path;
 
 /// Where a clock was set last, and how many steps of integration ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,8 +54,10 @@ pub struct Sample<'a> {
 pub struct Machine {
     program: Box<Program>,
     fused: Option<Box<dyn Stepper>>,
-    /// Whether the fused path has the motion.
-    is_fused: bool,
+    /// Which path has the motion.
+    path: Path,
+    /// Whether the fused path may take a changing speed: not in a machine that goes on from a snapshot of a time when it could not.
+    fuses_ramps: bool,
     grid: Grid,
     motion: Motion,
     /// Position and velocity when all was finite last.
@@ -67,7 +72,8 @@ impl Clone for Machine {
         Self {
             program: self.program.clone(),
             fused: self.fused.as_ref().map(|fused| fused.twin()),
-            is_fused: self.is_fused,
+            path: self.path,
+            fuses_ramps: self.fuses_ramps,
             grid: self.grid,
             motion: self.motion.clone(),
             good: self.good.clone(),
@@ -101,8 +107,9 @@ impl Machine {
     pub fn spinning(program: Program, speed: f64) -> Self {
         let n = program.integrator.displacement().len();
         let mut machine = Self {
-            fused: program.fused.as_ref().map(rotor::stepper),
-            is_fused: false,
+            fused: program.fused.as_ref().map(|fused| rotor::stepper(&fused.steady)),
+            path: Path::Integrated,
+            fuses_ramps: true,
             grid: Grid { from: 0.0, steps: 0, dtau: program.inner_step() },
             motion: Motion::steady(speed),
             good: [vec![C64::ZERO; n], vec![C64::ZERO; n]],
@@ -139,8 +146,9 @@ impl Machine {
         machine.good[0].copy_from_slice(displacement);
         machine.good[1].copy_from_slice(velocity);
         machine.outputs.iter_mut().zip(outputs).for_each(|(own, output)| *own = *output);
-        match &mut machine.fused {
-            Some(fused) if machine.is_fused => fused.set_clock(line.tau, line.angle, line.steps, dtau),
+        match (machine.path, &mut machine.fused) {
+            (Path::Steady, Some(fused)) => fused.set_clock(line.tau, line.angle, line.steps, dtau),
+            (Path::Changing, _) => {}
             _ => {
                 let tau = machine.grid.tau();
                 machine.program.integrator.start(outputs, tau, speed);
@@ -180,19 +188,11 @@ impl Machine {
         let (speed, acceleration) = rates;
         let outputs = &self.outputs[..self.program.bearings()];
         match &self.fused {
-            Some(fused) if self.is_fused => {
+            Some(fused) if self.path != Path::Integrated => {
                 let motion = fused.motion();
                 let (displacement, velocity) = (motion.displacement, motion.velocity);
-                Sample {
-                    tau,
-                    angle: motion.angle,
-                    speed,
-                    acceleration,
-                    displacement,
-                    velocity,
-                    outputs,
-                    contact: fused.contact(),
-                }
+                let angle = if self.path == Path::Steady { motion.angle } else { self.motion.angle_at(tau) };
+                Sample { tau, angle, speed, acceleration, displacement, velocity, outputs, contact: fused.contact() }
             }
             _ => {
                 let Program { integrator, .. } = &*self.program;
@@ -232,7 +232,7 @@ impl Machine {
     /// look, and where the loop is ideal, that is the displacement itself.
     #[must_use]
     pub fn reading(&self, station: usize) -> C64 {
-        let mut controllers = self.program.integrator.controllers.iter().filter(|_| !self.is_fused);
+        let mut controllers = self.program.integrator.controllers.iter().filter(|_| self.path == Path::Integrated);
         let read = controllers.find_map(|controller| controller.reading_at(station));
         read.or_else(|| self.sample().displacement.get(station).copied()).unwrap_or_default()
     }
@@ -242,7 +242,11 @@ impl Machine {
         if self.trip.is_some() {
             return None;
         }
-        if self.is_fused { self.step_fused() } else { self.step_integrated() }
+        match self.path {
+            Path::Steady => self.step_fused(),
+            Path::Changing => self.step_changing(),
+            Path::Integrated => self.step_integrated(),
+        }
     }
 
     /// From here on a step is `dtau` long: no longer than the program's own, for which its loop has room.
@@ -251,7 +255,7 @@ impl Machine {
             return;
         }
         self.program.dtau = dtau;
-        if self.is_fused {
+        if self.path == Path::Steady {
             // As the fused path does itself.
             let (tau, angle) = (self.tau(), self.sample().angle);
             let speed = self.motion.speed_at(tau);
@@ -272,36 +276,64 @@ impl Machine {
     /// own step, for which its loop has room.
     pub fn step_by(&mut self, dtau: f64) {
         self.pace(dtau);
-        match &mut self.fused {
-            Some(fused) if self.is_fused => {
-                for _ in 0..self.program.substeps {
-                    fused.step(self.grid.dtau);
-                }
-                self.grid.steps += u64::from(self.program.substeps);
-                let control = fused.control();
-                self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
-            }
-            _ => {
+        match self.path {
+            Path::Steady => self.turn_fused(),
+            Path::Changing => self.change_fused(),
+            Path::Integrated => {
                 self.integrate();
-                self.choose_path();
+                return self.choose_path();
             }
+        }
+        self.put_out();
+        if self.path == Path::Changing && !self.motion.is_moving() {
+            self.choose_path();
         }
     }
 
     /// Puts every coordinate somewhere; time, angle and what the loop holds go on.
     pub fn place(&mut self, displacement: &[C64], velocity: &[C64]) {
         match &mut self.fused {
-            Some(fused) if self.is_fused => fused.place(displacement, velocity),
+            Some(fused) if self.path != Path::Integrated => fused.place(displacement, velocity),
             _ => self.program.integrator.place(displacement, velocity),
         }
     }
 
+    /// What the ideal loop puts out, on the fused path.
+    #[inline]
+    fn put_out(&mut self) {
+        if let Some(fused) = &self.fused {
+            let control = fused.control();
+            self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
+        }
+    }
+
     fn step_fused(&mut self) -> Option<Trip> {
-        let fused = self.fused.as_mut()?;
+        self.turn_fused();
+        self.guard_fused()
+    }
+
+    fn step_changing(&mut self) -> Option<Trip> {
+        self.change_fused();
+        let ended = self.guard_fused();
+        if !self.motion.is_moving() {
+            self.choose_path();
+        }
+        ended
+    }
+
+    /// The substeps of a step at a steady speed.
+    #[inline]
+    fn turn_fused(&mut self) {
+        let Some(fused) = &mut self.fused else { return };
         for _ in 0..self.program.substeps {
             fused.step(self.grid.dtau);
         }
         self.grid.steps += u64::from(self.program.substeps);
+    }
+
+    #[inline]
+    fn guard_fused(&mut self) -> Option<Trip> {
+        let fused = self.fused.as_mut()?;
         let (motion, control) = (fused.motion(), fused.control());
         let radius = motion.largest_radius();
         if motion.is_finite() && radius.is_finite() && control.is_finite() {
@@ -311,8 +343,7 @@ impl Machine {
             self.judge(radius)
         } else {
             fused.place(&self.good[0], &self.good[1]);
-            let control = fused.control();
-            self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
+            self.put_out();
             self.stop(TripCause::NotFinite)
         }
     }
@@ -364,7 +395,7 @@ impl Machine {
     /// A sudden change of velocity of a coordinate (of a chain: a mass), counted from 0; nothing if there is none such.
     pub fn kick(&mut self, coordinate: usize, change: C64) {
         match &mut self.fused {
-            Some(fused) if self.is_fused => fused.kick(coordinate, change),
+            Some(fused) if self.path != Path::Integrated => fused.kick(coordinate, change),
             _ => {
                 if let Some(v) = self.program.integrator.velocity_mut().get_mut(coordinate) {
                     *v += change;

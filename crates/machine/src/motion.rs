@@ -4,11 +4,17 @@
 //! an exponential where the speed decays, and is put together anew where a leg of the speed's program begins: speed is
 //! continuous there, unless it is to jump, and the angle always.
 
+mod turning;
+
 use std::collections::VecDeque;
 
 use control::Words;
 use rotor::profile::{Leg, REST_OF_DECAY};
-use rotor::{C64, Spin};
+use rotor::{C64, SpeedStage, Spin};
+use turning::Turning;
+
+/// Times closer than this part of a step are one.
+pub(crate) const SAME_TIME: f64 = 1e-9;
 
 /// The most legs that a program has.
 pub const MAX_LEGS: usize = rotor::profile::MAX_LEGS;
@@ -52,9 +58,9 @@ impl Drive {
 /// Set in the number of legs that is written down where a drive stands behind them.
 const DRIVEN: u64 = 1 << 32;
 
-/// The spin over the present leg.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Motion {
+/// The spin over a leg, by its equation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct SpinLaw {
     from: f64,
     angle: f64,
     speed: f64,
@@ -62,6 +68,44 @@ pub(crate) struct Motion {
     /// Rate of an exponential decay towards `asymptote`, which begins with `acceleration`; 0 for a steady rate of change.
     decay: f64,
     asymptote: f64,
+}
+
+impl SpinLaw {
+    fn speed_at(&self, tau: f64) -> f64 {
+        if self.acceleration == 0.0 {
+            self.speed
+        } else if self.decay == 0.0 {
+            self.speed + self.acceleration * (tau - self.from)
+        } else {
+            self.asymptote + (self.speed - self.asymptote) * (-self.decay * (tau - self.from)).exp()
+        }
+    }
+
+    fn acceleration_at(&self, tau: f64) -> f64 {
+        if self.decay == 0.0 { self.acceleration } else { self.acceleration * (-self.decay * (tau - self.from)).exp() }
+    }
+
+    fn angle_at(&self, tau: f64) -> f64 {
+        let t = tau - self.from;
+        if self.decay != 0.0 {
+            // The integral of the speed; `exp_m1` keeps the digits of a decay that has hardly begun.
+            let faded = -(-self.decay * t).exp_m1() / self.decay;
+            return self.angle + self.asymptote * t + (self.speed - self.asymptote) * faded;
+        }
+        let steady = self.angle + self.speed * t;
+        if self.acceleration == 0.0 { steady } else { steady + 0.5 * self.acceleration * t * t }
+    }
+
+    fn spin_at(&self, tau: f64) -> Spin {
+        let (speed, acceleration) = (self.speed_at(tau), self.acceleration_at(tau));
+        Spin { speed, acceleration, direction: C64::cis(self.angle_at(tau)) }
+    }
+}
+
+/// The spin over the present leg.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Motion {
+    law: SpinLaw,
     /// When the leg ends; infinite for the last.
     until: f64,
     /// The speed at which it ends, exactly.
@@ -69,22 +113,20 @@ pub(crate) struct Motion {
     legs: VecDeque<Leg>,
     /// What turns it, if the speed is a state of the machine: then `from`, `angle`, `speed` and `acceleration` are those of the last stretch.
     drive: Option<Drive>,
+    /// The spin over the steps about the one that [`Motion::stages_over`] was asked for last.
+    turning: Box<Turning>,
 }
 
 impl Motion {
     /// Spinning steadily from `tau` = 0 on.
     pub(crate) fn steady(speed: f64) -> Self {
         Self {
-            from: 0.0,
-            angle: 0.0,
-            speed,
-            acceleration: 0.0,
-            decay: 0.0,
-            asymptote: speed,
+            law: SpinLaw { from: 0.0, angle: 0.0, speed, acceleration: 0.0, decay: 0.0, asymptote: speed },
             until: f64::INFINITY,
             to: speed,
             legs: VecDeque::with_capacity(MAX_LEGS),
             drive: None,
+            turning: Box::new(Turning::none()),
         }
     }
 
@@ -99,39 +141,44 @@ impl Motion {
     }
 
     pub(crate) fn speed_at(&self, tau: f64) -> f64 {
-        if self.acceleration == 0.0 {
-            self.speed
-        } else if self.decay == 0.0 {
-            self.speed + self.acceleration * (tau - self.from)
-        } else {
-            self.asymptote + (self.speed - self.asymptote) * (-self.decay * (tau - self.from)).exp()
-        }
+        self.law.speed_at(tau)
     }
 
     /// The angle at which the present leg began.
     pub(crate) fn angle_from(&self) -> f64 {
-        self.angle
+        self.law.angle
     }
 
     /// The rate of change of the speed.
     pub(crate) fn acceleration_at(&self, tau: f64) -> f64 {
-        if self.decay == 0.0 { self.acceleration } else { self.acceleration * (-self.decay * (tau - self.from)).exp() }
+        self.law.acceleration_at(tau)
     }
 
     pub(crate) fn angle_at(&self, tau: f64) -> f64 {
-        let t = tau - self.from;
-        if self.decay != 0.0 {
-            // The integral of the speed; `exp_m1` keeps the digits of a decay that has hardly begun.
-            let faded = -(-self.decay * t).exp_m1() / self.decay;
-            return self.angle + self.asymptote * t + (self.speed - self.asymptote) * faded;
-        }
-        let steady = self.angle + self.speed * t;
-        if self.acceleration == 0.0 { steady } else { steady + 0.5 * self.acceleration * t * t }
+        self.law.angle_at(tau)
     }
 
     pub(crate) fn spin_at(&self, tau: f64) -> Spin {
-        let (speed, acceleration) = (self.speed_at(tau), self.acceleration_at(tau));
-        Spin { speed, acceleration, direction: C64::cis(self.angle_at(tau)) }
+        self.law.spin_at(tau)
+    }
+
+    /// The spin at the beginning, in the middle and at the end of the next step of a grid; nothing if the present leg is over by its end.
+    ///
+    /// It is that of [`Motion::spin_at`] but for rounding, at a fraction of its cost, and hangs on leg and grid alone: a motion that is
+    /// taken up in the middle of a leg goes on to the last bit.
+    #[inline]
+    pub(crate) fn stages_over(&mut self, grid: Grid) -> Option<&[SpeedStage; 3]> {
+        let Self { law, turning, until, .. } = self;
+        if turning.place(grid).is_none() {
+            // What ends within rounding of a step ends with it.
+            turning.make(law, grid, *until - SAME_TIME * grid.dtau);
+        }
+        Some(turning.at(turning.place(grid)?))
+    }
+
+    /// Whether a drive of given torque turns it, or will.
+    pub(crate) fn is_driven(&self) -> bool {
+        self.drive.is_some() || self.legs.iter().any(|leg| matches!(leg, Leg::Drive { .. }))
     }
 
     /// What turns the spin, if its speed is not given.
@@ -141,19 +188,20 @@ impl Motion {
 
     /// Where a drive has brought the spin.
     pub(crate) fn driven_to(&mut self, tau: f64, angle: f64, speed: f64, acceleration: f64) {
-        (self.from, self.angle, self.speed, self.acceleration) = (tau, angle, speed, acceleration);
+        self.law = SpinLaw { from: tau, angle, speed, acceleration, ..self.law };
+        self.turning.clear();
         if speed <= 0.0 && acceleration < 0.0 {
             // A brake brings it to rest, and does not turn it back.
             let until = self.until;
             self.go(0.0, 0.0, until, 0.0);
         }
-        self.to = self.speed;
+        self.to = self.law.speed;
     }
 
     /// Puts the spin at `angle`, to turn steadily from `tau` on with the speed that it has; what was to come is dropped.
     pub(crate) fn settle(&mut self, tau: f64, angle: f64, speed: f64) {
         self.legs.clear();
-        (self.from, self.angle) = (tau, angle);
+        (self.law.from, self.law.angle) = (tau, angle);
         self.go(speed, 0.0, f64::INFINITY, speed);
     }
 
@@ -175,7 +223,7 @@ impl Motion {
 
     /// Begins the next leg; without one, the spin stays as it is.
     fn begin(&mut self, tau: f64, angle: f64, mut speed: f64) {
-        (self.from, self.angle) = (tau, angle);
+        (self.law.from, self.law.angle) = (tau, angle);
         while let Some(leg) = self.legs.pop_front() {
             match leg {
                 Leg::To { speed: to, rate } => {
@@ -194,7 +242,7 @@ impl Motion {
                         self.legs.push_front(last);
                         let until = tau - REST_OF_DECAY.ln() / decay;
                         self.go(speed, decay * way, until, to - way * REST_OF_DECAY);
-                        (self.decay, self.asymptote) = (decay, to);
+                        (self.law.decay, self.law.asymptote) = (decay, to);
                         return;
                     }
                 }
@@ -212,12 +260,14 @@ impl Motion {
 
     /// From `speed` on at a steady rate, until a time and up to a speed.
     fn go(&mut self, speed: f64, acceleration: f64, until: f64, to: f64) {
-        (self.speed, self.acceleration, self.until, self.to) = (speed, acceleration, until, to);
-        (self.decay, self.asymptote, self.drive) = (0.0, speed, None);
+        (self.until, self.to, self.drive) = (until, to, None);
+        self.law = SpinLaw { speed, acceleration, decay: 0.0, asymptote: speed, ..self.law };
+        self.turning.clear();
     }
 
     pub(crate) fn save(&self, words: &mut Words) {
-        let Self { from, angle, speed, acceleration, decay, asymptote, until, to, legs, drive } = self;
+        let Self { law, until, to, legs, drive, turning: _ } = self;
+        let SpinLaw { from, angle, speed, acceleration, decay, asymptote } = law;
         [*from, *angle, *speed, *acceleration, *decay, *asymptote, *until, *to]
             .into_iter()
             .for_each(|x| words.put_f64(x));
@@ -238,11 +288,12 @@ impl Motion {
     }
 
     pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
-        let Self { from, angle, speed, acceleration, decay, asymptote, until, to, .. } = self;
+        let Self { law: SpinLaw { from, angle, speed, acceleration, decay, asymptote }, until, to, .. } = self;
         let places = [from, angle, speed, acceleration, decay, asymptote, until, to];
         for place in places {
             *place = words.take_f64()?;
         }
+        self.turning.clear();
         self.legs.clear();
         let count = words.take()?;
         for _ in 0..Some(count & !DRIVEN).filter(|count| *count <= MAX_LEGS as u64)? {

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use control::{Controller, Feedback, LoopError};
 use rotor::step::{Fastest, StepError};
 use rotor::{
-    C64, Characteristic, ClosedLoop, LinearForm, OperatingPoint, Plant, PoleError, Rotor, Settings, eigenvalues,
+    C64, Characteristic, ClosedLoop, LinearForm, LoopOverSpeed, OperatingPoint, Plant, PoleError, Rotor, Settings,
+    eigenvalues,
 };
 
 use crate::integrate::Integrator;
@@ -56,11 +57,20 @@ pub struct Pace {
     pub rate_hz: f64,
 }
 
+/// A chain under an ideal loop: what its fused path reads.
+#[derive(Clone, Debug)]
+pub(crate) struct Fused {
+    /// At the speed at which the program ends.
+    pub(crate) steady: ClosedLoop,
+    /// On the way there.
+    pub(crate) over_speed: LoopOverSpeed,
+}
+
 /// Settings, ready to be stepped.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// The fused path, where there is one: a chain under an ideal loop.
-    pub(crate) fused: Option<ClosedLoop>,
+    /// The fused path, where there is one.
+    pub(crate) fused: Option<Fused>,
     pub(crate) integrator: Integrator,
     plant: Arc<Plant>,
     feedback: Feedback,
@@ -144,7 +154,8 @@ impl Program {
             controllers.push(Controller::new(&own, stations, settings.speed, inner)?);
         }
         Ok(Self {
-            fused: ClosedLoop::describes(rotor, feedback).then(|| settings.closed_loop(rotor)),
+            fused: ClosedLoop::describes(rotor, feedback)
+                .then(|| Fused { steady: settings.closed_loop(rotor), over_speed: LoopOverSpeed::of(rotor, feedback) }),
             integrator: Integrator::new(plant.clone(), columns, settings.deadband.clone(), controllers, inner),
             plant,
             feedback: feedback.clone(),
@@ -181,10 +192,10 @@ impl Program {
         self.dtau
     }
 
-    /// The equations of motion of the fused path; `None` where the loop is not ideal.
+    /// The equations of motion of the fused path, at the speed at which it ends; `None` where the loop is not ideal.
     #[must_use]
     pub fn closed_loop(&self) -> Option<&ClosedLoop> {
-        self.fused.as_ref()
+        self.fused.as_ref().map(|fused| &fused.steady)
     }
 
     /// The spin speed that it ends at.

@@ -2,7 +2,7 @@
 
 use control::{Excitation, Filter, Multisine, Parts, Words};
 use machine::{Machine, Program};
-use rotor::{C64, Feedback, Settings, builtin};
+use rotor::{C64, Feedback, Gain, Settings, builtin};
 
 fn program(change: impl Fn(&mut Feedback), speed: f64, ramp: f64) -> Program {
     let rotor = builtin::rotor("three-mass").expect("built in");
@@ -46,7 +46,10 @@ fn step(machine: &mut Machine, times: usize) {
 #[test]
 fn steps_orders_and_new_programs_allocate_nothing() {
     let late: fn(&mut Feedback) = |f| (f.bearings[0].parts.delay, f.bearings[0].parts.lag) = (0.033, 0.01);
-    let loops: [Loop; 3] = [("ideal", |_| ()), ("everything", everything), ("late", late)];
+    let scheduled: fn(&mut Feedback) = |f| {
+        f.bearings[0].signals[0].gains[1] = Gain::Table(vec![(3.2, 1.9), (3.7, 2.1), (9.0, 1.0)]);
+    };
+    let loops: [Loop; 4] = [("ideal", |_| ()), ("scheduled", scheduled), ("everything", everything), ("late", late)];
     for (from, first) in loops {
         for (to, second) in loops {
             for ramp in [f64::INFINITY, 0.5] {

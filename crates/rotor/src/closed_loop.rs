@@ -6,7 +6,7 @@
 //! s(r) = 0 for r <= g,  1 - g / r for r > g                                        (3.2)-(3.4)
 //! ```
 //!
-//! It is what a [`crate::Stepper`] steps and what [`ClosedLoop::state_matrix`] linearises: one place where the
+//! It is what a [`crate::Stepper`] steps at a steady speed ([`crate::LoopOverSpeed`] has what it needs beside it through a changing one) and what [`ClosedLoop::state_matrix`] linearises: one place where the
 //! parameters enter, fixed in size and cheap to copy, so that a running simulation swaps it without allocating.
 
 use nalgebra::DMatrix;

@@ -2,9 +2,18 @@
 //!
 //! A stepper allocates nothing after it is made and is monomorphic in the number of masses, so that the inner loops of
 //! the report's rotors (n = 1 and n = 3) are unrolled. The spin angle is a state of its own: a change of speed leaves
-//! it continuous.
+//! it continuous. At a steady speed a stepper turns by itself; through a changing one it is told the spin, stage by stage, and
+//! its coefficients follow.
 
-use crate::{C64, ClosedLoop};
+mod clock;
+mod lanes;
+
+use clock::Clock;
+use lanes::Lanes;
+
+use control::LawPiece;
+
+use crate::{C64, ClosedLoop, LoopOverSpeed, MAX_MASSES, SpeedStage};
 
 /// Where the rotor is. Borrowed from a [`Stepper`].
 #[derive(Clone, Copy, Debug)]
@@ -46,6 +55,9 @@ pub trait Stepper: Send {
         let substep = dtau / f64::from(substeps.max(1));
         (0..substeps.max(1)).for_each(|_| self.step(substep));
     }
+    /// Advances by `dtau` through a changing speed: `stages` are the spin at the beginning, in the middle and at the end, `over` what of the
+    /// loaded coefficients hangs on the speed. Time and angle of [`Stepper::motion`] stay what they are: who knows the spin knows them.
+    fn step_through(&mut self, dtau: f64, stages: &[SpeedStage; 3], over: &LoopOverSpeed);
     /// Where it is.
     fn motion(&self) -> Motion<'_>;
     /// The control acceleration at the present state, in `w0^2 e_t`.
@@ -84,112 +96,6 @@ const fn lanes(masses: usize) -> usize {
     if masses == 1 { 1 } else { masses.next_multiple_of(2) }
 }
 
-/// Steps between two evaluations of the sine and cosine of the spin angle; in between the unbalance is turned by a
-/// constant factor, which costs a fifth and is off by less than 1e-14 at the end.
-const TURNS_BETWEEN: u64 = 32;
-
-/// Point on a line in time: value `at` at step count zero, and a rate per unit of `tau`.
-///
-/// Time and angle are computed from the number of steps since the last change of step or speed rather than summed, so
-/// that a day's run ends on the same grid as a minute's.
-#[derive(Clone, Copy, Debug)]
-struct Clock {
-    tau: f64,
-    angle: f64,
-    speed: f64,
-    dtau: f64,
-    steps: u64,
-    /// `exp(j angle)` now, but for rounding; evaluated anew where `steps` is a multiple of [`TURNS_BETWEEN`].
-    phasor: C64,
-    /// `exp(j speed dtau / 2)`.
-    half_turn: C64,
-}
-
-impl Clock {
-    fn tau(&self) -> f64 {
-        self.tau + self.steps as f64 * self.dtau
-    }
-
-    fn angle(&self) -> f64 {
-        self.angle + self.speed * (self.steps as f64 * self.dtau)
-    }
-
-    fn at_rest(speed: f64) -> Self {
-        Self { tau: 0.0, angle: 0.0, speed, dtau: 0.0, steps: 0, phasor: C64::ONE, half_turn: C64::ONE }
-    }
-
-    fn rebase(&mut self, speed: f64, dtau: f64) {
-        if speed != self.speed || dtau != self.dtau {
-            let half_turn = C64::cis(speed * (0.5 * dtau));
-            *self =
-                Self { tau: self.tau(), angle: self.angle(), speed, dtau, steps: 0, half_turn, phasor: self.phasor };
-        }
-    }
-
-    /// The clock that this one is after `steps` steps of `dtau` from `tau` and `angle`.
-    fn after(self, tau: f64, angle: f64, steps: u64, dtau: f64) -> Self {
-        let half_turn = C64::cis(self.speed * (0.5 * dtau));
-        // From the last step at which the unbalance was put on its angle, and then turned as often as it was.
-        let since = steps % TURNS_BETWEEN;
-        let mut clock = Self { tau, angle, dtau, steps: steps - since, half_turn, ..self };
-        (0..since).for_each(|_| {
-            clock.advance();
-        });
-        clock
-    }
-
-    /// `exp(j angle)` at the beginning, the middle and the end of the next step, which is then taken.
-    #[inline]
-    fn advance(&mut self) -> [C64; 3] {
-        if self.steps.is_multiple_of(TURNS_BETWEEN) {
-            self.phasor = C64::cis(self.angle());
-        }
-        let middle = self.phasor * self.half_turn;
-        let end = middle * self.half_turn;
-        let start = std::mem::replace(&mut self.phasor, end);
-        self.steps += 1;
-        [start, middle, end]
-    }
-}
-
-/// The parts `y` and `z` of one complex number a mass, apart, so that the compiler works on several masses at once.
-#[derive(Clone, Copy, Debug)]
-struct Lanes<const L: usize> {
-    y: [f64; L],
-    z: [f64; L],
-}
-
-impl<const L: usize> Lanes<L> {
-    const ZERO: Self = Self { y: [0.0; L], z: [0.0; L] };
-
-    fn of(numbers: &[C64]) -> Self {
-        let at = |k: usize| numbers.get(k).copied().unwrap_or_default();
-        Self { y: std::array::from_fn(|k| at(k).re), z: std::array::from_fn(|k| at(k).im) }
-    }
-
-    /// `self + h * slope`, mass by mass.
-    #[inline]
-    fn along(&self, h: f64, slope: &Self) -> Self {
-        let mut sum = *self;
-        for k in 0..L {
-            sum.y[k] += slope.y[k] * h;
-            sum.z[k] += slope.z[k] * h;
-        }
-        sum
-    }
-
-    /// `self + dtau / 6 (k0 + 2 k1 + 2 k2 + k3)`.
-    #[inline]
-    fn combined(&self, sixth: f64, k: [&Self; 4]) -> Self {
-        let mut sum = *self;
-        for i in 0..L {
-            sum.y[i] += (k[0].y[i] + (k[1].y[i] + k[2].y[i]) * 2.0 + k[3].y[i]) * sixth;
-            sum.z[i] += (k[0].z[i] + (k[1].z[i] + k[2].z[i]) * 2.0 + k[3].z[i]) * sixth;
-        }
-        sum
-    }
-}
-
 /// A chain of `N` masses in `L` lanes, those beyond `N` idle: their coefficients are zero.
 #[derive(Clone, Debug)]
 struct Chain<const N: usize, const L: usize> {
@@ -212,6 +118,55 @@ struct Chain<const N: usize, const L: usize> {
     unbalance: [f64; L],
     gain_p: Lanes<L>,
     gain_v: Lanes<L>,
+    gains: Gains<L>,
+}
+
+/// What of the equations hangs on the speed, in a stage of a step.
+struct Coefficients<'a, const L: usize> {
+    /// What unbalance is a multiple of: `exp(j angle)` beside amplitudes at one speed, `(R^2 - j R') exp(j angle)` beside eccentricities.
+    direction: C64,
+    unbalance: &'a [f64; L],
+    /// Cross-coupled stiffness.
+    cross: &'a [f64; L],
+    gain_p: &'a Lanes<L>,
+    gain_v: &'a Lanes<L>,
+}
+
+/// The gains over a stretch of speeds: a straight line.
+#[derive(Clone, Copy, Debug)]
+struct Gains<const L: usize> {
+    from: f64,
+    until: f64,
+    base: f64,
+    /// The speed of those in force; not a number for those that are loaded.
+    are_at: f64,
+    /// Of displacement and velocity: at `base`, and per unit of speed.
+    p: [Lanes<L>; 2],
+    v: [Lanes<L>; 2],
+}
+
+impl<const L: usize> Gains<L> {
+    /// Those of no speed.
+    const NONE: Self =
+        Self { from: f64::NAN, until: f64::NAN, base: 0.0, are_at: f64::NAN, p: [Lanes::ZERO; 2], v: [Lanes::ZERO; 2] };
+
+    /// Goes to the piece of the law that holds at a speed. Returns how far the speed is from the base of it.
+    #[inline(always)]
+    fn reach(&mut self, speed: f64, over: &LoopOverSpeed, masses: usize) -> f64 {
+        if !(self.from <= speed && speed < self.until) {
+            self.take(over.law.piece(speed), masses);
+        }
+        speed - self.base
+    }
+
+    #[cold]
+    fn take(&mut self, piece: &LawPiece, masses: usize) {
+        let LawPiece { from, until, base, row, slope } = piece;
+        let of = |of: &[C64; MAX_MASSES]| Lanes::of(&of[..masses]);
+        (self.from, self.until, self.base) = (*from, *until, *base);
+        self.p = [of(&row.displacement), of(&slope.displacement)];
+        self.v = [of(&row.velocity), of(&slope.velocity)];
+    }
 }
 
 impl<const N: usize, const L: usize> Chain<N, L> {
@@ -231,6 +186,7 @@ impl<const N: usize, const L: usize> Chain<N, L> {
             unbalance: [0.0; L],
             gain_p: Lanes::ZERO,
             gain_v: Lanes::ZERO,
+            gains: Gains::NONE,
         };
         made.load(closed_loop);
         made
@@ -238,10 +194,9 @@ impl<const N: usize, const L: usize> Chain<N, L> {
 
     /// `-u`: the sum of all gains on what they act on.
     #[inline(always)]
-    fn feedback_of(&self, p: &Lanes<L>, v: &Lanes<L>) -> [f64; 2] {
+    fn feedback_of([gp, gv]: [&Lanes<L>; 2], p: &Lanes<L>, v: &Lanes<L>) -> [f64; 2] {
         // Two partial sums, for even and odd masses, keep pairs together.
         let (mut y, mut z) = ([0.0; 2], [0.0; 2]);
-        let (gp, gv) = (&self.gain_p, &self.gain_v);
         for k in 0..L {
             y[k % 2] += gp.y[k] * p.y[k] - gp.z[k] * p.z[k] + (gv.y[k] * v.y[k] - gv.z[k] * v.z[k]);
             z[k % 2] += gp.y[k] * p.z[k] + gp.z[k] * p.y[k] + (gv.y[k] * v.z[k] + gv.z[k] * v.y[k]);
@@ -249,11 +204,11 @@ impl<const N: usize, const L: usize> Chain<N, L> {
         [y[0] + y[1], z[0] + z[1]]
     }
 
-    /// `p''` of every mass; `phasor` is `exp(j angle)`.
+    /// `p''` of every mass.
     #[inline(always)]
-    fn acceleration(&self, p: &Lanes<L>, v: &Lanes<L>, phasor: C64) -> Lanes<L> {
+    fn acceleration(&self, p: &Lanes<L>, v: &Lanes<L>, at: &Coefficients<'_, L>) -> Lanes<L> {
         let mut a = Lanes::ZERO;
-        let (c, k) = (&self.damping, &self.full_stiffness);
+        let (c, k) = (&self.damping, Lanes { y: self.full_stiffness.y, z: *at.cross });
         // s(r) p of (3.3) as p less what the clearance takes away: b (1 - s) is b g / r in contact and b inside. Roots
         // and quotients are dear, so they are formed only where there is a clearance that is overcome.
         let softening: [f64; L] = std::array::from_fn(|i| {
@@ -269,11 +224,11 @@ impl<const N: usize, const L: usize> Chain<N, L> {
             let stiffness = k.y[i] + softening;
             a.y[i] = c.y[i] * v.y[i] - c.z[i] * v.z[i]
                 + (stiffness * p.y[i] - k.z[i] * p.z[i])
-                + phasor.re * self.unbalance[i];
+                + at.direction.re * at.unbalance[i];
             a.z[i] = c.y[i] * v.z[i]
                 + c.z[i] * v.y[i]
                 + (stiffness * p.z[i] + k.z[i] * p.y[i])
-                + phasor.im * self.unbalance[i];
+                + at.direction.im * at.unbalance[i];
         }
         for i in 1..N {
             a.y[i] += self.left[i] * p.y[i - 1];
@@ -283,13 +238,52 @@ impl<const N: usize, const L: usize> Chain<N, L> {
             a.y[i - 1] += self.right[i - 1] * p.y[i];
             a.z[i - 1] += self.right[i - 1] * p.z[i];
         }
-        let [y, z] = self.feedback_of(p, v);
+        let [y, z] = Self::feedback_of([at.gain_p, at.gain_v], p, v);
         // A sum over all masses with a weight of 0 or 1: an index that is not known beforehand keeps `a` out of registers.
         for i in 0..L {
             a.y[i] -= self.controlled[i] * y;
             a.z[i] -= self.controlled[i] * z;
         }
         a
+    }
+
+    /// Displacements and velocities after a step, with the coefficients at its beginning, in its middle and at its end.
+    #[inline(always)]
+    fn stepped(&self, dtau: f64, at: &[Coefficients<'_, L>; 3]) -> ([C64; N], [C64; N]) {
+        let half = 0.5 * dtau;
+        let (p0, v0) = (Lanes::of(&self.p), Lanes::of(&self.v));
+        let a0 = self.acceleration(&p0, &v0, &at[0]);
+        let (p1, v1) = (p0.along(half, &v0), v0.along(half, &a0));
+        let a1 = self.acceleration(&p1, &v1, &at[1]);
+        let (p2, v2) = (p0.along(half, &v1), v0.along(half, &a1));
+        let a2 = self.acceleration(&p2, &v2, &at[1]);
+        let (p3, v3) = (p0.along(dtau, &v2), v0.along(dtau, &a2));
+        let a3 = self.acceleration(&p3, &v3, &at[2]);
+        let sixth = dtau / 6.0;
+        let p = p0.combined(sixth, [&v0, &v1, &v2, &v3]);
+        let v = v0.combined(sixth, [&a0, &a1, &a2, &a3]);
+        (std::array::from_fn(|k| C64::new(p.y[k], p.z[k])), std::array::from_fn(|k| C64::new(v.y[k], v.z[k])))
+    }
+
+    /// The same through a changing speed, with the gains at those three moments.
+    #[inline(always)]
+    fn stepped_through(
+        &self,
+        dtau: f64,
+        stages: &[SpeedStage; 3],
+        over: &LoopOverSpeed,
+        gains: [[&Lanes<L>; 2]; 3],
+    ) -> ([C64; N], [C64; N]) {
+        let eccentricity: [f64; L] = std::array::from_fn(|i| over.eccentricity[i]);
+        let cross: [[f64; L]; 3] = stages.map(|stage| std::array::from_fn(|i| over.seal[i] * stage.speed));
+        let at = [0, 1, 2].map(|k| Coefficients {
+            direction: stages[k].unbalance,
+            unbalance: &eccentricity,
+            cross: &cross[k],
+            gain_p: gains[k][0],
+            gain_v: gains[k][1],
+        });
+        self.stepped(dtau, &at)
     }
 }
 
@@ -314,26 +308,42 @@ impl<const N: usize, const L: usize> Stepper for Chain<N, L> {
         self.unbalance = head::<N, L>(|i| of.unbalance[i]);
         self.gain_p = Lanes::of(&of.control.displacement[..N]);
         self.gain_v = Lanes::of(&of.control.velocity[..N]);
+        self.gains = Gains::NONE;
     }
 
     fn step(&mut self, dtau: f64) {
         self.clock.rebase(self.clock.speed, dtau);
-        let half = 0.5 * dtau;
-        let [key0, key1, key2] = self.clock.advance();
+        let keys = self.clock.advance();
+        let at = keys.map(|direction| Coefficients {
+            direction,
+            unbalance: &self.unbalance,
+            cross: &self.full_stiffness.z,
+            gain_p: &self.gain_p,
+            gain_v: &self.gain_v,
+        });
+        (self.p, self.v) = self.stepped(dtau, &at);
+    }
 
-        let (p0, v0) = (Lanes::of(&self.p), Lanes::of(&self.v));
-        let a0 = self.acceleration(&p0, &v0, key0);
-        let (p1, v1) = (p0.along(half, &v0), v0.along(half, &a0));
-        let a1 = self.acceleration(&p1, &v1, key1);
-        let (p2, v2) = (p0.along(half, &v1), v0.along(half, &a1));
-        let a2 = self.acceleration(&p2, &v2, key1);
-        let (p3, v3) = (p0.along(dtau, &v2), v0.along(dtau, &a2));
-        let a3 = self.acceleration(&p3, &v3, key2);
-        let sixth = dtau / 6.0;
-        let p = p0.combined(sixth, [&v0, &v1, &v2, &v3]);
-        let v = v0.combined(sixth, [&a0, &a1, &a2, &a3]);
-        self.p = std::array::from_fn(|k| C64::new(p.y[k], p.z[k]));
-        self.v = std::array::from_fn(|k| C64::new(v.y[k], v.z[k]));
+    fn step_through(&mut self, dtau: f64, stages: &[SpeedStage; 3], over: &LoopOverSpeed) {
+        if !over.law.is_constant() {
+            if stages[0].speed != self.gains.are_at {
+                let off = self.gains.reach(stages[0].speed, over, N);
+                self.gain_p = self.gains.p[0].along(off, &self.gains.p[1]);
+                self.gain_v = self.gains.v[0].along(off, &self.gains.v[1]);
+            }
+            let off = self.gains.reach(stages[1].speed, over, N);
+            let middle_p = self.gains.p[0].along(off, &self.gains.p[1]);
+            let middle_v = self.gains.v[0].along(off, &self.gains.v[1]);
+            let off = self.gains.reach(stages[2].speed, over, N);
+            let end_p = self.gains.p[0].along(off, &self.gains.p[1]);
+            let end_v = self.gains.v[0].along(off, &self.gains.v[1]);
+            let gains = [[&self.gain_p, &self.gain_v], [&middle_p, &middle_v], [&end_p, &end_v]];
+            (self.p, self.v) = self.stepped_through(dtau, stages, over, gains);
+            (self.gain_p, self.gain_v, self.gains.are_at) = (end_p, end_v, stages[2].speed);
+        } else {
+            let gains = [&self.gain_p, &self.gain_v];
+            (self.p, self.v) = self.stepped_through(dtau, stages, over, [gains; 3]);
+        }
     }
 
     fn motion(&self) -> Motion<'_> {
@@ -341,7 +351,7 @@ impl<const N: usize, const L: usize> Stepper for Chain<N, L> {
     }
 
     fn control(&self) -> C64 {
-        let [y, z] = self.feedback_of(&Lanes::of(&self.p), &Lanes::of(&self.v));
+        let [y, z] = Self::feedback_of([&self.gain_p, &self.gain_v], &Lanes::of(&self.p), &Lanes::of(&self.v));
         C64::new(-y, -z)
     }
 
@@ -363,7 +373,7 @@ impl<const N: usize, const L: usize> Stepper for Chain<N, L> {
 
     fn rest(&mut self) {
         self.place(&[], &[]);
-        self.clock = Clock { tau: 0.0, angle: 0.0, steps: 0, ..self.clock };
+        self.clock = self.clock.restarted();
     }
 
     fn set_clock(&mut self, tau: f64, angle: f64, steps: u64, dtau: f64) {

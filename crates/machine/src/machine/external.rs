@@ -2,7 +2,7 @@
 
 use rotor::C64;
 
-use super::Machine;
+use super::{Machine, Path};
 use crate::trip::{Trip, TripCause};
 
 /// What a controller outside is given of a station.
@@ -38,7 +38,7 @@ impl Machine {
     /// Reads the sample that is due before the next step, if one is and has not been read yet. Returns whether one was read now. Only a loop
     /// with `external` is read ahead, and none while the machine has tripped.
     pub fn sense(&mut self) -> bool {
-        if self.trip.is_some() || self.is_fused {
+        if self.trip.is_some() || self.path != Path::Integrated {
             return false;
         }
         let tau = self.tau();

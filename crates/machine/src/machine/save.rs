@@ -2,11 +2,13 @@
 
 use control::Words;
 
-use super::{Grid, Machine, Trip, TripCause};
+use super::{Grid, Machine, Path, Trip, TripCause};
 
 /// The first of the words that a machine writes down: raised when the rest means something else, so that words of another
 /// version fit nowhere.
 const FORM: u64 = 1;
+/// Set beside the path in machines whose fused path takes a changing speed.
+const FUSES_RAMPS: u64 = 1 << 2;
 
 impl Machine {
     /// Words that [`Machine::save`] writes at most: with room for them it allocates nothing.
@@ -19,7 +21,7 @@ impl Machine {
     pub fn save(&self, words: &mut Words) {
         words.put(FORM);
         words.put_f64(self.program.dtau);
-        words.put(u64::from(self.is_fused));
+        words.put(self.path as u64 | if self.fuses_ramps { FUSES_RAMPS } else { 0 });
         words.put_f64(self.grid.from);
         words.put(self.grid.steps);
         words.put_f64(self.grid.dtau);
@@ -40,7 +42,7 @@ impl Machine {
         }
         let sample = self.sample();
         sample.displacement.iter().chain(sample.velocity).for_each(|z| words.put_c64(*z));
-        if !self.is_fused {
+        if self.path == Path::Integrated {
             self.program.integrator.save(words);
             // Last, and only while there is one: words of a machine that is not excited are those that they always were.
             self.program.integrator.save_excitation(self.tau(), words);
@@ -74,7 +76,14 @@ impl Machine {
     fn take_up(&mut self, words: &mut Words) -> Option<()> {
         words.take().filter(|form| *form == FORM)?;
         self.program.dtau = words.take_f64()?;
-        let is_fused = words.take()? == 1;
+        let path = words.take()?;
+        let fuses_ramps = path & FUSES_RAMPS != 0;
+        let path = match path & !FUSES_RAMPS {
+            0 => Path::Integrated,
+            1 => Path::Steady,
+            2 => Path::Changing,
+            _ => return None,
+        };
         self.grid = Grid { from: words.take_f64()?, steps: words.take()?, dtau: words.take_f64()? };
         self.motion.restore(words)?;
         for output in &mut self.outputs[..self.program.bearings()] {
@@ -95,16 +104,18 @@ impl Machine {
             *z = words.take_c64()?;
         }
         let [displacement, velocity] = &self.good;
-        if is_fused {
-            let (fused, closed_loop) = (self.fused.as_mut()?, self.program.fused.as_ref()?);
-            fused.load(closed_loop);
-            fused.place(displacement, velocity);
-            fused.set_clock(self.grid.from, self.motion.angle_from(), self.grid.steps, self.grid.dtau);
-        } else {
+        if path == Path::Integrated {
             self.program.integrator.restore(words)?;
+        } else {
+            let (fused, program) = (self.fused.as_mut()?, self.program.fused.as_ref()?);
+            fused.load(&program.steady);
+            fused.place(displacement, velocity);
+            if path == Path::Steady {
+                fused.set_clock(self.grid.from, self.motion.angle_from(), self.grid.steps, self.grid.dtau);
+            }
         }
         self.program.integrator.restore_excitation(words)?;
-        self.is_fused = is_fused;
+        (self.path, self.fuses_ramps) = (path, fuses_ramps);
         Some(())
     }
 }
