@@ -15,6 +15,14 @@ pub const PER_TURN: usize = 32;
 const LONG: usize = 8;
 /// Orders up to so many times `1 / LONG` are subsynchronous: the window spreads the first order over the three next to it.
 const SLOW: usize = LONG - 2;
+/// Lines of the long window that they are made of, backward and forward: with the one beyond each end.
+const LINES: usize = 2 * (SLOW + 1) + 1;
+/// Readings of an eighth of a turn, by which a turn moves on.
+const READINGS: usize = PER_TURN / 8;
+/// Eighths kept: a turn, and the one under way.
+const PARTS: usize = 9;
+/// The angle between two readings.
+const APART: f64 = TAU / PER_TURN as f64;
 
 /// A motion at one moment.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +58,7 @@ pub struct Revolution {
     pub force: f64,
 }
 
+/// The sample before.
 #[derive(Clone, Debug)]
 struct Last {
     tau: f64,
@@ -60,6 +69,26 @@ struct Last {
     force: f64,
 }
 
+/// What of an eighth of a turn goes into the turn.
+#[derive(Clone, Copy, Debug, Default)]
+struct Part {
+    /// Sums over its readings.
+    tau: f64,
+    speed: f64,
+    /// The largest.
+    force: f64,
+}
+
+/// The same of a station.
+#[derive(Clone, Copy, Debug, Default)]
+struct StationPart {
+    /// Sum of `q exp(-j theta)`.
+    first: C64,
+    /// The largest of `|q|^2`, and the sum.
+    largest: f64,
+    sum: f64,
+}
+
 /// Follows a motion step by step.
 #[derive(Clone, Debug)]
 pub struct OrderTracker {
@@ -67,53 +96,59 @@ pub struct OrderTracker {
     last: Option<Last>,
     /// Number of the next reading: it is due at the angle `next TAU / PER_TURN`.
     next: i64,
+    /// That angle.
+    due: f64,
     /// How many readings there are.
     count: usize,
-    /// The last readings of the long window: time, speed, force, and displacements, by number.
-    heads: Vec<[f64; 3]>,
+    /// The last eighths of a turn, by number, and what every station did in them.
+    parts: [Part; PARTS],
+    station_parts: Vec<StationPart>,
+    /// Displacements of the turn under way, by number.
     displacements: Vec<C64>,
+    /// Of the last turns of the long window, by number, what they add to its lines, for every station.
+    turns: Vec<[C64; LINES]>,
     /// `exp(-j theta)` of the readings of a turn.
     back: [C64; PER_TURN],
-    /// See [`slow_lines`].
-    slow: Arc<[[C64; SLOW]]>,
+    /// Of every reading of a turn its weight on every line of the long window.
+    lines: Arc<[[C64; LINES]]>,
 }
 
 impl OrderTracker {
     /// Nothing seen yet of a rotor with so many stations.
     #[must_use]
     pub fn new(stations: usize) -> Self {
-        let readings = LONG * PER_TURN;
+        let wide = (LONG * PER_TURN) as f64;
+        let order = |k: usize| k as f64 - (LINES / 2) as f64;
+        let weights = |i: usize| std::array::from_fn(|k| C64::cis(-TAU * i as f64 * order(k) / wide));
         Self {
             stations,
             last: None,
             next: 0,
+            due: 0.0,
             count: 0,
-            heads: vec![[0.0; 3]; readings],
-            displacements: vec![C64::ZERO; readings * stations],
+            parts: [Part::default(); PARTS],
+            station_parts: vec![StationPart::default(); PARTS * stations],
+            displacements: vec![C64::ZERO; PER_TURN * stations],
+            turns: vec![[C64::ZERO; LINES]; LONG * stations],
             back: std::array::from_fn(|k| C64::cis(-(k as f64) * TAU / PER_TURN as f64)),
-            slow: slow_lines().into(),
+            lines: (0..PER_TURN).map(weights).collect(),
         }
     }
 
     /// Takes the sample after a step; `each` is called after every reading. The speed may rest, but not be negative.
     pub fn see(&mut self, sample: &OrderSample<'_>, mut each: impl FnMut(&Self)) {
         let OrderSample { tau, angle, speed, displacement, velocity, force } = *sample;
-        let Some(last) = &mut self.last else {
-            self.next = (angle / (TAU / PER_TURN as f64)).ceil() as i64;
+        let Some(mut last) = self.last.take() else {
+            self.next = (angle / APART).ceil() as i64;
+            self.due = self.next as f64 * APART;
             let (displacement, velocity) = (displacement.to_vec(), velocity.to_vec());
             self.last = Some(Last { tau, angle, speed, displacement, velocity, force });
             return;
         };
-        let mut last =
-            std::mem::replace(last, Last { tau, angle, speed, displacement: Vec::new(), velocity: Vec::new(), force });
         let step = tau - last.tau;
-        loop {
-            let due = self.next as f64 * TAU / PER_TURN as f64;
-            if due > angle || step <= 0.0 {
-                break;
-            }
+        while self.due <= angle && step > 0.0 {
             // The angle between the two is all but a parabola: one correction of the chord is exact to its fourth order.
-            let turned = due - last.angle;
+            let turned = self.due - last.angle;
             let mut share = turned / (angle - last.angle);
             let rate = (speed - last.speed) * 0.5;
             let at = |s: f64| step * s * (last.speed + rate * s);
@@ -121,42 +156,66 @@ impl OrderTracker {
             if slope > 0.0 {
                 share = (share + (turned - at(share)) / slope).clamp(0.0, 1.0);
             }
-            let place = (self.next.rem_euclid((LONG * PER_TURN) as i64)) as usize;
-            self.heads[place] =
-                [last.tau + share * step, last.speed + share * (speed - last.speed), force.max(last.force)];
             let [h00, h10, h01, h11] = hermite(share);
-            for (k, reading) in self.displacements[place * self.stations..][..self.stations].iter_mut().enumerate() {
-                *reading = last.displacement[k] * h00
+            let read = |k: usize| {
+                last.displacement[k] * h00
                     + last.velocity[k] * (h10 * step)
                     + displacement[k] * h01
-                    + velocity[k] * (h11 * step);
-            }
-            self.next += 1;
-            self.count += 1;
+                    + velocity[k] * (h11 * step)
+            };
+            let head = [last.tau + share * step, last.speed + share * (speed - last.speed), force.max(last.force)];
+            self.note(head, read);
             each(self);
         }
+        (last.tau, last.angle, last.speed, last.force) = (tau, angle, speed, force);
         last.displacement.copy_from_slice(displacement);
         last.velocity.copy_from_slice(velocity);
-        let Last { displacement, velocity, .. } = last;
-        self.last = Some(Last { tau, angle, speed, displacement, velocity, force });
+        self.last = Some(last);
     }
 
-    /// Numbers of the last `turns` turns of readings, their place and their angle's place in a turn.
-    fn window(&self, turns: usize) -> Option<impl Iterator<Item = (usize, usize)> + use<>> {
-        let (wide, next) = (turns * PER_TURN, self.next);
-        (self.count >= wide).then(|| {
-            (next - wide as i64..next).map(|number| {
-                let of = |cycle: usize| number.rem_euclid(cycle as i64) as usize;
-                (of(LONG * PER_TURN), of(PER_TURN))
-            })
-        })
+    /// Takes a reading: time, speed, force, and the displacement of every station.
+    fn note(&mut self, [tau, speed, force]: [f64; 3], read: impl Fn(usize) -> C64) {
+        let n = self.stations;
+        let (within, place) = (self.count % PER_TURN, self.count / READINGS % PARTS);
+        let back = self.back[self.next.rem_euclid(PER_TURN as i64) as usize];
+        if self.count.is_multiple_of(READINGS) {
+            self.parts[place] = Part::default();
+            self.station_parts[place * n..][..n].fill(StationPart::default());
+        }
+        let part = &mut self.parts[place];
+        (part.tau, part.speed, part.force) = (part.tau + tau, part.speed + speed, part.force.max(force));
+        let displacements = &mut self.displacements[within * n..][..n];
+        for (k, (reading, part)) in displacements.iter_mut().zip(&mut self.station_parts[place * n..]).enumerate() {
+            *reading = read(k);
+            let size = reading.norm_sqr();
+            part.first += *reading * back;
+            (part.largest, part.sum) = (part.largest.max(size), part.sum + size);
+        }
+        self.next += 1;
+        self.due = self.next as f64 * APART;
+        self.count += 1;
+        if self.count.is_multiple_of(PER_TURN) {
+            self.end_turn();
+        }
     }
 
-    /// The last whole turn; nothing before there is one.
+    /// Takes the turn that is over into the long window.
+    fn end_turn(&mut self) {
+        let n = self.stations;
+        let turn = (self.count / PER_TURN - 1) % LONG;
+        for (k, sums) in self.turns[turn * n..][..n].iter_mut().enumerate() {
+            *sums = [C64::ZERO; LINES];
+            for (weights, q) in self.lines.iter().zip(self.displacements[k..].iter().step_by(n)) {
+                sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * q);
+            }
+        }
+    }
+
+    /// The last whole turn, which ended with an eighth of one; nothing before there is one.
     #[must_use]
     pub fn turn(&self) -> Option<Revolution> {
-        let share = 1.0 / PER_TURN as f64;
         let n = self.stations;
+        let (share, ended) = (1.0 / PER_TURN as f64, self.count / READINGS);
         let mut turn = Revolution {
             tau: 0.0,
             speed: 0.0,
@@ -165,16 +224,16 @@ impl OrderTracker {
             rest: vec![0.0; n],
             force: 0.0,
         };
-        for (place, angle) in self.window(1)? {
-            let [tau, speed, force] = self.heads[place];
+        for part in ended.checked_sub(PARTS - 1)?..ended {
+            let place = part % PARTS;
+            let Part { tau, speed, force } = self.parts[place];
             turn.tau += tau * share;
             turn.speed += speed * share;
             turn.force = turn.force.max(force);
-            for (k, q) in self.displacements[place * n..][..n].iter().enumerate() {
-                turn.first_order[k] += q * self.back[angle] * share;
-                let size = q.norm_sqr();
-                turn.radius[k] = turn.radius[k].max(size);
-                turn.rest[k] += size * share;
+            for (k, part) in self.station_parts[place * n..][..n].iter().enumerate() {
+                turn.first_order[k] += part.first * share;
+                turn.radius[k] = turn.radius[k].max(part.largest);
+                turn.rest[k] += part.sum * share;
             }
         }
         turn.radius.iter_mut().for_each(|radius| *radius = radius.sqrt());
@@ -184,38 +243,29 @@ impl OrderTracker {
         Some(turn)
     }
 
-    /// Root mean square of every station's whirl slower than the spin, forward or backward, over the last [`LONG`] turns: orders up
-    /// to three quarters. Nothing before there are so many turns.
+    /// Root mean square of every station's whirl slower than the spin, forward or backward, over the last [`LONG`] whole turns: orders
+    /// up to three quarters. Nothing before there are so many turns.
     #[must_use]
     pub fn subsynchronous(&self) -> Option<Vec<f64>> {
-        let wide = LONG * PER_TURN;
-        // Both parts of the motion, which is complex, on every line: forward and backward whirl are their sum and difference.
-        let mut lines = vec![[[C64::ZERO; 2]; SLOW]; self.stations];
-        for ((place, _), turned) in self.window(LONG)?.zip(self.slow.iter()) {
-            let readings = &self.displacements[place * self.stations..];
-            for (line, q) in lines.iter_mut().zip(readings) {
-                for (parts, turned) in line.iter_mut().zip(turned) {
-                    parts[0] += turned * q.re;
-                    parts[1] += turned * q.im;
+        let oldest = (self.count / PER_TURN).checked_sub(LONG)?;
+        let wide = (LONG * PER_TURN) as f64;
+        let of_station = |station: usize| {
+            let mut sums = [C64::ZERO; LINES];
+            for turn in 0..LONG {
+                let parts = &self.turns[(oldest + turn) % LONG * self.stations + station];
+                for (k, (sum, part)) in sums.iter_mut().zip(parts).enumerate() {
+                    // Forward and backward orders, in eighths of a turn.
+                    let eighths = (turn as i64 * (k as i64 - (LINES / 2) as i64)).rem_euclid(LONG as i64);
+                    *sum += part * self.back[eighths as usize * PER_TURN / LONG];
                 }
             }
-        }
-        // A line under this window has 1.5 times its power over its three bins. With q = a + j b, the sum of q t and that of
-        // q conj(t) have together twice the power of those of a t and of b t.
-        let power = |line: &[[C64; 2]; SLOW]| line.iter().flatten().map(C64::norm_sqr).sum::<f64>() * 2.0 / 1.5;
-        Some(lines.iter().map(|line| power(line).sqrt() / wide as f64).collect())
+            // A Hann window takes from every line half of those beside it. A line under it has 1.5 times its power over its three bins.
+            let windowed = |k: usize| sums[k] - (sums[k - 1] + sums[k + 1]) * 0.5;
+            let slow = (1..LINES - 1).filter(|k| *k != LINES / 2);
+            (slow.map(|k| windowed(k).norm_sqr()).sum::<f64>() / 1.5).sqrt() / wide
+        };
+        Some((0..self.stations).map(of_station).collect())
     }
-}
-
-/// Of every reading of the long window its weight on every line, under a Hann window.
-fn slow_lines() -> Vec<[C64; SLOW]> {
-    let wide = LONG * PER_TURN;
-    let reading = |i: usize| {
-        let angle = TAU * i as f64 / wide as f64;
-        let hann = 1.0 - angle.cos();
-        std::array::from_fn(|order| C64::cis(-angle * (order + 1) as f64) * hann)
-    };
-    (0..wide).map(reading).collect()
 }
 
 /// The cubic with values and slopes at 0 and 1: weights of value and slope at 0, and of value and slope at 1.

@@ -164,7 +164,7 @@ impl RunUpPlan {
         let mut book = Book::new(self, rotor.len());
         let mut tripped = None;
         let mut course = profile.course();
-        let mut leg = 0;
+        let (mut leg, is_driven) = (0, profile.is_driven());
         see(&machine);
         book.see(&machine);
         let mut taken = 0;
@@ -175,10 +175,9 @@ impl RunUpPlan {
             let trip = machine.step();
             taken += 1;
             // Where a leg of a torque has led is known now.
-            let sample = machine.sample();
-            while profile.is_driven() && course.get(leg + 1).is_some_and(|(tau, _)| *tau <= sample.tau + 0.5 * dtau) {
+            while is_driven && course.get(leg + 1).is_some_and(|(tau, _)| *tau <= machine.tau() + 0.5 * dtau) {
                 leg += 1;
-                course[leg].1 = sample.speed;
+                course[leg].1 = machine.sample().speed;
             }
             see(&machine);
             if let Some(trip) = trip {
@@ -264,7 +263,7 @@ impl Book {
             speed: sample.speed,
             displacement: sample.displacement,
             velocity: sample.velocity,
-            force: sample.outputs[0].delivered.norm(),
+            force: sample.outputs[0].delivered.norm_sqr().sqrt(),
         };
         tracker.see(&read, |tracker| {
             *count += 1;
