@@ -67,7 +67,8 @@ fn control<C: Controlling>(controller: &mut C, mut done: impl FnMut() -> bool) -
     let (mut count, start) = (0, Instant::now());
     while !done() {
         assert!(start.elapsed() < PATIENCE, "not done after {count} commands");
-        match controller.readings().unwrap() {
+        // The newest: what waits before them would be answered too late.
+        match std::iter::from_fn(|| controller.readings().unwrap()).last() {
             Some(readings) => {
                 let mut command = readings.answer(controller::law(&readings));
                 command.stamp();
@@ -161,7 +162,7 @@ fn val_in_lockstep_a_controller_outside_is_the_law_here_to_the_last_bit() {
 
 #[test]
 fn val_in_real_time_it_is_too_as_long_as_no_command_is_late() {
-    let loops = three_mass(&[("sample", "0.01"), ("delay", "0.05"), ("external", "10")]);
+    let loops = three_mass(&[("sample", "0.01"), ("delay", "0.15"), ("external", "5")]);
     let carrier = Memory::with_room(100_000);
     let mut states: Vec<State> = Vec::new();
     let summary = beside(&carrier, &loops, &options(false), |mut listener| {
@@ -178,7 +179,7 @@ fn val_in_real_time_it_is_too_as_long_as_no_command_is_late() {
     let in_time = states.iter().position(|state| state.flags().has(Flags::HELD)).unwrap_or(states.len());
     agree_to_the_last_bit(&states[..in_time], &loops);
     // What is late is held until it comes, a few steps later: no more than that is between the two.
-    if counts.lost == 0 && counts.missed < 20 {
+    if counts.lost == 0 && counts.missed < 5 {
         let mut machine = alone(&loops);
         for _ in 0..states[0].seq() {
             machine.step();
@@ -195,7 +196,7 @@ fn val_in_real_time_it_is_too_as_long_as_no_command_is_late() {
 
 #[test]
 fn without_commands_the_law_here_takes_over_and_gives_back_and_what_is_amiss_is_told() {
-    let loops = three_mass(&[("sample", "0.01"), ("delay", "0.05"), ("external", "10")]);
+    let loops = three_mass(&[("sample", "0.01"), ("delay", "0.15"), ("external", "5")]);
     let carrier = Memory::with_room(100_000);
     let summary = beside(&carrier, &loops, &options(false), |mut listener| {
         let mut last = None;
@@ -223,15 +224,18 @@ fn without_commands_the_law_here_takes_over_and_gives_back_and_what_is_amiss_is_
             thread::sleep(Duration::from_millis(1));
         }
         // What is no command, or not for this run, gives it nothing.
-        let readings = loop {
-            if let Some(readings) = controller.readings().unwrap() {
-                break readings;
+        let start = Instant::now();
+        loop {
+            assert!(start.elapsed() < PATIENCE);
+            let Some(readings) = std::iter::from_fn(|| controller.readings().unwrap()).last() else { continue };
+            if readings.refused > 0 {
+                break;
             }
-        };
-        let bad = ControlCommand { command: [[f64::NAN; 2]; 8], ..readings.answer([0.0; 2]) };
-        controller.command(&bad).unwrap();
-        controller.command(&ControlCommand { run_id: 1, ..readings.answer([1e300; 2]) }).unwrap();
-        controller.command(&ControlCommand { number: u64::MAX, ..readings.answer([1e300; 2]) }).unwrap();
+            let bad = ControlCommand { command: [[f64::NAN; 2]; 8], ..readings.answer([0.0; 2]) };
+            controller.command(&bad).unwrap();
+            controller.command(&ControlCommand { run_id: 1, ..readings.answer([1e300; 2]) }).unwrap();
+            controller.command(&ControlCommand { number: u64::MAX, ..readings.answer([1e300; 2]) }).unwrap();
+        }
         // The next one of its kind takes its place.
         drop(controller);
         let mut controller = carrier.controller(&name).unwrap();
@@ -248,15 +252,14 @@ fn without_commands_the_law_here_takes_over_and_gives_back_and_what_is_amiss_is_
         }
     });
     let counts = summary.external.unwrap();
-    assert!(counts.took_over >= 2 && counts.lost >= 1 && counts.missed >= 10, "{counts:?}");
-    assert_eq!(counts.refused, 1, "{counts:?}");
+    assert!(counts.took_over >= 2 && counts.lost >= 1 && counts.missed >= 5 && counts.refused >= 1, "{counts:?}");
     assert!(!summary.trip.is_tripped());
-    assert!(summary.to_string().contains("1 refused"), "{summary}");
+    assert!(summary.to_string().contains(" refused, lost "), "{summary}");
 }
 
 #[test]
 fn a_machine_that_is_to_trip_without_commands_does() {
-    let loops = three_mass(&[("sample", "0.01"), ("delay", "0.05"), ("external", "10"), ("external_trip", "40")]);
+    let loops = three_mass(&[("sample", "0.01"), ("delay", "0.15"), ("external", "5"), ("external_trip", "40")]);
     let carrier = Memory::with_room(100_000);
     let summary = beside(&carrier, &loops, &options(false), |mut listener| {
         let mut flags = Flags::default();

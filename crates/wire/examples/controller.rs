@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut controller = SharedMemory::new(&Root::from_environment()?, "controller")?.controller(&bench)?;
     let (mut count, mut idle, mut ages, mut began) = (0, Instant::now(), Ages::default(), None::<Instant>);
     while count < most {
-        let Some(readings) = controller.readings()? else {
+        let Some(readings) = newest(&mut controller)? else {
             if idle.elapsed() > Duration::from_secs(1) {
                 if controller.host() == HostState::Gone {
                     break;
@@ -78,6 +78,15 @@ impl Ages {
         });
         found.unwrap_or(0)
     }
+}
+
+/// The newest readings: what waits before them would be answered too late.
+fn newest(controller: &mut impl Controlling) -> Result<Option<Readings>, wire::WireError> {
+    let mut found = None;
+    while let Some(readings) = controller.readings()? {
+        found = Some(readings);
+    }
+    Ok(found)
 }
 
 /// The law, in the order in which the bench itself computes it, so that the last bit agrees.

@@ -62,7 +62,7 @@ fn arrows_select_and_nudge() {
         "rows are speed, trip, deadband, ..."
     );
     assert_eq!(pressed(&[Up]).1.row, 0);
-    assert_eq!(pressed(&[Down; 40]).1.row, 17);
+    assert_eq!(pressed(&[Down; 40]).1.row, 19);
 }
 
 #[test]

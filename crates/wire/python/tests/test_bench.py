@@ -238,7 +238,7 @@ def test_a_controller_does_what_the_built_in_law_does_to_the_last_bit(benches: B
 
 
 def test_readings_are_finite_and_named(benches: Benches) -> None:
-    loop = ["--feedback", "individual", "--set", "sample=0.01", "--set", "delay=0.05", "--set", "external=5"]
+    loop = ["--feedback", "individual", "--set", "sample=0.01", "--set", "delay=0.15", "--set", "external=5"]
     bench = benches.start("three-mass", *loop)
     with bench.controller() as controller:
         last: Readings | None = None

@@ -47,16 +47,18 @@ class Controller:
         self._commands = self._readings = None
 
     def readings(self, timeout: float | None = None) -> Iterator[Readings]:
-        """Readings as they come, oldest first; each is to be answered by :meth:`command`. Ends when the bench does.
+        """Readings as they come, to be answered by :meth:`command`; of several that wait the newest, as the others would be answered too
+        late. Ends when the bench does.
 
         :param timeout: seconds without readings after which it ends too.
         """
         heard = looked = time.monotonic()
         while True:
-            sample = self._readings.receive()
-            if sample is not None:
-                yield Readings.from_buffer_copy(sample.payload().contents)
-                del sample
+            newest = None
+            while (sample := self._readings.receive()) is not None:
+                newest = Readings.from_buffer_copy(sample.payload().contents)
+            if newest is not None:
+                yield newest
                 heard = looked = time.monotonic()
                 continue
             now = time.monotonic()
