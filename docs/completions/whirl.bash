@@ -52,6 +52,9 @@ _whirl() {
             whirl,layout)
                 cmd="whirl__subcmd__layout"
                 ;;
+            whirl,map)
+                cmd="whirl__subcmd__map"
+                ;;
             whirl,margin)
                 cmd="whirl__subcmd__margin"
                 ;;
@@ -158,7 +161,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map tune report assign rotor"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -622,6 +625,60 @@ _whirl() {
                 return 0
             fi
             case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__map)
+            opts="-h --feedback --deadband --set --speed --x --y --points --quantity --duration --out --force --json --csv --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --speed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --x)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --y)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --points)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --quantity)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --duration)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;

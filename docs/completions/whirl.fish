@@ -55,6 +55,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "runup" -d 'Run up or co
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the largest steady control force over speed'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "response" -d 'Print the exact synchronous response, branch by branch'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "cycles" -d 'Print the exact self-excited limit cycles, branch by branch'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "map" -d 'Map a quantity over a plane of two parameters: damping, margins, orbits, forces, limit cycles'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "tune" -d 'Search the gains that damp the worst mode best, over speeds and deadband states'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "report" -d 'Make the NASA report again: every figure, and every printed number beside ours'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedback that assigns poles, or show which modes each bearing and sensor reaches'
@@ -328,6 +329,20 @@ complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l points -d 'How ma
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand cycles" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l speed -d 'Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l x -d 'What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, or a start such as start.1.y' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l y -d 'What varies up, likewise' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l points -d 'How many values across and up [default: 81x61; 31x21 where every cell is simulated]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l quantity -d 'What is mapped' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l duration -d 'A simulated motion that has not settled by then is told as it is then, in tau (SI rotors: in s)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l out -d 'Write the map as a picture (.svg, .png) or a table (.csv, .parquet)' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l csv -d 'Print rows for a spreadsheet'
+complete -c whirl -n "__fish_whirl_using_subcommand map" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l over -d 'Every spin speed of a range, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l speed -d 'One spin speed R alone (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l signal -d 'What drives a bearing: the sum of all sensors with four gains, or four gains for each sensor [default: composite; with shaft elements the law of the drawing]' -r -f -a "composite\t'The sum of all sensors, with four gains: the report\'s'

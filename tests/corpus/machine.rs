@@ -50,7 +50,8 @@ fn goes_through(rotor: &Rotor, feedback: &Feedback) {
             assert!(spectrum.modes.is_empty() || !spectrum.min_damping().is_nan());
         }
         let Ok(program) = Program::in_substeps(rotor, &settings, 1e-3, 1) else { continue };
-        let plan = Plan { program, impulses: Vec::new(), dtau: 1e-3, duration: 0.1, settle: Settle::From(0.0) };
+        let plan =
+            Plan { program, start: None, impulses: Vec::new(), dtau: 1e-3, duration: 0.1, settle: Settle::From(0.0) };
         // What leaves the range of numbers is refused in words here too.
         let Ok(outcome) = study::run::run(&plan, &mut [], &AtomicBool::new(false)) else { continue };
         let numbers = [outcome.maxima_from, outcome.max_force, outcome.max_force_component];

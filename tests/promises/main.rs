@@ -16,6 +16,7 @@ mod live;
 mod loops;
 mod manners;
 mod many;
+mod maps;
 mod measure;
 mod papers;
 mod picture;

@@ -3,7 +3,7 @@
 use super::clip::Frame;
 use super::scene::{Anchor, Scene, Shape, Words};
 use super::ticks::ticks;
-use super::{Axis, Chart, Color, HEIGHT, Look, Note, Series, Side, WIDTH, font};
+use super::{Axis, Cells, Chart, Color, HEIGHT, Look, Note, Series, Side, WIDTH, font};
 
 /// Sizes of letters.
 const TITLE: f64 = 18.0;
@@ -11,6 +11,10 @@ const LABEL: f64 = 17.0;
 const SMALL: f64 = 15.0;
 /// Height of a row of the legend.
 const ROW: f64 = 24.0;
+/// Room beside a frame for the bar of colours.
+const BAR: f64 = 96.0;
+/// Length of a mark where there are no grid lines.
+const TICK: f64 = 5.0;
 
 /// From the units of the data to pixels.
 pub(super) struct Scale<'a> {
@@ -42,9 +46,25 @@ impl Chart {
         stacked(std::slice::from_ref(self))
     }
 
+    /// The same over coloured cells, with a bar that says what the colours mean.
+    #[must_use]
+    pub fn scene_over(&self, cells: &Cells) -> Scene {
+        let mut scene = Scene::default();
+        let rows = legend_rows(&self.series);
+        let bottom = HEIGHT - ROW * rows.len() as f64;
+        self.lay_over(&mut scene, 0.0, bottom, Some(cells));
+        legend(&mut scene, &rows, bottom + 10.0);
+        scene
+    }
+
     /// Lays it out between two heights, without its legend.
     fn lay(&self, scene: &mut Scene, top: f64, bottom: f64) {
-        let frame = Frame { left: 92.0, top: top + 44.0, right: WIDTH - 24.0, bottom: bottom - 64.0 };
+        self.lay_over(scene, top, bottom, None);
+    }
+
+    fn lay_over(&self, scene: &mut Scene, top: f64, bottom: f64, cells: Option<&Cells>) {
+        let beside = if cells.is_some() { BAR } else { 0.0 };
+        let frame = Frame { left: 92.0, top: top + 44.0, right: WIDTH - 24.0 - beside, bottom: bottom - 64.0 };
         let (mut x, mut y) = (self.x.clone(), self.y.clone());
         if self.equal {
             widen(&mut x, &mut y, (frame.right - frame.left) / (frame.bottom - frame.top));
@@ -52,7 +72,15 @@ impl Chart {
         let scale = Scale { frame, x: &x, y: &y };
 
         scene.text((0.5 * (frame.left + frame.right), top + 28.0), &self.title, TITLE, Anchor::Middle);
-        grid(scene, &scale);
+        match cells {
+            // Grid lines would cut cells.
+            Some(cells) => {
+                cells.draw(scene, &scale);
+                marks(scene, &scale, false);
+                cells.bar(scene, &frame);
+            }
+            None => marks(scene, &scale, true),
+        }
         for series in &self.series {
             draw(scene, &scale, series);
         }
@@ -86,18 +114,19 @@ pub(super) fn widen(x: &mut Axis, y: &mut Axis, aspect: f64) {
     (axis.from, axis.to) = (middle - 0.5 * wanted, middle + 0.5 * wanted);
 }
 
-fn grid(scene: &mut Scene, scale: &Scale<'_>) {
+/// Marks on both axes, and lines at them.
+fn marks(scene: &mut Scene, scale: &Scale<'_>, lines: bool) {
     let f = scale.frame;
     for (value, words) in ticks(scale.x, 10.0) {
         let (at, _) = scale.at((value, scale.y.from));
         let color = if value == 0.0 && scale.x.from < 0.0 { Color::GREY } else { Color::FAINT };
-        scene.line(vec![(at, f.top), (at, f.bottom)], color, 1.0, None);
+        scene.line(vec![(at, if lines { f.top } else { f.bottom - TICK }), (at, f.bottom)], color, 1.0, None);
         scene.text((at, f.bottom + 21.0), &words, SMALL, Anchor::Middle);
     }
     for (value, words) in ticks(scale.y, 7.0) {
         let (_, at) = scale.at((scale.x.from, value));
         let color = if value == 0.0 && scale.y.from < 0.0 { Color::GREY } else { Color::FAINT };
-        scene.line(vec![(f.left, at), (f.right, at)], color, 1.0, None);
+        scene.line(vec![(f.left, at), (if lines { f.right } else { f.left + TICK }, at)], color, 1.0, None);
         scene.text((f.left - 8.0, at + 0.36 * SMALL), &words, SMALL, Anchor::End);
     }
     scene.text((0.5 * (f.left + f.right), f.bottom + 47.0), &scale.x.label, LABEL, Anchor::Middle);

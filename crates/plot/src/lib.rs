@@ -25,6 +25,7 @@
 //!
 //! Colours are Okabe and Ito's, which the colour-blind can tell apart, and no two series differ by colour alone.
 
+mod cells;
 mod clip;
 mod font;
 mod layout;
@@ -34,6 +35,7 @@ mod svg;
 mod terminal;
 mod ticks;
 
+pub use cells::{Cells, Shading};
 pub use layout::stacked;
 pub use png::{RasterError, png};
 pub use scene::Scene;

@@ -4,6 +4,7 @@
 //! * [`disturbance`]: whether the motion found would stay.
 //! * [`measured`]: the sensitivity of a loop out of its command while tones are added to it.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
+//! * [`map`]: a quantity over a plane of two parameters, its boundary of stability traced by [`contour`].
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`assess`]: what standards ask of a machine, line by line.
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
@@ -25,9 +26,11 @@
 //! The motion itself is [`rotor`]'s; nothing here knows a command line.
 
 pub mod assess;
+pub mod contour;
 pub mod csv;
 pub mod disturbance;
 pub mod force;
+pub mod map;
 pub mod measured;
 mod peak;
 pub mod report;

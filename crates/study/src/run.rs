@@ -43,6 +43,8 @@ pub enum Settle {
 pub struct Plan {
     /// The machine and what it does, compiled for steps of `dtau`.
     pub program: Program,
+    /// Displacement and velocity of every place where it begins; `None` is rest.
+    pub start: Option<[Vec<C64>; 2]>,
     /// Impulses, in any order; those after the end are never felt.
     pub impulses: Vec<Impulse>,
     /// The longest step, no longer than the program's. Steps are even between impulses, so a little shorter where they would not fit.
@@ -142,16 +144,62 @@ pub enum RunError {
     LoopPoles(#[from] PolesError),
 }
 
-/// Simulates `plan` from rest, showing every sample to `observers`. `stop` is looked at now and then.
+/// Simulates `plan` from its start, showing every sample to `observers`. `stop` is looked at now and then.
 ///
 /// # Errors
 /// A plan of too many steps, an observer that fails, eigenvalues that do not converge, or `stop`.
 pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<Outcome, RunError> {
+    let (mut rotor, watch) = simulate(plan, observers, stop)?;
+    let centre = disturbance::of_centre(&plan.program, rotor.sample().speed)?;
+    let mut outcome = watch.outcome(&rotor, centre);
+    if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
+        outcome.stability = disturbance::of_orbit(&plan.program, &rotor)?;
+        if outcome.stability.is_none() && matches!(outcome.settled, Settled::Steady | Settled::Beating) {
+            let evaluated = disturbance::of_beat(&mut rotor, outcome.step.0, stop);
+            outcome.stability = Some(evaluated.ok_or(RunError::Interrupted)?);
+        }
+    }
+    Ok(outcome)
+}
+
+/// How large a motion gets: what a map has of a run, without asking whether it would stay.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Extent {
+    /// Whether transients had died.
+    pub settled: Settled,
+    /// When the orbit left all bounds.
+    pub diverged_at: Option<f64>,
+    /// Largest `|u|`, in `w0^2 e_t`.
+    pub max_force: f64,
+    /// Largest radius of any mass, in `e_t`.
+    pub max_displacement: f64,
+}
+
+/// Simulates `plan` from its start, and says how large its motion is.
+///
+/// # Errors
+/// A plan of too many steps, or `stop`.
+pub fn extent(plan: &Plan, stop: &AtomicBool) -> Result<Extent, RunError> {
+    let (_, watch) = simulate(plan, &mut [], stop)?;
+    let (diverged_at, masses) = (watch.diverged_at, watch.masses);
+    let (settled, kept) = watch.kept();
+    Ok(Extent {
+        settled,
+        diverged_at,
+        max_force: kept.maxima[0].sqrt(),
+        max_displacement: kept.maxima[3..3 + masses].iter().copied().fold(0.0, f64::max).sqrt(),
+    })
+}
+
+fn simulate(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<(Machine, Watch), RunError> {
     let steps = plan.duration / plan.dtau;
     if steps.is_nan() || steps > MOST_STEPS {
         return Err(RunError::TooLong(steps));
     }
     let mut rotor = Machine::new(plan.program.clone());
+    if let Some([displacement, velocity]) = &plan.start {
+        rotor.place(displacement, velocity);
+    }
     let mut watch = Watch::new(plan);
     let mut impulses: Vec<Impulse> = plan.impulses.iter().copied().filter(|i| i.at <= plan.duration).collect();
     impulses.sort_by(|a, b| a.at.total_cmp(&b.at));
@@ -193,16 +241,7 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
             going = watch.see(&rotor, observers)?;
         }
     }
-    let centre = disturbance::of_centre(&plan.program, rotor.sample().speed)?;
-    let mut outcome = watch.outcome(&rotor, centre);
-    if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
-        outcome.stability = disturbance::of_orbit(&plan.program, &rotor)?;
-        if outcome.stability.is_none() && matches!(outcome.settled, Settled::Steady | Settled::Beating) {
-            let evaluated = disturbance::of_beat(&mut rotor, outcome.step.0, stop);
-            outcome.stability = Some(evaluated.ok_or(RunError::Interrupted)?);
-        }
-    }
-    Ok(outcome)
+    Ok((rotor, watch))
 }
 
 impl Plan {
@@ -224,7 +263,7 @@ impl Plan {
         settings.deadband.iter_mut().zip(given).for_each(|(place, clearance)| *place = clearance);
         let dtau = default_step(rotor, &settings)?;
         let program = Program::in_substeps(rotor, &settings, dtau, 1)?;
-        Ok(Self { program, impulses: Vec::new(), dtau, duration, settle })
+        Ok(Self { program, start: None, impulses: Vec::new(), dtau, duration, settle })
     }
 
     /// How many even steps of at most [`Plan::dtau`] make up a stretch of time, and how long each is.
@@ -330,8 +369,8 @@ impl Watch {
         Ok(bounded)
     }
 
-    fn outcome(mut self, rotor: &Machine, centre: DisturbanceGrowth) -> Outcome {
-        let motion = rotor.motion();
+    /// Whether transients had died, and the stretch that maxima are of.
+    fn kept(mut self) -> (Settled, Stretch) {
         let (settled, kept) = match self.settle {
             Settle::From(from) => {
                 self.stretch.from = from;
@@ -342,12 +381,19 @@ impl Watch {
                 (settled, windows.map_or(self.stretch, |windows| windows.joined(&self.stretch)))
             }
         };
-        let settled = if self.diverged_at.is_some() && settled != Settled::Given { Settled::No } else { settled };
+        (if self.diverged_at.is_some() && settled != Settled::Given { Settled::No } else { settled }, kept)
+    }
+
+    fn outcome(self, rotor: &Machine, centre: DisturbanceGrowth) -> Outcome {
+        let motion = rotor.motion();
+        let (steps, saturated_steps, step) = (self.steps, self.saturated_steps, self.step);
+        let (masses, diverged_at) = (self.masses, self.diverged_at);
+        let (settled, kept) = self.kept();
         Outcome {
-            steps: self.steps,
-            saturated_steps: self.saturated_steps,
-            step: self.step,
-            diverged_at: self.diverged_at,
+            steps,
+            saturated_steps,
+            step,
+            diverged_at,
             settled,
             stability: None,
             centre,
@@ -355,8 +401,8 @@ impl Watch {
             max_force: kept.maxima[0].sqrt(),
             // Each maximum is that of a curve through samples: where one bends sharply, a part must not pass the whole.
             max_force_component: kept.maxima[1].max(kept.maxima[2]).min(kept.maxima[0]).sqrt(),
-            max_displacement: kept.maxima[3..3 + self.masses].iter().map(|m| m.sqrt()).collect(),
-            mean_radius: (0..self.masses).map(|k| kept.mean_radius(k)).collect(),
+            max_displacement: kept.maxima[3..3 + masses].iter().map(|m| m.sqrt()).collect(),
+            mean_radius: (0..masses).map(|k| kept.mean_radius(k)).collect(),
             last: Final {
                 tau: motion.tau,
                 speed: rotor.sample().speed,

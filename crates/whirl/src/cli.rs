@@ -88,6 +88,8 @@ pub(crate) enum Command {
     Response(commands::response::ResponseArgs),
     /// Print the exact self-excited limit cycles, branch by branch
     Cycles(commands::cycles::CyclesArgs),
+    /// Map a quantity over a plane of two parameters: damping, margins, orbits, forces, limit cycles
+    Map(commands::map::MapArgs),
     /// Search the gains that damp the worst mode best, over speeds and deadband states
     Tune(commands::tune::TuneArgs),
     /// Make the NASA report again: every figure, and every printed number beside ours

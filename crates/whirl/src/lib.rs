@@ -8,7 +8,8 @@
 //! | rotor and loop as one: stepped, or as poles, margins and responses | [`machine`] | [`machine::Machine`], [`machine::MachinePoles`]; `crates/machine/examples/poles.rs` |
 //! | all roots of a loop with a delay, for any matrices | [`linear`] | [`linear::DelaySystem`] |
 //! | gains | [`tuner`] | [`tuner::tune()`]; `crates/tuner/examples/search.rs` |
-//! | runs, forces over speed, run-ups, the NASA report | [`study`] | [`study::run`] |
+//! | how sure that is: slopes by every parameter, worst cases, samples | `variation` | `variation::Model`, `variation::sensitivities` |
+//! | runs, forces over speed, run-ups, maps, the NASA report | [`study`] | [`study::run`] |
 //! | to read a running bench, or to change it | [`wire`] | [`wire::SharedMemory`], [`wire::Carrier`]; `crates/wire/examples/watch.rs` |
 //! | to run one | [`sim`] | [`sim::run()`] |
 //! | to judge what it sends | [`alarms`] | [`alarms::Alarms`] |

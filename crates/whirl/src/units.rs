@@ -59,6 +59,16 @@ impl Units {
         self.table(1.0).unit(Dimension::Length).name
     }
 
+    /// A key with the unit that its numbers are shown in, where a machine has units: `speed (rpm)`.
+    #[must_use]
+    pub(crate) fn with_unit(self, key: &str, dimension: Dimension) -> String {
+        match self.table(1.0).unit(dimension).name {
+            "" => key.to_owned(),
+            unit if self.0.is_some() => format!("{key} ({unit})"),
+            _ => key.to_owned(),
+        }
+    }
+
     /// The unit of forces.
     #[must_use]
     pub(crate) fn force_unit(self) -> &'static str {

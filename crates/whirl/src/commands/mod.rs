@@ -13,6 +13,7 @@ pub(crate) mod force;
 pub(crate) mod info;
 pub(crate) mod layout;
 mod linear;
+pub(crate) mod map;
 pub(crate) mod margin;
 pub(crate) mod measure;
 pub(crate) mod modes;

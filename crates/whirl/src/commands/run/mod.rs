@@ -155,6 +155,7 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
     };
     let mut plan = Plan {
         program: program(dtau)?,
+        start: None,
         impulses: args
             .impulse
             .iter()

@@ -1,0 +1,356 @@
+//! `whirl map`: a quantity over a plane of two parameters.
+
+mod picture;
+
+use std::io::{IsTerminal, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde::Serialize;
+use study::map::{self, Map, MapAxis, MapError, MapKey, MapPlan, MapQuantity, QUANTITIES};
+use study::table::{self, Form, FormError};
+use units::Dimension;
+use variation::Model;
+
+use super::linear;
+use crate::catalog::{self, Machine};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::machine_args::MachineArgs;
+use crate::output::{self, Format, rounded};
+use crate::picture::is_picture;
+use crate::place::Force;
+use crate::range::Range;
+use crate::units::UnitsDocument;
+use crate::varied::{By, Varied, dimension};
+
+/// Cells of a map of linear quantities, and of one that is simulated, if nobody says.
+const POINTS: [Points; 2] = [Points { x: 81, y: 61 }, Points { x: 31, y: 21 }];
+
+/// How many cells a map has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Points {
+    x: usize,
+    y: usize,
+}
+
+impl std::str::FromStr for Points {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let count = |typed: &str| typed.trim().parse().ok().filter(|count| (2..=1_000_000).contains(count));
+        let made = typed.split_once(['x', 'X']).and_then(|(x, y)| Some(Self { x: count(x)?, y: count(y)? }));
+        made.ok_or_else(|| format!("'{typed}': expected NxM with at least 2 of either, such as 80x60"))
+    }
+}
+
+/// Options of `whirl map`.
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("written").args(["out"]))]
+pub(crate) struct MapArgs {
+    #[command(flatten)]
+    machine: MachineArgs,
+    /// Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)
+    #[arg(long, value_name = "R", allow_negative_numbers = true)]
+    speed: Option<f64>,
+    /// What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, or a start such as start.1.y
+    #[arg(long, value_name = "KEY=A..B")]
+    x: Varied,
+    /// What varies up, likewise
+    #[arg(long, value_name = "KEY=A..B")]
+    y: Varied,
+    /// How many values across and up [default: 81x61; 31x21 where every cell is simulated]
+    #[arg(long, value_name = "NxM")]
+    points: Option<Points>,
+    /// What is mapped
+    #[arg(long, value_name = "NAME", value_parser = quantity, default_value = "damping")]
+    quantity: MapQuantity,
+    /// A simulated motion that has not settled by then is told as it is then, in tau (SI rotors: in s)
+    #[arg(long, value_name = "T")]
+    duration: Option<f64>,
+    /// Write the map as a picture (.svg, .png) or a table (.csv, .parquet)
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    force: Force,
+    #[command(flatten)]
+    format: Format,
+}
+
+fn quantity(typed: &str) -> Result<MapQuantity, String> {
+    let known =
+        || QUANTITIES.iter().map(|row| format!("{} ({})", row.name, row.meaning)).collect::<Vec<_>>().join(", ");
+    let row = QUANTITIES.iter().find(|row| row.name == typed);
+    row.map(|row| row.quantity).ok_or_else(|| format!("expected {}", known()))
+}
+
+#[derive(Debug, Serialize)]
+struct AxisDocument<'a> {
+    key: String,
+    values: &'a [f64],
+}
+
+/// The JSON document.
+#[derive(Debug, Serialize)]
+struct Document<'a> {
+    rotor: &'a str,
+    x: AxisDocument<'a>,
+    y: AxisDocument<'a>,
+    quantity: &'static str,
+    /// `[x][y]`; `null` where there is none.
+    values: &'a [Vec<f64>],
+    values_null: Option<&'static str>,
+    /// Where the smallest damping is 0, of linear quantities.
+    boundary: &'a [Vec<[f64; 2]>],
+    #[serde(flatten)]
+    units: UnitsDocument,
+}
+
+/// A map with what is shown of it.
+pub(super) struct Shown<'a> {
+    machine: &'a Machine,
+    plan: &'a MapPlan,
+    map: &'a Map,
+}
+
+/// Maps.
+///
+/// # Errors
+/// A machine or an axis that cannot be, an interrupt, or a file that cannot be written.
+pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
+    let form = args.out.as_deref().map(|path| table_form(path, args.force)).transpose()?;
+    let plan = plan(args)?;
+    let (machine, plan) = (&plan.0, &plan.1);
+    plan.check()?;
+    if !plan.quantity.has_clearance() {
+        linear::neglects(&args.machine);
+    }
+    let stop = interrupt::flag()?;
+    let (done, watched) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
+    let total = plan.x.values.len();
+    let report = || {
+        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if watched {
+            let end = if count == total { "\r\x1b[K" } else { "" };
+            let _ = write!(std::io::stderr(), "\r{count} of {total} columns{end}");
+        }
+    };
+    let map = map::map(plan, &stop, &report)?;
+    let shown = Shown { machine, plan, map: &map };
+    match (&args.out, form) {
+        (Some(path), Some(Some(form))) => shown.write(path, form, args.force)?,
+        (Some(path), _) => picture::draw(&shown, path, args.force)?,
+        _ => {}
+    }
+    if args.format.json {
+        return shown.print_json();
+    }
+    if args.format.csv {
+        return shown.print_csv();
+    }
+    output::print_text(&format!("{}{}", picture::text(&shown), shown.footer()))
+}
+
+/// The form of a table that a path asks for; `None` of a picture.
+fn table_form(path: &Path, force: Force) -> Result<Option<Form>, Failure> {
+    force.check(path)?;
+    if is_picture(path) {
+        return Ok(None);
+    }
+    match Form::of(path) {
+        Ok(form) => Ok(Some(form)),
+        Err(FormError::Unknown(path)) => Err(Failure::Usage(format!(
+            "'{}': expected a file name that ends in .svg, .png, .csv or .parquet",
+            path.display()
+        ))),
+        Err(error @ FormError::NoParquet) => Err(Failure::Usage(error.to_string())),
+    }
+}
+
+/// The machine, and what is to be mapped of it.
+fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
+    let is_speed = |varied: &Varied| varied.key == "speed";
+    let along = [&args.x, &args.y].into_iter().any(is_speed);
+    match (args.speed, along) {
+        (Some(_), true) => {
+            return Err(Failure::Usage("--speed does nothing: an axis is the speed. Expected one of the two".into()));
+        }
+        (None, false) => {
+            return Err(Failure::Usage(
+                "--speed: expected the spin speed, or an axis that is it: --x speed=A..B".into(),
+            ));
+        }
+        _ => {}
+    }
+    if along {
+        args.machine.leaves_speed_alone("an axis")?;
+    }
+    for (name, varied) in [("--x", &args.x), ("--y", &args.y)] {
+        let sets = |typed: &&String| rotor::typed::pair(typed).is_ok_and(|(key, _)| key == varied.key);
+        if let Some(typed) = args.machine.set.iter().find(sets) {
+            return Err(Failure::Usage(format!("'{typed}' does nothing: {name} is the same. Expected one of the two")));
+        }
+    }
+    let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?;
+    let model = Model::new(machine.rotor.clone(), machine.settings.clone());
+    let points = args.points.unwrap_or(POINTS[usize::from(args.quantity.row().is_simulated)]);
+    let axis = |varied: &Varied, count: usize| -> Result<MapAxis, Failure> {
+        let key = MapKey::of(&model, &varied.key)?;
+        let range = match (&key, varied.by) {
+            (MapKey::Parameter(_), _) => {
+                let range = crate::varied::range(&machine, &model, varied)?;
+                Range { from: range.from, to: range.to }
+            }
+            (MapKey::Start { .. }, By::Part(_)) => {
+                return Err(Failure::Usage(format!("'{}': a part of it is nothing; give a range", varied.key)));
+            }
+            (key @ MapKey::Start { .. }, By::Range(Range { from, to })) => {
+                let unit = unit(&machine, key);
+                Range { from: from / unit, to: to / unit }
+            }
+        };
+        // Memory is not asked for before it is known to be there.
+        let cells = points.x as u64 * points.y as u64;
+        if cells > map::MOST_CELLS {
+            return Err(MapError::Cells(cells).into());
+        }
+        Ok(MapAxis { key, values: range.points(count) })
+    };
+    let duration = args.duration.map(|typed| typed / machine.units().time(1.0));
+    if let Some(duration) = duration.filter(|duration| !(duration.is_finite() && *duration > 0.0)) {
+        return Err(Failure::Usage(format!("--duration {duration}: expected a finite number above 0")));
+    }
+    if args.duration.is_some() && !args.quantity.row().is_simulated {
+        let name = args.quantity.row().name;
+        return Err(Failure::Usage(format!("--duration does nothing: {name} is not simulated")));
+    }
+    let plan = MapPlan {
+        x: axis(&args.x, points.x)?,
+        y: axis(&args.y, points.y)?,
+        quantity: args.quantity,
+        longest: duration.unwrap_or(study::force::LONGEST),
+        model,
+    };
+    Ok((machine, plan))
+}
+
+/// What one of a key is in the unit that it is shown in.
+fn unit(machine: &Machine, key: &MapKey) -> f64 {
+    match key {
+        MapKey::Parameter(parameter) => machine.units().value(dimension(parameter), machine.bearing_mass(), 1.0),
+        MapKey::Start { part: 0 | 1, .. } => machine.units().length(1.0),
+        MapKey::Start { .. } => machine.units().velocity(1.0),
+    }
+}
+
+impl Shown<'_> {
+    /// What one of the quantity is in the unit that it is shown in.
+    fn quantity_unit(&self) -> f64 {
+        let units = self.machine.units();
+        match self.plan.quantity {
+            MapQuantity::Damping | MapQuantity::Stability | MapQuantity::Sensitivity => 1.0,
+            MapQuantity::Delay => units.time(1.0),
+            MapQuantity::Orbit | MapQuantity::Cycle => units.length(1.0),
+            MapQuantity::Force => units.value(Dimension::Force, self.machine.bearing_mass(), 1.0),
+            MapQuantity::CycleFrequency => units.frequency(1.0),
+        }
+    }
+
+    /// An axis as it is shown.
+    fn shown(&self, axis: &MapAxis) -> Vec<f64> {
+        let unit = unit(self.machine, &axis.key);
+        axis.values.iter().map(|value| value * unit).collect()
+    }
+
+    fn columns(&self) -> [String; 3] {
+        [self.plan.x.key.name(), self.plan.y.key.name(), self.plan.quantity.row().name.to_owned()]
+    }
+
+    /// Every cell: both keys and the quantity, as they are shown.
+    fn rows(&self) -> impl Iterator<Item = [f64; 3]> + '_ {
+        let (xs, ys, unit) = (self.shown(&self.plan.x), self.shown(&self.plan.y), self.quantity_unit());
+        let rows = self.map.values.iter().zip(xs);
+        rows.flat_map(move |(column, x)| {
+            let ys = ys.clone();
+            column.iter().zip(ys).map(move |(value, y)| [x, y, value * unit])
+        })
+    }
+
+    fn write(&self, path: &Path, form: Form, force: Force) -> Result<(), Failure> {
+        let mut to = table::Table::create(path, form, &self.columns(), &[], force.existing())?;
+        for row in self.rows() {
+            to.row(&row, &[])?;
+        }
+        Ok(to.finish()?)
+    }
+
+    fn print_csv(&self) -> Result<(), Failure> {
+        let mut table = output::Table::new(&self.columns());
+        self.rows().for_each(|row| table.row(row.map(output::Cell::from)));
+        Format { json: false, csv: true }.print(&(), "", &table, "")
+    }
+
+    fn print_json(&self) -> Result<(), Failure> {
+        let is_whole = self.map.values.iter().flatten().all(|value| value.is_finite());
+        output::print_json(&Document {
+            rotor: self.machine.rotor.name(),
+            x: AxisDocument { key: self.plan.x.key.name(), values: &self.plan.x.values },
+            y: AxisDocument { key: self.plan.y.key.name(), values: &self.plan.y.values },
+            quantity: self.plan.quantity.row().name,
+            values: &self.map.values,
+            values_null: (!is_whole).then_some(nowhere(self.plan.quantity)),
+            boundary: &self.map.boundary,
+            units: self.machine.units().document(),
+        })
+    }
+
+    /// The extremes, where they are, and how much is stable.
+    fn footer(&self) -> String {
+        let [x, y, quantity] = self.columns();
+        let finite = || self.rows().filter(|row| row[2].is_finite());
+        let told = |row: Option<[f64; 3]>, word: &str| {
+            row.map_or(String::new(), |[at_x, at_y, value]| {
+                format!("{word} {} at {x} = {}, {y} = {}\n", rounded(value), rounded(at_x), rounded(at_y))
+            })
+        };
+        let all = self.map.values.iter().map(Vec::len).sum::<usize>();
+        let mut text = told(finite().min_by(|a, b| a[2].total_cmp(&b[2])), "least");
+        text += &told(finite().max_by(|a, b| a[2].total_cmp(&b[2])), "largest");
+        let without = all - finite().count();
+        if without > 0 {
+            text += &format!("{without} of {all} cells have no {quantity}: {}\n", nowhere(self.plan.quantity));
+        }
+        if matches!(self.plan.quantity, MapQuantity::Damping | MapQuantity::Stability) {
+            let stable = finite().filter(|row| row[2] > 0.0).count();
+            text += &format!("{stable} of {all} cells are stable\n");
+        }
+        if !self.map.boundary.is_empty() {
+            text += &format!("the boundary of stability is traced in {} pieces\n", self.map.boundary.len());
+        }
+        text
+    }
+}
+
+/// Why a cell has no value.
+fn nowhere(quantity: MapQuantity) -> &'static str {
+    match quantity {
+        MapQuantity::Damping | MapQuantity::Stability => "the poles cannot be had",
+        MapQuantity::Delay => "the machine is not stable, or no delay makes it unstable",
+        MapQuantity::Sensitivity => "the machine is not stable",
+        MapQuantity::Orbit | MapQuantity::Force => "the motion leaves all bounds",
+        MapQuantity::Cycle | MapQuantity::CycleFrequency => "there is no stable limit cycle",
+    }
+}
+
+impl From<MapError> for Failure {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::Machine(error) => error.into(),
+            MapError::Program(error) => error.into(),
+            MapError::Run(error) => error.into(),
+            MapError::Cycles(error) => error.into(),
+            MapError::Interrupted => Self::Interrupted,
+            error => Self::Usage(error.to_string()),
+        }
+    }
+}

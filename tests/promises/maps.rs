@@ -1,0 +1,67 @@
+//! `whirl map`: pictures, tables, JSON, and what is refused.
+
+use promises::run;
+
+const PLANE: [&str; 8] = ["map", "three-mass", "--feedback", "individual", "--x", "speed=0..8", "--y", "delay=0..0.2"];
+
+#[test]
+fn a_map_is_json_a_table_and_a_picture() {
+    let document = run(&[&PLANE[..], &["--points", "9x5", "--json"]].concat()).json();
+    assert_eq!((document["x"]["key"].as_str(), document["y"]["key"].as_str()), (Some("speed"), Some("delay")));
+    let columns = document["values"].as_array().expect("a list");
+    assert!(columns.len() == 9 && columns.iter().all(|column| column.as_array().is_some_and(|c| c.len() == 5)));
+    let poles =
+        run(&["poles", "three-mass", "--feedback", "individual", "--speed", "6", "--set", "delay=0.1", "--json"])
+            .json();
+    let apart = document["values"][6][2].as_f64().expect("a number") - poles["min_damping"].as_f64().expect("a number");
+    assert!(apart.abs() < 1e-12, "{apart}");
+    assert!(document["boundary"][0].as_array().is_some_and(|curve| curve.len() > 3), "{}", document["boundary"]);
+    let rows = run(&[&PLANE[..], &["--points", "3x2", "--csv"]].concat()).stdout;
+    assert_eq!(rows.lines().count(), 1 + 6);
+    assert!(rows.starts_with("speed,delay,damping\n0.0,0.0,"), "{rows}");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name).to_string_lossy().into_owned();
+    for name in ["map.svg", "map.png", "map.csv"] {
+        let out = at(name);
+        let ran = run(&[&PLANE[..], &["--points", "9x5", "--out", &out]].concat());
+        assert_eq!(ran.code, Some(0), "{}", ran.stderr);
+        assert!(ran.stdout.contains("speed across, delay up; damping") && ran.stdout.contains("cells are stable"));
+        let again = run(&[&PLANE[..], &["--points", "9x5", "--out", &out]].concat());
+        assert!(again.code == Some(2) && again.stdout.is_empty(), "{}", again.stderr);
+    }
+    assert!(std::fs::read(at("map.png")).expect("a file").starts_with(b"\x89PNG"));
+    assert!(std::fs::read_to_string(at("map.svg")).expect("a file").contains("aria-label=\"smallest damping 0\""));
+    assert_eq!(std::fs::read_to_string(at("map.csv")).expect("a file").lines().count(), 1 + 45);
+}
+
+#[test]
+fn axes_that_do_nothing_are_refused() {
+    let map = ["map", "three-mass", "--feedback", "composite"];
+    for (rest, words) in [
+        (&["--x", "speed=0..8", "--y", "speed=0..1"][..], "speed is given twice"),
+        (&["--speed", "3", "--x", "speed=0..8", "--y", "kd=0..1"], "--speed does nothing: an axis is the speed"),
+        (&["--x", "kd=0..1", "--y", "cd=0..1"], "--speed: expected the spin speed"),
+        (&["--speed", "3", "--x", "kd=1..1", "--y", "cd=0..1"], "expected KEY=A..B"),
+        (&["--speed", "3", "--x", "deadband=0..1", "--y", "cd=0..1"], "deadband does nothing to damping"),
+        (&["--speed", "3", "--x", "start.1.y=0..1", "--y", "cd=0..1"], "start.1.y does nothing to damping"),
+        (
+            &["--speed", "3", "--x", "kd=0..1", "--y", "cd=0..1", "--points", "1000000x1000000"],
+            "1000000000000 cells: expected at most 16777216",
+        ),
+        (&["--speed", "3", "--x", "kd=0..1", "--y", "cd=0..1", "--set", "kd=1"], "'kd=1' does nothing"),
+        (&["--speed", "3", "--x", "kd=0..1", "--y", "cd=0..1", "--quantity", "colour"], "expected damping"),
+        (
+            &["--speed", "3", "--x", "kd=0..1", "--y", "cd=0..1", "--duration", "5"],
+            "--duration does nothing: damping is not simulated",
+        ),
+        (
+            &["--speed", "3", "--x", "kd=0..1", "--y", "cd=0..1", "--out", "x.jpg"],
+            "ends in .svg, .png, .csv or .parquet",
+        ),
+    ] {
+        let ran = run(&[&map[..], rest].concat());
+        assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{rest:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(words), "{rest:?}: {}", ran.stderr);
+    }
+}
