@@ -22,7 +22,7 @@
 //! # Ok::<(), control::LoopError>(())
 //! ```
 //!
-//! * [`Feedback`]: every control bearing of a machine. [`ControlBearing`], [`Signal`], [`Gain`]: the law of one. [`Filter`]: what shapes a signal. [`Parts`]: the numbers of the rest.
+//! * [`Feedback`]: every control bearing of a machine. [`ControlBearing`], [`Signal`], [`Gain`]: the law of one. [`Filter`]: what shapes a signal; [`Corners`]: its frequencies, to be varied. [`Parts`]: the numbers of the rest.
 //! * [`Controller`]: all of it in motion, to be integrated with the plant it holds; its states are saved and restored.
 //! * [`Excitation`]: tones added to its command for a while, so that it can be measured; made of a [`Multisine`].
 //! * [`LinearLoop`]: the same as matrices, for poles and margins.
@@ -31,6 +31,7 @@
 
 mod block;
 mod controller;
+mod corners;
 mod delay_line;
 mod excitation;
 mod feedback;
@@ -43,6 +44,7 @@ mod words;
 
 pub use block::MAX_ORDER;
 pub use controller::{Controller, LoopError, Output, Stage};
+pub use corners::Corners;
 pub use excitation::{Excitation, ExcitationError, Multisine, Tone};
 pub use feedback::Feedback;
 pub use filter::{FILTERS, Filter, FilterError};
