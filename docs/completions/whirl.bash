@@ -1401,7 +1401,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__tune)
-            opts="-h --over --speed --signal --sensors --bearing --feedback --set --gains --bound --force-limit --max-sensitivity --min-delay --robust --delay --vary --measure --below --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
+            opts="-h --over --speed --signal --sensors --bearing --feedback --corners --set --gains --bound --force-limit --max-sensitivity --min-delay --robust --delay --vary --measure --below --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1428,6 +1428,10 @@ _whirl() {
                     return 0
                     ;;
                 --feedback)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --corners)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -15,8 +15,8 @@ use rayon::prelude::*;
 use rotor::{C64, MAX_MASSES, Quadratic};
 
 use crate::Problem;
-use crate::evaluate::{Worst, worst_at};
 use crate::stop::Stop;
+use crate::worst::{Worst, worst_at};
 
 /// The worst over a family, bounded from both sides.
 #[derive(Clone, Debug, PartialEq)]

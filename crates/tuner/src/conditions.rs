@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::evaluate::worst_at;
 use crate::limits::{force_at, in_hand_at, margins_at};
 use crate::stop::Stop;
+use crate::worst::worst_at;
 use crate::{Family, LoopMargins, Problem};
 
 /// Points along each coordinate of a grid of about `total` points, more along the speed than along the others.

@@ -15,6 +15,7 @@ use rotor::C64;
 
 use crate::Problem;
 use crate::answers::Answers;
+use crate::corners::Weights;
 
 /// What the force at one condition is made from, control off.
 #[derive(Clone, Debug)]
@@ -49,12 +50,13 @@ impl Synchronous {
 
     /// `|u|` for gains `variables`, and its slope in each of them if there is room for it in `slope`.
     pub(crate) fn force(&self, problem: &Problem, variables: &[f64], slope: &mut [f64]) -> f64 {
-        let (gains, m) = (problem.structure.gains_at(variables, self.speed), self.count);
+        let (weights, m) = (Weights::of(&problem.structure, variables, self.speed), self.count);
+        let s = C64::new(0.0, self.speed);
         let (mut around, mut driven) = (DMatrix::<C64>::identity(m, m), DVector::<C64>::zeros(m));
-        for (k, gain) in gains.iter().enumerate() {
+        for (k, weight) in weights.at(s).iter().enumerate().filter(|(_, weight)| weight.is_finite()) {
             let at = self.bearing_of[k];
-            driven[at] += self.alpha[k] * gain;
-            (0..m).for_each(|b| around[(at, b)] -= self.beta[k * m + b] * gain);
+            driven[at] += self.alpha[k] * weight;
+            (0..m).for_each(|b| around[(at, b)] -= self.beta[k * m + b] * weight);
         }
         let Some(inverse) = around.try_inverse() else {
             slope.fill(0.0);
@@ -66,13 +68,15 @@ impl Synchronous {
         if !slope.is_empty() {
             // At no force at all there is no direction in which it grows.
             let toward = if size > 0.0 { forces[largest].conj() / size } else { C64::ZERO };
-            let by_gain: Vec<f64> = (0..gains.len())
+            let by_weight: Vec<C64> = (0..self.alpha.len())
                 .map(|k| {
                     let back: C64 = (0..m).map(|b| self.beta[k * m + b] * forces[b]).sum();
-                    (toward * inverse[(largest, self.bearing_of[k])] * (self.alpha[k] + back)).re
+                    toward * inverse[(largest, self.bearing_of[k])] * (self.alpha[k] + back)
                 })
                 .collect();
-            problem.structure.spread(self.speed, &by_gain, 0.0, slope);
+            let along = |z: C64| if z.is_finite() { z.re } else { 0.0 };
+            let by: Vec<f64> = weights.chain(s, &by_weight).into_iter().map(along).collect();
+            problem.structure.spread(self.speed, &by, 0.0, slope);
         }
         size
     }

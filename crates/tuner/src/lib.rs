@@ -4,7 +4,7 @@
 //! has kinks where the least damped mode changes, and Powell's method stops at them. Here:
 //!
 //! * a [`Problem`] asks about a [`Family`] of conditions (speeds, deadband states, delays, boxes of parameters) and a
-//!   [`Structure`] (bearings, signals, gains fixed or scheduled over speed), with a [`Measure`], a bound on gains, and limits of
+//!   [`Structure`] (bearings, signals, gains fixed or scheduled over speed, [`Corner`]s of filters), with a [`Measure`], a bound on gains, and limits of
 //!   the control force, of the peak of the sensitivity and of the delay margin;
 //! * [`tune()`] climbs from many random starts, each by smoothing ([`smooth`]) and by sequential convex steps on the modes
 //!   that matter ([`minimax`]), also where poles merge ([`rows`]); adds the conditions that turn out to be worst
@@ -32,15 +32,21 @@ mod answers;
 mod around;
 mod certify;
 mod conditions;
+mod corners;
 mod delay;
 mod evaluate;
+mod exchange;
 mod family;
+mod finish;
 mod force;
 mod least_norm;
 mod limits;
+mod loci;
 mod measure;
 mod minimax;
 mod opened;
+mod operating;
+mod options;
 mod pareto;
 mod placement;
 mod powell;
@@ -53,16 +59,21 @@ mod smooth;
 mod stop;
 mod structure;
 mod track;
+mod tuned;
+mod worst;
 
 pub use certify::Certificate;
+pub use corners::Corner;
 pub use family::{Family, FamilyAxis, FamilyError, FamilyQuantity};
 pub use measure::Measure;
 pub use minimax::Stationarity;
 pub use opened::LoopMargins;
+pub use options::{Method, Options};
 pub use pareto::{ParetoPoint, Price, pareto};
 pub use placement::{Placement, Question, choices, rank};
 pub use problem::{Problem, ProblemError};
-pub use search::{Active, Method, Options, Progress, Tuned, bound, evaluate, tune};
+pub use search::{bound, evaluate, tune};
 pub use stop::Stop;
 pub use structure::{Schedule, Structure};
 pub use track::{Tracked, track};
+pub use tuned::{Active, Progress, Tuned};

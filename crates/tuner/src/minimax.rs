@@ -22,6 +22,12 @@ use crate::stop::Stop;
 
 /// Steps of a polish, at most.
 const STEPS: usize = 100;
+/// Where corners of filters are searched the way is long, in small steps along a curved valley: as many more as it takes, ...
+const MANY_STEPS: usize = 1000;
+/// ... while so many of them ...
+const STRETCH: usize = 25;
+/// ... bring so much, relative to the worst value.
+const WORTH_A_STRETCH: f64 = 5e-4;
 /// A step that promises less than this, relative to the worst value, is not worth taking.
 const NEGLIGIBLE: f64 = 1e-8;
 
@@ -35,7 +41,7 @@ pub(crate) fn polish(
     merge: f64,
     stop: &Stop,
 ) {
-    let bound = evaluator.problem.bound;
+    let reach = evaluator.reach.clone();
     let mut radius = first_radius;
     let mut held: Vec<(Row, f64)> = Vec::new();
     let mut best = (evaluator.merit(gains), gains.clone());
@@ -43,14 +49,22 @@ pub(crate) fn polish(
         return;
     }
     let negligible = NEGLIGIBLE * best.0.abs().max(1e-3);
-    for _ in 0..STEPS {
+    let most = if evaluator.problem.structure.corners().is_empty() { STEPS } else { MANY_STEPS };
+    let mut before_stretch = best.0;
+    for taken in 0..most {
         if stop.is_set() || radius < last_radius {
             break;
+        }
+        if taken >= STEPS && taken % STRETCH == 0 {
+            if best.0 - before_stretch < WORTH_A_STRETCH * best.0.abs() {
+                break;
+            }
+            before_stretch = best.0;
         }
         let rows = Rows::near(evaluator, gains, radius, merge);
         let hessian = curvature(evaluator, gains, &held);
         let pull = evaluator.tether.clone();
-        let Some(step) = Step::of(&rows, gains, bound, radius, &hessian, pull.as_ref()) else {
+        let Some(step) = Step::of(&rows, gains, &reach, radius, &hessian, pull.as_ref()) else {
             radius *= 0.25;
             evaluator.evaluate(gains);
             continue;
@@ -63,7 +77,7 @@ pub(crate) fn polish(
         let mut there = Trial::of(evaluator, &rows, gains, &step.by);
         if there.aim - before < 0.7 * step.rise
             && let Some(corrected) =
-                Step::of(&rows.bent(&there.rows, &step.by), gains, bound, radius, &hessian, pull.as_ref())
+                Step::of(&rows.bent(&there.rows, &step.by), gains, &reach, radius, &hessian, pull.as_ref())
         {
             // Where the rows curve, the first step misses the corner that it aims at: aim again, with the miss known.
             let other = Trial::of(evaluator, &rows, gains, &corrected.by);
@@ -104,8 +118,8 @@ struct Trial {
 
 impl Trial {
     fn of(evaluator: &mut Evaluator, rows: &Rows, gains: &[f64], by: &[f64]) -> Self {
-        let bound = evaluator.problem.bound;
-        let gains: Vec<f64> = gains.iter().zip(by).map(|(x, d)| (x + d).clamp(-bound, bound)).collect();
+        let mut gains: Vec<f64> = gains.iter().zip(by).map(|(x, d)| x + d).collect();
+        evaluator.clamp(&mut gains);
         let merit = evaluator.merit(&gains);
         let rows = rows.again(evaluator, &gains);
         let aim = rows.merit() - evaluator.pull(&gains);
@@ -125,7 +139,7 @@ impl Step {
     fn of(
         rows: &Rows,
         gains: &[f64],
-        bound: f64,
+        reach: &[f64],
         radius: f64,
         hessian: &[f64],
         tether: Option<&(Vec<f64>, f64)>,
@@ -176,9 +190,9 @@ impl Step {
                 }
             });
         }
-        for (i, gain) in gains.iter().enumerate() {
-            program.at_most(((bound - gain) / radius).min(1.0), |line| line[i] = 1.0);
-            program.at_most(((bound + gain) / radius).min(1.0), |line| line[i] = -1.0);
+        for (i, (gain, most)) in gains.iter().zip(reach).enumerate() {
+            program.at_most(((most - gain) / radius).min(1.0), |line| line[i] = 1.0);
+            program.at_most(((most + gain) / radius).min(1.0), |line| line[i] = -1.0);
         }
         program.at_most(0.0, |line| line[n + 1] = -1.0);
         let solution = program.solve()?;
@@ -273,7 +287,7 @@ pub struct Stationarity {
     pub active: usize,
     /// How many pairs of poles are about to merge.
     pub merging: usize,
-    /// How many gains are held by their bound.
+    /// How many gains and corners are held by their bound.
     pub at_bound: usize,
 }
 
@@ -281,9 +295,8 @@ pub struct Stationarity {
 pub(crate) fn stationarity(evaluator: &mut Evaluator, gains: &[f64], within: f64, merge: f64) -> Stationarity {
     let n = gains.len();
     evaluator.evaluate(gains);
-    let bound = evaluator.problem.bound;
+    let held: Vec<bool> = gains.iter().zip(&evaluator.reach).map(|(x, most)| x.abs() >= most * (1.0 - 1e-9)).collect();
     let rows = Rows::within(evaluator, gains, within, merge);
-    let at_bound = |gain: f64| gain.abs() >= bound * (1.0 - 1e-9);
     // Columns: slopes of values, whose weights sum to 1; and normals of constraints, of any weight.
     let mut hull: Vec<Vec<f64>> = Vec::new();
     let mut cone: Vec<Vec<f64>> = Vec::new();
@@ -297,7 +310,7 @@ pub(crate) fn stationarity(evaluator: &mut Evaluator, gains: &[f64], within: f64
             Kind::Zero => cone.extend([row.slope.clone(), negative()]),
         }
     }
-    for (i, gain) in gains.iter().enumerate().filter(|(_, gain)| at_bound(**gain)) {
+    for (i, gain) in gains.iter().enumerate().filter(|(i, _)| held[*i]) {
         let mut normal = vec![0.0; n];
         normal[i] = -gain.signum();
         cone.push(normal);
@@ -308,6 +321,6 @@ pub(crate) fn stationarity(evaluator: &mut Evaluator, gains: &[f64], within: f64
         within,
         active: rows.rows.iter().filter(|row| row.kind == Kind::Worth).count(),
         merging: rows.rows.iter().filter(|row| row.kind == Kind::Zero).count(),
-        at_bound: gains.iter().filter(|gain| at_bound(**gain)).count(),
+        at_bound: held.iter().filter(|held| **held).count(),
     }
 }

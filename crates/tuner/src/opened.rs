@@ -15,15 +15,19 @@
 //!
 //! Distances are what is asked for, not peaks: `|1 + L|` goes to 0 where the machine goes unstable, and `|S|` to infinity.
 
-use std::convert::Infallible;
-use std::f64::consts::TAU;
+mod margins;
+mod slope;
 
-use linear::{eigenvalues_in_place, least};
 use nalgebra::DMatrix;
 use rotor::C64;
 
 use crate::Problem;
 use crate::answers::Answers;
+use crate::corners::Weights;
+use crate::loci::{borne, loci, minimum, nearest, opened, zero};
+
+pub use margins::LoopMargins;
+pub(crate) use margins::margins_at;
 
 /// Frequencies looked at on each side of 0 before the search between them.
 const GRID: usize = 80;
@@ -34,8 +38,6 @@ const GRID_OF_SHAFTS: usize = 110;
 const DECADES_OF_SHAFTS: f64 = 5.0;
 /// The band ends at so many times the fastest pole of the open loop, or of the largest gains.
 const BAND: f64 = 4.0;
-/// How near a minimum is found, in parts of the stretch that it is on: it is flat to the last place after half the digits.
-const NEAR: f64 = 3e-8;
 /// Gains of the loop this little below 1 may soon cross it.
 const NEARLY: f64 = 0.8;
 /// Loci whose sizes differ by less pass each other.
@@ -104,11 +106,13 @@ impl Opened {
         }
         grid.sort_by(f64::total_cmp);
         grid.dedup();
+        let own = structure.own();
+        let law = Weights::of(structure, &own, point[0]);
         let mut made = Self { open, speed: point[0], answers: Vec::new(), grid: Vec::new() };
         for w in grid {
             let answer = made.answer(problem, w);
             // An integrator has no answer at rest.
-            if answer.iter().all(|z| z.is_finite()) {
+            if answer.iter().chain(law.at(C64::new(0.0, w)).iter()).all(|z| z.is_finite()) {
                 made.grid.push(w);
                 made.answers.extend(answer);
             }
@@ -121,33 +125,38 @@ impl Opened {
         self.open.loops(problem, frequency)
     }
 
-    /// `L` of answers with these gains.
-    fn sum(&self, answer: &[C64], gains: &[f64]) -> DMatrix<C64> {
+    /// `L` of answers under this law.
+    fn sum(&self, answer: &[C64], law: &Weights<'_>, frequency: f64) -> DMatrix<C64> {
         let m = self.open.count();
         let mut made = DMatrix::zeros(m, m);
-        for ((own, gain), at) in answer.chunks_exact(m).zip(gains).zip(&self.open.bearing_of) {
-            own.iter().enumerate().for_each(|(b, own)| made[(*at, b)] += own * gain);
+        let weights = law.at(C64::new(0.0, frequency));
+        for ((own, weight), at) in answer.chunks_exact(m).zip(weights.iter()).zip(&self.open.bearing_of) {
+            own.iter().enumerate().for_each(|(b, own)| made[(*at, b)] += own * weight);
         }
         made
     }
 
-    fn gain(&self, problem: &Problem, gains: &[f64], frequency: f64) -> DMatrix<C64> {
-        self.sum(&self.answer(problem, frequency), gains)
+    fn gain(&self, problem: &Problem, law: &Weights<'_>, frequency: f64) -> DMatrix<C64> {
+        self.sum(&self.answer(problem, frequency), law, frequency)
     }
 
     /// Of `loci` at a frequency, the one nearest to `to`.
-    fn locus(&self, problem: &Problem, gains: &[f64], frequency: f64, to: C64) -> C64 {
-        nearest(&loci(&self.gain(problem, gains, frequency)), to)
+    fn locus(&self, problem: &Problem, law: &Weights<'_>, frequency: f64, to: C64) -> C64 {
+        nearest(&loci(&self.gain(problem, law, frequency)), to)
     }
 
     /// Every place at which the loop with these variables has no more than `far` times what is asked for, `near` being frequencies
     /// worth a look (its poles').
     fn places_within(&self, problem: &Problem, variables: &[f64], near: &[f64], far: f64) -> Vec<Place> {
-        let gains = problem.structure.gains_at(variables, self.speed);
-        let many = gains.len() * self.open.count();
-        let mut curve: Vec<(f64, DMatrix<C64>)> =
-            self.grid.iter().zip(self.answers.chunks(many)).map(|(w, answer)| (*w, self.sum(answer, &gains))).collect();
-        let looked = near.iter().map(|w| (*w, self.gain(problem, &gains, *w)));
+        let law = Weights::of(&problem.structure, variables, self.speed);
+        let many = law.gains.len() * self.open.count();
+        let mut curve: Vec<(f64, DMatrix<C64>)> = self
+            .grid
+            .iter()
+            .zip(self.answers.chunks(many))
+            .map(|(w, answer)| (*w, self.sum(answer, &law, *w)))
+            .collect();
+        let looked = near.iter().map(|w| (*w, self.gain(problem, &law, *w)));
         curve.extend(looked.filter(|(_, gain)| gain.iter().all(|z| z.is_finite())));
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         curve.dedup_by(|a, b| a.0 == b.0);
@@ -160,9 +169,9 @@ impl Opened {
                     let [a, b, c] = [0, 1, 2].map(|k| p[k].1);
                     // The minimum is below the least of the three, by less than half of what they differ by.
                     if b <= a && b < c && (b - 0.5 * (a.max(c) - b)) * limit < far {
-                        let distance = |w: f64| (C64::ONE + opened(&self.gain(problem, &gains, w), bearing)).norm();
+                        let distance = |w: f64| (C64::ONE + opened(&self.gain(problem, &law, w), bearing)).norm();
                         let at = minimum(p[0].0, p[2].0, distance);
-                        let gain = opened(&self.gain(problem, &gains, at), bearing);
+                        let gain = opened(&self.gain(problem, &law, at), bearing);
                         places.push(self.place(problem, Ask::Distance, bearing, (at, gain)));
                     }
                 }
@@ -172,7 +181,7 @@ impl Opened {
             let loci: Vec<(f64, Vec<C64>)> = curve.iter().map(|(w, gain)| (*w, loci(gain))).collect();
             for rank in 0..self.open.count() {
                 let branch: Vec<(f64, C64)> = loci.iter().map(|(w, all)| (*w, all[rank])).collect();
-                self.delays(problem, &gains, (rank, &branch), (asked, far), &mut places);
+                self.delays(problem, &law, (rank, &branch), (asked, far), &mut places);
             }
         }
         places.retain(|place| place.in_hand + 1.0 < far);
@@ -184,12 +193,12 @@ impl Opened {
     fn delays(
         &self,
         problem: &Problem,
-        gains: &[f64],
+        law: &Weights<'_>,
         (rank, branch): (usize, &[(f64, C64)]),
         (asked, far): (f64, f64),
         places: &mut Vec<Place>,
     ) {
-        let of = |w: f64| loci(&self.gain(problem, gains, w))[rank];
+        let of = |w: f64| loci(&self.gain(problem, law, w))[rank];
         // Of several loci the ends need not be the same one, and say little of what is between them.
         let several = self.open.count() > 1;
         for p in branch.windows(2) {
@@ -206,7 +215,7 @@ impl Opened {
             let [a, b, c] = [0, 1, 2].map(|k| p[k].1.norm());
             if b >= a && b > c && b > 0.5 * NEARLY {
                 let at = minimum(p[0].0, p[2].0, |w| -of(w).norm());
-                let all = loci(&self.gain(problem, gains, at));
+                let all = loci(&self.gain(problem, law, at));
                 let top = all[rank];
                 // Where two loci pass each other in size, the smaller of the two has a corner and neither a maximum.
                 let corner = all.iter().filter(|l| (l.norm() - top.norm()).abs() < CORNER).count() > 1;
@@ -233,170 +242,4 @@ impl Opened {
         };
         Place { ask, bearing, frequency, gain, in_hand }
     }
-
-    /// What the loop of a place changes by with each gain, and what it is.
-    fn moved(&self, problem: &Problem, gains: &[f64], place: &Place) -> (C64, Vec<C64>) {
-        let (answer, m) = (self.answer(problem, place.frequency), self.open.count());
-        let whole = self.sum(&answer, gains);
-        if m == 1 {
-            return (whole[0], answer);
-        }
-        let each = answer.chunks_exact(m).zip(&self.open.bearing_of);
-        match place.ask {
-            Ask::Distance => {
-                let b = place.bearing;
-                let Some(s) = (&whole + DMatrix::<C64>::identity(m, m)).try_inverse() else {
-                    return (-C64::ONE, vec![C64::ZERO; gains.len()]);
-                };
-                let square = s[(b, b)] * s[(b, b)];
-                let of = |(own, at): (&[C64], &usize)| {
-                    let through: C64 = (0..m).map(|j| own[j] * s[(j, b)]).sum();
-                    s[(b, *at)] * through / square
-                };
-                (s[(b, b)].inv() - C64::ONE, each.map(of).collect())
-            }
-            Ask::Delay | Ask::Gain => {
-                let locus = nearest(&loci(&whole), place.gain);
-                // A column of the right vector times a row of the left one.
-                let adjugate = adjugate(&(DMatrix::<C64>::identity(m, m) * locus - &whole));
-                let give = adjugate.trace();
-                let give = if give.norm() < 1e-12 { C64::from(1e-12) } else { give };
-                let of = |(own, at): (&[C64], &usize)| (0..m).map(|j| own[j] * adjugate[(j, *at)]).sum::<C64>() / give;
-                (locus, each.map(of).collect())
-            }
-        }
-    }
-
-    /// The slope of what a place has in hand in each variable, into `slope`.
-    pub(crate) fn slope(&self, problem: &Problem, variables: &[f64], place: &Place, slope: &mut [f64]) {
-        let gains = problem.structure.gains_at(variables, self.speed);
-        let w = place.frequency;
-        let (l, moved) = self.moved(problem, &gains, place);
-        let by_gain: Vec<f64> = match place.ask {
-            Ask::Distance => {
-                let by =
-                    problem.max_sensitivity.unwrap_or(1.0) * (C64::ONE + l).conj() / (C64::ONE + l).norm().max(1e-12);
-                moved.iter().map(|own| (by * own).re).collect()
-            }
-            Ask::Gain => moved.iter().map(|own| -(l.conj() * own).re / l.norm().powi(3).max(1e-12)).collect(),
-            Ask::Delay => {
-                let h = 1e-6 * (1e-3 + w.abs());
-                let along = (self.locus(problem, &gains, w + h, l) - self.locus(problem, &gains, w - h, l)) / (2.0 * h);
-                let size = l.norm_sqr().max(1e-12);
-                // How fast |L| and its angle change along the crossing.
-                let [grows, turns] = [(l.conj() * along).re / size, (l.conj() * along).im / size];
-                let steep = if grows.abs() < 1e-6 { 1e-6_f64.copysign(grows) } else { grows };
-                let delay = borne(l, w);
-                let least = problem.min_delay.unwrap_or(1.0);
-                let of = |own: &C64| {
-                    let moved = -(l.conj() * own).re / size / steep;
-                    let angle = (l.conj() * own).im / size + turns * moved;
-                    (angle - delay * moved) / w / least
-                };
-                moved.iter().map(of).collect()
-            }
-        };
-        problem.structure.spread(self.speed, &by_gain, 0.0, slope);
-    }
-}
-
-/// The loop of one bearing with the others closed.
-fn opened(gain: &DMatrix<C64>, bearing: usize) -> C64 {
-    let m = gain.nrows();
-    if m == 1 {
-        return gain[0];
-    }
-    match (gain + DMatrix::<C64>::identity(m, m)).try_inverse() {
-        Some(s) => s[(bearing, bearing)].inv() - C64::ONE,
-        None => -C64::ONE,
-    }
-}
-
-/// The eigenvalues of a loop, the largest first.
-fn loci(gain: &DMatrix<C64>) -> Vec<C64> {
-    let m = gain.nrows();
-    if m == 1 {
-        return vec![gain[0]];
-    }
-    let (mut rows, mut values): (Vec<C64>, _) = (gain.transpose().as_slice().to_vec(), vec![C64::ZERO; m]);
-    match eigenvalues_in_place(&mut rows, &mut values) {
-        Ok(()) => {
-            values.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
-            values
-        }
-        Err(_) => vec![C64::ZERO; m],
-    }
-}
-
-fn nearest(loci: &[C64], to: C64) -> C64 {
-    let distance = |l: &C64| (l - to).norm_sqr();
-    loci.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(to)
-}
-
-/// The adjugate of a square matrix: of a singular one, its right null vector times its left one.
-fn adjugate(of: &DMatrix<C64>) -> DMatrix<C64> {
-    let m = of.nrows();
-    DMatrix::from_fn(m, m, |i, j| {
-        let minor = of.clone().remove_row(j).remove_column(i).determinant();
-        if (i + j) % 2 == 0 { minor } else { -minor }
-    })
-}
-
-/// The delay that turns a gain at a frequency onto the negative real axis.
-fn borne(gain: C64, frequency: f64) -> f64 {
-    let angle = (-gain).arg();
-    let turn = if angle * frequency < 0.0 { angle + TAU.copysign(frequency) } else { angle };
-    if frequency == 0.0 { f64::INFINITY } else { turn / frequency }
-}
-
-/// Where `of` is smallest between two places around one minimum.
-fn minimum(low: f64, high: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let Ok((at, _)) = least([low, high], NEAR * (high - low), |x| Ok::<_, Infallible>(of(x)));
-    at
-}
-
-/// Where `of` changes sign between two places, by halving.
-fn zero(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let is_low = of(low) < 0.0;
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if (of(middle) < 0.0) == is_low { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
-/// The margins at one condition.
-#[derive(Clone, Debug, PartialEq)]
-pub struct LoopMargins {
-    /// The largest `|S|` over frequency, and where, in radians per `tau`.
-    pub sensitivity: (f64, f64),
-    /// The least delay more that makes it unstable and the frequency that goes; nothing if none does.
-    pub delay: Option<(f64, f64)>,
-}
-
-/// The margins of a stable machine at `point`; of one that is not, an infinite peak and no delay borne.
-pub(crate) fn margins_at(problem: &Problem, variables: &[f64], point: &[f64], poles: &[C64]) -> Option<LoopMargins> {
-    // Every minimum and crossing, whatever is asked for.
-    let asked = Problem { max_sensitivity: Some(1.0), min_delay: Some(1.0), ..problem.clone() };
-    let opened = Opened::at(&asked, point)?;
-    if poles.is_empty() || poles.iter().any(|pole| pole.re >= 0.0) {
-        return Some(LoopMargins { sensitivity: (f64::INFINITY, f64::NAN), delay: Some((0.0, f64::NAN)) });
-    }
-    let near: Vec<f64> = poles.iter().map(|pole| pole.im).collect();
-    // Far out the gain is nothing and |S| is 1.
-    let mut found = LoopMargins { sensitivity: (1.0, f64::INFINITY), delay: None };
-    for place in opened.places_within(&asked, variables, &near, f64::INFINITY) {
-        let value = place.in_hand + 1.0;
-        match place.ask {
-            Ask::Distance if 1.0 / value > found.sensitivity.0 => found.sensitivity = (1.0 / value, place.frequency),
-            Ask::Delay if found.delay.is_none_or(|(least, _)| value < least) => {
-                found.delay = Some((value, place.frequency));
-            }
-            _ => {}
-        }
-    }
-    Some(found)
 }

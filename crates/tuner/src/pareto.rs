@@ -76,7 +76,9 @@ pub fn pareto(
     let at = |limit: f64, from: &Tuned| {
         let mut options = options.clone();
         let scale = if price == Price::Gain { limit / price.of(from).max(limit) } else { 1.0 };
-        options.first = vec![from.gains.iter().map(|gain| gain * scale).collect()];
+        let mut first = from.gains.clone();
+        first[..problem.structure.gain_variables()].iter_mut().for_each(|gain| *gain *= scale);
+        options.first = vec![first];
         tune(&price.limited(problem, limit), &options, progress, stop)
     };
     let within =

@@ -1,6 +1,8 @@
 //! Where the control bearing and the sensors should be: a search for every choice, and their order.
 
-use crate::{Family, Measure, Options, Problem, ProblemError, Progress, Schedule, Stop, Structure, Tuned, tune};
+use crate::{
+    Corner, Family, Measure, Options, Problem, ProblemError, Progress, Schedule, Stop, Structure, Tuned, tune,
+};
 
 /// One choice.
 #[derive(Clone, Debug, PartialEq)]
@@ -22,6 +24,8 @@ pub struct Question<'a> {
     pub parts: rotor::Parts,
     /// Feedback whose bearings, signals, filters and loops are taken as they are, whatever place is asked for.
     pub template: Option<rotor::Feedback>,
+    /// Which corners of the template's filters are searched too.
+    pub corners: Vec<Corner>,
     /// Whether the sensors are summed to one signal, as in the report.
     pub composite: bool,
     /// How gains depend on speed.
@@ -52,6 +56,7 @@ impl Question<'_> {
         let make = || make(rotor.len(), bearing, sensors).with_parts(self.parts);
         let template = self.template.clone().unwrap_or_else(make);
         let structure = Structure::new(rotor, &template, self.schedule.clone()).expect("masses that exist");
+        let structure = structure.with_corners(self.corners.clone());
         Problem {
             family: self.family.clone(),
             structure,

@@ -15,8 +15,7 @@ const GOLDEN: f64 = 0.381_966_011_250_105;
 /// Raises the worst value from `gains`, in place, inside the bounds.
 pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut [f64], stop: &Stop) {
     let n = gains.len();
-    let bound = evaluator.problem.bound;
-    gains.iter_mut().for_each(|gain| *gain = gain.clamp(-bound, bound));
+    evaluator.clamp(gains);
     let mut directions: Vec<Vec<f64>> = (0..n).map(|i| (0..n).map(|j| f64::from(u8::from(i == j))).collect()).collect();
     let mut value = -evaluator.merit(gains);
     for _ in 0..ROUNDS {
@@ -36,7 +35,8 @@ pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut [f64], stop: &Stop) {
             return;
         }
         let round: Vec<f64> = gains.iter().zip(&start).map(|(a, b)| a - b).collect();
-        let further: Vec<f64> = gains.iter().zip(&round).map(|(a, b)| (a + b).clamp(-bound, bound)).collect();
+        let mut further: Vec<f64> = gains.iter().zip(&round).map(|(a, b)| a + b).collect();
+        evaluator.clamp(&mut further);
         let beyond = -evaluator.merit(&further);
         if beyond < first {
             let bend = 2.0 * (first - 2.0 * value + beyond) * (first - value - most).powi(2);
@@ -51,11 +51,10 @@ pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut [f64], stop: &Stop) {
 
 /// The least value along a direction: a bracket, then parabolas and golden sections (Brent 1973, ch. 5).
 fn line(evaluator: &mut Evaluator, gains: &mut [f64], direction: &[f64], value: f64) -> f64 {
-    let bound = evaluator.problem.bound;
     // How far the bounds let it go either way.
     let (mut low, mut high) = (f64::NEG_INFINITY, f64::INFINITY);
-    for (x, d) in gains.iter().zip(direction).filter(|(_, d)| **d != 0.0) {
-        let (a, b) = ((-bound - x) / d, (bound - x) / d);
+    for ((x, d), most) in gains.iter().zip(direction).zip(&evaluator.reach).filter(|((_, d), _)| **d != 0.0) {
+        let (a, b) = ((-most - x) / d, (most - x) / d);
         low = low.max(a.min(b));
         high = high.min(a.max(b));
     }
@@ -64,7 +63,8 @@ fn line(evaluator: &mut Evaluator, gains: &mut [f64], direction: &[f64], value: 
     }
     let from = gains.to_vec();
     let mut at = |t: f64| {
-        let there: Vec<f64> = from.iter().zip(direction).map(|(x, d)| (x + t * d).clamp(-bound, bound)).collect();
+        let mut there: Vec<f64> = from.iter().zip(direction).map(|(x, d)| x + t * d).collect();
+        evaluator.clamp(&mut there);
         -evaluator.merit(&there)
     };
     let (mut a, mut c) = bracket(&mut at, value, low, high);
@@ -116,9 +116,8 @@ fn line(evaluator: &mut Evaluator, gains: &mut [f64], direction: &[f64], value: 
         }
     }
     if fx < value {
-        for (gain, (x0, d)) in gains.iter_mut().zip(from.iter().zip(direction)) {
-            *gain = (x0 + x * d).clamp(-bound, bound);
-        }
+        gains.iter_mut().zip(from.iter().zip(direction)).for_each(|(gain, (x0, d))| *gain = x0 + x * d);
+        evaluator.clamp(gains);
         fx
     } else {
         value

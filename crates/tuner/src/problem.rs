@@ -45,6 +45,19 @@ pub enum ProblemError {
     /// A bound that leaves no gains.
     #[error("bound = {0}: expected a finite number above 0")]
     Bound(f64),
+    /// A corner that cannot move.
+    #[error("{name} = {from}..{to}: expected a range above 0, its end above its beginning")]
+    Corner {
+        /// What it is called.
+        name: String,
+        /// Where its range begins.
+        from: f64,
+        /// Where it ends.
+        to: f64,
+    },
+    /// A corner that is to follow the speed.
+    #[error("{0}: corners of filters are the same at every speed: they cannot follow it")]
+    Followed(String),
     /// A limit that leaves no force.
     #[error("force limit = {0}: expected a finite number above 0")]
     Force(f64),
@@ -87,6 +100,11 @@ impl Problem {
             max_sensitivity: None,
             min_delay: None,
         }
+    }
+
+    /// The largest magnitude of each variable: of gains the bound, of corners what their range leaves.
+    pub(crate) fn reach(&self) -> Vec<f64> {
+        self.structure.reach(self.bound)
     }
 
     /// The delay at a point of the family.
@@ -181,6 +199,10 @@ impl Problem {
         let positive = |x: f64| x.is_finite() && x > 0.0;
         if !positive(self.bound) {
             return Err(ProblemError::Bound(self.bound));
+        }
+        if let Some(corner) = self.structure.corners().iter().find(|corner| !corner.is_sound()) {
+            let (name, from, to) = (corner.name.clone(), corner.from, corner.to);
+            return Err(ProblemError::Corner { name, from, to });
         }
         if let Some(below) = self.below.filter(|&below| !positive(below) || self.family.rotor().is_chain()) {
             return Err(ProblemError::Below(below));

@@ -18,13 +18,15 @@ const FIRST_STEP: f64 = 0.1;
 /// Weight of the square by which a limit of force or margin is missed, relative to the limit, beside the damping.
 const LIMIT_WEIGHT: f64 = 10.0;
 
-/// Climbs from `gains`, which ends inside the bounds, at the best gains seen.
-pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut Vec<f64>, stop: &Stop) {
-    let bound = evaluator.problem.bound;
-    gains.iter_mut().for_each(|gain| *gain = gain.clamp(-bound, bound));
+/// How many of the first stages a climb leaves out that is to end near where it begins.
+pub(crate) const ROUGH: usize = 4;
+
+/// Climbs from `gains`, which ends inside the bounds, at the best gains seen; without so many of the first stages.
+pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut Vec<f64>, skipped: usize, stop: &Stop) {
+    evaluator.clamp(gains);
     let mut best = (evaluator.merit(gains), gains.clone());
-    for (stage, beta) in STAGES.into_iter().enumerate() {
-        let mut climber = Climber { evaluator, beta, bound };
+    for (stage, beta) in STAGES.into_iter().skip(skipped).enumerate() {
+        let mut climber = Climber { evaluator, beta };
         climber.stage(gains, if stage == 0 { 2 * STEPS_PER_STAGE } else { STEPS_PER_STAGE }, stop);
         let merit = evaluator.merit(gains);
         if merit > best.0 {
@@ -40,7 +42,6 @@ pub(crate) fn climb(evaluator: &mut Evaluator, gains: &mut Vec<f64>, stop: &Stop
 struct Climber<'a, 'p> {
     evaluator: &'a mut Evaluator<'p>,
     beta: f64,
-    bound: f64,
 }
 
 /// A value to be lowered, and its slope.
@@ -121,7 +122,7 @@ impl Climber<'_, '_> {
 
     /// Whether variable `i` may move: not at a bound that it would leave.
     fn is_free(&self, here: &Point, i: usize) -> bool {
-        let edge = self.bound * (1.0 - 1e-14);
+        let edge = self.evaluator.reach[i] * (1.0 - 1e-14);
         !((here.at[i] >= edge && here.slope[i] < 0.0) || (here.at[i] <= -edge && here.slope[i] > 0.0))
     }
 
@@ -130,8 +131,8 @@ impl Climber<'_, '_> {
         let (mut low, mut high, mut step) = (0.0, f64::INFINITY, 1.0);
         let mut best: Option<Point> = None;
         for _ in 0..25 {
-            let at: Vec<f64> =
-                here.at.iter().zip(direction).map(|(x, d)| (x + step * d).clamp(-self.bound, self.bound)).collect();
+            let mut at: Vec<f64> = here.at.iter().zip(direction).map(|(x, d)| x + step * d).collect();
+            self.evaluator.clamp(&mut at);
             let moved: Vec<f64> = at.iter().zip(&here.at).map(|(a, b)| a - b).collect();
             let expected = dot(&here.slope, &moved);
             if expected >= 0.0 {

@@ -1,10 +1,13 @@
 //! What may be searched: which signals there are, and how each of their gains depends on speed.
 //!
 //! A *variable* is the value of one gain at one knot; between knots a gain is linear in speed. So every gain at every
-//! speed is linear in the variables, and a bound on the variables bounds the gains over the whole range.
+//! speed is linear in the variables, and a bound on the variables bounds the gains over the whole range. Behind the gains come
+//! corners of filters, where any are searched: see [`crate::Corner`].
 
 use control::LinearLoop;
 use rotor::{C64, ControlBearing, ControlRow, Feedback, FeedbackError, Gain, GainKind, Rotor, Signal};
+
+use crate::corners::Searched;
 
 /// Of a rotor of shaft elements: how many times the template's own gains are searched by default.
 const OWN_GAINS: f64 = 4.0;
@@ -74,7 +77,7 @@ impl Schedule {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Structure {
     /// The control bearings and their signals, every gain 0.
-    template: Feedback,
+    pub(crate) template: Feedback,
     schedule: Schedule,
     masses: usize,
     is_chain: bool,
@@ -82,6 +85,7 @@ pub struct Structure {
     scales: Vec<f64>,
     /// The template's own gains at rest, in those units.
     own: Vec<f64>,
+    pub(crate) searched: Searched,
 }
 
 impl Structure {
@@ -104,7 +108,7 @@ impl Structure {
                 own.extend(signal.gains.iter().map(|gain| gain.at(0.0) / scale));
             }
         }
-        Ok(Self { template: template.off(), schedule, masses, is_chain, scales, own })
+        Ok(Self { template: template.off(), schedule, masses, is_chain, scales, own, searched: Searched::default() })
     }
 
     /// One signal that sums `sensors` (masses counted from 0) with weight 1: the report's composite output (4.26).
@@ -159,7 +163,7 @@ impl Structure {
     #[must_use]
     pub fn own(&self) -> Vec<f64> {
         let knots = self.schedule.knots();
-        self.own.iter().flat_map(|gain| vec![*gain; knots]).collect()
+        self.own.iter().flat_map(|gain| vec![*gain; knots]).chain(self.own_corners()).collect()
     }
 
     /// How many masses the rotor has that it is for.
@@ -168,19 +172,27 @@ impl Structure {
         self.masses
     }
 
-    /// How many variables there are: signals of all bearings x 4 gains x knots, in this order, the knot running fastest.
+    /// How many variables there are: signals of all bearings x 4 gains x knots, in this order, the knot running fastest, and the
+    /// corners that are searched.
     #[must_use]
     pub fn variables(&self) -> usize {
+        self.gain_variables() + self.corners().len()
+    }
+
+    /// How many of them are of gains.
+    #[must_use]
+    pub fn gain_variables(&self) -> usize {
         self.gains() * self.schedule.knots()
     }
 
-    /// The feedback with the gains `variables`.
+    /// The feedback with the gains and corners `variables`.
     ///
     /// # Panics
     /// If there are too few.
     #[must_use]
     pub fn feedback(&self, variables: &[f64]) -> Feedback {
         let mut made = self.template.clone();
+        self.put_filters(variables, &mut made);
         let mut values = variables.chunks_exact(self.schedule.knots());
         let gains = made.bearings.iter_mut().flat_map(|b| &mut b.signals).flat_map(|signal| &mut signal.gains);
         for (gain, scale) in gains.zip(&self.scales) {
@@ -198,7 +210,7 @@ impl Structure {
         made
     }
 
-    /// The variables that come nearest to `feedback`, which has the same signals: its gains at the knots.
+    /// The variables that come nearest to `feedback`, which has the same signals and filters: its gains at the knots, its corners.
     #[must_use]
     pub fn variables_of(&self, feedback: &Feedback) -> Vec<f64> {
         let speeds: Vec<f64> = match &self.schedule {
@@ -207,7 +219,8 @@ impl Structure {
             Schedule::Table(speeds) => speeds.clone(),
         };
         let gains = feedback.signals().flat_map(|signal| &signal.gains).zip(&self.scales);
-        gains.flat_map(|(gain, scale)| speeds.iter().map(move |&speed| gain.at(speed) / scale)).collect()
+        let gains = gains.flat_map(|(gain, scale)| speeds.iter().map(move |&speed| gain.at(speed) / scale));
+        gains.chain(self.corners_in(feedback)).collect()
     }
 
     /// Whether the loop is more than gains and a delay: filters, lags, samples.
@@ -226,7 +239,12 @@ impl Structure {
 
     /// Whether the loop acts at samples.
     pub(crate) fn is_sampled(&self) -> bool {
-        self.template.sample() > 0.0
+        self.period() > 0.0
+    }
+
+    /// How far apart they are; 0 of a continuous loop.
+    pub(crate) fn period(&self) -> f64 {
+        self.template.sample()
     }
 
     /// The delay of the loop, where the family has none of its own.
@@ -253,31 +271,36 @@ impl Structure {
         variables.chunks_exact(knots).zip(&self.scales).map(|(values, scale)| gain(values) * scale).collect()
     }
 
-    /// Slopes in each variable from those in each gain at one speed.
+    /// Slopes in each variable from those in each gain at one speed and, behind them, in each corner.
     pub(crate) fn spread<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::AddAssign>(
         &self,
         speed: f64,
-        by_gain: &[T],
+        by: &[T],
         zero: T,
         out: &mut [T],
     ) {
         let (knots, near) = (self.schedule.knots(), self.schedule.weights(speed));
         out.fill(zero);
+        let (by_gain, by_corner) = by.split_at(self.gains());
+        let (out, corners) = out.split_at_mut(self.gain_variables());
+        corners.copy_from_slice(by_corner);
         for ((out, slope), scale) in out.chunks_exact_mut(knots).zip(by_gain).zip(&self.scales) {
             near.iter().for_each(|(k, weight)| out[*k] += *slope * (*weight * scale));
         }
     }
 
-    /// The feedback with every gain 0, but for gain `only`, which is 1; with this delay.
-    pub(crate) fn unit(&self, only: Option<usize>, delay: f64) -> Feedback {
+    /// The feedback with the corners of `variables` and every gain 0, but for gain `only`, which is 1; with this delay.
+    pub(crate) fn unit(&self, variables: &[f64], only: Option<usize>, delay: f64) -> Feedback {
         let mut made = self.template.clone();
+        self.put_filters(variables, &mut made);
         made.set_delay(delay);
         let gains = made.bearings.iter_mut().flat_map(|b| &mut b.signals).flat_map(|signal| &mut signal.gains);
         gains.enumerate().for_each(|(k, gain)| *gain = Gain::Constant(f64::from(u8::from(Some(k) == only))));
         made
     }
 
-    /// Every signal alone, with `kd` of 1 and with `cd` of 1: two bearings each, of that signal and no other; with this delay.
+    /// Every signal alone, with `kd` of 1 and with `cd` of 1: two bearings each, of that signal and no other, without the filters
+    /// that move; with this delay.
     pub(crate) fn unit_signals(&self, delay: f64) -> Vec<[ControlBearing; 2]> {
         let of = |bearing: &ControlBearing, signal: &Signal| {
             [GainKind::Kd, GainKind::Cd].map(|kind| {
@@ -287,7 +310,9 @@ impl Structure {
                 alone
             })
         };
-        self.template.bearings.iter().flat_map(|b| b.signals.iter().map(move |signal| of(b, signal))).collect()
+        let mut bare = self.template.clone();
+        self.take_filters(&mut bare);
+        bare.bearings.iter().flat_map(|b| b.signals.iter().map(move |signal| of(b, signal))).collect()
     }
 
     /// Which bearing each gain drives.

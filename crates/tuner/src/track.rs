@@ -15,7 +15,7 @@ use rotor::Feedback;
 
 use crate::conditions::counts;
 use crate::evaluate::Evaluator;
-use crate::search::{COARSE, FINE, exchange, improve};
+use crate::exchange::{COARSE, FINE, exchange, improve};
 use crate::stop::Stop;
 use crate::{Method, Options, Problem, ProblemError, Progress, Schedule, Tuned, evaluate, tune};
 
@@ -72,6 +72,9 @@ pub fn track(
 ) -> Result<Tracked, ProblemError> {
     assert!(speeds.windows(2).all(|w| w[0] < w[1]) && speeds.len() > 1, "at least two speeds, rising");
     problem.check()?;
+    if let Some(corner) = problem.structure.corners().first() {
+        return Err(ProblemError::Followed(corner.name.clone()));
+    }
     let last = speeds.len() - 1;
     let at = |speed: f64| Problem { family: problem.family.at_speed(speed), ..problem.clone() };
     // The highest speed is the hardest to hold and has the fewest ways: there the search is worth most.

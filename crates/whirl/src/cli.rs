@@ -91,7 +91,7 @@ pub(crate) enum Command {
     /// Map a quantity over a plane of two parameters: damping, margins, orbits, forces, limit cycles
     Map(commands::map::MapArgs),
     /// Search the gains that damp the worst mode best, over speeds and deadband states
-    Tune(commands::tune::TuneArgs),
+    Tune(Box<commands::tune::TuneArgs>),
     /// Make the NASA report again: every figure, and every printed number beside ours
     Report(commands::report::ReportArgs),
     /// Make feedback that assigns poles, or show which modes each bearing and sensor reaches

@@ -34,11 +34,18 @@ impl FromStr for Varied {
     fn from_str(typed: &str) -> Result<Self, String> {
         let expected = || format!("'{typed}': expected KEY=A..B or KEY=P%, such as damping.1=0.2..0.3 or shaft.2=10%");
         let (key, by) = pair(typed).map_err(|_| expected())?;
-        let by = match by.parse() {
-            Ok(range) => By::Range(range),
-            Err(_) => By::Part(percent(by).ok_or_else(expected)?),
-        };
-        Ok(Self { key: key.to_owned(), by })
+        Ok(Self { key: key.to_owned(), by: by.parse().map_err(|()| expected())? })
+    }
+}
+
+impl FromStr for By {
+    type Err = ();
+
+    fn from_str(typed: &str) -> Result<Self, ()> {
+        match typed.parse() {
+            Ok(range) => Ok(Self::Range(range)),
+            Err(_) => percent(typed.trim()).map(Self::Part).ok_or(()),
+        }
     }
 }
 

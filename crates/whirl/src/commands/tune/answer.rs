@@ -1,78 +1,85 @@
 //! One answer: the gains, what they are worth, where that is, and how sure it is.
 
-use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+use rotor::damping_ratio;
 use rotor::file::FeedbackDocument;
-use rotor::{GainKind, damping_ratio};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use tuner::{Measure, Placement, Problem, Stationarity, Stop, Tuned, evaluate, rank};
 
+use super::gain_table::{gains, gains_in_rows};
 use super::question::Asked;
-use super::{TuneArgs, Watch, write_file};
+use super::summary::{speed_text, summary};
+use super::{TuneArgs, Watch, corners, write_file};
 use crate::failure::Failure;
-use crate::output::{Cell, Table, rounded};
-use crate::units::{Units, UnitsDocument};
+use crate::output::rounded;
+use crate::units::UnitsDocument;
 
 /// The JSON document.
 #[derive(Debug, Serialize)]
 pub(super) struct Document<'a> {
-    rotor: &'a str,
+    pub(super) rotor: &'a str,
     /// Whether every mode decays at every condition that was asked for; `null` where one is marginal.
-    stable: Option<bool>,
+    pub(super) stable: Option<bool>,
     /// Whether a pole is within rounding of the axis.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
-    marginal: bool,
+    pub(super) marginal: bool,
     /// With a delay there are infinitely many poles: all of those with a real part above this count, and were counted.
     #[serde(skip_serializing_if = "Option::is_none")]
-    count_right_of: Option<f64>,
+    pub(super) count_right_of: Option<f64>,
+    /// The answer itself, for what is told of it beside.
+    #[serde(skip)]
+    pub(super) found: &'a Tuned,
     /// The smallest damping ratio over conditions and the modes that count, see `below`.
-    min_damping: f64,
+    pub(super) min_damping: f64,
     /// The spin speed `R` where that is.
-    worst_speed: f64,
+    pub(super) worst_speed: f64,
     /// The condition where the objective is worst, by name, with the pole.
-    worst: Value,
+    pub(super) worst: Value,
     /// The worst value of the objective: the damping ratio itself unless weights or decay rates were asked for.
-    objective: f64,
+    pub(super) objective: f64,
     /// No condition is worse than `objective` by more than this...
-    tolerance: f64,
+    pub(super) tolerance: f64,
     /// ...if this is true; otherwise none of those that were looked at is worse.
-    proven: bool,
+    pub(super) proven: bool,
     /// How many boxes of conditions the proof took.
-    boxes: u64,
+    pub(super) boxes: u64,
     /// At how many conditions, spread over all, the worst was looked for.
-    checked: u64,
-    feedback: FeedbackDocument<'a>,
-    method: tuner::Method,
-    evaluations: u64,
-    seconds: f64,
-    starts: usize,
-    seed: u64,
+    pub(super) checked: u64,
+    pub(super) feedback: FeedbackDocument<'a>,
+    /// The frequencies of filters that were searched, in radians per `tau`, with what they were and could be.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub(super) corners: Vec<Value>,
+    pub(super) method: tuner::Method,
+    pub(super) evaluations: u64,
+    pub(super) seconds: f64,
+    pub(super) starts: usize,
+    pub(super) seed: u64,
     /// How many starts ended within 1 % of the best.
-    starts_within_1_percent: usize,
+    pub(super) starts_within_1_percent: usize,
     /// What each start ended with, best first.
-    values: &'a [f64],
+    pub(super) values: &'a [f64],
     /// The norm of the smallest convex combination of active slopes: 0 at a local optimum.
-    stationarity: &'a Stationarity,
+    pub(super) stationarity: &'a Stationarity,
     /// The modes that hold the worst value, with their conditions.
-    active: Vec<Value>,
+    pub(super) active: Vec<Value>,
     /// The largest steady control force of the linear rotor, in `w0^2 e_t`, and the condition where it is.
-    max_force: f64,
-    max_force_at: Value,
+    pub(super) max_force: f64,
+    pub(super) max_force_at: Value,
     /// Where margins are asked for, the largest peak of the sensitivity and the smallest delay margin, each with its condition.
     #[serde(flatten)]
-    margins: Map<String, Value>,
+    pub(super) margins: Map<String, Value>,
     /// With shaft elements: modes count up to here, in radians per `tau`; those above are to be stable.
     #[serde(skip_serializing_if = "Option::is_none")]
-    below: Option<f64>,
-    interrupted: bool,
+    pub(super) below: Option<f64>,
+    pub(super) interrupted: bool,
     /// Every choice of bearing and sensors, best first, if they were to be chosen.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    ranking: Vec<Value>,
+    pub(super) ranking: Vec<Value>,
     #[serde(flatten)]
-    units: UnitsDocument,
+    pub(super) units: UnitsDocument,
 }
 
 /// Searches, prints and writes.
@@ -97,7 +104,11 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     {
         write_file(path, args.force, (&best.tuned.feedback, asked.rotor()), &summary(asked, &problem, &document))?;
     }
-    let table = if args.format.csv { gains_in_rows(&best.tuned, asked.family.speeds()) } else { gains(&best.tuned) };
+    let mut table = match args.format.csv {
+        true => gains_in_rows(&best.tuned, asked.family.speeds()),
+        false => gains(&best.tuned),
+    };
+    corners::add(&mut table, &problem.structure, &best.tuned, asked.units(), args.format.csv);
     args.format.print(&document, &heading(asked, best), &table, &footer)?;
     verdict(asked, &best.tuned)?;
     match short(&problem, &best.tuned) {
@@ -126,6 +137,7 @@ impl<'a> Document<'a> {
             stable: tuned.worst.stable(),
             marginal: tuned.worst.marginal(),
             count_right_of: tuned.worst.count_right_of,
+            found: tuned,
             min_damping,
             worst_speed,
             worst: condition(problem, &tuned.worst.point, Some((tuned.worst.pole, tuned.worst.value))),
@@ -135,6 +147,7 @@ impl<'a> Document<'a> {
             checked: tuned.worst.checked,
             boxes: tuned.worst.boxes,
             feedback: FeedbackDocument(&tuned.feedback),
+            corners: corners::document(&problem.structure, tuned),
             method: options.method,
             evaluations: places.iter().map(|place| place.tuned.evaluations).sum(),
             seconds: tuned.elapsed.as_secs_f64(),
@@ -236,150 +249,6 @@ fn heading(asked: &Asked, best: &Placement) -> String {
         return format!("{rotor}, {range}: control bearings {names}");
     }
     format!("{rotor}, {range}: bearing at mass {}, sensors at {}", best.bearing + 1, list(&best.sensors))
-}
-
-/// What the `k`-th of all signals is called: its number, and of several bearings the bearing's name before its number there.
-fn signal_name(tuned: &Tuned, k: usize) -> String {
-    match tuned.feedback.place_of_signal(k).filter(|_| tuned.feedback.bearings.len() > 1) {
-        Some((bearing, place)) => format!("{}.{}", tuned.feedback.label(bearing), place + 1),
-        None => (k + 1).to_string(),
-    }
-}
-
-/// The gains, one a row; a scheduled one as its file says it.
-fn gains(tuned: &Tuned) -> Table {
-    let mut table = Table::new(&["signal", "gain", "value"]);
-    for (k, signal) in tuned.feedback.signals().enumerate() {
-        let name = signal_name(tuned, k);
-        for kind in GainKind::ALL {
-            let value = match signal.gain(kind) {
-                rotor::Gain::Constant(value) => Cell::from(*value),
-                rotor::Gain::Linear { at_zero, slope } => Cell::from(&format!("{} {:+.6} R", rounded(*at_zero), slope)),
-                rotor::Gain::Table(points) => {
-                    let each: Vec<String> = points.iter().map(|(r, v)| format!("{r}: {}", rounded(*v))).collect();
-                    Cell::from(&each.join("  "))
-                }
-            };
-            table.row([Cell::from(&name), Cell::from(&kind.name()), value]);
-        }
-    }
-    table
-}
-
-/// The same for spreadsheets: a number a row, of a scheduled gain with the speed where it is that; linear between two.
-fn gains_in_rows(tuned: &Tuned, (from, to): (f64, f64)) -> Table {
-    let mut table = Table::new(&["signal", "gain", "speed", "value"]);
-    for (k, signal) in tuned.feedback.signals().enumerate() {
-        let name = signal_name(tuned, k);
-        for kind in GainKind::ALL {
-            let gain = signal.gain(kind);
-            let points: Vec<(Cell, f64)> = match gain {
-                rotor::Gain::Constant(value) => vec![(Cell::Without("any"), *value)],
-                rotor::Gain::Linear { .. } => [from, to].map(|speed| (speed.into(), gain.at(speed))).to_vec(),
-                rotor::Gain::Table(points) => points.iter().map(|(speed, value)| ((*speed).into(), *value)).collect(),
-            };
-            for (speed, value) in points {
-                table.row([Cell::from(&name), Cell::from(&kind.name()), speed, value.into()]);
-            }
-        }
-    }
-    table
-}
-
-/// What a person wants to know of the answer, in lines.
-pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>) -> Vec<String> {
-    let units = asked.units();
-    let what = if problem.measure == Measure::default() { "min damping" } else { "objective" };
-    let sure = if document.proven {
-        format!("proven within {:e} over all conditions ({})", document.tolerance, boxes(document.boxes))
-    } else {
-        format!("the worst of {} conditions looked at, not proven between them", document.checked)
-    };
-    let mut lines = vec![format!(
-        "{what} {} at {}{}: {sure}",
-        rounded(document.objective),
-        speed_text(units, document.worst["speed"].as_f64()),
-        others(&document.worst)
-    )];
-    if what == "objective" {
-        lines.push(format!(
-            "min damping {} at {}",
-            rounded(document.min_damping),
-            speed_text(units, Some(document.worst_speed))
-        ));
-    }
-    if let Some(below) = document.below {
-        let hertz = below / TAU / units.time(1.0);
-        lines.push(format!("modes up to {} Hz count; those above are stable if the worth is above 0", rounded(hertz)));
-    }
-    if document.marginal {
-        lines.push("a mode is marginal: within rounding of the axis, neither stable nor unstable".to_owned());
-    }
-    if let Some(line) = document.count_right_of {
-        let per = units.time(1.0);
-        lines.push(format!(
-            "with delay: every pole right of {} {} there is found and counted; what decays faster is no part of this",
-            rounded(line / per),
-            units.pick("per tau", "per s")
-        ));
-    }
-    let mass = asked.rotor().control_mass(problem.structure.bearing());
-    lines.push(format!(
-        "steady control force up to {} {} (linear rotor), at {}{}",
-        rounded(units.force(document.max_force, mass)),
-        units.force_unit(),
-        speed_text(units, document.max_force_at["speed"].as_f64()),
-        others(&document.max_force_at)
-    ));
-    if let (Some(peak), Some(delay)) = (document.margins.get("sensitivity"), document.margins.get("delay")) {
-        let place = |of: &Value| format!("{}{}", speed_text(units, of["at"]["speed"].as_f64()), others(&of["at"]));
-        let number = |value: &Value| rounded(value.as_f64().unwrap_or(f64::NAN));
-        let sure = match peak["below"].as_f64() {
-            Some(below) => format!("; proven to be below {} at every condition", rounded(below)),
-            None => "; not proven between the conditions looked at".to_owned(),
-        };
-        lines.push(format!("peak of the sensitivity {} at {}{sure}", number(&peak["peak"]), place(peak)));
-        lines.push(match delay["tau"].as_f64() {
-            Some(tau) => format!("delay margin {} at {}", units.time_text(tau), place(delay)),
-            None => "no delay makes it unstable".to_owned(),
-        });
-    }
-    let s = document.stationarity;
-    lines.push(format!(
-        "local optimality {:.1e}: {}, {}, {} at the bound",
-        s.norm,
-        count(s.active, "active mode"),
-        count(s.merging, "merging pair"),
-        count(s.at_bound, "gain")
-    ));
-    lines.push(format!(
-        "{} of {} starts within 1 % of the best; {} eigenvalue problems in {:.3} s; seed {}",
-        document.starts_within_1_percent, document.starts, document.evaluations, document.seconds, document.seed
-    ));
-    if document.interrupted {
-        lines.push("interrupted: the best found until then".to_owned());
-    }
-    lines
-}
-
-/// A speed that was found, not typed: six digits are enough.
-pub(super) fn speed_text(units: Units, speed: Option<f64>) -> String {
-    units.speed_text((speed.unwrap_or(f64::NAN) * 1e6).round() / 1e6)
-}
-
-fn boxes(number: u64) -> String {
-    if number == 1 { "1 box".into() } else { format!("{number} boxes") }
-}
-
-fn count(number: usize, what: &str) -> String {
-    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
-}
-
-/// The coordinates of a condition beside its speed: `, factor.1 = 0, factor.3 = 1`.
-fn others(condition: &Value) -> String {
-    let known = ["speed", "re", "im", "damping", "value"];
-    let each = condition.as_object().into_iter().flatten().filter(|(name, _)| !known.contains(&name.as_str()));
-    each.map(|(name, value)| format!(", {name} = {}", rounded(value.as_f64().unwrap_or(f64::NAN)))).collect()
 }
 
 fn ranking(places: &[Placement]) -> String {

@@ -8,8 +8,9 @@ use rotor::file::FeedbackDocument;
 use serde::Serialize;
 use tuner::{Stop, Tracked, track};
 
-use super::answer::{known, speed_text, verdict};
+use super::answer::{known, verdict};
 use super::question::Asked;
+use super::summary::speed_text;
 use super::{TuneArgs, Watch, write_file};
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};

@@ -1,10 +1,15 @@
 //! `whirl tune`: the gains that damp the worst mode best, over a family of operating conditions.
 
 mod answer;
+mod corners;
 mod follow;
 mod front;
+mod gain_table;
+mod places;
 mod question;
 mod shafts;
+mod summary;
+mod typed;
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -21,7 +26,9 @@ use crate::place::Force;
 use crate::range::Range;
 use crate::varied::Varied;
 
-use question::{Asked, Gains, MeasureName, Places, Robust, Signal, Span};
+use corners::Freed;
+use question::Asked;
+use typed::{Gains, MeasureName, Places, Robust, Signal, Span};
 
 /// Options of `whirl tune`. What it finds is feedback, for `--feedback` and for files.
 #[derive(Debug, clap::Args)]
@@ -57,6 +64,10 @@ pub(crate) struct TuneArgs {
         help_heading = "Structure"
     )]
     feedback: Option<String>,
+    /// Search frequencies of filters too: all, or a corner such as left.filter.1.zero, or words of its name for several; from a fourth
+    /// to four times what they are, or KEY=A..B in the units of the file, or KEY=P% either way (repeatable)
+    #[arg(long, value_name = "all|KEY[=A..B|P%]", conflicts_with = "track", help_heading = "Structure")]
+    corners: Vec<Freed>,
     /// A part of the loop, such as lag=0.02, sample=0.05 or delay=0.02 (repeatable)
     #[arg(long, value_name = "KEY=VALUE", help_heading = "Structure")]
     set: Vec<String>,

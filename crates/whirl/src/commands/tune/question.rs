@@ -1,170 +1,21 @@
 //! What is asked: options into a family, structures and choices of place, each checked and named in the user's terms.
 
 use std::f64::consts::TAU;
-use std::str::FromStr;
 
 use control::{PARTS, Parts};
 use rotor::typed::pair;
-use rotor::{FIELDS, Feedback, Rotor};
+use rotor::{Feedback, Rotor};
 use tuner::{
-    Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Problem, ProblemError, Question, Schedule, Structure,
-    choices,
+    Corner, Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Problem, ProblemError, Question, Schedule,
+    Structure,
 };
 
-use super::{TuneArgs, shafts};
+use super::typed::{Gains, MeasureName, Robust, Signal, Span, axis};
+use super::{TuneArgs, corners, places, shafts};
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
-use crate::range::Range;
 use crate::units::Units;
-use crate::varied::{By, Varied};
-
-/// What drives the bearing.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Signal {
-    /// The sum of all sensors, with four gains: the report's
-    Composite,
-    /// Every sensor by itself, with four gains each
-    Individual,
-}
-
-/// Which deadband states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum Robust {
-    /// The factor of each support bearing anywhere from 0 to 1, each by itself
-    Deadband,
-    /// One factor from 0 to 1 for all support bearings
-    DeadbandCommon,
-}
-
-/// What a mode is worth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub(super) enum MeasureName {
-    /// Damping ratio, -Re / |lambda|
-    Ratio,
-    /// Decay rate, -Re lambda per tau
-    Decay,
-}
-
-/// Masses, counted from 1, or a choice among all.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Places {
-    /// These.
-    These(Vec<usize>),
-    /// These, some of them by name.
-    Named(Vec<String>),
-    /// Every choice of so many.
-    Any(usize),
-}
-
-impl FromStr for Places {
-    type Err = String;
-
-    fn from_str(typed: &str) -> Result<Self, String> {
-        let expected = || format!("'{typed}': expected masses counted from 1 such as 1,2, or any, or any:2");
-        if let Some(rest) = typed.strip_prefix("any") {
-            let count = if rest.is_empty() { Some(1) } else { rest.strip_prefix(':').and_then(|n| n.parse().ok()) };
-            return count.filter(|&n| n > 0).map(Self::Any).ok_or_else(expected);
-        }
-        let names: Vec<String> = typed.split(',').map(|name| name.trim().to_owned()).collect();
-        let is_name = |name: &String| name.starts_with(char::is_alphabetic);
-        if names.iter().any(is_name) && names.iter().all(|name| !name.is_empty()) {
-            return Ok(Self::Named(names));
-        }
-        let masses: Option<Vec<usize>> =
-            typed.split(',').map(|mass| mass.trim().parse().ok().filter(|&mass: &usize| mass > 0)).collect();
-        let masses = masses.ok_or_else(expected)?;
-        let mut once = masses.clone();
-        once.sort_unstable();
-        once.dedup();
-        if once.len() == masses.len() {
-            Ok(Self::These(once))
-        } else {
-            Err(format!("'{typed}': a mass is named twice"))
-        }
-    }
-}
-
-/// How gains depend on speed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Gains {
-    /// Not at all.
-    Fixed,
-    /// Linearly.
-    Linear,
-    /// Through so many values.
-    Table(usize),
-}
-
-impl FromStr for Gains {
-    type Err = String;
-
-    fn from_str(typed: &str) -> Result<Self, String> {
-        let table = || typed.strip_prefix("table:")?.parse().ok().filter(|n| (2..=64).contains(n)).map(Self::Table);
-        match typed {
-            "fixed" => Ok(Self::Fixed),
-            "linear" => Ok(Self::Linear),
-            _ => table().ok_or_else(|| format!("'{typed}': expected fixed, linear, or table:N with N from 2 to 64")),
-        }
-    }
-}
-
-/// One number or a range.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Span {
-    from: f64,
-    to: f64,
-}
-
-impl FromStr for Span {
-    type Err = String;
-
-    fn from_str(typed: &str) -> Result<Self, String> {
-        if let Ok(Range { from, to }) = typed.parse() {
-            return Ok(Self { from, to });
-        }
-        let number = typed.trim().parse().ok().filter(|x: &f64| x.is_finite());
-        number.map(|x| Self { from: x, to: x }).ok_or_else(|| format!("'{typed}': expected a number or a range A..B"))
-    }
-}
-
-/// The coordinate of a family that a parameter of `rotor` is.
-fn axis(varied: &Varied, rotor: &Rotor) -> Result<FamilyAxis, Failure> {
-    let unknown = || {
-        let names: Vec<&str> = FIELDS.iter().map(|field| field.name).filter(|name| *name != "deadband").collect();
-        Failure::Usage(format!(
-            "'{}' is no parameter: expected {} or shaft, a dot, and a number from 1, such as damping.1",
-            varied.key,
-            names.join(", ")
-        ))
-    };
-    let (name, number) = varied.key.split_once('.').ok_or_else(unknown)?;
-    let number: usize = number.parse().ok().filter(|&n| n > 0).ok_or_else(unknown)?;
-    let missing = || {
-        let (masses, shafts) = (rotor.len(), rotor.shafts().len());
-        Failure::Usage(format!("'{}': {} has {masses} masses and {shafts} shafts", varied.key, rotor.name()))
-    };
-    let (quantity, value) = if name == "shaft" {
-        (FamilyQuantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
-    } else {
-        // Clearance has no part in the linear rotor: deadband states are what --robust is for.
-        let known = FIELDS.iter().position(|field| field.name == name && name != "deadband");
-        let field = known.ok_or_else(unknown)?;
-        let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
-        (FamilyQuantity::Parameter { field, mass: number - 1 }, mass.values()[field])
-    };
-    let (from, to) = match varied.by {
-        By::Range(range) => (range.from, range.to),
-        By::Part(part) => {
-            let width = part * value.abs();
-            if width == 0.0 {
-                return Err(Failure::Usage(format!("'{}' is 0: a part of it is nothing; give a range", varied.key)));
-            }
-            (value - width, value + width)
-        }
-    };
-    Ok(FamilyAxis { quantity, from, to })
-}
 
 /// The whole question.
 #[derive(Debug)]
@@ -175,6 +26,8 @@ pub(super) struct Asked {
     pub(super) range_text: String,
     parts: Parts,
     template: Option<Feedback>,
+    /// Which of its corners are searched too.
+    corners: Vec<Corner>,
     composite: bool,
     schedule: Schedule,
     measure: Measure,
@@ -203,6 +56,7 @@ impl Asked {
             set: args.set.clone(),
         };
         parts_alone(&args.set)?;
+        refuse_what_excludes_itself(args)?;
         let (machine, from, to, range_text) = match (args.over, args.speed) {
             (Some(over), _) => {
                 let (machine, range) = Machine::open_over(&machine, over)?;
@@ -221,116 +75,32 @@ impl Asked {
         if args.delay.is_some() && feedback.delay() > 0.0 {
             return Err(Failure::Usage("--delay: the loop has a delay already: leave one of the two out".into()));
         }
-        let mut family = Family::new(&rotor, from, to)?;
-        if let Some(robust) = args.robust {
-            family.any_deadband(robust == Robust::Deadband)?;
-            if family.axes().len() == 1 {
-                let name = rotor.name();
-                return Err(Failure::Usage(format!("--robust: {name} has no support bearing with stiffness")));
-            }
-        }
-        if let Some(varied) = args.vary.first().filter(|_| !rotor.is_chain()) {
-            let name = rotor.name();
-            return Err(Failure::Usage(format!(
-                "--vary {}: parameters of masses vary, but {name} is of shaft elements",
-                varied.key
-            )));
-        }
-        for varied in &args.vary {
-            family.push(axis(varied, &rotor)?)?;
-        }
-        if let Some(Span { from, to }) = args.delay {
-            let second = units.time(1.0);
-            family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: from / second, to: to / second })?;
-        }
-        let schedule = match args.gains {
-            Gains::Fixed => Schedule::Fixed,
-            _ if from == to => {
-                return Err(Failure::Usage("--gains: gains that depend on speed need a range, --over A..B".into()));
-            }
-            _ if args.track.is_some() => {
-                return Err(Failure::Usage("--track makes a table of gains by itself: leave --gains out".into()));
-            }
-            Gains::Linear => Schedule::Linear { from, to },
-            Gains::Table(points) => Schedule::table(from, to, points),
-        };
-        if args.pareto.is_some() && args.force_limit.is_some() {
-            return Err(Failure::Usage("--pareto tries one limit after the other: leave --force-limit out".into()));
-        }
-        if args.pareto == Some(super::PriceName::Sensitivity) && args.max_sensitivity.is_some() {
-            return Err(Failure::Usage("--pareto tries one limit after the other: leave --max-sensitivity out".into()));
-        }
-        if args.track.is_some() && (args.max_sensitivity.is_some() || args.min_delay.is_some()) {
-            return Err(Failure::Usage(
-                "--track looks at one speed at a time: leave --max-sensitivity and --min-delay out".into(),
-            ));
-        }
-        for (name, value) in
-            [("tolerance", args.tolerance), ("stiffness", args.stiffness), ("spread", args.spread.unwrap_or(1.0))]
-        {
-            if !(value.is_finite() && value > 0.0) {
-                return Err(Failure::Usage(format!("--{name} {value}: expected a finite number above 0")));
-            }
+        if args.below.is_some() && rotor.is_chain() {
+            return Err(Failure::Usage("--below: every mode of a chain of masses counts: leave it out".into()));
         }
         let template = match args.feedback {
             Some(_) => Some(feedback.clone()),
             None if rotor.is_chain() => None,
             None => Some(shafts::template(args, &rotor, &feedback)?),
         };
-        let bound = match (args.bound, &template) {
-            (Some(bound), _) => bound,
-            (None, Some(template)) => {
-                let structure = Structure::new(&rotor, template, Schedule::Fixed);
-                structure.map_err(|error| Failure::Usage(error.to_string()))?.default_bound()
-            }
-            (None, None) => 20.0,
-        };
-        if let Some(spread) = args.spread.filter(|spread| *spread > bound) {
-            return Err(Failure::Usage(format!("--spread {spread}: expected at most --bound, which is {bound}")));
-        }
-        if args.below.is_some() && rotor.is_chain() {
-            return Err(Failure::Usage("--below: every mode of a chain of masses counts: leave it out".into()));
-        }
-        let bearing = args.bearing.clone().unwrap_or(Places::These(vec![1]));
-        let bearings = masses(&bearing, &rotor, "bearing")?;
-        let sensors = match &args.sensors {
-            Some(typed) if rotor.is_chain() => masses(typed, &rotor, "sensors")?,
-            _ => Vec::new(),
-        };
-        if bearings.iter().any(|chosen| chosen.len() != 1) {
-            return Err(Failure::Usage("--bearing: there is one control bearing: expected one mass, or any".into()));
-        }
         let mut asked = Self {
-            family,
+            family: family(args, &rotor, [from, to])?,
             range_text,
             parts: feedback.bearings[0].parts,
+            corners: corners::chosen(&args.corners, template.as_ref(), &rotor, units)?,
+            bound: bound(args, &rotor, template.as_ref())?,
             template,
             composite: args.signal != Some(Signal::Individual),
-            schedule,
+            schedule: schedule(args, [from, to])?,
             measure: measure(args)?,
-            bound,
             force_limit: None,
             max_sensitivity: args.max_sensitivity,
             min_delay: args.min_delay.map(|least| least / units.time(1.0)),
             below: args.below.map(|hertz| hertz * TAU * units.time(1.0)),
-            bearings: bearings.into_iter().flatten().collect(),
-            sensors,
+            bearings: places::bearings(args.bearing.as_ref(), &rotor)?,
+            sensors: places::sensors(args.sensors.as_ref(), &rotor)?,
         };
-        if let Some(limit) = args.force_limit {
-            let own = asked.template.as_ref().map(|template| &template.bearings[0].station);
-            let only = asked.bearings.first().filter(|_| asked.bearings.len() == 1);
-            let Some(&bearing) = own.or(only) else {
-                return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
-            };
-            let mass = |bearing: &rotor::ControlBearing| rotor.control_mass(bearing.station);
-            let of_all = asked.template.iter().flat_map(|template| &template.bearings).map(mass);
-            if of_all.into_iter().any(|other| other != rotor.control_mass(bearing)) {
-                return Err(Failure::Usage(
-                    "--force-limit: the control bearings carry unequal masses, so no one limit is that of all".into(),
-                ));
-            }
-            asked.force_limit = Some(limit / units.force(1.0, rotor.control_mass(bearing)));
-        }
+        asked.force_limit = args.force_limit.map(|limit| asked.force_limit(limit)).transpose()?;
         let (bearing, sensors) = asked.choices().swap_remove(0);
         if asked.below.is_none() && !rotor.is_chain() {
             let plain = asked.problem(bearing, &sensors);
@@ -338,6 +108,24 @@ impl Asked {
         }
         asked.problem(bearing, &sensors).check()?;
         Ok(asked)
+    }
+
+    /// A limit of the control force as typed, in `w0^2 e_t`.
+    fn force_limit(&self, typed: f64) -> Result<f64, Failure> {
+        let rotor = self.rotor();
+        let own = self.template.as_ref().map(|template| &template.bearings[0].station);
+        let only = self.bearings.first().filter(|_| self.bearings.len() == 1);
+        let Some(&bearing) = own.or(only) else {
+            return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
+        };
+        let mass = |bearing: &rotor::ControlBearing| rotor.control_mass(bearing.station);
+        let of_all = self.template.iter().flat_map(|template| &template.bearings).map(mass);
+        if of_all.into_iter().any(|other| other != rotor.control_mass(bearing)) {
+            return Err(Failure::Usage(
+                "--force-limit: the control bearings carry unequal masses, so no one limit is that of all".into(),
+            ));
+        }
+        Ok(typed / self.units().force(1.0, rotor.control_mass(bearing)))
     }
 
     /// The rotor.
@@ -360,7 +148,7 @@ impl Asked {
         }
         let of = |&bearing: &usize| {
             let sensors = if self.sensors.is_empty() {
-                vec![neighbours(bearing, self.rotor().len())]
+                vec![places::neighbours(bearing, self.rotor().len())]
             } else {
                 self.sensors.clone()
             };
@@ -375,6 +163,7 @@ impl Asked {
             family: &self.family,
             parts: self.parts,
             template: self.template.clone(),
+            corners: self.corners.clone(),
             composite: self.composite,
             schedule: self.schedule.clone(),
             measure: self.measure,
@@ -419,33 +208,82 @@ fn parts_alone(set: &[String]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The sensors that are taken if none are named: the bearing's own mass and the next.
-fn neighbours(bearing: usize, masses: usize) -> Vec<usize> {
-    match masses {
-        1 => vec![0],
-        _ if bearing + 1 < masses => vec![bearing, bearing + 1],
-        _ => vec![bearing - 1, bearing],
+/// Options of which one makes another mean nothing.
+fn refuse_what_excludes_itself(args: &TuneArgs) -> Result<(), Failure> {
+    if args.pareto.is_some() && args.force_limit.is_some() {
+        return Err(Failure::Usage("--pareto tries one limit after the other: leave --force-limit out".into()));
+    }
+    if args.pareto == Some(super::PriceName::Sensitivity) && args.max_sensitivity.is_some() {
+        return Err(Failure::Usage("--pareto tries one limit after the other: leave --max-sensitivity out".into()));
+    }
+    if args.track.is_some() && (args.max_sensitivity.is_some() || args.min_delay.is_some()) {
+        return Err(Failure::Usage(
+            "--track looks at one speed at a time: leave --max-sensitivity and --min-delay out".into(),
+        ));
+    }
+    for (name, value) in
+        [("tolerance", args.tolerance), ("stiffness", args.stiffness), ("spread", args.spread.unwrap_or(1.0))]
+    {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(Failure::Usage(format!("--{name} {value}: expected a finite number above 0")));
+        }
+    }
+    Ok(())
+}
+
+/// The operating conditions.
+fn family(args: &TuneArgs, rotor: &Rotor, [from, to]: [f64; 2]) -> Result<Family, Failure> {
+    let mut family = Family::new(rotor, from, to)?;
+    if let Some(robust) = args.robust {
+        family.any_deadband(robust == Robust::Deadband)?;
+        if family.axes().len() == 1 {
+            let name = rotor.name();
+            return Err(Failure::Usage(format!("--robust: {name} has no support bearing with stiffness")));
+        }
+    }
+    if let Some(varied) = args.vary.first().filter(|_| !rotor.is_chain()) {
+        let name = rotor.name();
+        return Err(Failure::Usage(format!(
+            "--vary {}: parameters of masses vary, but {name} is of shaft elements",
+            varied.key
+        )));
+    }
+    for varied in &args.vary {
+        family.push(axis(varied, rotor)?)?;
+    }
+    if let Some(Span { from, to }) = args.delay {
+        let second = Units::of(rotor).time(1.0);
+        family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: from / second, to: to / second })?;
+    }
+    Ok(family)
+}
+
+/// How gains depend on speed.
+fn schedule(args: &TuneArgs, [from, to]: [f64; 2]) -> Result<Schedule, Failure> {
+    match args.gains {
+        Gains::Fixed => Ok(Schedule::Fixed),
+        _ if from == to => Err(Failure::Usage("--gains: gains that depend on speed need a range, --over A..B".into())),
+        _ if args.track.is_some() => {
+            Err(Failure::Usage("--track makes a table of gains by itself: leave --gains out".into()))
+        }
+        Gains::Linear => Ok(Schedule::Linear { from, to }),
+        Gains::Table(points) => Ok(Schedule::table(from, to, points)),
     }
 }
 
-/// Every set of masses that `typed` means, counted from 0.
-fn masses(typed: &Places, rotor: &Rotor, option: &str) -> Result<Vec<Vec<usize>>, Failure> {
-    let n = rotor.len();
-    match typed {
-        Places::These(masses) => match masses.iter().find(|&&mass| mass > n) {
-            Some(mass) => {
-                Err(Failure::Usage(format!("--{option}: no mass {mass}: {} has masses 1 to {n}", rotor.name())))
-            }
-            None => Ok(vec![masses.iter().map(|mass| mass - 1).collect()]),
-        },
-        Places::Named(names) => Err(Failure::Usage(format!(
-            "--{option}: '{}': expected masses counted from 1 such as 1,2, or any, or any:2",
-            names.join(",")
-        ))),
-        Places::Any(count) if *count > n => {
-            Err(Failure::Usage(format!("--{option} any:{count}: {} has only {n} masses", rotor.name())))
+/// The largest gain.
+fn bound(args: &TuneArgs, rotor: &Rotor, template: Option<&Feedback>) -> Result<f64, Failure> {
+    let bound = match (args.bound, template) {
+        (Some(bound), _) => bound,
+        (None, Some(template)) => {
+            let structure = Structure::new(rotor, template, Schedule::Fixed);
+            structure.map_err(|error| Failure::Usage(error.to_string()))?.default_bound()
         }
-        Places::Any(count) => Ok(choices(n, *count)),
+        (None, None) => 20.0,
+    };
+    match args.spread.filter(|spread| *spread > bound) {
+        Some(spread) => Err(Failure::Usage(format!("--spread {spread}: expected at most --bound, which is {bound}"))),
+        None => Ok(bound),
     }
 }
 

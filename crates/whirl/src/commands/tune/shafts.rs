@@ -3,7 +3,7 @@
 use rotor::{BeamRotor, Feedback, Rotor, Signal};
 
 use super::TuneArgs;
-use super::question::{Places, Signal as Drive};
+use super::typed::{Places, Signal as Drive};
 use crate::failure::Failure;
 
 /// What a search begins with where there are no gains: the stiffness `K_t`, and as much damping at `w0`.

@@ -1,0 +1,157 @@
+//! What is typed of a search: choices, places, spans and what varies, each read and named in the user's terms.
+
+use std::str::FromStr;
+
+use rotor::{FIELDS, Rotor};
+use tuner::{FamilyAxis, FamilyQuantity};
+
+use crate::failure::Failure;
+use crate::range::Range;
+use crate::varied::{By, Varied};
+
+/// What drives the bearing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Signal {
+    /// The sum of all sensors, with four gains: the report's
+    Composite,
+    /// Every sensor by itself, with four gains each
+    Individual,
+}
+
+/// Which deadband states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Robust {
+    /// The factor of each support bearing anywhere from 0 to 1, each by itself
+    Deadband,
+    /// One factor from 0 to 1 for all support bearings
+    DeadbandCommon,
+}
+
+/// What a mode is worth.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum MeasureName {
+    /// Damping ratio, -Re / |lambda|
+    Ratio,
+    /// Decay rate, -Re lambda per tau
+    Decay,
+}
+
+/// Masses, counted from 1, or a choice among all.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Places {
+    /// These.
+    These(Vec<usize>),
+    /// These, some of them by name.
+    Named(Vec<String>),
+    /// Every choice of so many.
+    Any(usize),
+}
+
+impl FromStr for Places {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let expected = || format!("'{typed}': expected masses counted from 1 such as 1,2, or any, or any:2");
+        if let Some(rest) = typed.strip_prefix("any") {
+            let count = if rest.is_empty() { Some(1) } else { rest.strip_prefix(':').and_then(|n| n.parse().ok()) };
+            return count.filter(|&n| n > 0).map(Self::Any).ok_or_else(expected);
+        }
+        let names: Vec<String> = typed.split(',').map(|name| name.trim().to_owned()).collect();
+        let is_name = |name: &String| name.starts_with(char::is_alphabetic);
+        if names.iter().any(is_name) && names.iter().all(|name| !name.is_empty()) {
+            return Ok(Self::Named(names));
+        }
+        let masses: Option<Vec<usize>> =
+            typed.split(',').map(|mass| mass.trim().parse().ok().filter(|&mass: &usize| mass > 0)).collect();
+        let masses = masses.ok_or_else(expected)?;
+        let mut once = masses.clone();
+        once.sort_unstable();
+        once.dedup();
+        if once.len() == masses.len() {
+            Ok(Self::These(once))
+        } else {
+            Err(format!("'{typed}': a mass is named twice"))
+        }
+    }
+}
+
+/// How gains depend on speed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Gains {
+    /// Not at all.
+    Fixed,
+    /// Linearly.
+    Linear,
+    /// Through so many values.
+    Table(usize),
+}
+
+impl FromStr for Gains {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let table = || typed.strip_prefix("table:")?.parse().ok().filter(|n| (2..=64).contains(n)).map(Self::Table);
+        match typed {
+            "fixed" => Ok(Self::Fixed),
+            "linear" => Ok(Self::Linear),
+            _ => table().ok_or_else(|| format!("'{typed}': expected fixed, linear, or table:N with N from 2 to 64")),
+        }
+    }
+}
+
+/// One number or a range.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Span {
+    pub(super) from: f64,
+    pub(super) to: f64,
+}
+
+impl FromStr for Span {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        if let Ok(Range { from, to }) = typed.parse() {
+            return Ok(Self { from, to });
+        }
+        let number = typed.trim().parse().ok().filter(|x: &f64| x.is_finite());
+        number.map(|x| Self { from: x, to: x }).ok_or_else(|| format!("'{typed}': expected a number or a range A..B"))
+    }
+}
+
+/// The coordinate of a family that a parameter of `rotor` is.
+pub(super) fn axis(varied: &Varied, rotor: &Rotor) -> Result<FamilyAxis, Failure> {
+    let unknown = || {
+        let names: Vec<&str> = FIELDS.iter().map(|field| field.name).filter(|name| *name != "deadband").collect();
+        Failure::Usage(format!(
+            "'{}' is no parameter: expected {} or shaft, a dot, and a number from 1, such as damping.1",
+            varied.key,
+            names.join(", ")
+        ))
+    };
+    let (name, number) = varied.key.split_once('.').ok_or_else(unknown)?;
+    let number: usize = number.parse().ok().filter(|&n| n > 0).ok_or_else(unknown)?;
+    let missing = || {
+        let (masses, shafts) = (rotor.len(), rotor.shafts().len());
+        Failure::Usage(format!("'{}': {} has {masses} masses and {shafts} shafts", varied.key, rotor.name()))
+    };
+    let (quantity, value) = if name == "shaft" {
+        (FamilyQuantity::Shaft(number - 1), *rotor.shafts().get(number - 1).ok_or_else(missing)?)
+    } else {
+        // Clearance has no part in the linear rotor: deadband states are what --robust is for.
+        let known = FIELDS.iter().position(|field| field.name == name && name != "deadband");
+        let field = known.ok_or_else(unknown)?;
+        let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
+        (FamilyQuantity::Parameter { field, mass: number - 1 }, mass.values()[field])
+    };
+    let (from, to) = match varied.by {
+        By::Range(range) => (range.from, range.to),
+        By::Part(part) => {
+            let width = part * value.abs();
+            if width == 0.0 {
+                return Err(Failure::Usage(format!("'{}' is 0: a part of it is nothing; give a range", varied.key)));
+            }
+            (value - width, value + width)
+        }
+    };
+    Ok(FamilyAxis { quantity, from, to })
+}
