@@ -25,6 +25,7 @@ mod recordings;
 mod replay;
 mod report;
 mod run;
+mod seven_tasks;
 mod speeds;
 mod tune;
 mod typed;

@@ -32,6 +32,7 @@ pub mod disturbance;
 pub mod force;
 pub mod map;
 pub mod measured;
+mod page;
 mod peak;
 pub mod report;
 pub mod run;

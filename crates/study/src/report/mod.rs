@@ -15,8 +15,6 @@ mod evidence;
 mod figure;
 mod figures;
 mod force_chart;
-mod html;
-mod markdown;
 mod motion;
 mod numbers;
 mod numbers4;

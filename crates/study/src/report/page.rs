@@ -1,4 +1,4 @@
-//! The page, as blocks that Markdown and HTML put into their own form.
+//! What stands on the report's page.
 
 use std::collections::BTreeMap;
 
@@ -7,23 +7,38 @@ use rotor::{FIELDS, builtin};
 use super::compare::{Comparison, Verdict};
 use super::corrections::CORRECTIONS;
 use super::{Figure, Report, criteria};
+use crate::page::{self, Block, Caption, Page, Row};
 
-/// A part of the page.
-pub(super) enum Block<'a> {
-    /// A heading: its level from 1, and its words.
-    Heading(u8, String),
-    /// A paragraph.
-    Paragraph(String),
-    /// A table: its headings, and its rows.
-    Table(Vec<&'static str>, Vec<Vec<String>>),
-    /// A figure, with caption and agreement.
-    Figure(&'a Figure),
+const TITLE: &str = "The NASA report again";
+
+impl Report {
+    /// The page as Markdown. With `pictures`, each figure shows its file in the folder `figures` beside the page and links
+    /// to its data; without, captions stand alone.
+    #[must_use]
+    pub fn markdown(&self, pictures: bool) -> String {
+        let made = if pictures { "whirl report --out DIR" } else { "whirl report --page FILE" };
+        format!(
+            "<!-- Made by `{made}`: do not edit. -->
+
+{}",
+            self.page().markdown(pictures)
+        )
+    }
+
+    /// The page as one HTML file, its figures in it.
+    #[must_use]
+    pub fn html(&self) -> String {
+        self.page().html()
+    }
+
+    fn page(&self) -> Page<'_> {
+        Page { title: TITLE, blocks: blocks(self) }
+    }
 }
 
-/// The whole page.
-pub(super) fn blocks(report: &Report) -> Vec<Block<'_>> {
+fn blocks(report: &Report) -> Vec<Block<'_>> {
     let mut blocks = vec![
-        Block::Heading(1, "The NASA report again".into()),
+        Block::Heading(1, TITLE.into()),
         Block::Paragraph(
             "\"Eigenvalue Assignment Strategies in Rotor Systems\", final report of NASA grant NAG8034, computed anew with \
              Whirl: every number that it prints beside ours, and every figure that its gains allow. Lengths are in e_t, \
@@ -41,7 +56,8 @@ pub(super) fn blocks(report: &Report) -> Vec<Block<'_>> {
     }
     blocks.push(Block::Heading(2, "Where the report is silent, damaged or wrong".into()));
     let header = vec!["The report is", "Where", "What", "Here"];
-    let rows = CORRECTIONS.iter().map(|c| [c.fault.word(), c.place, c.matter, c.here].map(str::to_owned).to_vec());
+    let rows =
+        CORRECTIONS.iter().map(|c| Row::plain([c.fault.word(), c.place, c.matter, c.here].map(str::to_owned).to_vec()));
     blocks.push(Block::Table(header, rows.collect()));
     blocks.push(Block::Heading(2, "What was put in".into()));
     blocks.push(Block::Paragraph(
@@ -54,8 +70,14 @@ pub(super) fn blocks(report: &Report) -> Vec<Block<'_>> {
          4.6 are sketches, not results."
             .into(),
     ));
-    blocks.extend(report.figures.iter().map(Block::Figure));
+    blocks.extend(report.figures.iter().map(figure));
     blocks
+}
+
+fn figure(figure: &Figure) -> Block<'_> {
+    let label = format!("Fig. {}", figure.number);
+    let caption = Caption { label, words: figure.caption, remark: ("Agreement", figure.agreement) };
+    Block::Figure(page::Figure { id: figure.stem(), title: figure.title, chart: &figure.chart, caption: Some(caption) })
 }
 
 /// How many rows agree, and how.
@@ -86,7 +108,7 @@ fn numbers<'a>(comparisons: impl Iterator<Item = &'a Comparison>) -> Block<'stat
         let (absolute, relative) = c.difference_words();
         let agreement = c.verdict().words().to_owned();
         let [quantity, place, printed, note] = [c.quantity, c.place, c.printed_words(), c.note].map(str::to_owned);
-        vec![quantity, place, printed, c.our_words(), absolute, relative, agreement, note]
+        Row::plain(vec![quantity, place, printed, c.our_words(), absolute, relative, agreement, note])
     });
     Block::Table(header, rows.collect())
 }
@@ -96,19 +118,19 @@ fn parameters() -> Block<'static> {
     let rotors = ["jeffcott", "three-mass"].map(|name| builtin::rotor(name).expect("a built-in rotor"));
     // The clearance is what the figures vary.
     let fields = FIELDS.iter().enumerate().filter(|(_, field)| field.name != "deadband");
-    let mut rows: Vec<Vec<String>> = fields
+    let mut rows: Vec<Row> = fields
         .map(|(i, field)| {
             let values = rotors.iter().map(|rotor| {
                 let each: Vec<String> = rotor.masses().iter().map(|m| m.values()[i].to_string()).collect();
                 each.join(", ")
             });
-            std::iter::once(field.name.replace('_', " ")).chain(values).collect()
+            Row::plain(std::iter::once(field.name.replace('_', " ")).chain(values).collect())
         })
         .collect();
     let shafts = rotors.iter().map(|rotor| {
         let each: Vec<String> = rotor.shafts().iter().map(f64::to_string).collect();
         each.join(", ")
     });
-    rows.push(std::iter::once("shaft stiffness".to_owned()).chain(shafts).collect());
+    rows.push(Row::plain(std::iter::once("shaft stiffness".to_owned()).chain(shafts).collect()));
     Block::Table(vec!["Parameter", "One mass (Table 3.2)", "Three masses (Table 4.2)"], rows)
 }
