@@ -395,7 +395,39 @@ mod with {
         assert_eq!((&told["lost"], &told["settings_changes"]), (&0.into(), &1.into()), "{told}");
         let recording = Recording::open(&path).unwrap();
         assert_eq!(recording.events().last().unwrap().happening.name(), "ended");
-        assert!(recording.span().unwrap().first.seq < 1000, "almost from the start: {:?}", recording.span());
+        assert_eq!(recording.span().unwrap().first.seq, 0, "from the very start");
+    }
+
+    #[test]
+    fn what_the_dashboard_has_kept_goes_before_a_recording_step_by_step() {
+        let root = Root::new();
+        let simulation = root.simulate(&["rig", "--speed", "3000"]);
+        let mut screen = Screen::start_in(root.path(), root.path(), &["dash"], (120, 40));
+        screen.wait_words("RUNNING");
+        assert_eq!(root.run(&["set", "left.kd=21000", "--why", "stiffer"]).code, Some(0));
+        screen.wait_words("rev 2");
+        screen.press_for(":record last 10min\r", "steps from before");
+        screen.press_for("r", "the recording ends");
+        screen.wait_words(" lost; asked to stop");
+        screen.press("q");
+        assert!(screen.ended().success());
+        assert_eq!(simulation.end().code, Some(0));
+        let mut files: Vec<_> = std::fs::read_dir(root.path()).unwrap().map(|entry| entry.unwrap().path()).collect();
+        files.retain(|file| file.extension().is_some_and(|ending| ending == "rrd"));
+        files.sort();
+        assert_eq!(files.len(), 2, "{files:?}");
+        // Given either, readers take both: every step once, without a gap, and the change that was made before.
+        for file in &files {
+            let mut recording = Recording::open(file).unwrap();
+            assert!(recording.gaps().is_empty() && recording.notices().is_empty(), "{:?}", recording.notices());
+            let told = info(file);
+            assert_eq!((&told["lost"], &told["settings_changes"]), (&0.into(), &1.into()), "{told}");
+            let mut all = Vec::new();
+            recording.steps(0..u64::MAX, &mut all).unwrap();
+            assert!(all.windows(2).all(|pair| pair[1].seq() == pair[0].seq() + 1));
+            let revisions: Vec<u64> = all.iter().map(Step::revision).collect();
+            assert!(revisions[0] == 1 && revisions[revisions.len() - 1] == 2, "before and after the change");
+        }
     }
 
     #[test]

@@ -4,8 +4,11 @@
 use promises::paper::paper;
 use promises::{Root, Screen};
 
-/// The tasks as the document has them, in the order in which they are done here.
-const TASKS: [(&str, fn(&mut Screen)); 7] = [
+/// A task by its name in the document, and how it is done.
+type Task = (&'static str, fn(&mut Screen));
+
+/// The tasks in the order in which they are done here.
+const TASKS: [Task; 7] = [
     ("Find the least damped mode", find_the_least_damped_mode),
     ("Make the rotor unstable and bring it back", make_it_unstable_and_bring_it_back),
     ("Find the alarm that fired", find_the_alarm),
@@ -48,7 +51,9 @@ fn number_after(text: &str, word: &str) -> Option<f64> {
 fn find_the_least_damped_mode(screen: &mut Screen) {
     let poles = promises::run(&["poles", "--speed", "2.5", "--feedback", "composite", "--json"]).json();
     let least = poles["modes"][0]["re"].as_f64().expect("a pole");
-    screen.press_for("3", "damping over speed");
+    // A small panel says so in a word.
+    let is_title = |line: &str| line.contains("┌ damping over speed") || line.contains("┌ damping ");
+    screen.press_until("3", "damping over speed", |text| text.lines().any(is_title).then_some(()));
     screen.wait_words(&format!("◆ {least:.4}"));
 }
 
@@ -63,9 +68,13 @@ fn find_the_alarm(screen: &mut Screen) {
     screen.press_for(":trip=8\r", "trip = 8, from step");
     screen.press_for("0", "UNSTABLE with that");
     screen.press_for("y", "TRIPPED");
-    screen.press_for("2", "warning    alarm");
+    // What stands now and how long it has: a table where there is room, a list where there is not.
+    let told = |text: &str| text.lines().skip(1).any(|line| line.contains("!! ALARM  trip"));
+    screen.press_until("2", "the alarms", |text| told(text).then_some(()));
     screen.wait("the alarm, at the top", |text| text.lines().next()?.contains("!! ALARM").then_some(()));
-    screen.press_until("a", "its acknowledgement", |text| text.contains(" acknowledged").then_some(()));
+    screen.press_until("a", "its acknowledgement", |text| {
+        (text.contains("alarm acknowledged") || text.contains("alarms acknowledged")).then_some(())
+    });
     screen.press_for("u", "undone");
     screen.press_for("R", "RUNNING");
 }
@@ -73,10 +82,11 @@ fn find_the_alarm(screen: &mut Screen) {
 fn compare_two_gain_sets(screen: &mut Screen) {
     screen.press_for("1B", "held");
     screen.press_for(":kd=-0.4879", "kd=-0.4879_");
-    screen.press_for("\r", "kd.1 = -0.4879, from step");
-    screen.press_for("b", "from step");
+    // Beside what is in force stands what is held: the revision tells that the two have changed places.
+    screen.press_for("\r", "rev 7");
+    screen.press_for("b", "rev 8");
     screen.wait_words("-0.5879");
-    screen.press_for("b", "from step");
+    screen.press_for("b", "rev 9");
     screen.wait_words("-0.4879");
 }
 
@@ -88,10 +98,16 @@ fn save_the_gains(screen: &mut Screen) {
 }
 
 fn go_back_and_read_the_force(screen: &mut Screen) {
-    // As long as a test has no half minute, back is as far as there is history: the key goes to its beginning.
+    // A test has no half minute: as far back as there is, and then from now to the step where the force was largest.
     screen.press_for("{", "PAUSED");
-    screen.press_for("p", "largest control force");
-    screen.wait("the force there", |text| number_after(text, "│max").or_else(|| number_after(text, "max ")));
+    screen.press_for(" ", "RUNNING");
+    let has_fallen = |text: &str| Some(2.0 * number_after(text, "│now")? < number_after(text, "│max")?);
+    screen.wait("the force to fall", |text| has_fallen(text).filter(|fallen| *fallen));
+    screen.press_for(" ", "PAUSED");
+    let is_at_peak = |text: &str| number_after(text, "│was") == number_after(text, "│max");
+    screen.press_until("p", "the force at its peak", |text| {
+        number_after(text, "│max").filter(|most| *most > 0.0 && is_at_peak(text))
+    });
     screen.press_for(" ", "RUNNING");
 }
 

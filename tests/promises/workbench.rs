@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
 
 use promises::{Root, Screen};
+use rustix::process::{Pid, Signal, kill_process};
 
 const SIZE: (u16, u16) = (150, 50);
 
@@ -104,13 +105,24 @@ fn tau(text: &str) -> Option<f64> {
 fn seconds_back_the_force_is_read_at_its_peak_while_data_go_on() {
     let root = Root::new();
     let mut screen = started(&root);
+    // What listens is there before the force counts, and into a file, so that it never waits for us.
+    let path = root.path().join("heard.jsonl");
+    let file = std::fs::File::create(&path).unwrap();
+    let mut listens = root.whirl().args(["tail", "--json"]).stdout(file).spawn().unwrap();
+    let heard = || std::fs::read_to_string(&path).unwrap();
+    screen.wait("what listens to hear", |_| (!heard().is_empty()).then_some(()));
     // The force since the last change is told: a change begins it anew.
     screen.press_for(":trip=900\r", "trip = 900, from step");
-    let listens = root.whirl().args(["tail", "--count", "5000", "--json"]).stdout(std::process::Stdio::piped()).spawn();
     screen.press_for("i", "impulse -2.5 on mass 1");
-    let heard = String::from_utf8(listens.unwrap().wait_with_output().unwrap().stdout).unwrap();
-    let forces = heard.lines().map(|line| {
-        let force = &serde_json::from_str::<serde_json::Value>(line).unwrap()["force"];
+    let after = heard().lines().count() + 4000;
+    screen.wait("the stroke to die away", |_| (heard().lines().count() > after).then_some(()));
+    kill_process(Pid::from_raw(listens.id() as i32).unwrap(), Signal::INT).unwrap();
+    listens.wait().unwrap();
+    let heard = heard();
+    // The last line may have been cut short.
+    let steps = heard.lines().filter_map(|line| serde_json::from_str::<serde_json::Value>(line).ok());
+    let forces = steps.filter(|step| step["revision"] == 2).map(|step| {
+        let force = &step["force"];
         force["y"].as_f64().unwrap().hypot(force["z"].as_f64().unwrap())
     });
     let peak = forces.fold(0.0, f64::max);

@@ -128,6 +128,8 @@ pub(crate) struct App<'a> {
     /// Moves through a recording, if there is no bench.
     player: Option<Player>,
     recorder_process: Option<&'a mut dyn RecorderProcess>,
+    /// Seconds of what is kept in memory that go before a recording that starts.
+    past_to_record: Option<f64>,
     /// A gain search under way.
     search: Option<GainSearch>,
     /// What the gains in force do and what those do that a search found, while that waits for an answer.
@@ -183,6 +185,7 @@ impl<'a> App<'a> {
             quit: None,
             player: None,
             recorder_process: None,
+            past_to_record: None,
             search: None,
             compared: Vec::new(),
             selection: Selection::default(),

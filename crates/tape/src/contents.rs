@@ -54,7 +54,9 @@ impl Contents {
         self.stretches.extend(part.stretches);
         self.snapshots.extend(part.snapshots);
         self.revisions.extend(part.revisions);
-        self.events.extend(part.events);
+        // Who begins to listen is told of the last events: a part by another recorder than the one before has some of its too.
+        let last = self.events.iter().map(|event| event.number).max().unwrap_or(0);
+        self.events.extend(part.events.into_iter().filter(|event| event.number > last));
         self.remarks.extend(part.remarks);
         self.health.extend(part.health);
         self.notices.extend(part.notices);

@@ -22,6 +22,8 @@ pub(crate) struct Gatherer {
     batch: Batch,
     opened: Instant,
     last: Option<Moment>,
+    /// The number of the first step that was heard, of whichever run.
+    first: Option<u64>,
     /// In the order in which it goes on tape.
     out: VecDeque<Item>,
     /// Of a run that has not begun: it follows the head.
@@ -51,6 +53,7 @@ impl Gatherer {
             batch: Batch::default(),
             opened: Instant::now(),
             last: None,
+            first: None,
             out: VecDeque::new(),
             held: VecDeque::new(),
             rows_out: 0,
@@ -64,6 +67,11 @@ impl Gatherer {
     /// Steps that were sent, as their numbers tell, and that have not been gathered.
     pub(crate) fn lost(&self) -> u64 {
         self.lost
+    }
+
+    /// The number of the first step that was heard, of the first run.
+    pub(crate) fn first(&self) -> Option<u64> {
+        self.first
     }
 
     /// Which run is heard.
@@ -95,6 +103,7 @@ impl Gatherer {
             self.opened = now;
         }
         self.batch.push(state);
+        self.first.get_or_insert(state.seq());
         self.last = Some(state.into());
         self.begin_tape();
         if self.batch.len() >= Self::BATCH_ROWS {

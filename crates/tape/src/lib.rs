@@ -34,6 +34,7 @@ mod info;
 mod offline;
 #[cfg(any(feature = "rerun", test))]
 mod order;
+mod past;
 pub mod recorder;
 mod recording;
 mod rotation;
@@ -54,6 +55,7 @@ pub use error::TapeError;
 pub use event::{Event, Remark, What};
 pub use info::{AlarmInfo, DampingInfo, Info, MomentInfo, PeakInfo, TripInfo};
 pub use offline::OfflineTape;
+pub use past::write_past;
 pub use recording::Recording;
 pub use rotation::{FileRotation, Keep};
 pub use session::{Gap, Revision, Session, Source, Span};

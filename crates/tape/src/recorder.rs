@@ -77,6 +77,8 @@ pub struct Progress {
     pub bytes: u64,
     /// Steps that were sent and will not be in the files.
     pub lost: u64,
+    /// The number of the first step that was heard, once there is one.
+    pub first: Option<u64>,
     /// How long it has taken.
     pub elapsed: Duration,
 }
@@ -167,7 +169,8 @@ fn listen(
             told = Some(now);
             voice.tell(tally, &gatherer)?;
             let [rows, bytes] = [&tally.rows, &tally.bytes].map(|count| count.load(Ordering::Relaxed));
-            progress(Progress { rows, bytes, lost: gatherer.lost(), elapsed: began.elapsed() });
+            let (lost, first) = (gatherer.lost(), gatherer.first());
+            progress(Progress { rows, bytes, lost, first, elapsed: began.elapsed() });
         }
         if stop.load(Ordering::Relaxed) {
             break "asked to stop";

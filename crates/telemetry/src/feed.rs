@@ -1,24 +1,28 @@
 //! Everything that is known of a bench, or of a recording around one moment: the history of its steps, the last bench status, the
 //! connection, a recorder, the events; and the part of it that one frame is drawn from ([`FrameData`]).
 
+use std::collections::VecDeque;
 use std::sync::Arc;
 use std::time::Instant;
 
 use alarms::{Reading, Sampler};
 use rotor::{Rotor, Settings};
-use wire::{BenchStatus, Event, Happening, RecorderStatus, Step};
+use wire::{BenchStatus, Event, Happening, RecorderStatus, SettingsDocument, Step, Text};
 
 use crate::connection::Connection;
 use crate::event_log::EventLog;
 use crate::frame_data::FrameData;
 use crate::history::{Era, History};
 use crate::jobs::LoopRequest;
+use crate::past::Past;
 use crate::replay::RecordedEvent;
 use crate::units::Units;
 use crate::view_time::ViewTime;
 
 /// Steps before the cursor that a frame has in any case: all that an orbit shows.
 const BEFORE: u64 = 10_240;
+/// Events that are kept as they were sent.
+const EVENTS: usize = 500;
 /// Seconds that an overview shows at least.
 const OVERVIEW: f64 = 60.0;
 
@@ -31,6 +35,8 @@ pub struct Feed {
     pace: Pace,
     sampler: Sampler,
     event_log: EventLog,
+    /// As they were sent, the oldest first.
+    events: VecDeque<Event>,
     rotor: Option<Arc<Rotor>>,
     bench_status: Option<Arc<BenchStatus>>,
     connection: Connection,
@@ -54,6 +60,7 @@ impl Feed {
             pace: Pace::default(),
             sampler: Sampler::default(),
             event_log: EventLog::default(),
+            events: VecDeque::new(),
             rotor: None,
             bench_status: None,
             connection: Connection::Waiting(why.to_owned()),
@@ -127,6 +134,12 @@ impl Feed {
     pub fn push_event(&mut self, event: &Event) {
         let is_news = self.event_log.push(event, &self.units());
         self.sampler.happen(event);
+        if is_news {
+            if self.events.len() == EVENTS {
+                self.events.pop_front();
+            }
+            self.events.push_back(event.clone());
+        }
         if is_news && let Some(Happening::Note(_)) = event.happening() {
             self.history.note(event.run_id, event.seq);
         }
@@ -157,6 +170,27 @@ impl Feed {
     /// Takes what is to be held against the alarms' limits: the worst of all that has come since this was last asked.
     pub fn take_alarm_reading(&mut self) -> Reading {
         self.sampler.take()
+    }
+
+    /// The last `seconds` of the present run before its step `before`, as far as they are kept; `None` while the step before that one
+    /// has not come, and where nothing is kept.
+    pub fn past(&self, seconds: f64, before: u64) -> Option<Past> {
+        let mut bench_status = Box::new(BenchStatus::clone(self.bench_status.as_ref()?));
+        let newest = self.history.track(&self.history.kept());
+        let newest_ns = newest.wall_ns(newest.len().checked_sub(1)?);
+        let since_ns = newest_ns.saturating_sub((seconds * 1e9) as u64);
+        let steps = self.history.past_steps(since_ns, before)?;
+        // What was in force then; the rest of the picture is that of now.
+        let era = self.history.era_at(steps.first_place())?;
+        if era.revision != bench_status.revision {
+            bench_status.settings = SettingsDocument::of(&era.settings);
+            bench_status.revision = era.revision;
+            bench_status.changed_by = Text::new(&era.who);
+            bench_status.applied_at_step = steps.first_seq();
+        }
+        let run_id = bench_status.run_id;
+        let events = self.events.iter().filter(|event| event.run_id == run_id && event.seq < before).cloned().collect();
+        Some(Past { bench_status, events, steps })
     }
 
     /// What to ask about the margins of the loop in force, at the speed that was told last; nothing before the first step.

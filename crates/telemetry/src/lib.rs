@@ -28,6 +28,7 @@ pub mod frame_data;
 pub mod gain_search;
 pub mod history;
 pub mod jobs;
+pub mod past;
 pub mod presets;
 pub mod processes;
 pub mod reader;

@@ -1,5 +1,7 @@
 //! What the dashboard needs done outside of itself, by whoever started it: processes are not its business.
 
+use crate::past::Past;
+
 /// What the dashboard asked of its surroundings failed: with the error of whoever was to do it.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
@@ -32,11 +34,16 @@ pub trait SimulationProcess {
 
 /// Whoever can record the bench, in a process of its own.
 pub trait RecorderProcess {
-    /// Starts a recording, and says in which file it will be. Does not wait for it.
+    /// Starts a recording, and says in which file it will be. Does not wait for it. With `past` what is kept in memory goes before it:
+    /// [`RecorderProcess::wants_past_before`] tells up to where.
     ///
     /// # Errors
     /// It cannot be started.
-    fn start(&mut self) -> Result<String, ExternalError>;
+    fn start(&mut self, past: bool) -> Result<String, ExternalError>;
+    /// The number of the first step that is recorded, while what is kept from before it is waited for.
+    fn wants_past_before(&self) -> Option<u64>;
+    /// Has this written before what is recorded. Does not wait.
+    fn put_past(&mut self, past: Past);
     /// Whether a recording that was started here has not said yet that it records.
     fn is_starting(&self) -> bool;
     /// Asks the recording that was started here to end in good order. Does not wait.
@@ -52,6 +59,8 @@ pub trait RecorderProcess {
 pub enum RecorderNews {
     /// It records, in this file.
     Records(String),
+    /// What was kept in memory is written, or not, in words.
+    Past(Result<String, String>),
     /// It has ended, in good order or not, in words.
     Ended(Result<String, String>),
 }

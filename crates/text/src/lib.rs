@@ -5,7 +5,7 @@
 //! * [`Reader`]: reads the tables of a TOML file, and collects everything that is wrong with it.
 //! * [`Fault`], [`Faults`]: what is wrong, where, and what should be there; [`Faults::drawn`] with the lines concerned.
 //! * [`Domain`]: which numbers are allowed where one is read.
-//! * [`number`]: numbers as people read them. [`Lines`]: TOML written with comments.
+//! * [`number`]: numbers as people read them. [`amount`]: durations and sizes as typed. [`Lines`]: TOML written with comments.
 //!
 //! ```
 //! use text::{Domain, Reader};
@@ -25,6 +25,7 @@
 //! );
 //! ```
 
+pub mod amount;
 mod domain;
 mod drawn;
 mod fault;

@@ -1,7 +1,7 @@
 //! A process of this program that serves another one of it: the simulation and the recorder behind a dashboard.
 
 use std::fs::File;
-use std::io::{BufRead, BufReader, Read, Seek};
+use std::io::{BufRead, BufReader, Read, Seek, Write};
 use std::os::unix::process::CommandExt;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -21,6 +21,8 @@ pub(crate) struct ChildProcess {
     /// What it prints first, and what it prints it on.
     greeting: Option<Receiver<Greeting>>,
     stdout: Option<BufReader<ChildStdout>>,
+    /// What it had to say beyond that it is ready.
+    greeted: String,
     /// What it says goes to a file, because the screen is not its to write on.
     said: File,
     ended: Option<ExitStatus>,
@@ -61,7 +63,17 @@ impl ChildProcess {
                 return Err(Failure::Work(format!("no thread to listen to the {what}: {error}")));
             }
         }
-        Ok(Self { what, farewell, arguments, child, greeting: Some(greeting), stdout: None, said, ended: None })
+        Ok(Self {
+            what,
+            farewell,
+            arguments,
+            child,
+            greeting: Some(greeting),
+            stdout: None,
+            greeted: String::new(),
+            said,
+            ended: None,
+        })
     }
 
     /// Waits until it has said that it has what it needs.
@@ -93,11 +105,17 @@ impl ChildProcess {
     fn greeted(&mut self, greeting: Option<Greeting>) -> Result<(), Failure> {
         let (word, stdout) = greeting.map_or_else(Default::default, |(word, stdout)| (word, Some(stdout)));
         self.stdout = stdout;
-        if word == READY {
+        if let Some(more) = word.strip_suffix('\n').and_then(|word| word.strip_prefix(READY)) {
+            more.trim_start().clone_into(&mut self.greeted);
             return Ok(());
         }
         self.ended = self.child.wait().ok();
         Err(self.failure())
+    }
+
+    /// What it had to say beyond that it is ready, on the same line.
+    pub(crate) fn greeted_with(&self) -> &str {
+        &self.greeted
     }
 
     /// The same, anew.
@@ -137,6 +155,15 @@ impl ChildProcess {
     /// Whether it ended in good order.
     pub(crate) fn did_well(&self) -> bool {
         self.ended.is_some_and(|status| status.success())
+    }
+
+    /// Tells it to go on.
+    ///
+    /// # Errors
+    /// It does not listen any more.
+    pub(crate) fn tell(&mut self) -> Result<(), Failure> {
+        let told = self.child.stdin.as_mut().map_or(Ok(()), |stdin| stdin.write_all(b"\n"));
+        told.map_err(|error| Failure::Work(format!("the {} cannot be told to go on: {error}", self.what)))
     }
 
     /// Asks it to end, and does not wait.

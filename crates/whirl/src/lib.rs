@@ -39,13 +39,11 @@
 //! * [`attach`] finds a running bench. [`child_process`] starts the processes behind a dashboard,
 //!   [`recordings`] the one that records it.
 //! * [`layouts`] are the screens of the dashboard, built in and a person's own; [`folders`] is where those are.
-//! * [`amount`] reads durations and sizes as typed.
 //! * [`place`] is where a result goes that is a file.
 //! * [`output`] prints one result as a table, as CSV or as JSON.
 //! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
 //! * [`range`] reads ranges as typed, `A..B`; [`varied`] parameters over a range, `KEY=A..B` or `KEY=P%`.
 
-mod amount;
 mod attach;
 mod catalog;
 mod child_process;

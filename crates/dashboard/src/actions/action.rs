@@ -70,6 +70,8 @@ pub(crate) enum Action {
     Spectra(Option<Option<usize>>, Option<Scaling>),
     /// Start to record the bench, or end that.
     Record,
+    /// Start to record the bench, after the last so many seconds that are kept in memory.
+    RecordLast(f64),
     /// The limits of something that is watched, as typed: in the units of the bench.
     Limit(Watch, AskedLimit),
     /// All alarms have been seen.

@@ -115,6 +115,15 @@ pub(super) fn spectra(text: &str) -> Result<Action, String> {
     Ok(Action::Spectra(mass, along))
 }
 
+/// Nothing, or `last 10min`.
+pub(super) fn recording(text: &str) -> Result<Action, String> {
+    let Some(last) = Some(text.trim()).filter(|text| !text.is_empty()) else { return Ok(Action::Record) };
+    let duration = last.strip_prefix("last").filter(|rest| rest.starts_with(' '));
+    let duration =
+        duration.ok_or_else(|| format!("'{last}': expected nothing, or last and a duration such as 10min"))?;
+    text::amount::seconds(duration).map(Action::RecordLast).map_err(|error| error.to_string())
+}
+
 /// `kd=0.1 speed=3`, or `speed 3`.
 pub(super) fn assignments(text: &str) -> Result<Action, String> {
     let spaced = text.replace('=', " = ");

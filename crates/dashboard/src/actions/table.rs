@@ -1,7 +1,7 @@
 //! The table itself.
 
 use super::action::Action;
-use super::argument::{assignments, limit, moves, number, run_up, scale, spectra, times, whole, within};
+use super::argument::{assignments, limit, moves, number, recording, run_up, scale, spectra, times, whole, within};
 use super::row::{ActionRow, keys};
 use crate::selection::ReadoutMove;
 use crate::series::Strip;
@@ -260,10 +260,10 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
     },
     ActionRow {
         name: "record",
-        argument: "",
-        meaning: "record the bench, or end that",
+        argument: "[last DURATION]",
+        meaning: "record the bench, or end that; `last 10min`: that too, as kept",
         keys: &[keys(&[("r", "")], "record the bench; again ends it", Some("record"))],
-        make: |_| Ok(Action::Record),
+        make: recording,
     },
     ActionRow {
         name: "acknowledge",

@@ -11,8 +11,8 @@ impl<'a> App<'a> {
         Self { recorder_process, ..self }
     }
 
-    /// Starts a recording, or ends the one that was started here.
-    pub(super) fn record(&mut self) {
+    /// Starts a recording, or ends the one that was started here. With `past`, so many seconds of what is kept in memory go before it.
+    pub(super) fn record(&mut self, past: Option<f64>) {
         let others = lock(&self.feed)
             .recorder()
             .filter(|status| status.is_recording())
@@ -22,13 +22,19 @@ impl<'a> App<'a> {
             (None, _) => {
                 Message::Bad("nobody here can record: `whirl record FILE.rrd` does, from another terminal".into())
             }
+            (Some(recorder_process), _) if recorder_process.is_running() && past.is_some() => {
+                Message::Bad("a recording is under way: r ends it".into())
+            }
             (Some(recorder_process), _) if recorder_process.is_running() => {
                 recorder_process.stop();
                 Message::Good("the recording ends: what has been heard is being written".into())
             }
             (_, Some(others)) => Message::Bad(others),
-            (Some(recorder_process), None) => match recorder_process.start() {
-                Ok(file) => Message::Good(format!("a recording starts in {file}")),
+            (Some(recorder_process), None) => match recorder_process.start(past.is_some()) {
+                Ok(file) => {
+                    self.past_to_record = past;
+                    Message::Good(format!("a recording starts in {file}"))
+                }
                 Err(why) => Message::Bad(why.to_string()),
             },
         };
@@ -37,11 +43,21 @@ impl<'a> App<'a> {
 
     /// Says what has become of a recording. Returns whether there is news.
     pub(super) fn watch_recorder(&mut self) -> bool {
+        let Some(recorder_process) = &mut self.recorder_process else { return false };
+        // What is kept ends where the recording begins: up to there it may be still on its way to us.
+        if let (Some(before), Some(seconds)) = (recorder_process.wants_past_before(), self.past_to_record)
+            && let Some(past) = lock(&self.feed).past(seconds, before)
+        {
+            self.past_to_record = None;
+            recorder_process.put_past(past);
+        }
         let Some(news) = self.recorder_process.as_mut().and_then(|recorder_process| recorder_process.news()) else {
             return false;
         };
         self.tell(match news {
             RecorderNews::Records(file) => Message::Good(format!("records in {file}: r ends it")),
+            RecorderNews::Past(Ok(words)) => Message::Good(words),
+            RecorderNews::Past(Err(why)) => Message::Bad(format!("what is kept was not written: {why}")),
             RecorderNews::Ended(Ok(words)) => Message::Good(words),
             RecorderNews::Ended(Err(why)) => Message::Bad(format!("the recording failed: {why}")),
         });
@@ -60,10 +76,13 @@ mod tests {
     use wire::{RecorderState, RecorderStatus, Text};
 
     use super::*;
+    use crate::actions::Action;
     use crate::options::Options;
     use crate::screenshot::image::text;
     use telemetry::feed::Feed;
+    use telemetry::past::Past;
     use telemetry::processes::ExternalError;
+    use wire::Step;
 
     #[derive(Default)]
     struct Writer {
@@ -72,16 +91,29 @@ mod tests {
         silent: Option<u32>,
         asked: bool,
         refuses: bool,
+        wants_past: bool,
+        /// The numbers of the steps that were put before the recording.
+        past: Vec<u64>,
     }
 
     impl RecorderProcess for Writer {
-        fn start(&mut self) -> Result<String, ExternalError> {
+        fn start(&mut self, past: bool) -> Result<String, ExternalError> {
+            self.wants_past = past;
             if self.refuses {
                 return Err(ExternalError::new("recordings need another build"));
             }
             self.at_work = true;
             self.silent.get_or_insert(0);
             Ok("s.rrd".into())
+        }
+
+        fn wants_past_before(&self) -> Option<u64> {
+            self.wants_past.then_some(40)
+        }
+
+        fn put_past(&mut self, past: Past) {
+            self.wants_past = false;
+            self.past = past.steps.states().map(|state| state.seq()).collect();
         }
 
         fn is_starting(&self) -> bool {
@@ -146,6 +178,29 @@ mod tests {
         assert!(matches!(before, Message::Good(words) if words.starts_with("the recording ends")));
         assert_eq!(after, Message::Good("recorded s.rrd".into()));
         assert!(!writer.at_work);
+    }
+
+    #[test]
+    fn what_is_kept_goes_before_a_recording_as_far_as_it_begins() {
+        let mut writer = Writer::default();
+        let mut app = app(&mut writer, None);
+        let feed = app.feed.clone();
+        let send = |steps: std::ops::Range<u64>| {
+            let mut feed = lock(&feed);
+            feed.push_bench_status(telemetry::test_support::bench_status("three-mass", "composite"));
+            for seq in steps {
+                feed.push_step(&telemetry::test_support::state(3, seq), std::time::Instant::now());
+            }
+        };
+        send(0..30);
+        app.act(Action::RecordLast(600.0));
+        assert!(app.watch_recorder() && app.past_to_record.is_some(), "step 39 has not come");
+        send(30..50);
+        app.watch_recorder();
+        assert!(app.past_to_record.is_none());
+        app.act(Action::RecordLast(600.0));
+        assert_eq!(app.message.0, Message::Bad("a recording is under way: r ends it".into()));
+        assert_eq!(writer.past, (0..40).collect::<Vec<u64>>());
     }
 
     #[test]

@@ -135,8 +135,20 @@ impl FileRotation {
     ///
     /// # Errors
     /// As [`FileRotation::take`].
-    pub fn finish(mut self, why: &str) -> Result<Vec<PathBuf>, TapeError> {
-        self.close(What::Ends(why.to_owned()))?;
+    pub fn finish(self, why: &str) -> Result<Vec<PathBuf>, TapeError> {
+        self.end(What::Ends(why.to_owned()))
+    }
+
+    /// The same for a recording that somebody else has going on in the file `next` beside it.
+    ///
+    /// # Errors
+    /// As [`FileRotation::take`].
+    pub(crate) fn finish_before(self, next: &Path) -> Result<Vec<PathBuf>, TapeError> {
+        self.end(What::Continues(name(next)))
+    }
+
+    fn end(mut self, how: What) -> Result<Vec<PathBuf>, TapeError> {
+        self.close(how)?;
         let parts: Vec<PathBuf> = self.done.iter().map(|done| done.path.clone()).collect();
         if !matches!(self.keep.keeping, Keeping::Last(_)) || parts.is_empty() {
             return Ok(parts);

@@ -6,6 +6,7 @@
 
 mod block;
 mod era;
+mod past_steps;
 mod track;
 
 use std::collections::VecDeque;
@@ -18,6 +19,7 @@ use wire::{BenchStatus, Layout, Step};
 pub use block::StepQuantity;
 use block::{Block, STEPS};
 pub use era::{Era, Mark};
+pub use past_steps::PastSteps;
 pub use track::Track;
 
 /// Bytes that steps may take unless somebody says otherwise: 10 minutes of a rotor with three masses at 1000 steps a second.
@@ -41,6 +43,8 @@ pub struct History {
     /// From which step on which revision of which run was in force.
     passages: VecDeque<(u64, u64, u64)>,
     eras: VecDeque<Arc<Era>>,
+    /// From which place on steps have which numbers, each one more than the one before it.
+    numbers: VecDeque<(u64, u64)>,
     run_id: u64,
     last_seq: u64,
     last_tau: f64,
@@ -63,6 +67,7 @@ impl History {
             marks: VecDeque::new(),
             passages: VecDeque::new(),
             eras: VecDeque::new(),
+            numbers: VecDeque::new(),
             run_id: 0,
             last_seq: 0,
             last_tau: 0.0,
@@ -132,6 +137,14 @@ impl History {
 
     /// Puts a step behind the others, and lets go of the oldest if there is no more room.
     fn keep(&mut self, state: &impl Step) {
+        let place = self.end();
+        let goes_on = |(from, seq): &(u64, u64)| seq.wrapping_add(place - from) == state.seq();
+        if !self.numbers.back().is_some_and(goes_on) {
+            if self.numbers.len() == NOTES_KEPT {
+                self.numbers.pop_front();
+            }
+            self.numbers.push_back((place, state.seq()));
+        }
         let open = self.open.get_or_insert_with(|| Block::new(self.layout));
         open.push(state);
         if open.len() < STEPS {
@@ -151,6 +164,9 @@ impl History {
         }
         while self.passages.get(1).is_some_and(|(place, ..)| *place <= first) {
             self.passages.pop_front();
+        }
+        while self.numbers.get(1).is_some_and(|(place, _)| *place <= first) {
+            self.numbers.pop_front();
         }
         if let Some((_, run, revision)) = self.passages.front() {
             // The one in force at the first step, and whatever is newer than all passages, stay.
@@ -309,6 +325,18 @@ impl History {
             blocks.extend(self.open.clone().map(Arc::new));
         }
         Track::new(self.layout, blocks, start, ((start - self.first) as usize) % STEPS, (end - start) as usize)
+    }
+
+    /// The steps of the present run that were due at `since_ns` of the wall clock or later and have a number below `before`, as they
+    /// were sent; `None` while the one before `before` has not come, and where there is none.
+    pub fn past_steps(&self, since_ns: u64, before: u64) -> Option<PastSteps> {
+        let run_begins = self.passages.iter().find(|(_, run, _)| *run == self.run_id)?.0;
+        let first = self.numbers.front()?.0.max(run_begins).max(self.first);
+        let track = self.track(&(first..self.end()));
+        let has_come = self.last_seq + 1 >= before;
+        let passages = self.passages.iter().map(|(place, _, revision)| (*place, *revision)).collect();
+        let numbers = self.numbers.iter().copied().collect();
+        has_come.then(|| PastSteps::new(track, self.run_id, numbers, passages).between(since_ns, before)).flatten()
     }
 
     /// Steps of this run that were sent and did not reach us.

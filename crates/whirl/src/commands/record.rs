@@ -2,23 +2,28 @@
 
 use std::io::{IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Duration;
 
 use files::Existing;
 use tape::Keep;
 use tape::recorder::{self, Order, Progress, Summary};
+use text::amount;
 use wire::{BenchName, Keeping};
 
 use crate::attach::{self, BenchArgs};
 use crate::child_process::ChildProcess;
 use crate::commands::config;
-use crate::commands::sim::{READY, stop_when_stdin_closes};
+use crate::commands::sim::{READY, heed_stdin};
 use crate::failure::Failure;
 use crate::place::Force;
-use crate::{amount, interrupt, output};
+use crate::{interrupt, output};
 
 /// How long a recorder may take to write what it has heard before it is killed.
 const FAREWELL: Duration = Duration::from_secs(30);
+
+/// A bench that has sent nothing for so long sends nothing.
+const SILENT: Duration = Duration::from_millis(400);
 
 /// Options of `whirl record`.
 #[derive(Debug, clap::Args)]
@@ -45,9 +50,12 @@ pub(crate) struct RecordArgs {
     /// Go on with the next simulation of the same name when one ends
     #[arg(long)]
     follow: bool,
-    /// Serve a parent process: say `ready` once it records, and end when standard input closes
+    /// Serve a parent process: say `ready` once it records, with the number of the first step, and end when standard input closes
     #[arg(long, hide = true)]
     as_child: bool,
+    /// Serve a parent process whose simulation has not begun yet: say `ready` before any step
+    #[arg(long, hide = true, requires = "as_child", conflicts_with_all = ["keep", "pretrigger"])]
+    from_the_start: bool,
 }
 
 /// Records until a signal comes or the simulation ends, and says in one line how it went.
@@ -70,18 +78,24 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     recorder::check(&order)?;
     let stop = interrupt::flag()?;
     if args.as_child {
-        stop_when_stdin_closes(stop.clone());
+        heed_stdin(stop.clone(), Arc::default());
     }
     let carrier = attach::carrier("record")?;
     let mut listener = attach::listen(&carrier, &order.bench)?;
-    let rate_hz = attach::first_bench_status(&mut listener, &order.bench)?.rate_hz;
-    recorder::check_window(&order.keep, rate_hz).map_err(|error| Failure::Usage(error.to_string()))?;
+    if !args.from_the_start {
+        let rate_hz = attach::first_bench_status(&mut listener, &order.bench)?.rate_hz;
+        recorder::check_window(&order.keep, rate_hz).map_err(|error| Failure::Usage(error.to_string()))?;
+    }
     let mut line = Line::new();
-    let mut ready = args.as_child;
+    let mut waited_for = args.as_child;
     let summary = recorder::record(&carrier, listener, &order, &stop, |progress| {
-        if std::mem::take(&mut ready) {
+        // A bench that is held sends no step: its recorder is ready all the same.
+        let first = progress.first.map(|seq| format!(" {seq}"));
+        let is_ready = args.from_the_start || progress.elapsed > SILENT;
+        if let Some(first) = first.or_else(|| is_ready.then(String::new)).filter(|_| waited_for) {
+            waited_for = false;
             // A parent that does not listen will close our input too.
-            let _ = output::print_text(READY);
+            let _ = output::print_text(&format!("{READY}{first}\n"));
         }
         line.show(progress);
     });
@@ -89,15 +103,24 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     output::print_text(&(in_words(&summary?) + "\n"))
 }
 
-/// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped. Does not wait for it.
+/// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped; `from_the_start` of one that makes no
+/// step before it is told to. Does not wait for it.
 ///
 /// # Errors
 /// It cannot be started.
-pub(crate) fn launch(path: &Path, force: Force, bench: &BenchName) -> Result<ChildProcess, Failure> {
+pub(crate) fn launch(
+    path: &Path,
+    force: Force,
+    bench: &BenchName,
+    from_the_start: bool,
+) -> Result<ChildProcess, Failure> {
     let path =
         path.to_str().ok_or_else(|| Failure::Usage(format!("'{}': expected a name in UTF-8", path.display())))?;
     let bench = format!("--bench={bench}");
     let mut arguments = vec!["record", &bench, "--follow", "--as-child"];
+    if from_the_start {
+        arguments.push("--from-the-start");
+    }
     if force.existing() == Existing::Replace {
         arguments.push("--force");
     }
@@ -127,7 +150,7 @@ impl Line {
         Self { shown: std::io::stderr().is_terminal() }
     }
 
-    fn show(&mut self, Progress { rows, bytes, lost, elapsed }: Progress) {
+    fn show(&mut self, Progress { rows, bytes, lost, elapsed, .. }: Progress) {
         if self.shown {
             let (seconds, megabytes) = (elapsed.as_secs(), bytes as f64 / 1e6);
             let (minutes, seconds) = (seconds / 60, seconds % 60);

@@ -3,6 +3,7 @@
 use std::io::Read;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 use rotor::Settings;
 use rotor::profile::Profile;
@@ -14,8 +15,8 @@ use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::{interrupt, output};
 
-/// What a child says once it simulates.
-pub(crate) const READY: &str = "ready\n";
+/// What a child says once it has what it needs: the first word of its first line.
+pub(crate) const READY: &str = "ready";
 
 /// What a live bench simulates, and how fast: shared by `whirl sim` and `whirl up`.
 #[derive(Clone, Debug, clap::Args)]
@@ -54,6 +55,9 @@ pub(crate) struct SimArgs {
     /// the parent dies
     #[arg(long, hide = true)]
     as_child: bool,
+    /// Make no step before the parent has said something
+    #[arg(long, hide = true, requires = "as_child")]
+    when_told: bool,
 }
 
 impl LiveArgs {
@@ -134,26 +138,33 @@ pub(crate) fn run(args: &SimArgs) -> Result<(), Failure> {
     let (rotor, settings) = args.live.machine()?;
     let options = Options { lockstep: args.lockstep, ..args.live.options(&rotor)? };
     let stop = interrupt::flag()?;
+    let told = Arc::new(AtomicBool::new(false));
     if args.as_child {
-        stop_when_stdin_closes(stop.clone());
+        heed_stdin(stop.clone(), told.clone());
     }
     let carrier = attach::carrier("sim")?;
     let ready = || {
         if args.as_child {
             // A parent that does not listen will close our input too.
-            let _ = output::print_text(READY);
+            let _ = output::print_text(&format!("{READY}\n"));
+        }
+        // Whoever is there by then hears the very first step.
+        while args.when_told && !told.load(Ordering::Relaxed) && !stop.load(Ordering::Relaxed) {
+            std::thread::sleep(Duration::from_millis(1));
         }
     };
     let summary = sim::run(&carrier, &rotor, settings, &options, &stop, ready)?;
     output::print_text(&format!("{summary}\n"))
 }
 
-/// A parent that is killed cannot end its child, but the pipe between them closes all the same.
-pub(crate) fn stop_when_stdin_closes(stop: Arc<AtomicBool>) {
+/// A parent that is killed cannot end its child, but the pipe between them closes all the same: then `stop`. What it says before is `told`.
+pub(crate) fn heed_stdin(stop: Arc<AtomicBool>, told: Arc<AtomicBool>) {
     std::thread::spawn(move || {
         let mut sink = [0; 64];
         let mut stdin = std::io::stdin().lock();
-        while stdin.read(&mut sink).is_ok_and(|bytes| bytes > 0) {}
+        while stdin.read(&mut sink).is_ok_and(|bytes| bytes > 0) {
+            told.store(true, Ordering::Relaxed);
+        }
         stop.store(true, Ordering::Relaxed);
     });
 }

@@ -47,7 +47,10 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
         args.force.check(path)?;
     }
     let carrier = attach::dashboard_carrier()?;
-    let mut simulation = Simulation(ChildProcess::start("simulation", FAREWELL, live.to_arguments())?);
+    // A recorder hears the very first step: it is there before it is made.
+    let when_told = args.record.is_some().then(|| "--when-told".to_owned());
+    let arguments = live.to_arguments().into_iter().chain(when_told).collect();
+    let mut simulation = Simulation(ChildProcess::start("simulation", FAREWELL, arguments)?);
     let mut recorder = Recordings::of(bench.clone());
     if let Some(path) = &args.record
         && let Err(failure) = recorder.begin(path, args.force)
@@ -55,6 +58,7 @@ pub(crate) fn run(args: &UpArgs) -> Result<(), Failure> {
         simulation.0.end()?;
         return Err(failure);
     }
+    simulation.0.tell()?;
     let shown = dashboard::run(carrier, &bench, Some(&mut simulation), Some(&mut recorder), &screen);
     // The simulation first, so that its end is in the recording.
     simulation.0.end()?;
@@ -73,7 +77,7 @@ impl SimulationProcess for Simulation {
 
     fn restart(&mut self) -> Result<(), ExternalError> {
         self.0 = self.0.start_again().map_err(ExternalError::new)?;
-        Ok(())
+        self.0.tell().map_err(ExternalError::new)
     }
 }
 
@@ -125,7 +129,9 @@ mod tests {
             let command = <Cli as clap::CommandFactory>::command();
             let sim = command.find_subcommand("sim").expect("there").clone();
             let names = sim.get_arguments().filter_map(|argument| argument.get_long().map(str::to_owned));
-            names.filter(|name| !["as-child", "help", "lockstep"].contains(&name.as_str())).collect::<Vec<_>>()
+            names
+                .filter(|name| !["as-child", "when-told", "help", "lockstep"].contains(&name.as_str()))
+                .collect::<Vec<_>>()
         };
         for name in known {
             // Two that exclude each other are tried apart.

@@ -2,7 +2,7 @@
 
 /// Why a text is no duration, or no size.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum AmountError {
+pub enum AmountError {
     /// Not a positive number of a known unit.
     #[error("'{0}': expected a duration such as 30s, 10min or 1h")]
     Duration(String),
@@ -18,7 +18,7 @@ pub(crate) enum AmountError {
 ///
 /// # Errors
 /// Not a positive number, or another unit.
-pub(crate) fn seconds(typed: &str) -> Result<f64, AmountError> {
+pub fn seconds(typed: &str) -> Result<f64, AmountError> {
     amount(typed, &[("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0), ("", 1.0)])
         .ok_or_else(|| AmountError::Duration(typed.to_owned()))
 }
@@ -27,7 +27,7 @@ pub(crate) fn seconds(typed: &str) -> Result<f64, AmountError> {
 ///
 /// # Errors
 /// Not a positive number, another unit, or a size that no file has.
-pub(crate) fn bytes(typed: &str) -> Result<u64, AmountError> {
+pub fn bytes(typed: &str) -> Result<u64, AmountError> {
     let bytes = amount(typed, &[("B", 1.0), ("kB", 1e3), ("MB", 1e6), ("GB", 1e9)])
         .ok_or_else(|| AmountError::Size(typed.to_owned()))?;
     if (1.0..=9e18).contains(&bytes) { Ok(bytes as u64) } else { Err(AmountError::OutOfRange(typed.to_owned())) }
