@@ -13,6 +13,7 @@ mod recording;
 mod search;
 #[cfg(test)]
 mod tests;
+mod watch;
 
 use std::collections::BTreeSet;
 use std::io;
@@ -21,11 +22,12 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-use alarms::{Alarms, Watch};
+use alarms::Alarms;
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::Rect;
 use rotor::Settings;
+pub use watch::OnAlarm;
 
 use crate::actions;
 use crate::appearance::Look;
@@ -93,6 +95,8 @@ pub(crate) struct App<'a> {
     time: ViewTime,
     jobs: Jobs,
     alarms: Alarms,
+    /// What an alarm does to a speed that rises.
+    on_alarm: OnAlarm,
     /// Whether the terminal rings when something rises past a limit.
     bell: bool,
     /// Told to the reader while the newest steps are not looked at.
@@ -162,6 +166,7 @@ impl<'a> App<'a> {
             time: ViewTime::LIVE,
             jobs,
             alarms: Alarms::new(options.limits.clone()),
+            on_alarm: options.on_alarm,
             bell: options.bell,
             idle,
             layouts: options.layouts.clone(),
@@ -382,32 +387,6 @@ impl<'a> App<'a> {
             shows = true;
         }
         shows
-    }
-
-    /// Holds what has come in against the limits: alarms go on while the view stands, and no peak falls between two
-    /// looks. Returns whether an alarm rose or fell.
-    pub(crate) fn watch_alarms(&mut self) -> bool {
-        // What a recording tells is past, and comes in any order.
-        if self.player.is_some() {
-            return false;
-        }
-        let (mut reading, loop_in_force) = {
-            let mut feed = lock(&self.feed);
-            if let Some(bench_status) = feed.bench_status() {
-                self.alarms.learn(bench_status);
-            }
-            (feed.take_alarm_reading(), feed.loop_request())
-        };
-        let is_watched = |watch: Watch| self.alarms.limits().of(watch).is_some();
-        if (is_watched(Watch::Sensitivity) || is_watched(Watch::DelayMargin))
-            && let Some(opened) = loop_in_force.and_then(|request| self.jobs.opened_watched(&request))
-            && let Some((peak, _)) = opened.peak()
-        {
-            reading.set_margins(peak, opened.delay());
-        }
-        let turns = self.alarms.read(&reading);
-        self.rings |= self.alarms.has_risen() && self.bell;
-        !turns.is_empty()
     }
 
     fn tell(&mut self, message: Message) {

@@ -4,6 +4,7 @@ use alarms::{AskedLimit, Limits, Watch};
 use text::{Faults, Reader, Table, Value, as_number};
 
 use crate::actions::ACTIONS;
+use crate::app::OnAlarm;
 use crate::appearance::ThemeName;
 use crate::keymap::{Chord, Keymap};
 
@@ -20,6 +21,8 @@ pub struct Config {
     pub ascii: bool,
     /// Limits past which alarms rise, here and in recordings.
     pub limits: Limits,
+    /// What an alarm of the machine does to a speed that rises.
+    pub on_alarm: OnAlarm,
     /// Whether the terminal's bell rings when one rises.
     pub bell: bool,
 }
@@ -75,9 +78,12 @@ impl Config {
 
     /// Reads `[alarms]`.
     fn limit(&mut self, reader: &mut Reader<'_>, alarms: &Table<'_>) {
-        let known: Vec<&str> = std::iter::once("bell").chain(limited().map(Watch::name)).collect();
+        let known: Vec<&str> = ["bell", "run-up"].into_iter().chain(limited().map(Watch::name)).collect();
         reader.only(alarms, &known);
         self.bell = reader.boolean(alarms, "bell").unwrap_or_default();
+        let chosen = reader.choice(alarms, "run-up", &OnAlarm::ALL.map(|(name, _)| name));
+        let chosen = chosen.and_then(|chosen| OnAlarm::ALL.into_iter().find(|(name, _)| *name == chosen));
+        self.on_alarm = chosen.map_or(OnAlarm::default(), |(_, on_alarm)| on_alarm);
         for watch in limited() {
             let Some(value) = alarms.get(watch.name()) else { continue };
             match limits(value).map(|asked| asked.set(&mut self.limits, watch)) {
@@ -118,6 +124,8 @@ impl Config {
         }
         text += "\n# Alarms: [warning, alarm], or \"off\"; \"machine\" follows its clearances, its trip and its actuator. The bell is the \
                  terminal's.\n[alarms]\n# bell = false\n";
+        text += "# What an alarm of the machine does to a speed that rises: \"go-on\", \"hold\", or \"coast-down\" to rest at the rate at which it rose.\n\
+                 # run-up = \"go-on\"\n";
         let limits = Limits::default();
         for watch in limited() {
             let value = match limits.pair(watch) {
@@ -202,8 +210,9 @@ mod tests {
             ),
             (
                 "[alarms]\nspeed = [1, 2]",
-                "2:1: unknown key 'speed': expected one of bell, damping, sensitivity, delay-margin, orbit, force, saturation, lateness, losses",
+                "2:1: unknown key 'speed': expected one of bell, run-up, damping, sensitivity, delay-margin, orbit, force, saturation, lateness, losses",
             ),
+            ("[alarms]\nrun-up = \"stop\"", "2:10: run-up = \"stop\": expected one of go-on, hold, coast-down"),
             ("[alarms]\norbit = [5, 3]", "2:9: orbit = [5, 3]: expected the alarm at or above the warning"),
             ("[alarms]\ndamping = [0, 0.1]", "2:11: damping = [0, 0.1]: expected the alarm at or below the warning"),
             (

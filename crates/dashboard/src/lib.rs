@@ -59,6 +59,7 @@ mod ticks;
 mod time_line;
 mod view;
 
+pub use app::OnAlarm;
 pub use appearance::{AppearanceOptions, ThemeName, UnknownTheme};
 pub use capture::{KeyPresses, take_screenshot};
 pub use config::Config;

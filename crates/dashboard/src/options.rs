@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use alarms::Limits;
 
+use crate::app::OnAlarm;
 use crate::appearance::AppearanceOptions;
 use crate::keymap::Keymap;
 use crate::layout::{Layout, built_in};
@@ -52,6 +53,8 @@ pub struct Options {
     pub appearance: AppearanceOptions,
     /// Limits past which alarms rise.
     pub limits: Limits,
+    /// What an alarm of the machine does to a speed that rises.
+    pub on_alarm: OnAlarm,
     /// Whether the terminal's bell rings when one rises.
     pub bell: bool,
     /// What keys stand for.
@@ -76,6 +79,7 @@ impl Default for Options {
             layout: 0,
             appearance: AppearanceOptions::default(),
             limits: Limits::default(),
+            on_alarm: OnAlarm::default(),
             bell: false,
             keys: Keymap::default(),
             presets: None,

@@ -339,6 +339,52 @@ fn settings_of_which_nothing_is_left_on_this_rotor_are_refused() {
     assert_eq!(taken.try_iter().count(), 1);
 }
 
+#[test]
+fn an_alarm_stops_a_run_up_as_configured() {
+    use alarms::{Limits, Watch};
+    use wire::Channel;
+    let mut limits = Limits::none();
+    limits.set(Watch::Orbit, Some([1e3, 2e3])).unwrap();
+    let alarmed = |on_alarm, rate: f64, read_only| {
+        let options = Options { on_alarm, limits: limits.clone(), read_only, ..Options::default() };
+        let (mut app, taken) = dashboard(&options);
+        let mut step = tests::state(3, 3000).with(Channel::Speed, 0, 2.75).with(Channel::SpeedRate, 0, rate);
+        step = step.with(Channel::Y, 1, 1.5e3);
+        lock(&app.feed).push_step(&step, Instant::now());
+        app.watch_alarms();
+        assert!(taken.is_empty(), "a warning stops nothing");
+        let step = step.with_word(Channel::Seq, 3001).with(Channel::Y, 1, 3e3);
+        lock(&app.feed).push_step(&step, Instant::now());
+        app.watch_alarms();
+        app.watch_alarms();
+        let edits: Vec<Edit> = taken.try_iter().collect();
+        let settings = app.settings().unwrap();
+        edits
+            .into_iter()
+            .map(|edit| match edit {
+                Edit::Become(change, why) => {
+                    assert_eq!(change.0, settings);
+                    ([change.1.speed, change.1.ramp], why)
+                }
+                other => panic!("{other:?}"),
+            })
+            .collect::<Vec<_>>()
+    };
+    let before = f64::INFINITY;
+    assert_eq!(alarmed(OnAlarm::Hold, 0.01, false), [([2.75, before], "the speed is held: alarm of orbit".to_owned())]);
+    let down = "the speed coasts down: alarm of orbit".to_owned();
+    assert_eq!(alarmed(OnAlarm::CoastDown, 0.01, false), [([0.0, 0.01], down)]);
+    // Nothing to stop, nobody to stop it, or not asked to.
+    for (on_alarm, rate, read_only) in [
+        (OnAlarm::Hold, 0.0, false),
+        (OnAlarm::Hold, -0.01, false),
+        (OnAlarm::Hold, 0.01, true),
+        (OnAlarm::GoOn, 0.01, false),
+    ] {
+        assert_eq!(alarmed(on_alarm, rate, read_only), []);
+    }
+}
+
 fn command(app: &mut App<'_>, line: &str) {
     press(app, &[Char(':')]);
     type_in(app, line);

@@ -88,6 +88,7 @@ impl ScreenArgs {
             layout,
             appearance,
             limits: config.limits,
+            on_alarm: config.on_alarm,
             bell: config.bell,
             keys: config.keys,
             presets: folders::presets(),
