@@ -71,6 +71,13 @@ check-margins:
     target/python-control/bin/pip install --quiet control==0.10.2 scipy
     target/python-control/bin/python tests/reference/margins_beside_control.py target/release/whirl
 
+# A Campbell diagram beside ROSS: the same frequencies, and the ratio of times (sets up Python's ross-rotordynamics in target/)
+check-campbell:
+    cargo build --release
+    python3 -m venv target/ross
+    target/ross/bin/pip install --quiet ross-rotordynamics==2.3.0 "plotly<6"
+    target/ross/bin/python tests/reference/campbell_beside_ross.py target/release/whirl
+
 # Benchmarks of the numerics and of drawing, each beside a peer in the same process
 bench *ARGS:
     cargo bench --workspace --exclude promises {{ARGS}}
