@@ -77,7 +77,7 @@ fn val_margins_and_stability_are_those_of_single_machines() {
                     assert_eq!(peaks.values[i][k], margins.margins.sensitivity().amplitude);
                 }
                 Err(_) => {
-                    assert!(stable.values[i][k] == 0.0 && delays.values[i][k].is_nan() && peaks.values[i][k].is_nan())
+                    assert!(stable.values[i][k] == 0.0 && delays.values[i][k].is_nan() && peaks.values[i][k].is_nan());
                 }
             }
         }
