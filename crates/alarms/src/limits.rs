@@ -1,8 +1,9 @@
 //! The limits that alarms are held against.
 
+use rotor::{ControlMasses, MAX_BEARINGS};
 use wire::BenchStatus;
 
-use crate::{Level, Watch, usual};
+use crate::{Level, Reading, Sample, Watch, usual};
 
 /// Damping ratio below which a rotor is stable but only just: API 684 asks for a log decrement of 0.1, which is this.
 pub const LOW_DAMPING: f64 = 0.0159;
@@ -122,13 +123,15 @@ pub enum LimitsError {
 
 /// Where the limit of something comes from.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there are a dozen of them, and copies need no memory")]
 enum Rule {
     /// It has none.
     None,
     /// Somebody has set it.
     Set(Limit),
-    /// It follows the machine; none as long as that is not known, or sets none.
-    Machine(Option<Limit>),
+    /// It follows the machine; none as long as that is not known, or sets none. Of the force one a control bearing, of all else the
+    /// first.
+    Machine([Option<Limit>; MAX_BEARINGS]),
 }
 
 /// The limits of everything that is watched. What has none is never alarmed.
@@ -171,7 +174,7 @@ impl Limits {
     #[must_use]
     pub fn following(mut self, watch: Watch) -> Self {
         if watch.can_follow() {
-            self.0[watch as usize] = Rule::Machine(None);
+            self.0[watch as usize] = Rule::Machine([None; MAX_BEARINGS]);
         }
         self
     }
@@ -187,25 +190,49 @@ impl Limits {
     pub fn follow(&mut self, bench_status: &BenchStatus) {
         let settings = bench_status.settings.get();
         let speed = settings.speed.max(bench_status.analysis.speed);
+        let rotor = bench_status.rotor_document();
+        let masses = rotor.map(|rotor| ControlMasses::of(rotor.get(), &settings.feedback)).unwrap_or_default();
         for watch in Watch::ALL {
-            let Rule::Machine(limit) = &mut self.0[watch as usize] else { continue };
-            let pair = match watch {
-                Watch::Orbit => usual::orbit(settings),
-                Watch::Force => usual::force(settings, speed),
-                _ => None,
-            };
-            *limit = pair.map(|pair| Limit::of(watch, pair));
+            let Rule::Machine(limits) = &mut self.0[watch as usize] else { continue };
+            let mut pairs = [None; MAX_BEARINGS];
+            match watch {
+                Watch::Orbit => pairs[0] = usual::orbit(settings),
+                Watch::Force => pairs = usual::forces(settings, speed, &masses),
+                _ => {}
+            }
+            *limits = pairs.map(|pair| pair.map(|pair| Limit::of(watch, pair)));
         }
     }
 
-    /// The limit of something, if it has one.
+    /// The limit of something, if it has one; of several control bearings the least.
     #[must_use]
     pub fn of(&self, watch: Watch) -> Option<Limit> {
         match self.0[watch as usize] {
             Rule::None => None,
             Rule::Set(limit) => Some(limit),
-            Rule::Machine(limit) => limit,
+            Rule::Machine(limits) => limits.into_iter().flatten().min_by(|a, b| a.warning.total_cmp(&b.warning)),
         }
+    }
+
+    /// The limit of the force of a control bearing, counted from 0, as that of the first.
+    #[must_use]
+    pub fn of_bearing(&self, bearing: usize) -> Option<Limit> {
+        match self.0[Watch::Force as usize] {
+            Rule::Machine(limits) => limits.get(bearing).copied().flatten(),
+            _ => self.of(Watch::Force),
+        }
+    }
+
+    /// What of a reading is to be held against the limit of something, and that limit: of several control bearings the force that is
+    /// nearest to its own.
+    pub(crate) fn held(&self, reading: &Reading, watch: Watch) -> Option<(Sample, Option<Limit>)> {
+        let known = (reading.get(watch)?, self.of(watch));
+        let Rule::Machine(_) = self.0[watch as usize] else { return Some(known) };
+        let forces = reading.forces().iter().enumerate().filter(|_| watch == Watch::Force);
+        let own = forces.filter_map(|(bearing, sample)| Some(((*sample)?, self.of_bearing(bearing)?)));
+        let share = |(sample, limit): &(Sample, Limit)| sample.value / limit.warning;
+        let hardest = own.max_by(|a, b| share(a).total_cmp(&share(b)));
+        Some(hardest.map_or(known, |(sample, limit)| (sample, Some(limit))))
     }
 
     /// The same, its warning and its alarm.

@@ -51,6 +51,8 @@ pub struct Standing {
     pub unseen: Level,
     /// The last value known.
     pub value: Option<f64>,
+    /// What it was held against: of several control bearings each has its own.
+    limit: Option<Limit>,
 }
 
 impl Standing {
@@ -92,11 +94,12 @@ impl Alarms {
         self.last_ns = reading.at.wall_ns;
         let mut turns = Vec::new();
         for watch in Watch::ALL {
-            let Some(sample) = reading.get(watch).filter(|sample| sample.value.is_finite()) else { continue };
+            let held = self.limits.held(reading, watch).filter(|(sample, _)| sample.value.is_finite());
+            let Some((sample, limit)) = held else { continue };
             let (value, standing) = (sample.value, &mut self.standings[watch as usize]);
-            standing.value = Some(value);
+            (standing.value, standing.limit) = (Some(value), limit);
             let before = standing.at;
-            let Some(limit) = self.limits.of(watch) else {
+            let Some(limit) = limit else {
                 turns.extend(self.let_go(watch, sample));
                 continue;
             };
@@ -220,7 +223,12 @@ impl Alarms {
 
     /// How each watched thing stands, with its limit, if it has one.
     pub fn standings(&self) -> impl Iterator<Item = (Watch, Standing, Option<Limit>)> + '_ {
-        Watch::ALL.into_iter().zip(self.standings).map(|(watch, standing)| (watch, standing, self.limits.of(watch)))
+        let limit = |watch, standing: &Standing| match self.limits.of(watch) {
+            Some(_) if watch == Watch::Force && self.limits.follows(watch) => standing.limit.or(self.limits.of(watch)),
+            limit => limit,
+        };
+        let all = Watch::ALL.into_iter().zip(self.standings);
+        all.map(move |(watch, standing)| (watch, standing, limit(watch, &standing)))
     }
 
     /// The limits that readings are held against.

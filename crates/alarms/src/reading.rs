@@ -1,5 +1,6 @@
 //! What the watched things are at one moment.
 
+use rotor::MAX_BEARINGS;
 use wire::Moment;
 
 use crate::Watch;
@@ -24,6 +25,8 @@ pub struct Reading {
     /// Why the machine has tripped; empty while it runs.
     pub cause: String,
     samples: [Option<Sample>; Watch::COUNT],
+    /// The force of every control bearing.
+    forces: [Option<Sample>; MAX_BEARINGS],
 }
 
 impl Reading {
@@ -59,6 +62,19 @@ impl Reading {
         let at = self.at;
         self.set(Watch::Sensitivity, Some(Sample { value: sensitivity, at }));
         self.set(Watch::DelayMargin, Some(Sample { value: delay.unwrap_or(ENDLESS).min(ENDLESS), at }));
+    }
+
+    /// What is known of the force of every control bearing, as that of the first.
+    #[must_use]
+    pub fn forces(&self) -> &[Option<Sample>; MAX_BEARINGS] {
+        &self.forces
+    }
+
+    /// Sets what is known of the force of every control bearing, as that of the first; the largest stands for all.
+    pub fn set_forces(&mut self, forces: [Option<Sample>; MAX_BEARINGS]) {
+        let larger = |a: Sample, b: Sample| if a.value.is_nan() || a.value >= b.value { a } else { b };
+        self.set(Watch::Force, forces.into_iter().flatten().reduce(larger));
+        self.forces = forces;
     }
 
     /// Sets what is known of something.

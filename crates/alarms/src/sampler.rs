@@ -3,6 +3,7 @@
 
 use std::collections::VecDeque;
 
+use rotor::{ControlMasses, MAX_BEARINGS};
 use wire::message::Flags;
 use wire::{BenchStatus, Event, Moment, Step};
 
@@ -19,7 +20,9 @@ pub struct Sampler {
     run_id: u64,
     last: Moment,
     orbit: Option<Sample>,
-    force: Option<Sample>,
+    /// Of every control bearing, as that of the first.
+    forces: [Option<Sample>; MAX_BEARINGS],
+    masses: ControlMasses,
     steps: u64,
     saturated: u64,
     counts: VecDeque<Counts>,
@@ -48,10 +51,6 @@ impl Sampler {
         self.last = state.into();
         self.steps += 1;
         self.saturated += u64::from(state.flags().has(Flags::SATURATED));
-        let forces = (0..state.bearings()).map(|bearing| state.force(bearing)[1]);
-        // What is not a number must not be lost among others.
-        let larger = |a: f64, b: f64| if a.is_nan() || a > b { a } else { b };
-        let force = forces.map(|[y, z]| y.hypot(z)).fold(0.0, larger);
         let radius = state.largest_radius();
         let at = self.last;
         let worst = |kept: &mut Option<Sample>, value: f64| {
@@ -60,7 +59,10 @@ impl Sampler {
             }
         };
         worst(&mut self.orbit, radius);
-        worst(&mut self.force, force);
+        for (bearing, kept) in self.forces.iter_mut().take(state.bearings()).enumerate() {
+            let [y, z] = state.force(bearing)[1];
+            worst(kept, self.masses.as_of_first(bearing, y.hypot(z)));
+        }
     }
 
     /// Takes in an event: from which step on which settings hold.
@@ -74,6 +76,9 @@ impl Sampler {
     pub fn learn(&mut self, bench_status: &BenchStatus, lost: u64) {
         self.follow(bench_status.run_id);
         self.last.wall_ns = self.last.wall_ns.max(bench_status.wall_ns);
+        if let Some(rotor) = bench_status.rotor_document() {
+            self.masses = ControlMasses::of(rotor.get(), &bench_status.settings.get().feedback);
+        }
         let analysis = &bench_status.analysis;
         if analysis.count == 0 || self.damping.is_none_or(|known| known.value != analysis.min_damping) {
             // While the speed is on its way damping changes without anybody's doing.
@@ -105,7 +110,7 @@ impl Sampler {
 
     fn follow(&mut self, run_id: u64) {
         if run_id != self.run_id {
-            *self = Self { run_id, changed: self.changed, ..Self::default() };
+            *self = Self { run_id, changed: self.changed, masses: self.masses, ..Self::default() };
         }
     }
 
@@ -116,7 +121,7 @@ impl Sampler {
         let sample = |value: f64| Some(Sample { value, at });
         reading.set(Watch::Damping, self.damping);
         reading.set(Watch::Orbit, self.orbit.take());
-        reading.set(Watch::Force, self.force.take());
+        reading.set_forces(std::mem::take(&mut self.forces));
         if self.steps > 0 {
             reading.set(Watch::Saturation, sample(self.saturated as f64 / self.steps as f64));
         }

@@ -3,7 +3,7 @@
 //! They are no promise of anybody: an orbit of several clearances is whirl that the deadband lets grow, and ISO 14839-2 lets no machine run
 //! for long beyond 0.4 of the clearance that is not to be bridged, nor at all beyond 0.5; here that clearance is where the machine trips.
 
-use rotor::Settings;
+use rotor::{ControlMasses, MAX_BEARINGS, Settings};
 
 /// Warning and alarm of the orbit, in the largest clearance of a support bearing: the zones of ISO 14839-2 are shares of a clearance that must
 /// not be bridged; a deadband is bridged whenever the bearing carries, and this is how far beyond it.
@@ -21,24 +21,29 @@ pub(crate) fn orbit(settings: &Settings) -> Option<[f64; 2]> {
     [of_clearance, of_trip].into_iter().flatten().min_by(|a, b| a[0].total_cmp(&b[0]))
 }
 
-/// Warning and alarm of the largest control, in `m_b w0^2 e_t`: parts of what the actuator can do; without a limit of that, what the gains
-/// make of an orbit at its own limits, all masses in phase with the spin `speed`:
+/// Warning and alarm of the control of each control bearing, as that of the first (`masses`), in `m_b w0^2 e_t`: parts of what its own
+/// actuator can do; without a limit of that, what its gains make of an orbit at its own limits, all masses in phase with the spin `speed`:
 ///
 /// ```text
 /// |u| = sum_k |d_k + j R v_k| r
 /// ```
 ///
 /// with `d` and `v` the gains on displacement and velocity of each mass. None where nothing is fed back.
-pub(crate) fn force(settings: &Settings, speed: f64) -> Option<[f64; 2]> {
-    let limit = settings.feedback.bearings[0].parts.limit;
-    if limit.is_finite() {
-        return Some(ACTUATOR.map(|share| share * limit));
+pub(crate) fn forces(settings: &Settings, speed: f64, masses: &ControlMasses) -> [Option<[f64; 2]>; MAX_BEARINGS] {
+    let mut all = [None; MAX_BEARINGS];
+    for (k, (bearing, limits)) in settings.feedback.bearings.iter().zip(&mut all).enumerate() {
+        let limit = bearing.parts.limit;
+        let of_gains = || {
+            let row = bearing.at(speed);
+            let gains = row.displacement.iter().zip(&row.velocity);
+            let stiffness: f64 = gains.map(|(d, v)| (d + rotor::J * speed * v).norm()).sum();
+            Some(orbit(settings)?.map(|radius| stiffness * radius))
+        };
+        let own = if limit.is_finite() { Some(ACTUATOR.map(|share| share * limit)) } else { of_gains() };
+        let own = own.filter(|[warning, alarm]| *warning > 0.0 && alarm.is_finite());
+        *limits = own.map(|pair| pair.map(|control| masses.as_of_first(k, control)));
     }
-    let row = settings.feedback.first().at(speed);
-    let gains = row.displacement.iter().zip(&row.velocity);
-    let stiffness: f64 = gains.map(|(d, v)| (d + rotor::J * speed * v).norm()).sum();
-    let limits = orbit(settings)?.map(|radius| stiffness * radius);
-    (limits[0] > 0.0 && limits[1].is_finite()).then_some(limits)
+    all
 }
 
 #[cfg(test)]
@@ -46,6 +51,11 @@ mod tests {
     use rotor::builtin;
 
     use super::*;
+
+    /// What is usual of the first control bearing at 2.5.
+    fn first(settings: &Settings) -> Option<[f64; 2]> {
+        forces(settings, 2.5, &ControlMasses::default())[0]
+    }
 
     fn settings(feedback: &str) -> Settings {
         let rotor = builtin::rotor("three-mass").unwrap();
@@ -61,23 +71,39 @@ mod tests {
         assert_eq!(orbit(&settings), Some([4.0, 5.0]), "what trips is nearer");
         settings.deadband.fill(0.0);
         settings.trip = f64::INFINITY;
-        assert_eq!((orbit(&settings), force(&settings, 2.5)), (None, None));
+        assert_eq!((orbit(&settings), first(&settings)), (None, None));
     }
 
     #[test]
     fn a_force_is_held_against_the_actuator_or_what_the_gains_make_of_the_orbit() {
         let mut off = settings("off");
-        assert_eq!(force(&off, 2.5), None, "nothing is fed back");
+        assert_eq!(first(&off), None, "nothing is fed back");
         off.feedback.bearings[0].parts.limit = 2.0;
-        assert_eq!(force(&off, 2.5), Some([1.6, 1.9]));
+        assert_eq!(first(&off), Some([1.6, 1.9]));
         let mut composite = settings("composite");
         composite.deadband.fill(1.0);
-        let [warning, alarm] = force(&composite, 2.5).unwrap();
+        let [warning, alarm] = first(&composite).unwrap();
         // Every mass at the limit of the orbit and in phase: what the law itself makes of that.
         let row = composite.feedback.first().at(2.5);
         let radius = orbit(&composite).unwrap()[0];
         let gains = row.displacement.iter().zip(&row.velocity);
         let most: f64 = gains.map(|(d, v)| (d * radius + rotor::J * 2.5 * v * radius).norm()).sum();
         assert!((warning - most).abs() < 1e-12 * most && alarm == 2.0 * warning, "{warning} {alarm} {most}");
+    }
+
+    #[test]
+    fn every_control_bearing_is_held_against_its_own_actuator() {
+        let rotor = builtin::rotor("three-mass").unwrap();
+        // 0.5 and 0.25 of the mass.
+        let bearing = |station, limit| {
+            let mut bearing = rotor::ControlBearing::new(station, vec![]);
+            bearing.parts.limit = limit;
+            bearing
+        };
+        let bearings = vec![bearing(1, 2.0), bearing(0, 10.0), bearing(2, f64::INFINITY)];
+        let settings = Settings::new(&rotor, 0.0, rotor::Feedback { bearings });
+        let masses = ControlMasses::of(&rotor, &settings.feedback);
+        // 10 on half the mass is as large a force as 5.
+        assert_eq!(forces(&settings, 0.0, &masses)[..3], [Some([1.6, 1.9]), Some([4.0, 4.75]), None]);
     }
 }

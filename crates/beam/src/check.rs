@@ -5,8 +5,11 @@ use std::fmt;
 
 use text::number::counted;
 
-use crate::drawing::{Amount, Bearing, Section, Sketch};
+use crate::drawing::{Amount, Bearing, Material, Section, Sketch};
 use crate::{Coefficient, MAX_COORDINATES, MAX_ELEMENTS, MAX_NAME, Matrices};
+
+/// By how much, in parts of itself, a number that was computed may be beyond what it can be.
+const ROUNDING: f64 = 1e-6;
 
 /// One thing that is wrong with a drawing.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -71,6 +74,7 @@ pub(crate) fn faults(sketch: &Sketch, told: bool) -> Vec<DrawingFault> {
             ("shear_modulus", material.shear_modulus),
         ];
         numbers.into_iter().for_each(|(key, value)| check.positive(at, key, value));
+        check.poisson(at, material);
         if material.name.is_empty() || sketch.materials[..i].iter().any(|other| other.name == material.name) {
             check.fault(at, "name", format!("name = {:?}", material.name), "a name of its own");
         }
@@ -101,6 +105,13 @@ pub(crate) fn faults(sketch: &Sketch, told: bool) -> Vec<DrawingFault> {
         check.not_negative(at, "mass", disc.mass);
         check.not_negative(at, "polar_inertia", disc.polar_inertia);
         check.not_negative(at, "diametral_inertia", disc.diametral_inertia);
+        // Ip = sum m r^2 and Id = Ip / 2 + sum m z^2 of anything round.
+        let [polar, diametral] = [disc.polar_inertia, disc.diametral_inertia];
+        if polar > 2.0 * diametral * (1.0 + ROUNDING) && diametral >= 0.0 && polar.is_finite() {
+            let expected =
+                format!("at most {}, twice the diametral inertia, as a disc of no width has", 2.0 * diametral);
+            check.fault(at, "polar_inertia", format!("polar_inertia = {polar}"), expected);
+        }
     }
     for (i, point) in sketch.point_masses.iter().enumerate() {
         check.station(("point_mass", i), "station", point.station);
@@ -167,6 +178,21 @@ impl Check {
 
     fn not_negative(&mut self, at: At, key: &'static str, value: f64) {
         self.number(at, key, value, text::Domain::NotNegative);
+    }
+
+    /// A material that grows thicker when it is pulled, or changes its volume the wrong way, is a slip in one of the moduli.
+    fn poisson(&mut self, at: At, material: &Material) {
+        let Material { youngs_modulus, shear_modulus, .. } = *material;
+        let ratio = material.poisson();
+        let is_known = [youngs_modulus, shear_modulus].iter().all(|modulus| *modulus > 0.0 && modulus.is_finite());
+        if is_known && !(-ROUNDING..=0.5 + ROUNDING).contains(&ratio) {
+            let [low, high] = [3.0, 2.0].map(|part| youngs_modulus / part);
+            let found = format!("shear_modulus = {shear_modulus:e} beside youngs_modulus = {youngs_modulus:e}");
+            let expected = format!(
+                "{low:.4e} to {high:.4e}: Poisson's ratio E / (2 G) - 1 is {ratio:.4}, outside 0 to 0.5 (a section that does not yield to shear has shear = \"none\")"
+            );
+            self.fault(at, "shear_modulus", found, expected);
+        }
     }
 
     fn station(&mut self, at: At, key: &'static str, station: usize) {

@@ -214,7 +214,7 @@ pub enum Amount {
     Grade {
         /// `G` in mm/s, such as 2.5.
         millimetres_per_second: f64,
-        /// The spin speed in **rpm** that it is for; the highest one asked for where absent.
+        /// The spin speed in **rpm** that it is for; where absent, the one that whoever asks says: [`crate::FullModel::unbalance`].
         speed: Option<f64>,
     },
 }

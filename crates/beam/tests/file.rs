@@ -188,6 +188,22 @@ fn what_is_wrong_is_told_at_its_place() {
             "",
             "6:1: [material.steel] without shear_modulus: expected shear_modulus = a finite number greater than 0",
         ),
+        (
+            "shear_modulus = 81.2e9",
+            "shear_modulus = 60e9",
+            "9:17: shear_modulus = 6e10 beside youngs_modulus = 2.11e11: expected 7.0333e10 to 1.0550e11: Poisson's ratio E / (2 G) - 1 \
+             is 0.7583, outside 0 to 0.5 (a section that does not yield to shear has shear = \"none\")",
+        ),
+        (
+            "polar_inertia = 0.356",
+            "polar_inertia = 0.36",
+            "44:17: polar_inertia = 0.36: expected at most 0.356, twice the diametral inertia, as a disc of no width has",
+        ),
+        (
+            "polar_inertia = 0.356",
+            "polar_inertia = -0.1",
+            "44:17: polar_inertia = -0.1: expected a finite number, not negative",
+        ),
         ("poisson = 0.33", "poisson = 0.7", "14:11: poisson = 0.7: expected a number from 0 to 0.5"),
         (
             "poisson = 0.33",

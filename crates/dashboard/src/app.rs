@@ -331,7 +331,8 @@ impl<'a> App<'a> {
         let settings = match self.layers.last()? {
             Layer::Value(typed) => {
                 let typed = [(self.selected()?, typed.text().parse().ok()?)];
-                Edit::Set(data.units().settings_of_typed(&typed)).applied(present)?
+                let values = data.units().settings_of_typed(data.rotor.as_deref(), present, &typed).ok()?;
+                Edit::Set(values).applied(present)?
             }
             Layer::Command(line) => {
                 self.candidate(&actions::parse(&actions::with_keys(line.text(), Some(present))).ok()?, present)?

@@ -117,18 +117,18 @@ pub(crate) struct Trace {
 }
 
 impl Trace {
-    /// The least and the greatest value over some steps, dimensionless.
+    /// The least and the greatest value over some steps, dimensionless; forces as those of the first control bearing.
     pub(crate) fn range(&self, data: &FrameData, steps: Range<usize>) -> Option<[f64; 2]> {
         match self.channel {
-            Some(channel) => data.track.range(channel, steps),
+            Some(channel) => Some(data.track.range(channel, steps)?.map(|value| value * data.factor_of(channel))),
             None => data.least_damping(&steps).map(|least| [least, least]),
         }
     }
 
-    /// The value at a step, dimensionless.
+    /// The value at a step, likewise.
     pub(crate) fn value(&self, data: &FrameData, step: usize) -> Option<f64> {
         match self.channel {
-            Some(channel) => Some(data.track.value(channel, step)),
+            Some(channel) => Some(data.track.value(channel, step) * data.factor_of(channel)),
             None => data.least_damping(&(step..step + 1)),
         }
     }

@@ -58,7 +58,7 @@ pub use margin::DelayMargin;
 pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};
 pub use peak::least;
 pub use roots::Roots;
-pub use sensitivity::Sensitivity;
+pub use sensitivity::{Sensitivity, SharpRoot};
 pub use several::SeveralLoops;
 pub use system::{DelayError, DelaySystem};
 

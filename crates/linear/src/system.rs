@@ -81,10 +81,10 @@ pub enum DelayError {
 /// `x' = A x + B C x(t - T)`, time and delay in the same unit; `B C` carries the sign of the feedback.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DelaySystem {
-    a: DMatrix<C64>,
-    b: DMatrix<C64>,
-    c: DMatrix<C64>,
-    delay: f64,
+    pub(crate) a: DMatrix<C64>,
+    pub(crate) b: DMatrix<C64>,
+    pub(crate) c: DMatrix<C64>,
+    pub(crate) delay: f64,
     /// The same in balanced coordinates: roots are the same, norms are as small as scaling makes them.
     pub(crate) balanced: Balanced,
 }

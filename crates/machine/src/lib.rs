@@ -25,6 +25,7 @@
 //!
 //! Not its business: real time, messages, and what settings may be.
 
+mod counted_modes;
 mod excited;
 mod forced;
 mod frequency;
@@ -41,6 +42,7 @@ mod trip;
 mod zones;
 
 pub use control::{Excitation, ExcitationError, Multisine, Output, Tone, Words};
+pub use counted_modes::CountedModes;
 pub use forced::forced_response;
 pub use frequency::{
     FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,

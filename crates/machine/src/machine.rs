@@ -216,6 +216,13 @@ impl Machine {
         &self.outputs[..self.program.bearings()]
     }
 
+    /// The largest control that is delivered, in `w0^2 e_t`: of several control bearings as that of the first
+    /// ([`rotor::ControlMasses`]).
+    #[must_use]
+    pub fn largest_force(&self) -> f64 {
+        self.program.control_masses().largest(self.outputs().iter().map(|output| output.delivered.norm()))
+    }
+
     /// Bit `i` is set while contact `i` is closed.
     #[must_use]
     pub fn contact(&self) -> u32 {

@@ -7,7 +7,7 @@ use linear::peak::top;
 use linear::{
     AmplitudePeak, CertifiedPeak, DelayError, DelayMargin, DelaySystem, GainMargin, LoopGain, Margins, SeveralLoops,
 };
-use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant, Rotor, Settings, damping_ratio};
+use rotor::{C64, Characteristic, ControlMasses, LinearForm, OperatingPoint, Plant, Rotor, Settings};
 
 use crate::poles::PolesError;
 
@@ -53,8 +53,8 @@ impl From<control::FeedbackError> for MarginsError {
 pub struct MachineMargins {
     /// The speed.
     pub speed: f64,
-    /// Its smallest damping ratio.
-    pub min_damping: f64,
+    /// Its poles, all of them that are found.
+    pub poles: Vec<C64>,
     /// The margins of its loop. Of several control bearings, each opened with the others closed, the worst of each; but the delay is
     /// one in all commands at once, and the curve is that of the bearing with the largest sensitivity.
     pub margins: Margins,
@@ -193,7 +193,7 @@ pub fn margins(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Machine
     {
         return Err(MarginsError::Unstable { speed, pole: worst.pole });
     }
-    let min_damping = roots.iter().map(|root| damping_ratio(root.pole)).fold(f64::INFINITY, f64::min);
+    let poles = roots.iter().map(|root| root.pole).collect();
     let bearings: Vec<BearingMargins> = (each.iter())
         .map(|machine| {
             let margins = machine.gain.margins();
@@ -212,8 +212,13 @@ pub fn margins(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Machine
         margins.delay = sampled_delay(rotor, settings, speed)?;
     }
     let larger = |a: AmplitudePeak, b: AmplitudePeak| if b.amplitude > a.amplitude { b } else { a };
-    let force = bearings.iter().map(|of| of.force).reduce(larger).unwrap_or(none());
-    Ok(MachineMargins { speed, min_damping, margins, force, bearings, together })
+    let masses = ControlMasses::of(rotor, &settings.feedback);
+    let forces = bearings
+        .iter()
+        .enumerate()
+        .map(|(k, of)| AmplitudePeak { amplitude: masses.as_of_first(k, of.force.amplitude), ..of.force });
+    let force = forces.reduce(larger).unwrap_or(none());
+    Ok(MachineMargins { speed, poles, margins, force, bearings, together })
 }
 
 fn none() -> AmplitudePeak {

@@ -5,8 +5,8 @@ use std::sync::Arc;
 use control::{Controller, Feedback, LoopError};
 use rotor::step::{Fastest, StepError};
 use rotor::{
-    C64, Characteristic, ClosedLoop, LinearForm, LoopOverSpeed, OperatingPoint, Plant, PoleError, Rotor, Settings,
-    eigenvalues,
+    C64, Characteristic, ClosedLoop, ControlMasses, LinearForm, LoopOverSpeed, OperatingPoint, Plant, PoleError, Rotor,
+    Settings, eigenvalues,
 };
 
 use crate::integrate::Integrator;
@@ -75,6 +75,7 @@ pub struct Program {
     plant: Arc<Plant>,
     feedback: Feedback,
     clearances: Vec<f64>,
+    control_masses: ControlMasses,
     /// Where the speed goes.
     pub(crate) legs: Vec<Leg>,
     /// The speed that a machine has at first, and again when it restarts; none for the speed that it has then.
@@ -160,6 +161,7 @@ impl Program {
             plant,
             feedback: feedback.clone(),
             clearances: settings.deadband.clone(),
+            control_masses: ControlMasses::of(rotor, feedback),
             legs: vec![Leg::To { speed: settings.speed, rate: settings.ramp }],
             begins: None,
             trip_limit: settings.trip,
@@ -220,6 +222,12 @@ impl Program {
         &self.feedback
     }
 
+    /// What turns the control of each bearing into a force.
+    #[must_use]
+    pub fn control_masses(&self) -> &ControlMasses {
+        &self.control_masses
+    }
+
     /// How many coordinates the plant has.
     #[must_use]
     pub fn order(&self) -> usize {
@@ -233,18 +241,18 @@ impl Program {
     }
 
     /// How fast the fastest small disturbance of the balanced machine at rest in its centre grows at a speed, contacts with a clearance
-    /// out of action, and what of that rounding may be: as `exp(growth tau)`.
+    /// out of action: as `exp(growth tau)`; exactly 0 where that is rounding.
     ///
     /// # Errors
     /// Poles that cannot be had.
-    pub fn growth_at_centre(&self, speed: f64) -> Result<(f64, f64), PolesError> {
+    pub fn growth_at_centre(&self, speed: f64) -> Result<f64, PolesError> {
         let factor = |clearance: &f64| if *clearance > 0.0 { 0.0 } else { 1.0 };
         let contact_factors = self.clearances.iter().map(factor).collect();
         let at = OperatingPoint { speed, contact_factors };
         let characteristic = Characteristic::of(&LinearForm::of(&self.plant, &self.feedback, &at)?)?;
         let growth = characteristic.roots()?.iter().map(|root| root.pole.re).fold(f64::NEG_INFINITY, f64::max);
         // Where nothing is right of the line, the line is a bound.
-        Ok((growth.max(characteristic.right_of().unwrap_or(f64::NEG_INFINITY)), characteristic.rounding()))
+        Ok(growth.max(characteristic.right_of().unwrap_or(f64::NEG_INFINITY)))
     }
 
     /// The step of integration.

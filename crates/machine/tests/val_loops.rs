@@ -274,7 +274,7 @@ fn regress_poles_of_samples_under_way_are_found() {
         });
         settings.deadband.fill(1.0);
         let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
-        program.growth_at_centre(program.speed()).expect("poles").0
+        program.growth_at_centre(program.speed()).expect("poles")
     };
     let growths = [0.02, 0.025, 0.03, 0.035, 0.04].map(growth);
     // A little more with every period, by the half of it that a hold delays.

@@ -13,6 +13,7 @@ use control::{ControlBearing, Feedback, Filter, Signal};
 use nalgebra::DMatrix;
 use units::Scales;
 
+use crate::parameters::is_setting;
 use crate::params::{BeamError, RotorError};
 use crate::plant::{Contact, Direction, Matrices, Plant, Station, Tabulated};
 use crate::{C64, MAX_BEARINGS, MAX_MASSES};
@@ -45,6 +46,9 @@ impl BeamRotor {
     pub(crate) fn new(drawing: Drawing) -> Result<Self, RotorError> {
         if drawing.magnetics.len() > MAX_BEARINGS {
             return Err(BeamError::Magnetics(drawing.magnetics.len()).into());
+        }
+        if let Some(magnetic) = drawing.magnetics.iter().find(|magnetic| is_setting(&magnetic.name)) {
+            return Err(BeamError::Setting(magnetic.name.clone()).into());
         }
         let full = drawing.full();
         let scales = scales_of(&drawing, &full)?;

@@ -1,5 +1,9 @@
 //! The characteristic equation of a machine as it is, and its roots: `s` of a continuous loop, with or without a delay, or
 //! `z` of a sampled one, where `s = ln(z) / h`.
+//!
+//! Whether the real part of a pole is rounding is asked twice. Eigenvalues are known to some last places of the norm of the matrix, which
+//! is enough for nearly all. Where a bearing is so stiff that this drowns the slow modes, which leave it at rest, a pole is sharpened
+//! and judged by what the last places of the coefficients can do to it alone ([`linear::SharpRoot`]).
 
 use linear::{DelayError, DelaySystem};
 use nalgebra::DMatrix;
@@ -10,6 +14,8 @@ use crate::{C64, LinearForm};
 const OVER_AT_ONCE: f64 = 1e-9;
 /// Last places a state that rounding may cost.
 const LAST_PLACES: f64 = 64.0;
+/// A pole that moves by more than this part of itself when it is sharpened was not known well enough to be told from others.
+const SAME: f64 = 0.1;
 
 /// A root of a machine's characteristic equation, and the pole that it is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,12 +76,6 @@ impl Characteristic {
         (self.system.delay() > 0.0).then(|| self.system.echo_line())
     }
 
-    /// What a real part may be by rounding alone.
-    #[must_use]
-    pub fn rounding(&self) -> f64 {
-        self.rounding
-    }
-
     /// Its roots, all of them, or all right of the line.
     ///
     /// # Errors
@@ -91,11 +91,22 @@ impl Characteristic {
             Some(period) => root.ln() / period,
             None => root,
         };
-        let settled = |s: C64| C64::new(if s.re.abs() <= self.rounding { 0.0 } else { s.re }, s.im);
-        roots
-            .into_iter()
-            .filter(|root| self.period.is_none() || root.norm() > OVER_AT_ONCE)
-            .map(|root| CharacteristicRoot { root, pole: settled(pole(root)) })
-            .collect()
+        let told = |root: C64| {
+            let known = CharacteristicRoot { root, pole: pole(root) };
+            if known.pole.re.abs() > self.rounding { known } else { self.settled(known, pole) }
+        };
+        roots.into_iter().filter(|root| self.period.is_none() || root.norm() > OVER_AT_ONCE).map(told).collect()
+    }
+
+    /// A pole whose real part may be rounding: sharper, or with none.
+    fn settled(&self, known: CharacteristicRoot, pole: impl Fn(C64) -> C64) -> CharacteristicRoot {
+        let marginal = CharacteristicRoot { pole: C64::new(0.0, known.pole.im), ..known };
+        let Some(sharp) = self.system.sharpened(known.root) else { return marginal };
+        let found = CharacteristicRoot { root: sharp.root, pole: pole(sharp.root) };
+        // `ds = dz / (z h)`.
+        let per_root = self.period.map_or(1.0, |period| 1.0 / (period * sharp.root.norm()));
+        let rounding = LAST_PLACES * self.system.a().nrows() as f64 * sharp.last_place * per_root;
+        let is_same = (sharp.root - known.root).norm() <= SAME * known.root.norm();
+        if is_same && found.pole.re.abs() > rounding { found } else { marginal }
     }
 }

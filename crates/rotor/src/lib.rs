@@ -26,7 +26,7 @@
 //! * [`Scales`]: what an SI rotor keeps of its units. [`mod@file`]: rotors and feedback as TOML text.
 //! * [`Plant`]: the rotor without control, independent of speed: a chain, or dense matrices.
 //! * [`Feedback`], [`Signal`], [`Gain`]: the control law, from crate `control`.
-//! * [`Settings`]: all that can be changed on a running machine, with one table of its keys.
+//! * [`Settings`]: all that can be changed on a running machine, with one table of its keys. [`ControlMasses`]: by which control is a force.
 //! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart. [`Characteristic`]: its roots.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
@@ -42,6 +42,7 @@ pub mod builtin;
 mod characteristic;
 pub mod circular;
 mod closed_loop;
+mod control_masses;
 mod crossing;
 mod difference;
 mod family;
@@ -73,6 +74,7 @@ pub use closed_loop::ClosedLoop;
 pub use control::{
     ControlBearing, ControlRow, Feedback, FeedbackError, Filter, FilterError, Gain, GainKind, Parts, Signal,
 };
+pub use control_masses::ControlMasses;
 pub use difference::{ChangedValue, Difference};
 pub use follow::TraceError;
 pub use influence::{Influence, PBH_LIMIT, influence};

@@ -220,6 +220,15 @@ pub const PARAMETERS: [Parameter; 20] = [
     part!(11),
 ];
 
+/// Whether a name is that of a setting, so that nothing in front of a key can be called so.
+#[must_use]
+pub(crate) fn is_setting(name: &str) -> bool {
+    name == "feedback" || PARAMETERS.iter().any(|parameter| parameter.name == name)
+}
+
+/// What is expected of a name in front of a key, in words.
+pub(crate) const NO_SETTING: &str = "a name that is no setting: it stands in front of keys, as in left.kd";
+
 /// One settable value: a row of [`PARAMETERS`], and the mass, signal or control bearing it is meant for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Key {

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use beam::Drawing;
 use text::Domain;
 
+use crate::parameters::NO_SETTING;
 use crate::{BeamRotor, C64, MAX_BEARINGS, MAX_MASSES, MAX_NAME, Physical, PlantError};
 
 /// One lumped mass with what acts on it, in the dimensionless ratios of Tables 3.1 and 4.1.
@@ -148,6 +149,9 @@ pub enum BeamError {
     /// More magnetic bearings than a machine can have.
     #[error("{0} magnetic bearings: expected at most {MAX_BEARINGS}")]
     Magnetics(usize),
+    /// A magnetic bearing that is called as a setting is.
+    #[error("magnetic bearing {0:?}: expected {NO_SETTING}")]
+    Setting(String),
     /// Two bearings with play at one station.
     #[error("two bearings with play at station {station}: expected one")]
     TwoContacts {

@@ -20,6 +20,16 @@ pub enum SettingsError {
         /// Of what: `masses`, `signals` or `control bearings`.
         of: &'static str,
     },
+    /// The clearance of a support bearing that is not there.
+    #[error("{key} does nothing: {place} has no support bearing with play; {}", known_clearances(known))]
+    NoContact {
+        /// The key.
+        key: String,
+        /// The place that was meant, or the rotor.
+        place: String,
+        /// The keys it may be.
+        known: Vec<String>,
+    },
     /// A gain of one of several control bearings, and it is not said of which.
     #[error("{key} of which control bearing? There are {known}", known = known.join(", "))]
     WhichBearing {
@@ -67,6 +77,10 @@ pub enum SettingsError {
 
 fn or_off_words(can_be_off: bool) -> &'static str {
     if can_be_off { ", or off" } else { "" }
+}
+
+fn known_clearances(known: &[String]) -> String {
+    if known.is_empty() { "it has none anywhere".to_owned() } else { format!("there are {}", known.join(", ")) }
 }
 
 fn known_keys() -> String {
@@ -190,6 +204,53 @@ impl Settings {
                 Err(SettingsError::NoSuchIndex { key, count, of: "signals" })
             }
             _ => Err(unknown()),
+        }
+    }
+
+    /// The keys of one value each that a key means: itself, but of several control bearings one each where it is of all. What is typed for
+    /// all of them may be another number for each ([`crate::ControlMasses`]).
+    #[must_use]
+    pub fn each_bearing(&self, key: Key) -> Vec<Key> {
+        match (key.parameter.scope, key.index, self.feedback.bearings.len()) {
+            (Scope::Bearing, None, count @ 2..) => (0..count).map(|k| Key { index: Some(k), ..key }).collect(),
+            _ => vec![key],
+        }
+    }
+
+    /// The same on `rotor`, of whose places a clearance is set only where a support bearing has one.
+    ///
+    /// # Errors
+    /// The clearance of a place where nothing has play: to set it would do nothing.
+    pub fn each(&self, rotor: &Rotor, key: Key) -> Result<Vec<Key>, SettingsError> {
+        if key.parameter.scope != Scope::Mass {
+            return Ok(self.each_bearing(key));
+        }
+        let met: Vec<usize> = (0..self.deadband.len()).filter(|place| rotor.has_contact(*place)).collect();
+        let one = |place: usize| Key { index: Some(place), ..key };
+        let refused = |place: String| {
+            let known = met.iter().map(|place| match rotor.is_chain() {
+                true => one(*place).to_string(),
+                false => format!("{} ({})", one(*place), rotor.place_name(*place)),
+            });
+            Err(SettingsError::NoContact { key: key.to_string(), place, known: known.collect() })
+        };
+        match key.index {
+            None if met.is_empty() => refused("the rotor".to_owned()),
+            // What is set of a mass without a bearing is nothing, but told with the others.
+            None if rotor.is_chain() => Ok(vec![key]),
+            None => Ok(met.into_iter().map(one).collect()),
+            Some(place) if place < self.deadband.len() && !met.contains(&place) => refused(rotor.place_name(place)),
+            Some(_) => Ok(vec![key]),
+        }
+    }
+
+    /// The control bearing, counted from 0, that a key belongs to; nothing of a key of the machine, of a mass, or of all bearings.
+    #[must_use]
+    pub fn bearing_of(&self, key: Key) -> Option<usize> {
+        match key.parameter.scope {
+            Scope::Bearing => key.index,
+            Scope::Signal => Some(self.feedback.place_of_signal(key.index.unwrap_or(0))?.0),
+            Scope::Machine | Scope::Mass => None,
         }
     }
 

@@ -417,3 +417,23 @@ fn val_a_loop_in_si_units_is_the_dimensionless_one() {
     close(through(0).norm(), (1.0 + 0.4f64.powi(4)).powf(-0.5));
     close(((s * 2.0 + 3.0) / (s * 5.0 + 7.0) / through(1)).norm(), 1.0);
 }
+
+#[test]
+fn a_magnetic_bearing_is_not_called_as_a_setting_is() {
+    let rig = builtin::rotor("rig").expect("built in");
+    let text = write_rotor(&rig);
+    let line = text.lines().position(|line| line.starts_with("name = \"left\"")).expect("a bearing") + 1;
+    for name in ["deadband", "speed", "feedback", "kd", "limit"] {
+        let named = text.replacen("name = \"left\"", &format!("name = {name:?}"), 1);
+        let told = read_rotor(&named, "rig").expect_err("refused").in_file("rig.toml");
+        let expected = "expected a name that is no setting: it stands in front of keys, as in left.kd";
+        assert_eq!(told, format!("rig.toml:{line}:8: name = {name:?}: {expected}"));
+        // A program is told too.
+        let mut sketch = rig.beam().expect("shaft elements").drawing().clone().into_sketch();
+        sketch.magnetics[0].name = name.into();
+        let refused = Rotor::from_drawing(beam::Drawing::new(sketch).expect("a drawing")).expect_err("refused");
+        assert_eq!(refused.to_string(), format!("magnetic bearing {name:?}: {expected}"));
+    }
+    let named = text.replacen("name = \"left\"", "name = \"speedy\"", 1);
+    read_rotor(&named, "rig").expect("a name like others");
+}

@@ -71,13 +71,8 @@ pub(crate) fn of_centre(program: &Program, speed: f64) -> Result<DisturbanceGrow
     if let Some(closed_loop) = program.closed_loop().filter(|closed_loop| closed_loop.speed() == speed) {
         return Ok(circular::centre(closed_loop)?.into());
     }
-    let (growth, noise) = program.growth_at_centre(speed)?;
-    let stability = match growth {
-        growth if growth > noise => Stability::Unstable,
-        growth if growth < -noise => Stability::Stable,
-        _ => Stability::Marginal,
-    };
-    Ok(DisturbanceGrowth { stability, growth, by: Means::Eigenvalues })
+    let growth = program.growth_at_centre(speed)?;
+    Ok(DisturbanceGrowth { stability: Stability::of(C64::from(growth)), growth, by: Means::Eigenvalues })
 }
 
 /// The circular orbit that the rotor is on, if it is on one. Under a loop with states of its own, or at a speed that a drive left it at, orbits are not known

@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{Machine, PolesError, Program, ProgramError, default_step};
-use rotor::{C64, Feedback, PoleError, Rotor, Settings};
+use rotor::{C64, ControlMasses, Feedback, PoleError, Rotor, Settings};
 
 use crate::disturbance::{self, DisturbanceGrowth};
 use crate::peak::Peaks;
@@ -87,7 +87,7 @@ pub struct Outcome {
     pub centre: DisturbanceGrowth,
     /// From where on maxima and means are taken. If nothing settled, from the middle of the run.
     pub maxima_from: f64,
-    /// Largest `|u|`, in `w0^2 e_t`.
+    /// Largest `|u|`, in `w0^2 e_t`; of several control bearings as that of the first ([`rotor::ControlMasses`]).
     pub max_force: f64,
     /// The larger of the largest `|u_y|` and `|u_z|`.
     pub max_force_component: f64,
@@ -294,6 +294,7 @@ impl Plan {
 /// Keeps the books of a run.
 struct Watch {
     masses: usize,
+    control_masses: ControlMasses,
     settle: Settle,
     window: f64,
     limit_squared: f64,
@@ -314,6 +315,7 @@ impl Watch {
         let window = if turn.is_finite() { (turn * (8.0 / turn).ceil()).min(200.0) } else { 8.0 };
         Self {
             masses,
+            control_masses: *plan.program.control_masses(),
             settle: plan.settle,
             window: window.max(8.0),
             limit_squared: (DIVERGED + 1e3 * plan.program.clearances().iter().copied().fold(0.0, f64::max)).powi(2),
@@ -333,7 +335,8 @@ impl Watch {
         let outputs = rotor.outputs();
         self.saturated_steps += u64::from(outputs.iter().any(|output| output.saturated));
         let mut samples = [0.0; 3 + rotor::MAX_MASSES];
-        for u in outputs.iter().map(|output| output.delivered) {
+        for (bearing, output) in outputs.iter().enumerate() {
+            let u = output.delivered * self.control_masses.as_of_first(bearing, 1.0);
             // Of several control bearings the largest; what is not a number must not be lost in it.
             for (place, square) in samples.iter_mut().zip([u.norm_sqr(), u.re * u.re, u.im * u.im]) {
                 *place = if square.is_nan() { square } else { place.max(square) };

@@ -17,6 +17,7 @@ fn question<'a>(rotor: &'a Rotor, settings: &'a Settings, over: [f64; 2], limits
         operating: over,
         cross_at: rotor.len() / 2,
         cross_stiffness: None,
+        modes: machine::CountedModes::ALL,
         grade: None,
         clearance: None,
         force: None,
@@ -216,4 +217,34 @@ fn a_machine_that_asks_for_more_than_its_limit_fails() {
         assert!(line.note.as_deref().unwrap().contains("within the limit of the force"), "{line:?}");
     }
     assert!(!answer.passed());
+}
+
+/// 30 kg and 10 kg with a control bearing each, the lighter one first.
+#[test]
+fn every_control_bearing_has_a_line_of_its_own_limit() {
+    let mass = |mass, unbalance| PhysicalMass { mass, bearing_stiffness: 1.8e6, unbalance, ..PhysicalMass::default() };
+    let rotor = Rotor::from_si("two", vec![mass(30.0, 9e-6), mass(10.0, 1e-6)], vec![4e6], None).expect("valid");
+    let bearing = |name: &str, station, limit| {
+        let signal = rotor::Signal::at_mass(station, 2, [0.5, 1.0, 0.0, 0.0]);
+        let mut bearing = rotor::ControlBearing::new(station, vec![signal]);
+        (bearing.name, bearing.parts.limit) = (Some(name.to_owned()), limit);
+        bearing
+    };
+    let speeds = [0.1, 0.8];
+    let free =
+        rotor::Feedback { bearings: vec![bearing("light", 1, f64::INFINITY), bearing("heavy", 0, f64::INFINITY)] };
+    let found_at = rotor::circular::synchronous(&rotor, &free, &[0.0; 2], &[0.8]).expect("solved");
+    let [light, heavy] = found_at.orbits[0][0].forces[..] else { panic!("two") };
+    // Enough for the one, not for the other.
+    let bearings = vec![bearing("light", 1, 2.0 * light), bearing("heavy", 0, 0.999 * heavy)];
+    let settings = Settings::new(&rotor, 0.0, rotor::Feedback { bearings });
+    let limits = Limits::default();
+    let answer = assess(&question(&rotor, &settings, speeds, &limits)).expect("assessed");
+    let of = |name: &str| found(&answer, &format!("dynamic force, {name}"));
+    let near = |found: Option<f64>, expected: f64, within: f64| (found.expect("found") / expected - 1.0).abs() < within;
+    assert_eq!((of("light").passed, of("light").asked), (Some(false), Some(Asked::AtMost(2.0 * light))), "{answer:?}");
+    // Told as that of the first, on a third of the mass; what the heavy one cannot do is no orbit.
+    assert!(matches!(of("heavy").asked, Some(Asked::AtMost(most)) if near(Some(most), 3.0 * 0.999 * heavy, 1e-12)));
+    assert!(near(of("heavy").found, 3.0 * 0.999 * heavy, 0.05), "{:?}", of("heavy"));
+    assert!(near(of("light").found, light, 0.05) && of("light").place.station == Some(1), "{:?}", of("light"));
 }

@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicBool;
 
 use proptest::prelude::*;
 use rotor::circular::synchronous;
-use rotor::{C64, Feedback, Mass, Rotor, Signal, builtin};
+use rotor::{C64, ControlBearing, Feedback, Mass, Rotor, Signal, builtin};
 use study::force::{steady, sweep};
 use study::run::{Impulse, Outcome, Plan, RunError, Settle, Settled, run};
 
@@ -158,5 +158,23 @@ proptest! {
         for (a, b) in straight.max_displacement.iter().zip(&turned.max_displacement) {
             prop_assert!((a - b).abs() < 1e-7 * (1.0 + a));
         }
+    }
+}
+
+/// A quarter of the mass under the first bearing and half of it under the second: what is told as the largest force is that of the first
+/// which is as large.
+#[test]
+fn val_of_two_bearings_on_unequal_masses_the_larger_force_is_told_not_the_larger_acceleration() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let bearing = |station, gains| ControlBearing::new(station, vec![Signal::at_mass(station, 3, gains)]);
+    let speed = 1.2;
+    for (gains, hardest) in [([1.0, 1.0, 0.0, 0.0], 1), ([9.0, 1.0, 0.0, 0.0], 0)] {
+        let feedback = Feedback { bearings: vec![bearing(0, gains), bearing(1, [1.0, 1.0, 0.0, 0.0])] };
+        let exact = synchronous(&rotor, &feedback, &[0.0; 3], &[speed]).expect("solved");
+        let [orbit] = &exact.orbits[0][..] else { panic!("one orbit: {:?}", exact.orbits[0]) };
+        let expected = [orbit.forces[0], orbit.forces[1] * 2.0];
+        assert!((orbit.force - expected[hardest]).abs() < 1e-12 && orbit.force > expected[1 - hardest], "{orbit:?}");
+        let outcome = go(&plan((&rotor, &feedback, speed, &[0.0; 3]), 200.0, Settle::Detect));
+        assert!((outcome.max_force / orbit.force - 1.0).abs() < 1e-5, "{} and {}", outcome.max_force, orbit.force);
     }
 }

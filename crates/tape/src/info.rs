@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
 use alarms::{Alarms, Entry, Limits, Watch};
+use rotor::ControlMasses;
 use serde::Serialize;
 
 use wire::{Happening, Moment, State, Step};
@@ -66,7 +67,7 @@ pub struct Info {
     pub alarm_limits: Option<BTreeMap<&'static str, Option<[f64; 2]>>>,
     /// The smallest damping ratio under any settings in force; null if no poles are known, or no steps.
     pub min_damping: Option<DampingInfo>,
-    /// The largest control force; null without steps.
+    /// The largest control force, of several control bearings as that of the first; null without steps.
     pub max_force: Option<PeakInfo>,
     /// The largest radius of any mass; null without steps.
     pub max_radius: Option<PeakInfo>,
@@ -170,15 +171,15 @@ impl Info {
     /// # Errors
     /// The file has changed or cannot be read.
     pub fn of(recording: &mut Recording) -> Result<Self, TapeError> {
-        Self::seeing(recording, |_| ())
+        Self::seeing(recording, |_, _| ())
     }
 
-    /// The same, and shows every step of a machine in motion, in order: those of one that is held after a trip repeat the step that
+    /// The same, and shows every step of a machine in motion with the size of its largest force, in order: those of one that is held after a trip repeat the step that
     /// tripped it.
     ///
     /// # Errors
     /// As [`Info::of`].
-    pub fn seeing(recording: &mut Recording, mut see: impl FnMut(&State)) -> Result<Self, TapeError> {
+    pub fn seeing(recording: &mut Recording, mut see: impl FnMut(&State, f64)) -> Result<Self, TapeError> {
         let (mut force, mut radius) = (None::<PeakInfo>, None::<PeakInfo>);
         let mut held = false;
         // Of the settings that were in force while steps were recorded; the first do not count as a change.
@@ -186,6 +187,8 @@ impl Info {
         let revisions = recording.revisions();
         let in_force = revisions.partition_point(|r| r.from <= first).max(1) - 1;
         let in_force: Vec<Revision> = revisions.get(in_force..).unwrap_or_default().to_vec();
+        let of = |r: &Revision| (r.from, ControlMasses::of(recording.rotor(), &r.settings.feedback));
+        let masses: Vec<(u64, ControlMasses)> = recording.revisions().iter().map(of).collect();
         let last = recording.span().map_or(0, |span| span.last.seq);
         let damped = in_force.iter().filter(|r| !r.poles.is_empty() && r.from <= last);
         let least = damped.min_by(|a, b| a.min_damping.total_cmp(&b.min_damping));
@@ -203,18 +206,21 @@ impl Info {
             if is_held {
                 return ControlFlow::Continue(());
             }
-            see(state);
-            let [y, z] = state.force_delivered();
+            let since = masses.partition_point(|(from, _)| *from <= state.seq()).max(1) - 1;
+            let own = masses.get(since).map_or_else(ControlMasses::default, |(_, masses)| *masses);
+            let sizes = (0..state.bearings()).map(|bearing| state.force(bearing)[1]).map(|[y, z]| y.hypot(z));
+            let delivered = own.largest(sizes);
+            see(state, delivered);
             // A turn tells the worst until then: that of an alarm that never ended is for us to find.
             for entry in alarms.iter_mut().filter(|entry| entry.fell.is_none() && entry.rose.seq <= state.seq()) {
                 let value = match entry.watch {
                     Watch::Orbit => state.largest_radius(),
-                    Watch::Force => y.hypot(z),
+                    Watch::Force => delivered,
                     _ => continue,
                 };
                 entry.worst = entry.worst.max(value);
             }
-            larger(&mut force, PeakInfo { value: y.hypot(z), at, mass: None });
+            larger(&mut force, PeakInfo { value: delivered, at, mass: None });
             for (mass, point) in state.points().enumerate() {
                 larger(&mut radius, PeakInfo { value: point.radius(), at, mass: Some(mass + 1) });
             }

@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn an_si_rotor_is_told_in_rpm_and_newtons() {
         let (now, found) = (effects("composite"), effects("off"));
-        let units = Units::of(Some(crate::test_support::SI), Some(1.0));
+        let units = Units::of(Some(crate::test_support::SI), rotor::ControlMasses::default());
         let rows = rows(&now, &found, &units);
         assert!(rows[1].told.contains(" rpm in force") && rows[2].told.contains("N in force"), "{rows:?}");
     }

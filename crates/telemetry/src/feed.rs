@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Instant;
 
 use alarms::{Reading, Sampler};
-use rotor::{Rotor, Settings};
+use rotor::{ControlMasses, MAX_BEARINGS, Rotor, Settings};
 use wire::{BenchStatus, Event, Happening, RecorderStatus, SettingsDocument, Step, Text};
 
 use crate::connection::Connection;
@@ -226,7 +226,10 @@ impl Feed {
 
     /// The units that settings are typed and shown in.
     pub fn units(&self) -> Units {
-        Units::of(self.bench_status.as_ref().and_then(|bench_status| bench_status.scales()), Some(1.0))
+        let Some(bench_status) = &self.bench_status else { return Units::DIMENSIONLESS };
+        let feedback = &bench_status.settings.get().feedback;
+        let masses = self.rotor.as_ref().map(|rotor| ControlMasses::of(rotor, feedback));
+        Units::of(bench_status.scales(), masses.unwrap_or_default())
     }
 
     /// The steps that are kept, with the settings they were made under.
@@ -288,7 +291,7 @@ impl Feed {
                 .map(|(at, era)| (place(at), era))
                 .collect(),
             marks: self.history.marks(&overview).map(|(at, mark)| (place(*at), mark.clone())).collect(),
-            peak_force: view.now.map_or(0.0, |now| self.history.peak_force(now)),
+            peak_forces: view.now.map_or([0.0; MAX_BEARINGS], |now| self.history.peak_forces(now)),
             seconds,
             settings: self.settings(),
             rotor: self.rotor.clone(),

@@ -4,13 +4,13 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::Duration;
 
-use rotor::{C64, Rotor, Settings};
+use rotor::{C64, ControlMasses, MAX_BEARINGS, Rotor, Settings};
 use wire::message::Trip;
 use wire::{BenchStatus, RecorderStatus};
 
 use crate::connection::Connection;
 use crate::event_log::LoggedEvent;
-use crate::history::{Era, Mark, Track};
+use crate::history::{Era, Mark, StepQuantity, Track};
 use crate::units::Units;
 
 /// What one frame is drawn from. Everything is at the cursor's moment, unless it says that it is live.
@@ -32,8 +32,8 @@ pub struct FrameData {
     pub eras: Vec<(usize, Arc<Era>)>,
     /// What happened during the overview, each before the step of that number.
     pub marks: Vec<(usize, Mark)>,
-    /// The largest control between the last change of settings or restart and the cursor.
-    pub peak_force: f64,
+    /// The largest control of every bearing between the last change of settings or restart and the cursor.
+    pub peak_forces: [f64; MAX_BEARINGS],
     /// Seconds from step to step, as the simulation means it; 0 while unknown.
     pub seconds: f64,
     /// Live: the settings in force, once they are known.
@@ -74,15 +74,35 @@ impl FrameData {
         (!era.poles.is_empty()).then_some((era.min_damping, &era.poles))
     }
 
+    /// What turns control into a force at each control bearing.
+    pub fn masses_of_bearings(&self) -> ControlMasses {
+        let masses = self.era.as_ref().and_then(|era| {
+            let rotor = era.rotor.as_ref().or(self.rotor.as_ref())?;
+            Some(ControlMasses::of(rotor, &era.settings.feedback))
+        });
+        masses.unwrap_or_default()
+    }
+
     /// The units that things are shown in.
     pub fn units(&self) -> Units {
         let scales = self.bench_status.as_ref().and_then(|bench_status| bench_status.scales());
-        let mass = self.era.as_ref().and_then(|era| {
-            let rotor = era.rotor.as_ref().or(self.rotor.as_ref())?;
-            Some(rotor.control_mass(era.settings.feedback.bearings[0].station))
-        });
         // Before the first step no era is known, but the scales may be.
-        Units::of(scales, mass.or(scales.map(|_| 1.0)))
+        Units::of(scales, self.masses_of_bearings())
+    }
+
+    /// The largest of [`FrameData::peak_forces`], as that of the first control bearing.
+    pub fn peak_force(&self) -> f64 {
+        self.masses_of_bearings().largest(self.peak_forces)
+    }
+
+    /// How many times its number a quantity counts in the unit of its kind: the control of each bearing is a force of its own.
+    pub fn factor_of(&self, quantity: StepQuantity) -> f64 {
+        quantity.bearing().map_or(1.0, |bearing| self.units().factor_of(bearing))
+    }
+
+    /// The mass that is looked at where nobody has chosen one, counted from 0: the one with the first control bearing.
+    pub fn bearing_mass(&self) -> usize {
+        self.era.as_ref().map_or(0, |era| era.settings.feedback.first().station)
     }
 
     /// The least minimum damping that was in force over some steps, if any is known.

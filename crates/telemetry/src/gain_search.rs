@@ -357,7 +357,7 @@ mod tests {
 
     #[test]
     fn val_wishes_for_a_rotor_in_si_units_are_typed_and_told_in_rpm() {
-        let units = Units::of(Some(crate::test_support::SI), Some(1.0));
+        let units = Units::of(Some(crate::test_support::SI), rotor::ControlMasses::default());
         let (_, mut settings) = bench();
         (settings.speed, settings.deadband) = (2.5, vec![0.0; 3]);
         let goal = SearchGoal::read("0..19098.593171027442", &settings, &units).unwrap();

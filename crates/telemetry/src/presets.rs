@@ -144,7 +144,7 @@ impl Presets {
             Some(then) => {
                 let word = if then.is_unstable() { DampingVerdict::of(then.min_damping).word() } else { "" };
                 let gap = if word.is_empty() { "" } else { " " };
-                let speed = Units::of(rotor.scales().copied(), Some(1.0)).speed_told(settings.speed);
+                let speed = Units::of_machine(rotor, &settings.feedback).speed_told(settings.speed);
                 format!("min damping {:.4}{gap}{word} at {speed}{in_force}", then.min_damping)
             }
         }

@@ -1,7 +1,7 @@
 //! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
 //! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
 
-use rotor::{ChangedValue, Difference, Key, Scales, Settings, SettingsError};
+use rotor::{ChangedValue, ControlMasses, Difference, Feedback, Key, Rotor, Scales, Settings, SettingsError};
 use text::number::{nice_ceiling, significant};
 use units::Dimension;
 
@@ -19,8 +19,10 @@ pub struct Units {
     pub length: Unit,
     /// Velocities of masses.
     pub velocity: Unit,
-    /// The control force.
+    /// The control force of the first control bearing, in which the largest of several is told too.
     pub force: Unit,
+    /// By which control is a force, bearing by bearing.
+    pub masses: ControlMasses,
     /// Frequencies of whirl.
     pub frequency: Unit,
     /// Real and imaginary parts of poles.
@@ -36,34 +38,51 @@ impl Units {
         length: Unit { factor: 1.0, name: "e_t" },
         velocity: Unit { factor: 1.0, name: "w0 e_t" },
         force: Unit { factor: 1.0, name: "m_b w0² e_t" },
+        masses: ControlMasses::ONES,
         frequency: Unit { factor: 1.0, name: "w0" },
         rate: Unit { factor: 1.0, name: "w0" },
         speed: Unit { factor: 1.0, name: "R" },
     };
 
-    /// Those of a bench whose bench status has `scales`, with a control bearing that carries the mass ratio `mass`.
-    pub fn of(scales: Option<Scales>, mass: Option<f64>) -> Self {
-        let (Some(scales), Some(mass)) = (scales, mass) else { return Self::DIMENSIONLESS };
+    /// Those of a machine.
+    pub fn of_machine(rotor: &Rotor, feedback: &Feedback) -> Self {
+        Self::of(rotor.scales().copied(), ControlMasses::of(rotor, feedback))
+    }
+
+    /// Those of a bench whose bench status has `scales`, with control bearings that carry these masses.
+    pub fn of(scales: Option<Scales>, masses: ControlMasses) -> Self {
+        let Some(scales) = scales else { return Self { masses, ..Self::DIMENSIONLESS } };
         // One prefix for a rotor, whatever it does: numbers must not jump.
         let (per_metre, length, velocity) = match scales.e_t {
             ..1e-3 => (1e6, "μm", "μm/s"),
             ..1.0 => (1e3, "mm", "mm/s"),
             _ => (1.0, "m", "m/s"),
         };
-        let si = |dimension: Dimension| dimension.si(&scales, mass);
+        let si = |dimension: Dimension| dimension.si(&scales, masses.ratio(0));
         let with_prefix = |dimension, name| Unit { factor: si(dimension).factor * per_metre, name };
         Self {
             scales: Some(scales),
             length: with_prefix(Dimension::Length, length),
             velocity: with_prefix(Dimension::Velocity, velocity),
             force: si(Dimension::Force),
+            masses,
             frequency: si(Dimension::Frequency),
             rate: si(Dimension::Rate),
             speed: si(Dimension::Speed),
         }
     }
 
-    /// What a quantity of a step is counted in.
+    /// The control force of a control bearing, counted from 0.
+    pub fn force_of(&self, bearing: usize) -> Unit {
+        Unit { factor: self.factor_of(bearing) * self.force.factor, ..self.force }
+    }
+
+    /// How many times the force of the first control bearing one of the same number is at another; 1 where things are told as they are.
+    pub fn factor_of(&self, bearing: usize) -> f64 {
+        if self.scales.is_some() { self.masses.as_of_first(bearing, 1.0) } else { 1.0 }
+    }
+
+    /// What a quantity of a step is counted in; forces as those of the first control bearing.
     pub fn of_dimension(&self, dimension: Dimension) -> Unit {
         match dimension {
             // `tau` stays `tau`.
@@ -88,11 +107,9 @@ impl Units {
 
     /// What a setting is counted in where it is typed and shown: the same as for `whirl set`, so in metres, not micrometres.
     pub fn setting(&self, key: Key) -> Unit {
-        match (self.scales, key.parameter.dimension) {
-            (None, _) => Unit { factor: 1.0, name: key.parameter.unit() },
-            (Some(_), Dimension::Force) => self.force,
-            (Some(_), dimension @ Dimension::ForceRate) => self.of_dimension(dimension),
-            (Some(scales), dimension) => dimension.si(&scales, 1.0),
+        match self.scales {
+            None => Unit { factor: 1.0, name: key.parameter.unit() },
+            Some(scales) => key.parameter.dimension.si(&scales, self.masses.of_key(key)),
         }
     }
 
@@ -105,9 +122,22 @@ impl Units {
         }
     }
 
-    /// Settings as they were typed, dimensionless.
-    pub fn settings_of_typed(&self, typed: &[(Key, f64)]) -> Vec<(Key, f64)> {
-        typed.iter().map(|(key, value)| (*key, value / self.setting(*key).factor)).collect()
+    /// Changes of `settings` as they were typed, dimensionless: what is typed for all control bearings is that for each.
+    ///
+    /// # Errors
+    /// A clearance where nothing of `rotor`, if that is known, has play.
+    pub fn settings_of_typed(
+        &self,
+        rotor: Option<&Rotor>,
+        settings: &Settings,
+        typed: &[(Key, f64)],
+    ) -> Result<Vec<(Key, f64)>, SettingsError> {
+        let mut values = Vec::with_capacity(typed.len());
+        for &(key, value) in typed {
+            let each = rotor.map_or_else(|| Ok(settings.each_bearing(key)), |rotor| settings.each(rotor, key))?;
+            values.extend(each.into_iter().map(|key| (key, value / self.setting(key).factor)));
+        }
+        Ok(values)
     }
 
     /// A value of a setting as people read it: with its unit where that is none of the machine's own.
@@ -179,7 +209,7 @@ mod tests {
 
     #[test]
     fn val_a_rotor_in_si_units_is_told_in_micrometres_newtons_hertz_and_rpm() {
-        let units = Units::of(Some(SI), Some(1.0));
+        let units = Units::of(Some(SI), ControlMasses::default());
         assert_eq!(units.length.told(2.0, 4), "10.00 μm");
         // m_b w0^2 e_t = 2 kg (1000/s)^2 5e-6 m.
         assert_eq!(units.force.told(1.0, 4), "10.00 N");
@@ -189,16 +219,16 @@ mod tests {
         assert_eq!((units.speed(1.0), units.speed_told(1.0)), ("9549".into(), "9549 rpm".into()));
         assert_eq!(units.rate.told(-0.5, 4), "-500.0 1/s");
         let large = Scales { e_t: 2e-3, ..SI };
-        assert_eq!(Units::of(Some(large), Some(0.25)).length.told(2.0, 4), "4.000 mm");
+        assert_eq!(Units::of(Some(large), ControlMasses::default()).length.told(2.0, 4), "4.000 mm");
     }
 
     #[test]
     fn changes_are_told_in_what_they_were_typed_in() {
-        let units = Units::of(Some(SI), Some(1.0));
+        let units = Units::of(Some(SI), ControlMasses::default());
         let rotor = rotor::builtin::rotor("three-mass").unwrap();
         let mut before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
         let speed: Key = "speed".parse().unwrap();
-        let [typed] = units.settings_of_typed(&[(speed, 30_000.0)])[..] else { panic!("one") };
+        let [typed] = units.settings_of_typed(None, &before, &[(speed, 30_000.0)]).unwrap()[..] else { panic!("one") };
         let after = Settings { speed: typed.1, ..before.clone() };
         assert_eq!(units.value(speed, typed.1), "30000 rpm");
         assert_eq!(units.difference(&before, &after), "speed 0 rpm -> 30000 rpm");
@@ -228,17 +258,50 @@ mod tests {
     #[test]
     fn settings_are_typed_as_on_the_command_line_and_nudged_by_round_numbers() {
         let [speed, deadband, kd] = ["speed", "deadband", "kd"].map(|name| name.parse::<Key>().unwrap());
-        let units = Units::of(Some(SI), Some(1.0));
-        let typed = units.settings_of_typed(&[(speed, 9_549.296_585_513_72), (deadband, 1e-5), (kd, 0.1)]);
+        let units = Units::of(Some(SI), ControlMasses::default());
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        let settings = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
+        let typed = [(speed, 9_549.296_585_513_72), (deadband, 1e-5), (kd, 0.1)];
+        let typed = units.settings_of_typed(Some(&rotor), &settings, &typed).unwrap();
         assert!((typed[0].1 - 1.0).abs() < 1e-12 && (typed[1].1 - 2.0).abs() < 1e-12 && typed[2].1 == 0.1, "{typed:?}");
         assert_eq!([speed, deadband, kd].map(|key| units.step(key)), [500.0, 5e-7, 0.01]);
         assert_eq!(units.setting(deadband).name, "m");
         assert_eq!([speed, deadband].map(|key| Units::DIMENSIONLESS.step(key)), [0.05, 0.1]);
     }
 
+    /// 30 kg and 10 kg with a control bearing each, the second first: K_t e_t are 72 N, so that 1 is 18 N and 54 N.
+    #[test]
+    fn val_a_force_is_typed_and_told_by_the_mass_of_its_own_control_bearing() {
+        let mass = |mass| rotor::PhysicalMass { mass, bearing_stiffness: 1.8e6, unbalance: 1e-5, ..Default::default() };
+        let rotor = Rotor::from_si("rig", vec![mass(30.0), mass(10.0)], vec![1e6], None).unwrap();
+        let bearings = [1, 0].map(|station| rotor::ControlBearing::new(station, vec![])).to_vec();
+        let before = Settings::new(&rotor, 0.0, Feedback { bearings });
+        let units = Units::of_machine(&rotor, &before.feedback);
+        let near =
+            |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} and {expected}");
+        let key = |typed: &str| before.key(typed).unwrap();
+        let typed = [(key("limit"), 54.0), (key("slew.2"), 16_200.0)];
+        let typed = units.settings_of_typed(Some(&rotor), &before, &typed).unwrap();
+        let told: Vec<String> = typed.iter().map(|(key, _)| key.to_string()).collect();
+        assert_eq!(told, ["limit.1", "limit.2", "slew.2"], "what is typed for all is that for each");
+        [3.0, 1.0, 1.0].iter().zip(&typed).for_each(|(expected, (_, found))| near(*found, *expected));
+        let mut after = before.clone();
+        typed.iter().for_each(|(key, value)| after.set(*key, *value).unwrap());
+        let words = "1.limit off -> 54 N, 2.limit off -> 54 N, 2.slew off -> 16200 N/s";
+        assert_eq!(units.difference(&before, &after), words);
+        near(units.force_of(0).factor, 18.0);
+        near(units.force_of(1).factor, 54.0);
+        near(units.factor_of(1), 3.0);
+        // A limit of 1 is as large a force on the second as one of 3 on the first, and nudged by a round number of its own.
+        assert_eq!([key("limit.1"), key("limit.2")].map(|key| units.step(key)), [20.0, 60.0]);
+        // A rotor without scales is told as it is: in accelerations.
+        let plain = Units::of_machine(&rotor.dimensionless(), &before.feedback);
+        assert_eq!((plain.factor_of(1), plain.setting(key("limit.2")).factor), (1.0, 1.0));
+    }
+
     #[test]
     fn any_other_rotor_is_told_in_its_own_scales() {
-        let units = Units::of(None, Some(0.25));
+        let units = Units::of(None, ControlMasses::default());
         assert_eq!(units, Units::DIMENSIONLESS);
         assert_eq!((units.length.told(2.0, 4), units.speed_told(2.5)), ("2.000 e_t".into(), "R 2.5".into()));
     }

@@ -70,7 +70,7 @@ mod tests {
     #[test]
     fn val_what_happened_to_a_machine_in_si_units_is_told_in_them() {
         // e_t = 5 um, w0 = 1000 rad/s: 5 mm/s for one w0 e_t.
-        let units = Units::of(Some(SI), Some(1.0));
+        let units = Units::of(Some(SI), rotor::ControlMasses::default());
         let trip = Trip { cause: 1, mass: 2, step: 77, radius: 6.0, limit: 5.0 };
         assert_eq!(units.trip(&trip), "orbit of mass 2 reached 30.000 μm, past the limit of 25.000 μm");
         assert_eq!(units.happening(&Happening::Tripped(trip)), format!("tripped: {}", units.trip(&trip)));

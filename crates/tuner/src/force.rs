@@ -8,7 +8,7 @@
 //! (I - B) u = a,   a = sum_k g_k e_b(k) alpha_k,   B = sum_k g_k e_b(k) beta_k^T,   du / dg_k = (I - B)^-1 e_b(k) (alpha_k + beta_k u)
 //! ```
 //!
-//! Of several bearings the largest force counts. Of a sampled loop it is the fundamental of the held force.
+//! Of several bearings the largest force counts, as that of the first ([`rotor::ControlMasses`]). Of a sampled loop it is the fundamental of the held force.
 
 use nalgebra::{DMatrix, DVector};
 use rotor::C64;
@@ -25,7 +25,8 @@ pub(crate) struct Synchronous {
     /// What it answers to whirl under a unit of control at each bearing, gain by gain.
     beta: Vec<C64>,
     bearing_of: Vec<usize>,
-    count: usize,
+    /// What the control of each bearing is worth in control of the first.
+    worth: Vec<f64>,
     speed: f64,
 }
 
@@ -35,7 +36,8 @@ impl Synchronous {
         let (speed, bearing_of) = (point[0], problem.structure.bearing_of_gains());
         let gains = bearing_of.len();
         let Some(answers) = Answers::at(problem, point) else {
-            return Self { alpha: vec![C64::ZERO; gains], beta: vec![C64::ZERO; gains], bearing_of, count: 1, speed };
+            let none = vec![C64::ZERO; gains];
+            return Self { alpha: none.clone(), beta: none, bearing_of, worth: vec![1.0], speed };
         };
         let mut whirls = vec![answers.whirl_under(C64::new(0.0, speed), &problem.family.unbalance(point))];
         whirls.extend(answers.whirls(C64::new(0.0, speed)));
@@ -45,12 +47,14 @@ impl Synchronous {
         let alpha = by_whirl.next().unwrap_or_default().iter().map(force).collect();
         let by_bearing: Vec<Vec<C64>> = by_whirl.collect();
         let beta = (0..gains).flat_map(|k| by_bearing.iter().map(move |of| force(&of[k]))).collect();
-        Self { alpha, beta, bearing_of, count: answers.count(), speed }
+        let mass = |place| problem.family.rotor().control_mass(place);
+        let worth = problem.structure.bearings().map(|place| mass(place) / mass(problem.structure.bearing())).collect();
+        Self { alpha, beta, bearing_of, worth, speed }
     }
 
     /// `|u|` for gains `variables`, and its slope in each of them if there is room for it in `slope`.
     pub(crate) fn force(&self, problem: &Problem, variables: &[f64], slope: &mut [f64]) -> f64 {
-        let (weights, m) = (Weights::of(&problem.structure, variables, self.speed), self.count);
+        let (weights, m) = (Weights::of(&problem.structure, variables, self.speed), self.worth.len());
         let s = C64::new(0.0, self.speed);
         let (mut around, mut driven) = (DMatrix::<C64>::identity(m, m), DVector::<C64>::zeros(m));
         for (k, weight) in weights.at(s).iter().enumerate().filter(|(_, weight)| weight.is_finite()) {
@@ -63,11 +67,13 @@ impl Synchronous {
             return f64::INFINITY;
         };
         let forces = &inverse * driven;
-        let largest = (0..m).fold(0, |most, b| if forces[b].norm_sqr() > forces[most].norm_sqr() { b } else { most });
-        let size = forces[largest].norm();
+        let size_of = |b: usize| forces[b].norm() * self.worth[b];
+        let largest = (0..m).fold(0, |most, b| if size_of(b) > size_of(most) { b } else { most });
+        let size = size_of(largest);
         if !slope.is_empty() {
             // At no force at all there is no direction in which it grows.
-            let toward = if size > 0.0 { forces[largest].conj() / size } else { C64::ZERO };
+            let worth = self.worth[largest];
+            let toward = if size > 0.0 { forces[largest].conj() * (worth * worth / size) } else { C64::ZERO };
             let by_weight: Vec<C64> = (0..self.alpha.len())
                 .map(|k| {
                     let back: C64 = (0..m).map(|b| self.beta[k * m + b] * forces[b]).sum();

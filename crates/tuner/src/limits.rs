@@ -115,7 +115,7 @@ impl Evaluator<'_> {
     }
 }
 
-/// The steady control force at one condition, in `w0^2 e_t`.
+/// The steady control force at one condition, in `w0^2 e_t` on the mass of the first control bearing.
 pub(crate) fn force_at(problem: &Problem, gains: &[f64], point: &[f64]) -> f64 {
     Synchronous::new(problem, point).force(problem, gains, &mut [])
 }

@@ -1,6 +1,7 @@
 //! A gain search as a question: which rotor over which conditions, which structure, what counts, and what is allowed.
 
-use rotor::{C64, Characteristic, LinearForm, damping_ratio};
+use machine::CountedModes;
+use rotor::{C64, Characteristic, LinearForm};
 
 use crate::{Family, Measure, Structure};
 
@@ -31,10 +32,6 @@ pub struct Problem {
 const PAST: i32 = 32;
 /// ... up to so many times: a mode turns unstable at worth 0 everywhere, and nothing jumps in between.
 const MOST_WORTH: f64 = 1e3;
-/// By default modes count up to so many times the top speed, at least.
-const TOP_SPEEDS: f64 = 4.0;
-/// And so many forward modes count, at least.
-const WHIRL_PAIRS: usize = 4;
 
 /// Why a question makes no sense.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -131,21 +128,7 @@ impl Problem {
                 LinearForm::of(&family.plant(&point), &structure.feedback(&structure.own()), &family.operating(&point));
             Characteristic::of(&form.ok()?).ok()?.roots().ok()
         };
-        let mut whirls: Vec<f64> = poles()
-            .unwrap_or_default()
-            .iter()
-            .map(|root| root.pole)
-            .filter(|pole| pole.im > 0.0 && damping_ratio(*pole).abs() < 0.5)
-            .map(|pole| pole.norm())
-            .collect();
-        whirls.sort_by(f64::total_cmp);
-        // Between the last that counts and the next.
-        let between = match whirls.get(WHIRL_PAIRS - 1..) {
-            Some([last, next, ..]) => (last * next).sqrt(),
-            Some([last]) => 2.0 * last,
-            _ => 0.0,
-        };
-        Some((TOP_SPEEDS * top).max(between)).filter(|below| *below > 0.0)
+        CountedModes::usual_among(poles().unwrap_or_default().iter().map(|root| root.pole), top).below()
     }
 
     /// How many points a scan of about `total` has: with shaft elements each takes a hundred times as long, and less happens from one

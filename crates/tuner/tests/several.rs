@@ -132,3 +132,22 @@ fn a_shaft_has_no_parameters_of_masses_and_no_play_but_touchdown_bearings() {
     family.any_deadband(true).expect("nothing to vary");
     assert_eq!(family.axes().len(), 1, "touchdown bearings hold nothing while all is well");
 }
+
+/// A quarter of the mass under the first bearing, half of it under the second.
+#[test]
+fn of_bearings_on_unequal_masses_the_larger_force_counts() {
+    let rotor = builtin::rotor("three-mass").expect("built in");
+    let mut unequal = Structure::individual(3, 0, &[0]);
+    unequal.bearings.extend(Structure::individual(3, 1, &[1]).bearings);
+    let plain = problem(&rotor, &unequal, [1.2, 1.2]);
+    let gains = [1.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0];
+    let found = evaluate(&plain, &Options::for_problem(&plain), &gains, Stop::NEVER).expect("judged");
+    let exact =
+        rotor::circular::synchronous(&rotor, &plain.structure.feedback(&gains), &[0.0; 3], &[1.2]).expect("solved");
+    let forces = &exact.orbits[0][0].forces;
+    assert!(forces[1] * 2.0 > forces[0], "{forces:?}");
+    assert!((found.force / (2.0 * forces[1]) - 1.0).abs() < 1e-9, "{} and {forces:?}", found.force);
+    let limited = Problem { force_limit: Some(0.9 * found.force), bound: 3.0, ..plain };
+    let kept = search(&limited, 2);
+    assert!(kept.force <= 0.9 * found.force * (1.0 + 1e-6), "{}", kept.force);
+}

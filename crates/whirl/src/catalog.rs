@@ -268,10 +268,10 @@ impl Machine {
         Ok(self.settings.check(&self.rotor)?)
     }
 
-    /// Mass ratio `Rm` of the mass that carries the control bearing, by which accelerations are forces.
+    /// Mass ratio `Rm` of the mass that carries the first control bearing: the largest force of several is counted as its own.
     #[must_use]
     pub(crate) fn bearing_mass(&self) -> f64 {
-        self.rotor.control_mass(self.settings.feedback.bearings[0].station)
+        self.rotor.control_mass(self.settings.feedback.first().station)
     }
 
     /// What its numbers are typed and shown in.
@@ -382,6 +382,46 @@ mod tests {
         assert!((settings.deadband[0] - 2.5).abs() < 1e-12);
         assert!((settings.trip - 50.0).abs() < 1e-12);
         assert_eq!(settings.get("kd".parse().expect("a key")).expect("exists"), 0.5);
+    }
+
+    /// 30 kg and 10 kg with a control bearing each, `left` on the second.
+    fn unequal() -> (Rotor, Settings) {
+        let mass = |mass| PhysicalMass { mass, bearing_stiffness: 1.8e6, unbalance: 10e-6, ..PhysicalMass::default() };
+        let rotor = Rotor::from_si("rig", vec![mass(30.0), mass(10.0)], vec![1e6], None).expect("valid");
+        let one = |name: &str, mass| {
+            format!("[[bearing]]\nname = '{name}'\nmass = {mass}\n[[bearing.signal]]\nmass = {mass}\n")
+        };
+        let feedback = file::read_feedback_for(&(one("left", 2) + &one("right", 1)), &rotor).expect("fits");
+        let settings = Settings::new(&rotor, 0.0, feedback);
+        (rotor, settings)
+    }
+
+    /// K_t e_t are 72 N, so that u = 1 is 18 N on 10 kg of 40 and 54 N on 30 kg.
+    #[test]
+    fn val_newtons_are_by_the_mass_of_their_own_control_bearing() {
+        let (rotor, mut settings) = unequal();
+        let units = Units::of(&rotor);
+        let mut set = |typed: &str| {
+            let told = assign(&rotor, units, &mut settings, typed).map(drop).map_err(|error| error.to_string());
+            told.map(|()| settings.feedback.bearings.iter().map(|b| [b.parts.limit, b.parts.slew]).collect::<Vec<_>>())
+        };
+        let near = |found: Vec<[f64; 2]>, expected: [[f64; 2]; 2]| {
+            for (found, expected) in found.as_flattened().iter().zip(expected.as_flattened()) {
+                assert!(found == expected || (found / expected - 1.0).abs() < 1e-12, "{found} and {expected}");
+            }
+        };
+        let off = f64::INFINITY;
+        near(set("left.limit=90").expect("in range"), [[5.0, off], [off, off]]);
+        near(set("right.limit=108").expect("in range"), [[5.0, off], [2.0, off]]);
+        // What is typed for all is that for each.
+        near(set("limit=54").expect("in range"), [[3.0, off], [1.0, off]]);
+        // Per second: w0 = 300 rad/s.
+        near(set("slew=16200").expect("in range"), [[3.0, 3.0], [1.0, 1.0]]);
+        assert_eq!(
+            set("limit=1e-9").expect_err("too small"),
+            "left.limit = 0.000000001 N: expected a number from 1.80000e-8 to 1.80000e13 N, or off"
+        );
+        near(set("limit=off").expect("in range"), [[off, 3.0], [off, 1.0]]);
     }
 
     #[test]

@@ -1,8 +1,12 @@
 //! Which machine: the words that every command on a rotor shares.
 
 use clap::Args;
+use machine::CountedModes;
+use rotor::{Rotor, Settings};
 
 use crate::failure::Failure;
+use crate::output::rounded;
+use crate::units::Units;
 
 /// Which machine: the options that every command on a rotor shares.
 #[derive(Clone, Debug, Args)]
@@ -27,6 +31,49 @@ pub(crate) struct Whole {
     /// Look at all coordinates of shaft elements, not at those that are stepped
     #[arg(long)]
     pub full: bool,
+}
+
+/// Which modes the smallest damping is told of.
+#[derive(Clone, Copy, Debug, Args)]
+pub(crate) struct BelowArgs {
+    /// With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the
+    /// top speed, and past the fourth forward mode]
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
+    pub below: Option<f64>,
+}
+
+impl BelowArgs {
+    /// Up to where modes count, in radians per `tau`, if somebody has said so.
+    ///
+    /// # Errors
+    /// A frequency that leaves no modes, or is given for a chain.
+    pub(crate) fn typed(self, rotor: &Rotor) -> Result<Option<f64>, Failure> {
+        let Some(hertz) = self.below else { return Ok(None) };
+        if rotor.is_chain() {
+            return Err(Failure::Usage("--below: every mode of a chain of masses counts: leave it out".into()));
+        }
+        if !(hertz.is_finite() && hertz > 0.0) {
+            return Err(Failure::Usage(format!("--below {hertz}: expected a frequency in Hz above 0")));
+        }
+        Ok(Some(hertz / Units::of(rotor).frequency(1.0)))
+    }
+
+    /// The modes that count, `top` being the highest speed that is looked at.
+    ///
+    /// # Errors
+    /// As for [`BelowArgs::typed`], or poles that cannot be had.
+    pub(crate) fn modes(self, rotor: &Rotor, settings: &Settings, top: f64) -> Result<CountedModes, Failure> {
+        match self.typed(rotor)? {
+            Some(below) => Ok(CountedModes::up_to(below)),
+            None => Ok(CountedModes::usual(rotor, settings, top)?),
+        }
+    }
+}
+
+/// What is said of the modes that count: nothing where all do. `others` are poles of those that do not.
+pub(crate) fn counted(modes: &CountedModes, units: Units) -> Option<String> {
+    let hertz = rounded(units.frequency(modes.below()?));
+    Some(format!("modes up to {hertz} Hz count, those above where they do not decay: --below"))
 }
 
 impl MachineArgs {

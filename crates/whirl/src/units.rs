@@ -2,7 +2,7 @@
 //!
 //! The one place where a command converts, by the table of [`units`]. Everything inside, and all JSON, is dimensionless.
 
-use rotor::{Key, Rotor, Scales, Settings, SettingsError};
+use rotor::{ControlMasses, Key, Rotor, Scales, Settings, SettingsError};
 use serde::Serialize;
 use units::Dimension;
 
@@ -205,30 +205,45 @@ impl Units {
         UnitsDocument { units: self.0.map(|_| "si"), scales: self.0 }
     }
 
-    /// A setting as shown; forces on a mass of ratio `Rm`.
+    /// A quantity as shown; forces on a mass of ratio `Rm`.
     #[must_use]
-    pub(crate) fn value(self, dimension: Dimension, mass_ratio: f64, value: f64) -> f64 {
+    pub(crate) fn quantity(self, dimension: Dimension, mass_ratio: f64, value: f64) -> f64 {
         self.table(mass_ratio).shown(dimension, value)
     }
 
-    /// Sets `key` to a number as typed: rpm and m for an SI rotor, gains as they are.
+    /// A setting as shown, on control bearings of these masses.
+    #[must_use]
+    pub(crate) fn value(self, masses: ControlMasses, key: Key, value: f64) -> f64 {
+        self.table(masses.of_key(key)).shown(key.parameter.dimension, value)
+    }
+
+    /// Sets `key` to a number as typed: rpm and m for an SI rotor, newtons by the mass that carries each control bearing, gains as they
+    /// are.
     ///
     /// # Errors
-    /// Out of range, told in the units it was typed in; or a mass or signal that does not exist.
+    /// Out of range, told in the units it was typed in; a mass or signal that does not exist; a clearance where nothing has play. Nothing
+    /// is set then.
     pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
-        let mass = rotor.control_mass(settings.feedback.bearings[0].station);
-        let (units, dimension) = (self.table(mass), key.parameter.dimension);
-        let value = units.typed(dimension, typed);
-        settings.set(key, value).map_err(|error| match error {
-            SettingsError::OutOfRange { key, min, max, or_off, .. }
-                if self.0.is_some() && dimension != Dimension::Number =>
-            {
-                let unit = units.unit(dimension);
-                let [min, max] = [min, max].map(|end| rounded(units.shown(dimension, end)));
-                let or_off = if or_off { ", or off" } else { "" };
-                Failure::Usage(format!("{key} = {typed} {unit}: expected a number from {min} to {max} {unit}{or_off}"))
-            }
-            error => error.into(),
-        })
+        let masses = ControlMasses::of(rotor, &settings.feedback);
+        let mut changed = settings.clone();
+        for key in settings.each(rotor, key)? {
+            let (units, dimension) = (self.table(masses.of_key(key)), key.parameter.dimension);
+            let value = units.typed(dimension, typed);
+            changed.set(key, value).map_err(|error| match error {
+                SettingsError::OutOfRange { min, max, or_off, .. }
+                    if self.0.is_some() && dimension != Dimension::Number =>
+                {
+                    let (unit, key) = (units.unit(dimension), settings.label(key));
+                    let [min, max] = [min, max].map(|end| rounded(units.shown(dimension, end)));
+                    let or_off = if or_off { ", or off" } else { "" };
+                    Failure::Usage(format!(
+                        "{key} = {typed} {unit}: expected a number from {min} to {max} {unit}{or_off}"
+                    ))
+                }
+                error => error.into(),
+            })?;
+        }
+        *settings = changed;
+        Ok(())
     }
 }

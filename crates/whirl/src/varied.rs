@@ -2,6 +2,7 @@
 
 use std::str::FromStr;
 
+use rotor::ControlMasses;
 use rotor::typed::pair;
 use units::Dimension;
 use variation::{Model, Parameter, Quantity, VariationError};
@@ -72,9 +73,15 @@ pub(crate) fn dimension(parameter: &Parameter) -> Dimension {
     }
 }
 
-/// What one of the unit that a parameter is shown in is.
+/// A value of a parameter in the unit that it is shown in.
 pub(crate) fn shown(machine: &Machine, parameter: &Parameter, value: f64) -> f64 {
-    machine.units().value(dimension(parameter), machine.bearing_mass(), value)
+    match parameter.quantity {
+        Quantity::Setting(key) => {
+            let masses = ControlMasses::of(&machine.rotor, &machine.settings.feedback);
+            machine.units().value(masses, key, value)
+        }
+        _ => value,
+    }
 }
 
 /// The range of a parameter of a machine.
@@ -86,7 +93,7 @@ pub(crate) fn range(machine: &Machine, model: &Model, varied: &Varied) -> Result
     let own = model.value(&parameter);
     let (from, to) = match varied.by {
         By::Range(Range { from, to }) => {
-            let of = |typed: f64| typed / machine.units().value(dimension(&parameter), machine.bearing_mass(), 1.0);
+            let of = |typed: f64| typed / shown(machine, &parameter, 1.0);
             (of(from), of(to))
         }
         By::Part(part) if own != 0.0 && own.is_finite() => (own - part * own.abs(), own + part * own.abs()),

@@ -41,6 +41,13 @@ pub const fn force_channels(bearing: usize) -> ([[Channel; 2]; 2], usize) {
     }
 }
 
+/// The control bearing, counted from 0, of whose control a channel tells; `None` of any other channel.
+#[must_use]
+pub fn bearing_of(channel: Channel, index: usize) -> Option<usize> {
+    let tells = |bearing| force_channels(bearing).0.as_flattened().contains(&channel);
+    if tells(0) { Some(0) } else { tells(1).then_some(index + 1) }
+}
+
 /// A step, wherever its words lie.
 pub trait Step {
     /// How its words are laid out.

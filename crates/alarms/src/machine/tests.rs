@@ -1,6 +1,8 @@
 //! Laws of the alarms, whatever comes in.
 
 use proptest::prelude::*;
+use rotor::{ControlBearing, Feedback, Settings, builtin};
+use wire::{BenchStatus, Channel, Layout, SettingsDocument, State};
 
 use super::*;
 
@@ -179,4 +181,45 @@ proptest! {
         let worst = |alarms: &Alarms| alarms.entries().filter(|e| e.fell.is_some()).map(|e| e.worst).collect::<Vec<_>>();
         prop_assert_eq!(worst(&recalled), worst(&alarms));
     }
+}
+
+/// Half the mass of the rotor on the second bearing, a quarter on the first: a control of 1 there is one of 2 here.
+#[test]
+fn every_control_bearing_is_held_against_its_own_limit_as_if_the_first_had_to() {
+    let rotor = builtin::rotor("three-mass").unwrap();
+    let bearing = |station, limit| {
+        let mut bearing = ControlBearing::new(station, vec![]);
+        bearing.parts.limit = limit;
+        bearing
+    };
+    let bearings = vec![bearing(0, 100.0), bearing(1, 5.0)];
+    let settings = Settings::new(&rotor, 0.0, Feedback { bearings });
+    let mut status = BenchStatus::from(wire::message::BenchStatusMessage { run_id: 7, ..Default::default() });
+    status.set_rotor(&rotor);
+    status.settings = SettingsDocument::of(&settings);
+    let mut alarms = Alarms::new(Limits::default());
+    let mut sampler = crate::Sampler::default();
+    alarms.learn(&status);
+    sampler.learn(&status, 0);
+    let mut turns = |seq: u64, sizes: [f64; 2]| {
+        let mut state = State::new(Layout::new(3).with_bearings(2)).with_word(Channel::RunId, 7);
+        state = state.with_word(Channel::Seq, seq).with(Channel::ForceY, 0, sizes[0]);
+        sampler.hear(&state.with(Channel::FurtherForceZ, 0, sizes[1]));
+        let turns = alarms.read(&sampler.take());
+        turns.into_iter().map(|turn| (turn.level, turn.value, turn.limit)).collect::<Vec<_>>()
+    };
+    assert_eq!(turns(1, [50.0, 3.9]), [], "half of what the first can, less than 0.8 of the second");
+    assert_eq!(turns(2, [50.0, 4.9]), [(Level::Alarm, 9.8, 9.5)]);
+    assert_eq!(turns(3, [90.0, 1.0]), [(Level::Warning, 90.0, 95.0)], "now it is the first");
+    assert_eq!(turns(4, [1.0, 1.0]), [(Level::Fine, 2.0, 8.0)]);
+    // A limit that somebody has set is for the force of any of them.
+    let mut limits = Limits::default();
+    limits.set(Watch::Force, Some([6.0, 12.0])).unwrap();
+    alarms.limit(limits);
+    sampler.hear(&State::new(Layout::new(3).with_bearings(2)).with_word(Channel::RunId, 7).with(
+        Channel::FurtherForceY,
+        0,
+        3.5,
+    ));
+    assert_eq!(alarms.read(&sampler.take())[0].value, 7.0);
 }

@@ -85,7 +85,7 @@ pub(super) fn sections(reading: &mut Reading<'_, '_, '_>) {
         let expected = "[material.NAME] with density, youngs_modulus and shear_modulus";
         reading.reader.fault(at.clone(), "no material", expected);
         // A stand-in, so that sections are not told to lack it one by one.
-        let [density, youngs_modulus, shear_modulus] = [1.0; 3];
+        let [density, youngs_modulus, shear_modulus] = [1.0, 1.0, 0.4];
         reading.sketch.materials.push(Material { name: "none".into(), density, youngs_modulus, shear_modulus });
     }
     for (i, (table, at)) in tables.into_iter().enumerate() {

@@ -34,7 +34,7 @@ pub(crate) enum Action {
     Stay,
     /// Search gains; this says for what.
     Search(String),
-    /// Strike the mass with the control bearing.
+    /// Strike the mass with the control bearing; of several with that of the selected setting, or the first.
     StrikeBearing,
     /// Hold the present settings to compare with.
     Hold,

@@ -137,7 +137,7 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
     ActionRow {
         name: "impulse",
         argument: "",
-        meaning: "an impulse on the mass with the control bearing",
+        meaning: "an impulse at the control bearing; of several the selected one",
         keys: &[keys(&[("i", "")], "an impulse on the mass with the control bearing", Some("impulse"))],
         make: |_| Ok(Action::StrikeBearing),
     },

@@ -11,7 +11,7 @@ use crate::actions::Action;
 use crate::layers::{Layer, PresetChange};
 use crate::line_editor::LineEditor;
 use crate::options::Ended;
-use crate::panels::settings::{rows, shown_rows};
+use crate::panels::settings::{every_row, rows, shown_rows};
 use crate::screen;
 use crate::screenshot::image::Screenshot;
 use telemetry::edits::Edit;
@@ -25,9 +25,15 @@ impl App<'_> {
 
     /// The selected setting, if there is any yet.
     pub(super) fn selected(&self) -> Option<Key> {
-        let settings = lock(&self.feed).settings()?;
-        let rows = rows(&settings);
+        let (settings, rotor) = self.settings_and_rotor();
+        let rows = rows(&settings?, rotor.as_deref());
         rows.get(self.row.min(rows.len().saturating_sub(1))).copied()
+    }
+
+    /// The settings in force and the rotor, of one moment.
+    pub(super) fn settings_and_rotor(&self) -> (Option<Settings>, Option<Arc<Rotor>>) {
+        let feed = lock(&self.feed);
+        (feed.settings(), feed.rotor())
     }
 
     pub(super) fn settings(&self) -> Option<Settings> {
@@ -81,8 +87,9 @@ impl App<'_> {
             }
             Action::Edit(Edit::Restart) if self.locked => self.tell(Message::Bad(LOCKED.into())),
             Action::Select(rows_down) => {
-                let settings = self.settings();
-                let shown = settings.map(|now| shown_rows(&now, &self.filter, self.row)).unwrap_or_default();
+                let (settings, rotor) = self.settings_and_rotor();
+                let shown = |now: &Settings| shown_rows(now, rotor.as_deref(), &self.filter, self.row);
+                let shown = settings.as_ref().map(shown).unwrap_or_default();
                 let at = shown.iter().position(|row| *row == self.row).unwrap_or(shown.len());
                 let to = at.saturating_add_signed(rows_down).min(shown.len().saturating_sub(1));
                 self.row = shown.get(to).copied().unwrap_or(0);
@@ -129,7 +136,7 @@ impl App<'_> {
 
     /// Has settings put on the clipboard, as `:set` and `--set` take them.
     fn copy(&mut self, all: bool) {
-        let Some(settings) = self.settings() else {
+        let (Some(settings), rotor) = self.settings_and_rotor() else {
             self.tell(Message::Bad("no settings are known yet".into()));
             return;
         };
@@ -143,7 +150,7 @@ impl App<'_> {
                 format!("{name}={}", text::number::significant(value * units.setting(*key).factor, 15))
             })
         };
-        let keys = if all { settings.keys() } else { self.selected().into_iter().collect() };
+        let keys = if all { every_row(&settings, rotor.as_deref()) } else { self.selected().into_iter().collect() };
         let words: Vec<String> = keys.iter().filter_map(told).collect();
         let words = words.join(" ");
         self.tell(Message::Good(format!("to the terminal's clipboard: {words}")));

@@ -16,7 +16,13 @@ impl App<'_> {
     pub(super) fn take_value(&mut self, text: &str) {
         let Some(key) = self.selected() else { return };
         match key.parameter.parse(text) {
-            Some(value) => self.send(Edit::Set(self.units().settings_of_typed(&[(key, value)]))),
+            Some(value) => {
+                let present = self.settings().ok_or_else(|| "no settings are known yet".to_owned());
+                match present.and_then(|present| self.typed(&present, &[(key, value)])) {
+                    Ok(edit) => self.send(edit),
+                    Err(why) => self.tell(Message::Bad(why)),
+                }
+            }
             None => {
                 let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
                 self.tell(Message::Bad(format!("{key} = '{text}': expected a number{or_off}")));
@@ -24,17 +30,30 @@ impl App<'_> {
         }
     }
 
+    /// The change that sets what was typed.
+    fn typed(&self, present: &Settings, values: &[(Key, f64)]) -> Result<Edit, String> {
+        let rotor = lock(&self.feed).rotor();
+        let typed = self.units().settings_of_typed(rotor.as_deref(), present, values);
+        typed.map(Edit::Set).map_err(|error| error.to_string())
+    }
+
     /// A setting raised by so many of its steps.
     pub(super) fn nudge(&self, key: Key, steps: f64) -> Edit {
         let units = self.units();
-        Edit::Nudge(key, steps * units.step(key) / units.setting(key).factor)
+        let delta = steps * units.step(key) / units.setting(key).factor;
+        let (settings, rotor) = self.settings_and_rotor();
+        let each = rotor.zip(settings).and_then(|(rotor, settings)| settings.each(&rotor, key).ok());
+        match each {
+            Some(keys) if keys.len() > 1 => Edit::NudgeAll(keys, delta),
+            _ => Edit::Nudge(key, delta),
+        }
     }
 
     /// The change that sends the speed on its way, of speeds and a rate as typed.
-    fn run_up(&self, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
+    fn run_up(&self, present: &Settings, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
         let keys = ["speed", "ramp"].map(|key| key.parse().map_err(|error: rotor::SettingsError| error.to_string()));
         let [speed, ramp] = keys;
-        let values = self.units().settings_of_typed(&[(speed?, to), (ramp?, rate)]);
+        let change = self.typed(present, &[(speed?, to), (ramp?, rate)])?;
         let units = self.units();
         if let (Some(from), Some(now)) = (from, self.present_speed()) {
             let typed = now * units.speed.factor;
@@ -43,7 +62,7 @@ impl App<'_> {
                 return Err(format!("it spins at {now}, not at {from}: `:run-up {from} {rate}` goes there first"));
             }
         }
-        Ok(Edit::Set(values))
+        Ok(change)
     }
 
     /// The change that keeps the speed where it is; nothing if it is not on its way.
@@ -107,11 +126,15 @@ impl App<'_> {
             }
             Action::SetTyped(values) => match self.overridden(values) {
                 Some(why) => Err(why),
-                None => Ok(Edit::Set(self.units().settings_of_typed(values))),
+                None => self.typed(present, values),
             },
-            Action::RunUp { from, to, rate } => self.run_up(*from, *to, *rate),
+            Action::RunUp { from, to, rate } => self.run_up(present, *from, *to, *rate),
             Action::Stay => self.stay().ok_or_else(|| "the speed is not on its way".into()),
-            Action::StrikeBearing => Ok(Edit::Impulse(present.feedback.bearings[0].station, C64::new(IMPULSE, 0.0))),
+            Action::StrikeBearing => {
+                let bearing = self.selected().and_then(|key| present.bearing_of(key)).unwrap_or(0);
+                let struck = present.feedback.bearings.get(bearing).unwrap_or(present.feedback.first());
+                Ok(Edit::Impulse(struck.station, C64::new(IMPULSE, 0.0)))
+            }
             Action::SwapHeld => {
                 let held = self.held.clone().map(|held| Edit::Swap(Box::new(held)));
                 held.ok_or_else(|| "nothing is held to switch to: hold the settings first".into())

@@ -367,7 +367,7 @@ mod tests {
     fn rotors_in_si_units_have_rpm() {
         let now = pole_trace("jeffcott", "off");
         let scales = rotor::Scales { w0: 100.0, k_t: 1e6, m_t: 100.0, e_t: 1e-5 };
-        let units = Units::of(Some(scales), Some(1.0));
+        let units = Units::of(Some(scales), rotor::ControlMasses::default());
         let (speed, min_damping) = (1.0, now.min_damping_at(1.0));
         let facts = Facts { pole_trace: &now, speed, min_damping, candidate: None, selection: Some(2.0), units };
         let frame = frame(&facts, 60, 10);

@@ -7,7 +7,6 @@
 //! └─────────────────────────────────┘
 //! ```
 
-use alarms::Watch;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::Line;
@@ -52,12 +51,17 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
         framed(Line::from(name), area, buffer);
         return;
     };
-    // Of several control bearings the one that works hardest.
-    let sizes = (0..data.track.layout().bearings()).map(|bearing| data.track.forces(at, bearing)[1]);
-    let now = sizes.map(|[y, z]| y.hypot(z)).fold(0.0, f64::max) * unit.factor;
-    let peak = data.peak_force * unit.factor;
+    // Of several control bearings the one that works hardest, as if the first had to.
+    let (masses, bearings) = (data.masses_of_bearings(), 0..data.track.layout().bearings());
+    let size = |bearing: usize| {
+        let [y, z] = data.track.forces(at, bearing)[1];
+        masses.as_of_first(bearing, y.hypot(z))
+    };
+    let hardest = bearings.max_by(|a, b| size(*a).total_cmp(&size(*b))).unwrap_or(0);
+    let now = size(hardest) * unit.factor;
+    let peak = data.peak_force() * unit.factor;
     // What the bearing may do, or else a round number: a bar against its own maximum says nothing.
-    let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * unit.factor);
+    let limit = view.alarms.limits().of_bearing(hardest).map(|limit| limit.alarm * unit.factor);
     let [_, full] = axis.over([0.0, limit.unwrap_or_else(|| nice_ceiling(1.2 * peak))]);
     let past = |value: f64| match limit {
         Some(limit) if value > limit => theme::BAD,
@@ -102,5 +106,13 @@ mod tests {
         let frame = drawn(40, 4, |area, buffer| Force::default().draw(&view(&data), area, buffer));
         assert!(frame.contains("now   0.8000") && frame.contains("max   0.8000"), "{frame}");
         assert!(frame.contains("since revision 1"), "{frame}");
+    }
+
+    /// 2 on 30 kg is more than 3 on 10 kg.
+    #[test]
+    fn of_several_control_bearings_the_larger_force_is_shown() {
+        let data = tests::frame_data_of_two_bearings();
+        let frame = drawn(40, 4, |area, buffer| Force::default().draw(&view(&data), area, buffer));
+        assert!(frame.contains("now   108.00") && frame.contains("max   108.00"), "{frame}");
     }
 }

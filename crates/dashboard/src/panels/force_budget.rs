@@ -1,4 +1,4 @@
-//! What the control bearing is asked for, and by which term of the feedback.
+//! What the control bearing is asked for, and by which term of the feedback; of several that of the selected setting, or the first.
 //!
 //! ```text
 //! ┌ force budget  m_b w0² e_t ──────────────────────┐
@@ -12,7 +12,6 @@
 //! └──────────────────────────────────────────────────┘
 //! ```
 
-use alarms::Watch;
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -21,6 +20,7 @@ use rotor::{C64, J, Signal};
 
 use super::force::when;
 use super::panel::Panel;
+use super::settings::bearing_in_view;
 use crate::axis::PlotAxis;
 use crate::drawing::{framed, write};
 use crate::fit_text::longest;
@@ -86,8 +86,11 @@ impl Panel for ForceBudget {
 
 fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
-    let unit = data.units().force;
-    let mut title = format!(" force budget  {} ", unit.name);
+    let bearing = bearing_in_view(view);
+    let unit = data.units().force_of(bearing);
+    let several = data.era.as_ref().map(|era| &era.settings.feedback).filter(|feedback| feedback.only().is_none());
+    let of = several.map_or(String::new(), |feedback| format!(" {}", feedback.label(bearing)));
+    let mut title = format!(" force budget{of}  {} ", unit.name);
     if axis.is_fixed() {
         let [_, full] = axis.over([0.0, 1.0]);
         title += &format!(" bars to {} fixed ", short(full, 3));
@@ -97,10 +100,15 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let track = &data.track;
     let factor = unit.factor;
     // A zero has no sign.
-    let [y, z] = track.force(now).map(|part| part * factor + 0.0);
-    let most = data.peak_force * factor;
-    let within = track.range(StepQuantity::FORCE, data.window.clone()).map_or(0.0, |[_, high]| high * factor);
-    let limit = view.alarms.limits().of(Watch::Force).map(|limit| limit.alarm * factor);
+    // When another machine takes the name, its settings and its steps do not come at the same moment.
+    let bearing = bearing.min(track.layout().bearings() - 1);
+    let [y, z] = track.forces(now, bearing)[1].map(|part| part * factor + 0.0);
+    let most = data.peak_forces[bearing] * factor;
+    let force = StepQuantity::force(bearing);
+    let within = track.range(force, data.window.clone()).map_or(0.0, |[_, high]| high * factor);
+    // Limits are of the force as that of the first control bearing.
+    let per_first = data.masses_of_bearings().as_of_first(bearing, 1.0);
+    let limit = view.alarms.limits().of_bearing(bearing).map(|limit| limit.alarm / per_first * factor);
     let [_, full] = axis.over([0.0, limit.unwrap_or(most).max(f64::MIN_POSITIVE)]);
     let mut rows = (inner.top()..inner.bottom()).map(|y| Rect { y, height: 1, ..inner });
     let past = |value: f64| if limit.is_some_and(|limit| value > limit) { theme::BAD } else { theme::FORCE };
@@ -121,7 +129,8 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let mut lines = Vec::new();
     if let Some(era) = &data.era {
         let speed = track.speed(now);
-        for (at, signal) in era.settings.feedback.bearings[0].signals.iter().enumerate() {
+        let signals = era.settings.feedback.bearings.get(bearing).map_or(&[][..], |bearing| &bearing.signals);
+        for (at, signal) in signals.iter().enumerate() {
             let terms = Terms::of(signal, speed, track, now);
             let told = |term: C64| short(term.norm() * factor, 4);
             let (p, v) = (told(terms.kd + terms.kc), told(terms.cd + terms.cc));
@@ -169,6 +178,32 @@ mod tests {
         insta::assert_snapshot!("force_budget_small", frame_of(24, 5));
         insta::assert_snapshot!("force_budget_large", frame_of(100, 14));
         assert!(frame_of(52, 9).contains("now     0.8000"), "{}", frame_of(52, 9));
+    }
+
+    #[test]
+    fn of_several_control_bearings_that_of_the_selected_setting_is_told_in_newtons_of_its_own() {
+        let data = tests::frame_data_of_two_bearings();
+        let settings = data.settings.as_ref().unwrap();
+        let frame_of = |label: &str| {
+            let keys = crate::panels::settings::rows(settings, data.rotor.as_deref());
+            let row = keys.iter().position(|key| settings.label(*key) == label).unwrap();
+            let cursor = crate::view::SettingsCursor { row, typed: None };
+            let view = crate::view::View { cursor: &cursor, ..view(&data) };
+            drawn(52, 9, |area, buffer| ForceBudget::default().draw(&view, area, buffer))
+        };
+        // 3 times 18 N, and 2 times 54 N.
+        for (label, told) in
+            [("speed", "54.000"), ("left.kd", "54.000"), ("right.kd", "108.00"), ("right.lag", "108.00")]
+        {
+            let frame = frame_of(label);
+            let name = if told == "108.00" { "right" } else { "left" };
+            assert!(frame.contains(&format!("force budget {name}  N")), "{frame}");
+            assert!(
+                frame.contains(&format!("now     {told}")) && frame.contains(&format!("max     {told}")),
+                "{frame}"
+            );
+            assert!(frame.contains(&format!("in view {told}")), "{frame}");
+        }
     }
 
     proptest! {

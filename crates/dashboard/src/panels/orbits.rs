@@ -124,7 +124,8 @@ fn draw_one(
     if let Some(place) = others.last() {
         mark(*place, "◆", theme::CANDIDATE);
     }
-    let carries = data.era.as_ref().is_some_and(|era| era.settings.feedback.bearings[0].station == mass);
+    let mut bearings = data.era.iter().flat_map(|era| &era.settings.feedback.bearings);
+    let carries = bearings.any(|bearing| bearing.station == mass);
     let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
     // What is told of one mass must not touch what is told of the next.
     let cell = Rect { width: cell.width.saturating_sub(1), ..cell };
@@ -163,12 +164,8 @@ fn clearances(data: &FrameData) -> Vec<Option<f64>> {
     let Some((era, rotor)) = data.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref()?))) else {
         return Vec::new();
     };
-    rotor
-        .masses()
-        .iter()
-        .zip(&era.settings.deadband)
-        .map(|(mass, g)| (mass.bearing_stiffness > 0.0 && *g > 0.0).then_some(*g))
-        .collect()
+    let deadband = era.settings.deadband.iter().enumerate();
+    deadband.map(|(place, g)| (rotor.has_contact(place) && *g > 0.0).then_some(*g)).collect()
 }
 
 /// Which turn of the rotor a spin angle belongs to.

@@ -84,16 +84,16 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         lines.push((row(&name, [y, z, vy, vz, radius]), Style::new().fg(theme::TRACES[mass % theme::TRACES.len()])));
     }
     // Below the headings of the masses: along y, along z, and in all.
-    let force = |name: &str, [y, z]: [f64; 2]| {
-        let [y, z, size] = [y, z, y.hypot(z)].map(|value| units.force.short(value, DIGITS));
+    let force = |name: &str, bearing: usize, [y, z]: [f64; 2]| {
+        let [y, z, size] = [y, z, y.hypot(z)].map(|value| units.force_of(bearing).short(value, DIGITS));
         row(name, [y, z, String::new(), String::new(), size])
     };
     let bearings = track.layout().bearings();
     for bearing in 0..bearings {
         let [asked, given] = track.forces(now, bearing);
         let name = |what: &str| if bearings > 1 { format!("{what} {}", bearing + 1) } else { what.to_owned() };
-        lines.push((force(&name(delivered), given), Style::new().fg(theme::FORCE)));
-        lines.push((force(&name(commanded), asked), plain));
+        lines.push((force(&name(delivered), bearing, given), Style::new().fg(theme::FORCE)));
+        lines.push((force(&name(commanded), bearing, asked), plain));
     }
     let flags = track.flags(now).names().join(" ");
     lines.push((format!("flags {}", if flags.is_empty() { "none" } else { &flags }), plain));
@@ -176,6 +176,13 @@ mod tests {
         for (at, column) in columns.iter().enumerate() {
             assert!(frame.contains(&format!(" {}", 1000 + 7 * at)), "{}:\n{frame}", column.name());
         }
+    }
+
+    #[test]
+    fn the_force_of_each_control_bearing_is_in_newtons_of_its_own() {
+        let data = tests::frame_data_of_two_bearings();
+        let frame = drawn(70, 13, |area, buffer| Raw::default().draw(&view(&data), area, buffer));
+        assert!(frame.contains("54.0000") && frame.contains("108.000"), "{frame}");
     }
 
     #[test]

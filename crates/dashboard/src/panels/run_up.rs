@@ -31,10 +31,9 @@ use crate::view::View;
 /// The part of a plot's width from dot to dot of a dotted line, about.
 const APART: f64 = 1.0 / 60.0;
 
-/// The mass whose first order is looked at, counted from 0: the one with the control bearing unless another is chosen.
+/// The mass whose first order is looked at, counted from 0: the one with the first control bearing unless another is chosen.
 pub(super) fn mass_of(chosen: Option<usize>, view: &View<'_>) -> usize {
-    let bearing = view.data.era.as_ref().map_or(0, |era| era.settings.feedback.bearings[0].station);
-    chosen.unwrap_or(bearing).min(view.data.masses().saturating_sub(1))
+    chosen.unwrap_or_else(|| view.data.bearing_mass()).min(view.data.masses().saturating_sub(1))
 }
 
 /// What is known of the runs of a mass; nothing before the first steps.

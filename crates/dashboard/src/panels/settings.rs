@@ -14,7 +14,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
-use rotor::{Gain, Key, Scope, Settings};
+use rotor::{Gain, Key, Rotor, Scope, Settings};
 
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write, write_line};
@@ -25,10 +25,20 @@ use crate::theme;
 use crate::view::{SettingsCursor, View};
 use telemetry::units::Units;
 
-/// The rows of the panel: every key there is, but one deadband for all masses where they are all alike, and no index on
-/// the gains of a single signal.
-pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
-    let alike = settings.deadband.windows(2).all(|pair| pair[0] == pair[1]);
+/// Every key that means something on a rotor, if that is known: clearances only where a support bearing has play.
+pub(crate) fn every_row(settings: &Settings, rotor: Option<&Rotor>) -> Vec<Key> {
+    let has_play = |place: usize| rotor.is_none_or(|rotor| rotor.has_contact(place));
+    let of_place = |key: &Key| key.index.filter(|_| key.parameter.scope == Scope::Mass);
+    settings.keys().into_iter().filter(|key| of_place(key).is_none_or(has_play)).collect()
+}
+
+/// The rows of the panel: those keys, but one deadband for all masses where they are all alike, and no index on the gains of a single
+/// signal.
+pub(crate) fn rows(settings: &Settings, rotor: Option<&Rotor>) -> Vec<Key> {
+    let keys = every_row(settings, rotor);
+    let places: Vec<usize> =
+        keys.iter().filter(|key| key.parameter.scope == Scope::Mass).filter_map(|key| key.index).collect();
+    let alike = places.windows(2).all(|pair| settings.deadband[pair[0]] == settings.deadband[pair[1]]);
     let one_signal = settings.feedback.signal_count() == 1;
     let is_one = |key: &Key| match key.parameter.scope {
         Scope::Machine => false,
@@ -36,16 +46,31 @@ pub(crate) fn rows(settings: &Settings) -> Vec<Key> {
         Scope::Signal => one_signal,
         Scope::Bearing => false,
     };
-    let rows = settings.keys().into_iter().filter(|key| !is_one(key) || key.index == Some(0));
+    let first = |key: &Key| match key.parameter.scope {
+        Scope::Mass => key.index == places.first().copied(),
+        _ => key.index == Some(0),
+    };
+    let rows = keys.into_iter().filter(|key| !is_one(key) || first(key));
     rows.map(|key| if is_one(&key) { Key { index: None, ..key } } else { key }).collect()
 }
 
 /// The places among [`rows`] of those that a filter lets through, and of the selected one, which is never hidden.
-pub(crate) fn shown_rows(settings: &Settings, filter: &str, selected: usize) -> Vec<usize> {
+pub(crate) fn shown_rows(settings: &Settings, rotor: Option<&Rotor>, filter: &str, selected: usize) -> Vec<usize> {
     let row = |key: &Key| format!("{key} {} {}", settings.label(*key), key.parameter.meaning);
-    let keys = rows(settings);
+    let keys = rows(settings, rotor);
     let places = keys.iter().enumerate().filter(|(at, key)| *at == selected || passes(filter, &row(key)));
     places.map(|(at, _)| at).collect()
+}
+
+/// The control bearing that is looked at, counted from 0: the one that the selected setting belongs to, else the first.
+pub(super) fn bearing_in_view(view: &View<'_>) -> usize {
+    let data = view.data;
+    let selected = data.settings.as_ref().and_then(|settings| {
+        let keys = rows(settings, data.rotor.as_deref());
+        settings.bearing_of(*keys.get(view.cursor.row.min(keys.len().saturating_sub(1)))?)
+    });
+    let count = data.era.as_ref().map_or(1, |era| era.settings.feedback.bearings.len());
+    selected.filter(|bearing| *bearing < count).unwrap_or(0)
 }
 
 /// The settings: a click selects one, a drag nudges it a step a cell, the wheel selects the next.
@@ -59,7 +84,7 @@ impl Panel for SettingsPanel {
     fn mouse(&mut self, view: &View<'_>, area: Rect, mouse: Mouse, at: Position) -> Option<PanelRequest> {
         let inner = area.inner(Margin::new(1, 1));
         let selected = view.cursor.row;
-        let shown = shown_rows(view.data.settings.as_ref()?, view.filter, selected);
+        let shown = shown_rows(view.data.settings.as_ref()?, view.data.rotor.as_deref(), view.filter, selected);
         match mouse {
             Mouse::Wheel(notches) => Some(PanelRequest::SelectRows(notches as isize)),
             Mouse::Drag(0) => None,
@@ -82,9 +107,10 @@ fn first_row(shown: &[usize], selected: usize, height: u16) -> usize {
 
 fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let (data, cursor) = (view.data, view.cursor);
-    let keys = data.settings.as_ref().map(rows).unwrap_or_default();
-    let shown =
-        data.settings.as_ref().map(|settings| shown_rows(settings, view.filter, cursor.row)).unwrap_or_default();
+    let rotor = data.rotor.as_deref();
+    let keys = data.settings.as_ref().map(|settings| rows(settings, rotor)).unwrap_or_default();
+    let shown = |settings| shown_rows(settings, rotor, view.filter, cursor.row);
+    let shown = data.settings.as_ref().map(shown).unwrap_or_default();
     let passed = filter_title(view.filter, shown.len(), keys.len());
     let title = match &data.bench_status {
         Some(bench_status) => {
@@ -235,26 +261,59 @@ mod tests {
     #[test]
     fn deadbands_that_differ_have_a_row_each() {
         let mut settings = tests::bench_status("three-mass", "composite").settings.get().clone();
-        assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 1);
-        settings.deadband[1] = 0.0;
-        assert_eq!(rows(&settings).iter().filter(|key| key.parameter.name == "deadband").count(), 3);
+        let deadbands = |settings: &Settings, rotor: Option<&Rotor>| {
+            let keys = rows(settings, rotor).into_iter().filter(|key| key.parameter.name == "deadband");
+            keys.map(|key| key.to_string()).collect::<Vec<_>>()
+        };
+        assert_eq!(deadbands(&settings, None), ["deadband"]);
+        settings.deadband[0] = 0.0;
+        assert_eq!(deadbands(&settings, None), ["deadband.1", "deadband.2", "deadband.3"]);
+        // The middle mass has no bearing.
+        let three_mass = rotor::builtin::rotor("three-mass").unwrap();
+        assert_eq!(deadbands(&settings, Some(&three_mass)), ["deadband.1", "deadband.3"]);
+    }
+
+    #[test]
+    fn there_are_rows_of_clearances_only_where_something_has_play() {
+        let rotor = rotor::builtin::rotor("rig").unwrap();
+        let mut settings = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "own").unwrap());
+        let deadbands = |settings: &Settings| {
+            let keys = rows(settings, Some(&rotor)).into_iter().filter(|key| key.parameter.name == "deadband");
+            keys.map(|key| key.index).collect::<Vec<_>>()
+        };
+        let met: Vec<usize> = (0..rotor.len()).filter(|place| rotor.has_contact(*place)).collect();
+        assert_eq!((met.len(), rotor.len()), (2, 12), "its touchdown bearings");
+        assert_eq!(deadbands(&settings), [None], "both alike");
+        settings.deadband[met[0]] *= 2.0;
+        assert_eq!(deadbands(&settings), [Some(met[0]), Some(met[1])]);
     }
 
     #[test]
     fn settings_of_one_of_several_control_bearings_are_found_by_its_name() {
         let rotor = rotor::builtin::rotor("rig").unwrap();
         let settings = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "own").unwrap());
-        let keys = rows(&settings);
-        let found = shown_rows(&settings, "right", 0);
+        let keys = rows(&settings, Some(&rotor));
+        let found = shown_rows(&settings, Some(&rotor), "right", 0);
         let names: Vec<String> = found.iter().map(|at| settings.label(keys[*at])).collect();
         assert_eq!(names[0], "speed", "the selected one is never hidden");
         assert!(names.len() > 4 && names[1..].iter().all(|name| name.starts_with("right.")), "{names:?}");
     }
 
     #[test]
+    fn a_limit_is_in_newtons_of_its_own_control_bearing() {
+        let mut data = tests::frame_data_of_two_bearings();
+        let settings = data.settings.as_mut().unwrap();
+        let keys = ["left.limit", "right.limit"].map(|key| settings.key(key).unwrap());
+        keys.iter().for_each(|key| settings.set(*key, 2.0).unwrap());
+        let units = data.units();
+        let told = keys.map(|key| value_of(data.settings.as_ref().unwrap(), &units, key));
+        assert_eq!(told, ["36", "108"]);
+    }
+
+    #[test]
     fn a_scheduled_gain_says_so() {
         let settings = tests::bench_status("jeffcott", "cancel").settings.get().clone();
-        let kc = rows(&settings).into_iter().find(|key| key.parameter.name == "kc").unwrap();
+        let kc = rows(&settings, None).into_iter().find(|key| key.parameter.name == "kc").unwrap();
         assert_eq!(value_of(&settings, &Units::DIMENSIONLESS, kc), "-1.25 linear");
     }
 }

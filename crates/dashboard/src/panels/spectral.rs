@@ -62,7 +62,7 @@ impl Panel for SpectralPanel {
 /// Of which mass, over which frequencies and which densities spectra are shown.
 #[derive(Clone, Debug)]
 pub(super) struct Spectral {
-    /// The mass, counted from 0; that with the control bearing if there is none.
+    /// The mass, counted from 0; that with the first control bearing if there is none.
     mass: Option<usize>,
     /// Frequencies, as they stand on the axis.
     along: PlotAxis,
@@ -77,8 +77,7 @@ pub(super) struct Spectral {
 impl Spectral {
     /// The mass that is looked at.
     pub(super) fn mass(&self, data: &FrameData) -> usize {
-        let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearings[0].station);
-        self.mass.unwrap_or(bearing).min(data.masses().saturating_sub(1))
+        self.mass.unwrap_or_else(|| data.bearing_mass()).min(data.masses().saturating_sub(1))
     }
 
     /// The range of frequencies to show over `area`, in units of `w0`.

@@ -179,8 +179,7 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
         );
     }
     let rows = Layout::vertical(vec![Constraint::Fill(1); room]).split(inner);
-    let bearing = data.era.as_ref().map_or(0, |era| era.settings.feedback.bearings[0].station);
-    let on_top = strips.mass.unwrap_or(bearing);
+    let on_top = strips.mass.unwrap_or_else(|| data.bearing_mass());
     let units = data.units();
     for (strip, row) in shown.iter().zip(rows.iter()) {
         let unit = strip.unit(&units);
@@ -221,8 +220,11 @@ fn draw_strip(
     };
     let lines: Vec<Vec<Column>> = traces.iter().map(columns_of).collect();
     let beside = view.replay.as_ref().and_then(|replay| replay.beside);
-    let others: Vec<Vec<Column>> =
-        traces.iter().filter_map(|trace| Some(beside_columns(&beside?, trace.channel?, unit, steps.clone()))).collect();
+    let columns_beside = |trace: &Trace| {
+        let factor = unit.factor * data.factor_of(trace.channel?);
+        Some(beside_columns(&beside?, trace.channel?, factor, steps.clone()))
+    };
+    let others: Vec<Vec<Column>> = traces.iter().filter_map(columns_beside).collect();
     let [bottom, top] = axis.over(whole(&lines, &others, strip.is_size()));
     let [left, right] = [data.window.start as f64, data.window.end as f64];
     let mut plot = Plot::new(area, Window { x: [left, right], y: [bottom, top] });
@@ -376,13 +378,13 @@ fn write_labels(
 fn beside_columns(
     beside: &WhatIfRun<'_>,
     channel: StepQuantity,
-    unit: Unit,
+    factor: f64,
     columns: impl Iterator<Item = Range<usize>>,
 ) -> Vec<Column> {
     let value = |step| beside.value(channel, step);
     let of = |steps: Range<usize>| {
         let middle = 0.5 * (steps.start + steps.end) as f64;
-        let values = steps.filter_map(value).map(|value| [value * unit.factor; 2]);
+        let values = steps.filter_map(value).map(|value| [value * factor; 2]);
         Some((middle, values.reduce(|[low, high], [value, _]| [low.min(value), high.max(value)])?))
     };
     columns.filter_map(of).collect()
@@ -424,6 +426,19 @@ mod tests {
             assert!(frame.contains(&short(value, 4)), "{value}:\n{frame}");
         }
         insta::assert_snapshot!("strips_with_cursor", frame);
+    }
+
+    #[test]
+    fn the_force_of_each_control_bearing_is_told_in_newtons_of_its_own() {
+        let data = tests::frame_data_of_two_bearings();
+        let strip = Strip::read("force+bearing.force.2").unwrap();
+        let traces = strip.traces(data.track.layout());
+        let unit = strip.unit(&data.units());
+        let told: Vec<String> = traces.iter().map(|trace| unit.told(trace.value(&data, 99).unwrap(), 4)).collect();
+        assert_eq!(told, ["54.00 N", "108.0 N"]);
+        let ranges: Vec<f64> =
+            traces.iter().map(|trace| trace.range(&data, 0..100).unwrap()[1] * unit.factor).collect();
+        assert!((ranges[0] - 54.0).abs() < 1e-9 && (ranges[1] - 108.0).abs() < 1e-9, "{ranges:?}");
     }
 
     #[test]

@@ -132,7 +132,7 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
     let forces = equation.forces(c.as_slice(), frequency);
-    let force = forces.iter().copied().fold(0.0, f64::max);
+    let force = problem.control_masses().largest(forces.iter().copied());
     let mut amplitude = c.as_slice().to_vec();
     if !problem.forced {
         // Of equal amplitudes the first decides, so that rounding does not.

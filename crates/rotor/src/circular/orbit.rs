@@ -13,9 +13,10 @@ pub struct Orbit {
     pub amplitude: Vec<C64>,
     /// Bit `k` is set while mass `k` presses on a support bearing with clearance.
     pub contact: u32,
-    /// The control acceleration `|u|`, constant on the orbit, in `w0^2 e_t`: the largest of those of the control bearings.
+    /// The control acceleration `|u|`, constant on the orbit, in `w0^2 e_t`: the largest of the control bearings, as that of the first
+    /// ([`crate::ControlMasses`]).
     pub force: f64,
-    /// That of each control bearing.
+    /// That of each control bearing, on its own mass.
     pub forces: Vec<f64>,
     /// Largest real part among the eigenvalues of the motion linearised about the orbit in the frame that turns with
     /// it; for a limit cycle without the zero that belongs to its free phase. Exactly zero where it is rounding.

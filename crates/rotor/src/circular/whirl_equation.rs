@@ -7,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 use super::CircularError;
 use super::around::{Answer, Around};
 use crate::{
-    BeamRotor, C64, ClosedLoop, ControlBearing, ControlRow, Feedback, J, OperatingPoint, Plant, PoleError, Rotor,
-    eigenvalues,
+    BeamRotor, C64, ClosedLoop, ControlBearing, ControlMasses, ControlRow, Feedback, J, OperatingPoint, Plant,
+    PoleError, Rotor, eigenvalues,
 };
 
 /// Which masses press on their support bearing: bit `k` for mass `k`.
@@ -126,6 +126,12 @@ impl<'a> Problem<'a> {
         // Feedback that fits at one speed fits at all.
         let around = self.around.as_ref().and_then(|(plant, feedback)| Around::new(plant, feedback, speed).ok());
         Equation { around, ..gains }
+    }
+
+    /// What turns the control of each bearing into a force.
+    pub(super) fn control_masses(&self) -> ControlMasses {
+        let feedback = self.around.as_ref().map_or(&*self.feedback, |(_, feedback)| *feedback);
+        ControlMasses::of(self.rotor, feedback)
     }
 
     /// Whether the loop has a limit of force or of its rate beyond which no orbit is sought.

@@ -9,6 +9,7 @@ use units::Units;
 use super::document::is_plain;
 use super::loop_toml;
 use super::write::{Lines, number, numbers, string};
+use crate::parameters::is_setting;
 use crate::{BeamRotor, ControlBearing, Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
 use control::MAX_BEARINGS;
 
@@ -176,10 +177,7 @@ fn gain_units(reader: &mut Reader<'_>, file: &Table<'_>, station: usize, place: 
 /// Whether a control bearing can be called so: in front of a key it must not be taken for one.
 fn is_label(name: &str) -> bool {
     let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
-    name.starts_with(|c: char| c.is_ascii_alphabetic())
-        && name.chars().all(plain)
-        && PARAMETERS.iter().all(|p| p.name != name)
-        && name != "feedback"
+    name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(plain) && !is_setting(name)
 }
 
 /// What drives the bearing at `station`: its keys stand in `table`, the units in `file`.

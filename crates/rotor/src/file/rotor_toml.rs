@@ -5,6 +5,7 @@ use text::{Domain, Fault, Faults, Reader, Table};
 use toml::de::DeValue;
 
 use super::write::{Lines, number, string};
+use crate::parameters::{NO_SETTING, is_setting};
 use crate::params::is_name;
 use crate::{FIELDS, MAX_MASSES, MAX_NAME, Mass, PARAMETERS, PhysicalMass, Rotor, RotorError};
 
@@ -78,7 +79,15 @@ fn read(text: &str, default_name: &str, open: Option<&beam::Open>) -> Result<Rot
 /// Reads a rotor of shaft elements: see [`beam::read`].
 fn read_drawing(text: &str, default_name: &str, open: Option<&beam::Open>) -> Result<Rotor, Faults> {
     let also = beam::Also { open, ..beam::Also::default() };
-    let (drawing, ()) = beam::read_and(text, default_name, also, |_, _, _| ())?;
+    let (drawing, ()) = beam::read_and(text, default_name, also, |reader, file, drawing| {
+        let magnets = reader.tables(file, "magnetic", None);
+        for ((table, at), magnetic) in
+            magnets.into_iter().zip(&drawing.magnetics).filter(|(_, of)| is_setting(&of.name))
+        {
+            let at = table.get("name").map_or(at, |name| name.span());
+            reader.fault(at, format!("name = {:?}", magnetic.name), NO_SETTING);
+        }
+    })?;
     // What only the whole has wrong has no line of its own.
     Rotor::from_drawing(drawing).map_err(|error| {
         let told = error.to_string();

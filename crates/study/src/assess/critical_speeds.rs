@@ -124,6 +124,7 @@ mod tests {
             operating: [2.75, 6.0],
             cross_at: 1,
             cross_stiffness: None,
+            modes: machine::CountedModes::ALL,
             grade: None,
             clearance: None,
             force: None,

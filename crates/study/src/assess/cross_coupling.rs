@@ -2,6 +2,8 @@
 //! analysis of API 617 draws it. `Q` pushes `j Q p` on the mass: forward whirl is driven.
 
 use linear::DelayError;
+use machine::CountedModes;
+use nalgebra::DVector;
 use plot::{Axis, Chart, Color, Look, Series};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant};
 
@@ -35,16 +37,21 @@ pub struct CrossCoupling {
 /// A machine at one speed, before stiffness is added.
 struct Machine {
     form: LinearForm,
-    station: usize,
-    mass: f64,
+    /// What a force at the mass does to the accelerations, per `K_t e_t`.
+    pushed: DVector<C64>,
+    /// What reads its displacement.
+    read: DVector<C64>,
+    modes: CountedModes,
 }
 
 impl Machine {
     /// Its poles with the stiffness `q`.
     fn poles(&self, q: f64) -> Result<Vec<C64>, DelayError> {
         let mut form = self.form.clone();
-        // Rows of the velocities hold accelerations: `j Q p / Rm`.
-        form.a[(form.coordinates + self.station, self.station)] += C64::new(0.0, q / self.mass);
+        let n = form.coordinates;
+        // Rows of the velocities hold accelerations.
+        let mut accelerations = form.a.view_mut((n, 0), (n, n));
+        accelerations += &self.pushed * self.read.transpose() * C64::new(0.0, q);
         Ok(Characteristic::of(&form)?.roots()?.into_iter().map(|root| root.pole).collect())
     }
 
@@ -53,7 +60,8 @@ impl Machine {
     }
 
     fn decrement(&self, q: f64) -> Result<f64, DelayError> {
-        Ok(self.poles(q)?.into_iter().filter_map(decrement).fold(f64::INFINITY, f64::min))
+        let poles = self.poles(q)?;
+        Ok(self.modes.among(poles).filter_map(decrement).fold(f64::INFINITY, f64::min))
     }
 
     /// The smallest stiffness at which it is not stable.
@@ -79,8 +87,17 @@ impl Machine {
 pub(super) fn lines(question: &Question<'_>) -> Result<(Vec<Line>, CrossCoupling, Vec<Chart>), AssessError> {
     let (rotor, limits, station) = (question.rotor, question.limits, question.cross_at);
     let speed = question.operating[1];
-    let form = LinearForm::of(&Plant::of(rotor), &question.settings.feedback, &OperatingPoint::at(speed))?;
-    let machine = Machine { form, station, mass: rotor.control_mass(station) };
+    let plant = Plant::of(rotor);
+    let form = LinearForm::of(&plant, &question.settings.feedback, &OperatingPoint::at(speed))?;
+    let missing = control::FeedbackError::Bearing { found: station + 1, masses: rotor.len() };
+    let column = plant.column(station).ok_or(missing)?;
+    let machine = Machine {
+        form,
+        // Control is an acceleration on a chain, and a force on shaft elements.
+        pushed: column.dense(plant.order()) / C64::from(rotor.control_mass(station)),
+        read: plant.stations()[station].row.dense(plant.order()),
+        modes: question.modes,
+    };
     let borne = machine.borne()?;
     let place = Where::speed(speed).of(station);
     let stable = machine.is_stable(0.0)?;

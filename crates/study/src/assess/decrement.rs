@@ -1,10 +1,11 @@
-//! The logarithmic decrement of every mode over the range, `-2 pi Re s / |Im s|`, each where it is smallest.
+//! The logarithmic decrement of every mode that counts over the range, `-2 pi Re s / |Im s|`, each where it is smallest.
 
 use std::f64::consts::TAU;
 
 use machine::{MachinePoles, trace};
 use plot::{Axis, Chart, Color, Look, Series};
 use rotor::C64;
+use text::number::counted;
 
 use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
 
@@ -39,6 +40,9 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         let Some((at, pole, found)) = known.min_by(|a, b| a.2.total_cmp(&b.2)) else { continue };
         least.push(between(question, &speeds, at, Least { decrement: found, speed: speeds[at], pole })?);
     }
+    // What does not count is summed up below, unless it grows.
+    let counts = |mode: &Least| question.modes.counts(mode.pole) || mode.pole.re >= 0.0;
+    let (mut least, fast): (Vec<Least>, Vec<Least>) = least.into_iter().partition(counts);
     least.sort_by(|a, b| a.decrement.total_cmp(&b.decrement));
     let split = least.partition_point(|mode| mode.decrement <= WELL_DAMPED * limits.log_decrement).max(1);
     let mut lines: Vec<Line> = (least.iter().take(split))
@@ -56,6 +60,11 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         };
         let line = Line::judged(what, Quantity::Number, next.decrement, asked, &source);
         lines.push(line.at(Where::speed(next.speed).with(next.pole.im)));
+    }
+    if let Some(next) = fast.iter().min_by(|a, b| a.decrement.total_cmp(&b.decrement)) {
+        let what = format!("log decrement, {} faster than what counts", counted(fast.len(), "mode", "modes"));
+        let line = Line::told(what, Quantity::Number, next.decrement, &source);
+        lines.push(line.at(Where::speed(next.speed).with(next.pole.im)).noted("decays: no more is asked of it"));
     }
     if lines.is_empty() {
         lines.push(Line::without("log decrement", Quantity::Number, "no mode whirls: none has one", &source));

@@ -9,7 +9,7 @@ pub enum Quantity {
     Percent,
     /// A length in `e_t`.
     Length,
-    /// A force as `|u|` in `w0^2 e_t`, of the control bearing.
+    /// A force as `|u|` in `w0^2 e_t`, on the mass of the first control bearing.
     Force,
     /// A stiffness in `K_t`.
     Stiffness,

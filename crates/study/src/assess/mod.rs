@@ -17,7 +17,7 @@ mod sensitivity;
 mod unbalance;
 
 use linear::DelayError;
-use machine::{MarginsError, PolesError};
+use machine::{CountedModes, MarginsError, PolesError};
 use plot::Chart;
 use rotor::circular::CircularError;
 use rotor::{Rotor, Settings};
@@ -46,11 +46,14 @@ pub struct Question<'a> {
     pub cross_at: usize,
     /// The cross-coupled stiffness that is expected there, `Q_A / K_t`.
     pub cross_stiffness: Option<f64>,
+    /// The modes whose damping counts.
+    pub modes: CountedModes,
     /// The balance quality that the rotor is made to.
     pub grade: Option<Grade>,
     /// The smallest radial clearance in `e_t`, if it is another than that of the bearings.
     pub clearance: Option<f64>,
-    /// The largest force that the bearing can hold, as `|u|` in `w0^2 e_t`, if it is another than the loop's limit.
+    /// The largest force that each control bearing can hold, as `|u|` in `w0^2 e_t` on the mass of the first, if it is another than the
+    /// limit of its loop.
     pub force: Option<f64>,
     /// What is asked.
     pub limits: &'a Limits,

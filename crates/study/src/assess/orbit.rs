@@ -1,8 +1,8 @@
 //! The orbit in parts of the clearance, and the force in parts of what the bearing can hold: over the operating range, on the exact
 //! circular orbits under the rotor's own unbalance, the largest stable one of each speed.
 
-use rotor::Stability;
 use rotor::circular::{self, CircularError, Orbit};
+use rotor::{ControlMasses, Stability};
 
 use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where};
 
@@ -30,13 +30,14 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
     let along = found.curves.iter().flat_map(|curve| &curve.orbits).filter(|o| (low..=high).contains(&o.speed));
     let stable: Vec<&Orbit> = found.orbits.iter().flatten().chain(along).filter(|orbit| orbit.is_stable()).collect();
     let largest = largest(question, &stable, &Orbit::largest_radius)?;
-    let hardest = largest_force(question, &stable)?;
     let is_held = |orbit: &Orbit| orbit.stability() != Stability::Unstable;
     let unheld = found.orbits.iter().zip(&found.speeds).find(|(orbits, _)| !orbits.iter().any(is_held));
-    let mut lines = vec![
-        orbit_line(question, orbit, largest.as_ref(), &orbit_source),
-        force_line(question, force, hardest.as_ref(), &force_source),
-    ];
+    let mut lines = vec![orbit_line(question, orbit, largest.as_ref(), &orbit_source)];
+    let count = settings.feedback.bearings.len();
+    for bearing in 0..count {
+        let what = if count == 1 { force.to_owned() } else { format!("{force}, {}", settings.feedback.label(bearing)) };
+        lines.push(force_line(question, &what, bearing, &stable, &force_source)?);
+    }
     if let Some((_, speed)) = unheld {
         for line in &mut lines {
             let note = line.note.take().map_or(String::new(), |note| format!("{note}; "));
@@ -50,10 +51,6 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
         }
     }
     Ok((lines, vec![]))
-}
-
-fn largest_force(question: &Question<'_>, orbits: &[&Orbit]) -> Result<Option<Orbit>, AssessError> {
-    largest(question, orbits, &|orbit| orbit.force)
 }
 
 /// The orbit that is largest by `size` among those known, and between the speeds at which they are.
@@ -98,18 +95,32 @@ fn orbit_line(question: &Question<'_>, what: &str, largest: Option<&Orbit>, sour
     line.at(Where::speed(orbit.speed).of(station)).noted(format!("zone {zone}"))
 }
 
-fn force_line(question: &Question<'_>, what: &str, hardest: Option<&Orbit>, source: &str) -> Line {
-    let limit = question.settings.feedback.bearings[0].parts.limit;
-    let holds = question.force.or((limit > 0.0 && limit.is_finite()).then_some(limit));
-    let Some(orbit) = hardest else {
-        return Line::without(what, Quantity::Force, "no stable orbit was found", source);
+/// The force of a control bearing, counted from 0, against what it can hold; both as if the first had to.
+fn force_line(
+    question: &Question<'_>,
+    what: &str,
+    bearing: usize,
+    orbits: &[&Orbit],
+    source: &str,
+) -> Result<Line, AssessError> {
+    let masses = ControlMasses::of(question.rotor, &question.settings.feedback);
+    let of_first = |control: f64| masses.as_of_first(bearing, control);
+    let force = |orbit: &Orbit| of_first(orbit.forces.get(bearing).copied().unwrap_or(0.0));
+    let own = &question.settings.feedback.bearings[bearing];
+    let limit = own.parts.limit;
+    let holds = question.force.or((limit > 0.0 && limit.is_finite()).then(|| of_first(limit)));
+    let Some(hardest) = largest(question, orbits, &force)? else {
+        return Ok(Line::without(what, Quantity::Force, "no stable orbit was found", source));
     };
-    let place = Where::speed(orbit.speed).of(question.settings.feedback.bearings[0].station);
-    match holds {
+    let place = Where::speed(hardest.speed).of(own.station);
+    Ok(match holds {
         Some(most) => {
             let asked = Asked::AtMost(question.limits.force_share * most);
-            Line::judged(what, Quantity::Force, orbit.force, asked, source).at(place)
+            Line::judged(what, Quantity::Force, force(&hardest), asked, source).at(place)
         }
-        None => Line::told(what, Quantity::Force, orbit.force, source).at(place).noted("no limit of the force is set"),
-    }
+        None => {
+            let line = Line::told(what, Quantity::Force, force(&hardest), source).at(place);
+            line.noted("no limit of the force is set")
+        }
+    })
 }

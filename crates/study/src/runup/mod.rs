@@ -81,7 +81,7 @@ pub struct Largest {
     pub radius: (f64, f64),
     /// Root mean square of any station's whirl slower than the spin, in `e_t`.
     pub subsynchronous: (f64, f64),
-    /// Control force, in `w0^2 e_t`.
+    /// Control force, in `w0^2 e_t`; of several control bearings as that of the first ([`rotor::ControlMasses`]).
     pub force: (f64, f64),
 }
 
@@ -263,7 +263,7 @@ impl Book {
             speed: sample.speed,
             displacement: sample.displacement,
             velocity: sample.velocity,
-            force: sample.outputs[0].delivered.norm_sqr().sqrt(),
+            force: machine.largest_force(),
         };
         tracker.see(&read, |tracker| {
             *count += 1;

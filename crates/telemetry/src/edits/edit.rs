@@ -9,6 +9,8 @@ use crate::units::Units;
 pub enum Edit {
     /// Raise a setting.
     Nudge(Key, f64),
+    /// Raise several of a kind alike.
+    NudgeAll(Vec<Key>, f64),
     /// Set these, all at once.
     Set(Vec<(Key, f64)>),
     /// All gains to zero.
@@ -39,6 +41,7 @@ impl Edit {
     pub fn apply(&self, settings: &mut Settings) -> Result<bool, SettingsError> {
         match self {
             Self::Nudge(key, delta) => settings.nudge(*key, *delta)?,
+            Self::NudgeAll(keys, delta) => keys.iter().try_for_each(|key| settings.nudge(*key, *delta))?,
             Self::Set(values) => {
                 values.iter().try_for_each(|(key, value)| settings.set(*key, *value))?;
             }
@@ -61,6 +64,7 @@ impl Edit {
     pub fn describe_in(&self, settings: &Settings, units: &Units) -> String {
         match self {
             Self::Nudge(key, _) => settings.label(*key),
+            Self::NudgeAll(keys, _) => keys.iter().map(|key| settings.label(*key)).collect::<Vec<_>>().join(", "),
             Self::Set(values) => values
                 .iter()
                 .map(|(key, value)| format!("{} = {}", settings.label(*key), units.value(*key, *value)))
@@ -74,7 +78,7 @@ impl Edit {
     /// What it is, without saying of which settings, in the bench's `units`.
     pub fn describe(&self, units: &Units) -> String {
         match self {
-            Self::Nudge(..) => super::NUDGED.into(),
+            Self::Nudge(..) | Self::NudgeAll(..) => super::NUDGED.into(),
             Self::Set(_) => "typed".into(),
             Self::Off => "control off".into(),
             Self::Become(_, what) => what.clone(),
@@ -114,6 +118,9 @@ pub fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
     }
     if from.trip != to.trip {
         settings.trip = to.trip;
+    }
+    if from.ramp != to.ramp {
+        settings.ramp = to.ramp;
     }
     if from.feedback != to.feedback {
         settings.feedback = to.feedback.clone();

@@ -192,7 +192,10 @@ impl<C: Carrier> EditThread<C> {
 
     /// The units of the rotor.
     fn units(&self) -> Units {
-        Units::of(self.rotor.as_ref().and_then(|rotor| rotor.scales().copied()), Some(1.0))
+        match (&self.rotor, &self.known) {
+            (Some(rotor), Some(known)) => Units::of_machine(rotor, &known.settings.feedback),
+            _ => Units::DIMENSIONLESS,
+        }
     }
 
     /// Has something done that changes no settings.

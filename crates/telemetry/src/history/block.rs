@@ -42,6 +42,15 @@ impl StepQuantity {
         Self::size(channels[1][0], index)
     }
 
+    /// The control bearing, counted from 0, of whose control it tells; nothing of any other quantity.
+    #[must_use]
+    pub fn bearing(self) -> Option<usize> {
+        match self {
+            Self::Of(channel, index) => wire::bearing_of(channel, index),
+            Self::Size(pair, index) => wire::bearing_of(PAIRS[pair].channels[0], index),
+        }
+    }
+
     /// Displacement of a mass along y.
     pub const fn y(mass: usize) -> Self {
         Self::Of(Channel::Y, mass)

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use machine::MachinePoles;
-use rotor::{C64, Rotor, Settings};
+use rotor::{C64, ControlMasses, Rotor, Settings};
 use wire::BenchStatus;
 use wire::message::Analysis;
 
@@ -41,6 +41,14 @@ impl Era {
             poles: bench_status.analysis.poles().collect(),
             min_damping: bench_status.analysis.min_damping,
         }
+    }
+
+    /// What turns control into a force at each control bearing.
+    #[must_use]
+    pub fn masses_of_bearings(&self) -> ControlMasses {
+        self.rotor
+            .as_ref()
+            .map_or_else(ControlMasses::default, |rotor| ControlMasses::of(rotor, &self.settings.feedback))
     }
 
     /// The same with the poles at another speed than was told of, through which the machine passes.

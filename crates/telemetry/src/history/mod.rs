@@ -13,6 +13,7 @@ use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::Arc;
 
+use rotor::{ControlMasses, MAX_BEARINGS};
 use wire::message::Flags;
 use wire::{BenchStatus, Layout, Step};
 
@@ -50,7 +51,8 @@ pub struct History {
     last_tau: f64,
     lost: u64,
     tripped: bool,
-    peak_force: f64,
+    /// The largest control of every bearing.
+    peak_forces: [f64; MAX_BEARINGS],
     /// The place from which a person has had the largest control count.
     peak_from: u64,
 }
@@ -73,7 +75,7 @@ impl History {
             last_tau: 0.0,
             lost: 0,
             tripped: false,
-            peak_force: 0.0,
+            peak_forces: [0.0; MAX_BEARINGS],
             peak_from: 0,
         }
     }
@@ -125,12 +127,13 @@ impl History {
             self.mark(Mark::Trip);
         }
         if restarted || is_new_run || is_new_revision || (self.tripped && !tripped) {
-            self.peak_force = 0.0;
+            self.peak_forces = [0.0; MAX_BEARINGS];
         }
         self.tripped = tripped;
         self.last_tau = state.tau();
-        for [u_y, u_z] in (0..state.bearings()).map(|bearing| state.force(bearing)[1]) {
-            self.peak_force = self.peak_force.max(u_y.hypot(u_z));
+        for (bearing, peak) in self.peak_forces.iter_mut().enumerate().take(state.bearings()) {
+            let [u_y, u_z] = state.force(bearing)[1];
+            *peak = peak.max(u_y.hypot(u_z));
         }
         self.keep(state);
     }
@@ -263,16 +266,20 @@ impl History {
         self.marks.iter().skip(from).take_while(|(place, _)| *place < over.end)
     }
 
-    /// The largest control between the last change of settings, or start of the motion, and `place`, both included.
-    pub fn peak_force(&self, place: u64) -> f64 {
+    /// The largest control of every bearing between the last change of settings, or start of the motion, and `place`, both included.
+    pub fn peak_forces(&self, place: u64) -> [f64; MAX_BEARINGS] {
         if place + 1 >= self.end() {
             // Also counts what has gone out of the history.
-            return self.peak_force;
+            return self.peak_forces;
         }
         let since = self.peak_since(place);
         let track = self.track(&(since..place + 1));
-        let most = |bearing| track.range(StepQuantity::force(bearing), 0..(place + 1 - since) as usize);
-        (0..track.layout().bearings()).filter_map(most).map(|[_, most]| most).fold(0.0, f64::max)
+        let mut peaks = [0.0; MAX_BEARINGS];
+        for (bearing, peak) in peaks.iter_mut().enumerate().take(track.layout().bearings()) {
+            let range = track.range(StepQuantity::force(bearing), 0..(place + 1 - since) as usize);
+            *peak = range.map_or(0.0, |[_, most]| most);
+        }
+        peaks
     }
 
     /// From which place on the largest control up to `place` counts.
@@ -283,20 +290,24 @@ impl History {
         if self.peak_from <= place { since.max(self.peak_from) } else { since }
     }
 
-    /// The place of the step with the largest control of those that [`Self::peak_force`] counts, as far as they are kept; the first of
+    /// The place of the step with the largest control of those that [`Self::peak_forces`] counts, as far as they are kept; the first of
     /// several.
     pub fn peak_place(&self, place: u64) -> Option<u64> {
         let since = self.peak_since(place);
         let track = self.track(&(since..place + 1));
-        let forces = (0..track.layout().bearings()).map(StepQuantity::force);
-        let peaks = forces.filter_map(|force| Some((track.range(force, 0..track.len())?[1], force)));
-        let (most, force) = peaks.max_by(|a, b| a.0.total_cmp(&b.0))?;
+        let masses = self.era_at(place).map_or_else(ControlMasses::default, |era| era.masses_of_bearings());
+        let peaks = (0..track.layout().bearings()).filter_map(|bearing| {
+            let force = StepQuantity::force(bearing);
+            let most = track.range(force, 0..track.len())?[1];
+            Some((masses.as_of_first(bearing, most), most, force))
+        });
+        let (_, most, force) = peaks.max_by(|a, b| a.0.total_cmp(&b.0))?;
         (0..track.len()).find(|step| track.value(force, *step) >= most).map(|step| track.index_of(step))
     }
 
     /// Has the largest control count from the newest step on.
     pub fn reset_peak(&mut self) {
-        (self.peak_force, self.peak_from) = (0.0, self.end());
+        (self.peak_forces, self.peak_from) = ([0.0; MAX_BEARINGS], self.end());
     }
 
     /// The steps that are kept, by their places.

@@ -69,8 +69,9 @@ impl Branch {
 
     /// No more than where a machine is now.
     fn rows_from(machine: &Machine, root: &BranchPoint) -> Rows {
-        let mut rows = Rows::new(2 + 2 * root.rotor.len(), machine.seq);
-        rows.push(machine.row());
+        let bearings = root.state.bearings();
+        let mut rows = Rows::new(2 * (bearings + root.rotor.len()), machine.seq);
+        rows.push(machine.row(bearings));
         rows
     }
 
@@ -102,7 +103,7 @@ impl Branch {
     /// Takes an edit at step `at`, not before the root. Returns what was done, in words, or why not.
     pub(crate) fn edit(&mut self, edit: &Edit, at: u64) -> Result<String, ReplayError> {
         let mut state = self.state.clone();
-        let units = Units::of(self.root.rotor.scales().copied(), Some(1.0));
+        let units = Units::of_machine(&self.root.rotor, &state.settings.feedback);
         let words = match edit {
             Edit::Undo => {
                 let last = self.done.pop().ok_or(ReplayError::NothingToUndo)?;
@@ -176,7 +177,7 @@ impl Branch {
             }
             self.machine.step(still);
             made += u64::from(self.machine.substeps);
-            self.rows.push(self.machine.row());
+            self.rows.push(self.machine.row(self.root.state.bearings()));
             let is_new = self.memories.last().is_none_or(|last| last.seq + STRIDE <= seq);
             if is_new && (seq - self.from()).is_multiple_of(STRIDE) {
                 self.memories.push(self.machine.clone());
@@ -202,12 +203,14 @@ impl Branch {
 
     /// Displacement `[y, z]` of a mass at step `seq`, if it is known there.
     pub(crate) fn displacement(&self, seq: u64, mass: usize) -> Option<[f64; 2]> {
-        self.rows.get(seq).map(|row| [row[2 + 2 * mass], row[3 + 2 * mass]])
+        let at = 2 * (self.root.state.bearings() + mass);
+        self.rows.get(seq).map(|row| [row[at], row[at + 1]])
     }
 
-    /// Control `[y, z]` at step `seq`.
-    pub(crate) fn force(&self, seq: u64) -> Option<[f64; 2]> {
-        self.rows.get(seq).map(|row| [row[0], row[1]])
+    /// Control `[y, z]` of a control bearing, counted from 0, at step `seq`.
+    pub(crate) fn force(&self, seq: u64, bearing: usize) -> Option<[f64; 2]> {
+        let at = (bearing < self.root.state.bearings()).then_some(2 * bearing)?;
+        self.rows.get(seq).map(|row| [row[at], row[at + 1]])
     }
 }
 

@@ -232,11 +232,10 @@ impl Machine {
         }
     }
 
-    /// Its numbers in a row: `u_y`, `u_z`, then `y`, `z` of every mass.
-    pub(super) fn row(&self) -> impl Iterator<Item = f64> + '_ {
+    /// Its numbers in a row: `u_y`, `u_z` of so many control bearings, nothing of those that it has not, then `y`, `z` of every mass.
+    pub(super) fn row(&self, bearings: usize) -> impl Iterator<Item = f64> + '_ {
         let sample = self.machine.sample();
-        let control = sample.outputs[0].delivered;
-        let places = sample.displacement.iter().flat_map(|p| [p.re, p.im]);
-        [control.re, control.im].into_iter().chain(places)
+        let controls = (0..bearings).map(move |k| sample.outputs.get(k).map_or(C64::ZERO, |output| output.delivered));
+        controls.chain(sample.displacement.iter().copied()).flat_map(|z| [z.re, z.im])
     }
 }

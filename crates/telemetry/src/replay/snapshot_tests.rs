@@ -206,7 +206,7 @@ fn differs(past: &Recorded) -> Vec<u64> {
                 let bits = |place: [f64; 2]| place.map(f64::to_bits);
                 branch.displacement(seq, mass).map(bits) == Some(bits([point.y, point.z]))
             });
-            !(is_there && branch.force(seq) == Some(state.force_delivered()))
+            !(is_there && branch.force(seq, 0) == Some(state.force_delivered()))
         };
         past.states.iter().filter(|state| state.seq() >= *from).any(is_other)
     };

@@ -62,9 +62,9 @@ impl WhatIfRun<'_> {
         self.branch.displacement(self.loaded.seq_of(self.first + step as u64), mass)
     }
 
-    /// Control `[y, z]` at step `step` of the track.
-    pub fn force(&self, step: usize) -> Option<[f64; 2]> {
-        self.branch.force(self.loaded.seq_of(self.first + step as u64))
+    /// Control `[y, z]` of a control bearing, counted from 0, at step `step` of the track.
+    pub fn force(&self, step: usize, bearing: usize) -> Option<[f64; 2]> {
+        self.branch.force(self.loaded.seq_of(self.first + step as u64), bearing)
     }
 
     /// A quantity at step `step` of the track: of displacements and of the control; nothing of any other.
@@ -73,9 +73,15 @@ impl WhatIfRun<'_> {
         match quantity {
             StepQuantity::Of(Channel::Y, mass) => self.displacement(step, mass).map(|[y, _]| y),
             StepQuantity::Of(Channel::Z, mass) => self.displacement(step, mass).map(|[_, z]| z),
-            StepQuantity::FORCE_Y => self.force(step).map(|[y, _]| y),
-            StepQuantity::FORCE_Z => self.force(step).map(|[_, z]| z),
-            StepQuantity::FORCE => self.force(step).map(size),
+            StepQuantity::Of(Channel::ForceY | Channel::FurtherForceY, _) => {
+                self.force(step, quantity.bearing()?).map(|[y, _]| y)
+            }
+            StepQuantity::Of(Channel::ForceZ | Channel::FurtherForceZ, _) => {
+                self.force(step, quantity.bearing()?).map(|[_, z]| z)
+            }
+            StepQuantity::Size(..) if quantity.bearing().is_some_and(|k| quantity == StepQuantity::force(k)) => {
+                self.force(step, quantity.bearing()?).map(size)
+            }
             StepQuantity::Size(_, mass) if quantity == StepQuantity::radius(mass) => {
                 self.displacement(step, mass).map(size)
             }

@@ -108,7 +108,7 @@ fn repeats(session: &Session) {
                 let happened = Some([point.y.to_bits(), point.z.to_bits()]);
                 assert_eq!(beside, happened, "mass {mass} at step {} from {from} on", state.seq());
             }
-            let force = branch.force(state.seq()).map(|force| force.map(f64::to_bits));
+            let force = branch.force(state.seq(), 0).map(|force| force.map(f64::to_bits));
             assert_eq!(force, Some(state.force_delivered().map(f64::to_bits)), "step {} from {from} on", state.seq());
         }
     }

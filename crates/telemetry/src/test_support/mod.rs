@@ -85,6 +85,37 @@ pub fn frame_data() -> FrameData {
     feed.frame_data(&ViewTime::default(), now)
 }
 
+/// The data of a frame of a rotor in SI units of 30 kg and 10 kg with a control bearing each, `left` on the second, after a few steps with
+/// a control of 3 and of 2: `K_t e_t` are 72 N, so that 1 is 18 N on `left` and 54 N on `right`.
+#[must_use]
+pub fn frame_data_of_two_bearings() -> FrameData {
+    let mass = |mass| rotor::PhysicalMass { mass, bearing_stiffness: 1.8e6, unbalance: 1e-5, ..Default::default() };
+    let rotor = rotor::Rotor::from_si("two", vec![mass(30.0), mass(10.0)], vec![1e6], None).unwrap();
+    let bearing = |name: &str, station| rotor::ControlBearing {
+        name: Some(name.to_owned()),
+        ..rotor::ControlBearing::new(station, vec![rotor::Signal::at_mass(station, 2, [0.5, 0.5, 0.0, 0.0])])
+    };
+    let feedback = rotor::Feedback { bearings: vec![bearing("left", 1), bearing("right", 0)] };
+    let mut status = bench_status("jeffcott", "off");
+    status.set_rotor(&rotor);
+    status.settings = SettingsDocument::of(&Settings::new(&rotor, 1.0, feedback));
+    let now = Instant::now();
+    let mut feed = Feed::new("");
+    feed.push_bench_status(status);
+    for seq in 0..100 {
+        let mut state = State::new(Layout::new(2).with_bearings(2));
+        let mut row = state.row_mut();
+        row.set_word(Channel::RunId, 7);
+        row.set_word(Channel::Seq, seq);
+        row.set_word(Channel::Revision, 1);
+        row.set(Channel::Tau, 0, seq as f64 * 0.01);
+        row.set_pair([Channel::ForceY, Channel::ForceZ], 0, [3.0, 0.0]);
+        row.set_pair([Channel::FurtherForceY, Channel::FurtherForceZ], 0, [0.0, 2.0]);
+        feed.push_step(&state, now);
+    }
+    feed.frame_data(&ViewTime::default(), now)
+}
+
 /// Poles and damping over speed of a built-in rotor.
 #[must_use]
 pub fn question(rotor: &str, feedback: &str, speed: f64) -> PoleTraceRequest {

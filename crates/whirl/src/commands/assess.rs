@@ -10,7 +10,7 @@ use study::assess::{
 use crate::catalog::{self, FileError, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::place::Force;
 use crate::range::Range;
@@ -58,6 +58,8 @@ pub(crate) struct AssessArgs {
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     #[command(flatten)]
+    below: BelowArgs,
+    #[command(flatten)]
     force: Force,
     #[command(flatten)]
     format: Format,
@@ -71,6 +73,9 @@ struct Document<'a> {
     operating: [f64; 2],
     /// Whether everything that could be judged was passed.
     passed: bool,
+    /// The damping of modes with `|lambda|` up to this counts, in radians per tau; of a chain all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     lines: Vec<LineDocument<'a>>,
     /// Smallest logarithmic decrement over added cross-coupled stiffness.
     cross_coupling: CrossDocument,
@@ -163,6 +168,7 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
         over: [range.from, range.to],
         operating: [operating.from, operating.to],
         cross_at,
+        modes: args.below.modes(rotor, &machine.settings, range.to)?,
         cross_stiffness: positive("--cross-stiffness", args.cross_stiffness)?.map(|q| units.stiffness_from_typed(q)),
         grade: args.grade,
         clearance: positive("--clearance", args.clearance)?.map(|g| units.length_from_typed(g)),
@@ -321,7 +327,7 @@ impl Told<'_> {
     /// What was assessed, and how.
     fn about(&self, question: &Question<'_>, args: &AssessArgs) -> Vec<String> {
         let [from, to] = question.operating.map(|speed| self.units.speed_text_rounded(speed));
-        vec![
+        let mut about = vec![
             format!(
                 "Feedback {}; operating range {from} to {to}; cross-coupled stiffness is added at mass {}.",
                 args.machine.feedback.as_deref().unwrap_or(rotor::builtin::analysis_feedback_name(question.rotor)),
@@ -331,7 +337,9 @@ impl Told<'_> {
              at its full stiffness; orbit and force are the largest stable circular orbits under the rotor's own unbalance, clearances \
              and all."
                 .into(),
-        ]
+        ];
+        about.extend(counted(&question.modes, self.units).map(|told| format!("Damping: {told}.")));
+        about
     }
 
     fn document<'a>(&'a self, question: &Question<'_>, found: &'a Assessment) -> Document<'a> {
@@ -355,6 +363,7 @@ impl Told<'_> {
             over: question.over,
             operating: question.operating,
             passed: found.passed(),
+            below: question.modes.below(),
             lines: lines.collect(),
             cross_coupling: CrossDocument {
                 speed: found.cross_coupling.speed,

@@ -79,7 +79,7 @@ fn read(recording: &mut Recording) -> Result<(Info, Vec<RecordedLeg>), Failure> 
     };
     let mut course = RecordedCourse::new(recording.rotor());
     let mut motion: [Vec<C64>; 2] = Default::default();
-    let info = Info::seeing(recording, |state: &State| {
+    let info = Info::seeing(recording, |state: &State, force| {
         let [displacement, velocity] = &mut motion;
         displacement.clear();
         velocity.clear();
@@ -87,15 +87,8 @@ fn read(recording: &mut Recording) -> Result<(Info, Vec<RecordedLeg>), Failure> 
             displacement.push(C64::new(point.y, point.z));
             velocity.push(C64::new(point.vy, point.vz));
         }
-        let [y, z] = state.force_delivered();
-        let sample = OrderSample {
-            tau: state.tau(),
-            angle: state.angle(),
-            speed: state.speed(),
-            displacement,
-            velocity,
-            force: y.hypot(z),
-        };
+        let sample =
+            OrderSample { tau: state.tau(), angle: state.angle(), speed: state.speed(), displacement, velocity, force };
         course.see(state.seq(), &sample, state.speed_rate(), &settings);
     })?;
     Ok((info, course.legs(&settings)))
@@ -130,7 +123,7 @@ fn legs_for_people(legs: &[RecordedLeg], units: Units) -> Vec<(String, String)> 
 fn for_people(info: &Info, legs: &[RecordedLeg], recording: &Recording) -> String {
     let units = Units::with(recording.scales());
     let (length_unit, force_unit) = (units.length_unit(), units.force_unit());
-    // A control is an acceleration: what force it is depends on the mass that carried the bearing then.
+    // A control is an acceleration: what force it is depends on the mass that carried the first bearing then.
     let force_of = |control: f64, at: &MomentInfo| {
         let bearing =
             recording.settings_at(at.step).map_or(0, |revision| revision.settings.feedback.bearings[0].station);

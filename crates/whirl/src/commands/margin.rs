@@ -15,7 +15,7 @@ use super::linear;
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine_args::{MachineArgs, Whole};
+use crate::machine_args::{BelowArgs, MachineArgs, Whole, counted};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
 use crate::units::{Units, UnitsDocument};
@@ -47,6 +47,8 @@ pub(crate) struct MarginArgs {
     #[command(flatten)]
     unsure: Unsure,
     #[command(flatten)]
+    below: BelowArgs,
+    #[command(flatten)]
     format: Format,
 }
 
@@ -57,6 +59,9 @@ struct Document<'a> {
     speed: f64,
     stable: bool,
     min_damping: f64,
+    /// The damping of modes with `|lambda|` up to this counts, in radians per tau; of a chain all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     #[serde(flatten)]
     margins: Map<String, Value>,
     /// One a control bearing, with the others closed.
@@ -74,6 +79,9 @@ struct OverDocument<'a> {
     over: [f64; 2],
     checked: usize,
     stable: bool,
+    /// The damping of modes with `|lambda|` up to this counts, in radians per tau; of a chain all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     /// For each margin all of them at the speed where it is worst.
     worst: Map<String, Value>,
     #[serde(flatten)]
@@ -99,7 +107,9 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     }
     let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());
+    let modes = args.below.modes(rotor, &machine.settings, machine.settings.speed)?;
     let found = margins(rotor, &machine.settings, machine.settings.speed).map_err(|error| told(&error, units))?;
+    let min_damping = modes.min_damping(found.poles.iter().copied());
     let told = Told::of_all(&found, units, zones, machine.bearing_mass());
     let feedback = &machine.settings.feedback;
     let name =
@@ -146,7 +156,8 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         rotor: rotor.name(),
         speed: found.speed,
         stable: true,
-        min_damping: found.min_damping,
+        min_damping,
+        below: modes.below(),
         margins: fields,
         bearings,
         unsure: Map::new(),
@@ -165,7 +176,8 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         let what = if several { "a largest singular value of S" } else { "a sensitivity" };
         format!("no frequency has {what} above {} ({how})\n", rounded(peak.below))
     });
-    let footer = format!("minimum damping {}\n{above}{}", rounded(found.min_damping), told.remarks(&machine));
+    let which = counted(&modes, units).map_or(String::new(), |told| format!("{told}\n"));
+    let footer = format!("minimum damping {}\n{which}{above}{}", rounded(min_damping), told.remarks(&machine));
     let footer = footer + "\n" + &unsure.text;
     args.format.print(&document, &heading, &table, &footer)
 }
@@ -194,6 +206,7 @@ fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failu
     let machine = machine.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let speeds = range.points(args.points.unwrap_or(POINTS) as usize);
+    let modes = args.below.modes(rotor, &machine.settings, range.to)?;
     let worst = worst_margins(rotor, &machine.settings, &speeds).map_err(|error| told(&error, units))?;
     let columns = units.pick(&COLUMNS, &COLUMNS_SI);
     let mut table = Table::new(&[&columns[..], &[units.pick("at R", "at (rpm)")]].concat());
@@ -210,7 +223,7 @@ fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failu
         table.row(told.row(kind, Some(found.speed)));
         let mut all = Map::new();
         all.insert("speed".into(), json!(found.speed));
-        all.insert("min_damping".into(), json!(found.min_damping));
+        all.insert("min_damping".into(), json!(modes.min_damping(found.poles.iter().copied())));
         all.extend(told.fields());
         fields.insert(key, Value::Object(all));
         remarks = told.remarks(&machine);
@@ -220,6 +233,7 @@ fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failu
         over: [range.from, range.to],
         checked: speeds.len(),
         stable: true,
+        below: modes.below(),
         worst: fields,
         units: units.document(),
     };

@@ -7,7 +7,7 @@ use serde::Serialize;
 use super::linear::{self, Part, PoleDocument, StabilityDocument, word};
 use crate::catalog;
 use crate::failure::Failure;
-use crate::machine_args::{MachineArgs, Whole};
+use crate::machine_args::{BelowArgs, MachineArgs, Whole, counted};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::units::UnitsDocument;
 
@@ -22,6 +22,8 @@ pub(crate) struct PolesArgs {
     #[arg(long, value_name = "R", allow_negative_numbers = true)]
     speed: f64,
     #[command(flatten)]
+    below: BelowArgs,
+    #[command(flatten)]
     format: Format,
 }
 
@@ -33,6 +35,9 @@ struct Document<'a> {
     #[serde(flatten)]
     stability: StabilityDocument,
     min_damping: f64,
+    /// The damping of modes with `|lambda|` up to this counts, in radians per tau; of a chain all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     /// Where there are infinitely many: all with a greater real part are listed.
     #[serde(skip_serializing_if = "Option::is_none")]
     count_right_of: Option<f64>,
@@ -70,6 +75,8 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let poles = MachinePoles::of(rotor, &machine.settings)?;
     let (z, right_of) = (poles.z.clone(), poles.right_of);
     let spectrum = poles.spectrum();
+    let modes = args.below.modes(rotor, &machine.settings, machine.settings.speed)?;
+    let min_damping = modes.min_damping(spectrum.modes.iter().map(|mode| mode.pole));
     if spectrum.modes.is_empty() {
         let line = rounded(units.rate(right_of.unwrap_or(f64::NEG_INFINITY)));
         return Err(Failure::Work(format!("no pole has a real part greater than {line}: every motion dies at once")));
@@ -90,7 +97,8 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         rotor: rotor.name(),
         speed,
         stability: spectrum.stability().into(),
-        min_damping: spectrum.min_damping(),
+        min_damping,
+        below: modes.below(),
         count_right_of: right_of,
         modes: (spectrum.modes.iter().enumerate())
             .map(|(k, mode)| ModeDocument::of(mode, z.as_ref().map(|z| z[k])))
@@ -103,9 +111,10 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         &format!("{} at {}, deadband neglected{per}", rotor.name(), units.speed_text(speed)),
         &table,
         &format!(
-            "{}, minimum damping {}{}",
+            "{}, minimum damping {}{}{}",
             word(spectrum.stability()),
-            rounded(spectrum.min_damping()),
+            rounded(min_damping),
+            counted(&modes, units).map_or(String::new(), |told| format!("\n{told}")),
             remark(&machine, right_of)
         ),
     )
@@ -113,15 +122,15 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
 
 /// What else must be known of the poles of a loop that is not ideal.
 fn remark(machine: &catalog::Machine, right_of: Option<f64>) -> String {
-    let (units, parts) = (machine.units(), &machine.settings.feedback.bearings[0].parts);
+    let (units, sample) = (machine.units(), machine.settings.feedback.sample());
     if let Some(line) = right_of {
         let line = rounded(units.rate(line));
         return format!(
             "\nwith a delay there are infinitely many poles: all with a real part greater than {line} are here"
         );
     }
-    if parts.sample > 0.0 {
-        return format!("\nsampled every {}: s = ln(z) / h", units.time_text(parts.sample));
+    if sample > 0.0 {
+        return format!("\nsampled every {}: s = ln(z) / h", units.time_text(sample));
     }
     String::new()
 }

@@ -242,11 +242,18 @@ fn describe(content: &Content) -> String {
                 || "dimensionless".to_owned(),
                 |scales| format!("SI, w0 = {} rad/s = {} rpm", rounded(scales.w0), rounded(scales.rpm(1.0))),
             );
-            format!("{masses}, {units}")
+            // A grade is an unbalance for a speed only.
+            let is_open = |of: &beam::Unbalance| matches!(of.amount, beam::Amount::Grade { speed: None, .. });
+            let is_graded = rotor.beam().is_some_and(|beam| beam.drawing().unbalances.iter().any(is_open));
+            let grade = if is_graded { ", the speed that a grade without one is for" } else { "" };
+            format!("{masses}, {units}{grade}")
         }
         Content::Feedback(feedback) => {
             let signals = counted(feedback.signal_count(), "signal", "signals");
-            format!("feedback, {signals}, bearing at mass {}", feedback.bearings[0].station + 1)
+            let masses: Vec<String> =
+                feedback.bearings.iter().map(|bearing| (bearing.station + 1).to_string()).collect();
+            let at = if masses.len() == 1 { "bearing at mass" } else { "bearings at masses" };
+            format!("feedback, {signals}, {at} {}", masses.join(", "))
         }
     }
 }

@@ -8,7 +8,7 @@ use super::linear;
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table};
 use crate::range::Range;
 use crate::units::UnitsDocument;
@@ -22,6 +22,8 @@ pub(crate) struct ThresholdsArgs {
     #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
     over: Range,
     #[command(flatten)]
+    below: BelowArgs,
+    #[command(flatten)]
     format: Format,
 }
 
@@ -30,6 +32,9 @@ pub(crate) struct ThresholdsArgs {
 struct Document<'a> {
     rotor: &'a str,
     thresholds: Vec<ThresholdDocument>,
+    /// The damping of modes with `|lambda|` up to this counts, in radians per tau; of a chain all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     #[serde(flatten)]
     units: UnitsDocument,
 }
@@ -40,6 +45,9 @@ struct ThresholdDocument {
     frequency: f64,
     whirl: Whirl,
     becomes: Stability,
+    /// Whether its damping counts; only where not all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    counts: Option<bool>,
 }
 
 /// Prints the thresholds.
@@ -57,30 +65,46 @@ pub(crate) fn run(args: &ThresholdsArgs) -> Result<(), Failure> {
     } else {
         machine::thresholds(rotor, settings, over.from, over.to)?
     };
-    let mut table = Table::new(units.pick(
-        &["speed", "frequency", "whirl ratio", "whirl", "becomes"],
-        &["speed (rpm)", "frequency (Hz)", "whirl ratio", "whirl", "becomes"],
-    ));
+    let modes = args.below.modes(rotor, settings, over.to)?;
+    // On the axis a pole is as large as it turns fast.
+    let counts = |t: &rotor::Threshold| modes.below().map(|below| t.frequency <= below);
+    let columns = units.pick(
+        ["speed", "frequency", "whirl ratio", "whirl", "becomes"],
+        ["speed (rpm)", "frequency (Hz)", "whirl ratio", "whirl", "becomes"],
+    );
+    let some_count = modes.below().is_some();
+    let mut table = Table::new(&[&columns[..], if some_count { &["counts"] } else { &[] }].concat());
     for t in &found {
         // At rest there is no spin to compare with.
         let ratio = if t.speed == 0.0 { Cell::from(&"none") } else { (t.frequency / t.speed).into() };
         let numbers = [units.speed(t.speed), units.frequency(t.frequency)].map(Cell::from);
-        table.row(numbers.into_iter().chain([ratio, Cell::from(&t.whirl), Cell::from(&t.becomes)]));
+        let cells = numbers.into_iter().chain([ratio, Cell::from(&t.whirl), Cell::from(&t.becomes)]);
+        table.row(cells.chain(counts(t).map(|counts| Cell::from(&if counts { "yes" } else { "too fast" }))));
     }
     let document = Document {
         rotor: rotor.name(),
         thresholds: found
             .iter()
-            .map(|t| ThresholdDocument { speed: t.speed, frequency: t.frequency, whirl: t.whirl, becomes: t.becomes })
+            .map(|t| ThresholdDocument {
+                speed: t.speed,
+                frequency: t.frequency,
+                whirl: t.whirl,
+                becomes: t.becomes,
+                counts: counts(t),
+            })
             .collect(),
+        below: modes.below(),
         units: units.document(),
     };
     let per = units.pick("; frequency per unit of tau = w0 t", "");
-    let none = if found.is_empty() { "no mode changes stability" } else { "" };
+    let none = if found.is_empty() { "no mode changes stability".to_owned() } else { String::new() };
+    // Of a mode that is too fast its very frequency says more of the model than of the rotor.
+    let too_fast = found.iter().any(|t| counts(t) == Some(false));
+    let footer = if too_fast { counted(&modes, units).unwrap_or_default() } else { none };
     args.format.print(
         &document,
         &format!("{} for {}, deadband neglected{per}", rotor.name(), units.range_text(args.over)),
         &table,
-        none,
+        &footer,
     )
 }

@@ -7,7 +7,7 @@ use super::linear::{self, PoleDocument};
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::range::Range;
 use crate::units::{Units, UnitsDocument};
@@ -35,6 +35,8 @@ pub(crate) struct TraceArgs {
     /// Print the Campbell diagram instead: frequencies, and critical speeds where a branch meets 0.5X or 1X
     #[arg(long)]
     campbell: bool,
+    #[command(flatten)]
+    below: BelowArgs,
     #[command(flatten)]
     format: Format,
 }
@@ -91,6 +93,7 @@ pub(crate) fn run(args: &TraceArgs) -> Result<(), Failure> {
     let (rotor, feedback, units) = (&machine.rotor, &machine.settings.feedback, machine.units());
     let points =
         usize::try_from(args.points.unwrap_or(POINTS)).map_err(|_| Failure::Usage("too many points".into()))?;
+    args.below.typed(rotor)?;
     if !rotor::ClosedLoop::describes(rotor, feedback) {
         return of_loop(args, &machine, &over.points(points));
     }
@@ -115,6 +118,9 @@ struct LoopDocument<'a> {
     rotor: &'a str,
     speeds: &'a [f64],
     min_damping: Vec<Option<f64>>,
+    /// The damping of modes with `|lambda|` up to this counts, in radians per tau; of a chain all do.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     modes: Vec<Vec<Option<PoleDocument>>>,
     modes_null: &'static str,
     campbell: Campbell,
@@ -128,7 +134,11 @@ fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Fa
     let machine::Campbell { branches, critical_speeds } =
         machine::campbell(&machine.rotor, &machine.settings, speeds, &ORDERS)?;
     let mode = |pole: rotor::C64| Mode { pole, shape: vec![] };
-    let least = |at: usize| branches.iter().filter_map(|b| b[at]).map(|pole| mode(pole).damping()).reduce(f64::min);
+    let counted_modes = args.below.modes(&machine.rotor, &machine.settings, speeds[speeds.len() - 1])?;
+    let least = |at: usize| {
+        let found = counted_modes.min_damping(branches.iter().filter_map(|branch| branch[at]));
+        Some(found).filter(|found| !found.is_nan())
+    };
     let mut table = if args.campbell {
         critical_table(&critical_speeds, units)
     } else {
@@ -145,6 +155,7 @@ fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Fa
         rotor: machine.rotor.name(),
         speeds,
         min_damping: (0..speeds.len()).map(least).collect(),
+        below: counted_modes.below(),
         modes: branches.iter().map(|b| b.iter().map(|pole| pole.map(|pole| (&mode(pole)).into())).collect()).collect(),
         modes_null: "with a delay there are infinitely many poles: this one is left of the line up to which they are found",
         campbell: campbell_document(speeds, &critical_speeds),
@@ -153,7 +164,10 @@ fn of_loop(args: &TraceArgs, machine: &Machine, speeds: &[f64]) -> Result<(), Fa
     let worst = (0..speeds.len()).filter_map(|at| Some((least(at)?, speeds[at]))).min_by(|a, b| a.0.total_cmp(&b.0));
     let footer = match worst {
         _ if args.campbell => lines_text(units),
-        Some((zeta, speed)) => least_text(zeta, speed, units),
+        Some((zeta, speed)) => {
+            let least = least_text(zeta, speed, units);
+            counted(&counted_modes, units).map_or(least.clone(), |told| format!("{least}\n{told}"))
+        }
         None => String::new(),
     };
     let what = if args.campbell { "critical speeds" } else { "poles" };

@@ -1,6 +1,7 @@
 //! The moment that is shown: the steps around it in the feed, the settings in force, and how alarms stood.
 
 use alarms::{Alarms, Level, Watch};
+use rotor::ControlMasses;
 use wire::{BenchStatus, SettingsDocument};
 
 use super::Player;
@@ -69,8 +70,10 @@ impl Player {
         if let Some(track) = track {
             let radii = (0..track.masses()).map(|mass| track.displacement(0, mass)).map(|[y, z]| y.hypot(z));
             orbit = Some(radii.fold(0.0, f64::max));
-            let [y, z] = track.force(0);
-            force = Some(y.hypot(z));
+            let feedback = &bench_status.settings.get().feedback;
+            let masses = bench_status.rotor_document().map(|rotor| ControlMasses::of(rotor.get(), feedback));
+            let delivered = (0..track.layout().bearings()).map(|bearing| track.forces(0, bearing)[1]);
+            force = Some(masses.unwrap_or_default().largest(delivered.map(|[y, z]| y.hypot(z))));
         }
         let damping = (bench_status.analysis.count > 0).then_some(bench_status.analysis.min_damping);
         // Margins, and shares and counts over a stretch of time are known where they crossed a limit, and nowhere else.

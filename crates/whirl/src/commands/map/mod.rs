@@ -22,7 +22,7 @@ use crate::picture::is_picture;
 use crate::place::Force;
 use crate::range::Range;
 use crate::units::UnitsDocument;
-use crate::varied::{By, Varied, dimension};
+use crate::varied::{By, Varied, shown};
 
 /// Cells of a map of linear quantities, and of one that is simulated, if nobody says.
 const POINTS: [Points; 2] = [Points { x: 81, y: 61 }, Points { x: 31, y: 21 }];
@@ -237,7 +237,7 @@ fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
 /// What one of a key is in the unit that it is shown in.
 fn unit(machine: &Machine, key: &MapKey) -> f64 {
     match key {
-        MapKey::Parameter(parameter) => machine.units().value(dimension(parameter), machine.bearing_mass(), 1.0),
+        MapKey::Parameter(parameter) => shown(machine, parameter, 1.0),
         MapKey::Start { part: 0 | 1, .. } => machine.units().length(1.0),
         MapKey::Start { .. } => machine.units().velocity(1.0),
     }
@@ -251,7 +251,7 @@ impl Shown<'_> {
             MapQuantity::Damping | MapQuantity::Stability | MapQuantity::Sensitivity => 1.0,
             MapQuantity::Delay => units.time(1.0),
             MapQuantity::Orbit | MapQuantity::Cycle => units.length(1.0),
-            MapQuantity::Force => units.value(Dimension::Force, self.machine.bearing_mass(), 1.0),
+            MapQuantity::Force => units.quantity(Dimension::Force, self.machine.bearing_mass(), 1.0),
             MapQuantity::CycleFrequency => units.frequency(1.0),
         }
     }

@@ -185,11 +185,13 @@ fn bent_by(subject: &Subject, measured: &Measured) -> Vec<String> {
         }
     }
     if measured.saturated > 0.0 {
-        told.push(format!("the control bearing was at its limit {}", percent(measured.saturated)));
+        let which = if settings.feedback.only().is_some() { "the" } else { "a" };
+        told.push(format!("{which} control bearing was at its limit {}", percent(measured.saturated)));
     }
-    let parts = &settings.feedback.bearings[0].parts;
-    for (value, name) in [(parts.noise, "noise of the sensors"), (parts.quantum, "resolution of the sensors")] {
-        if value > 0.0 {
+    let parts = || settings.feedback.bearings.iter().map(|bearing| &bearing.parts);
+    let has = [parts().any(|parts| parts.noise > 0.0), parts().any(|parts| parts.quantum > 0.0)];
+    for (has, name) in has.into_iter().zip(["noise of the sensors", "resolution of the sensors"]) {
+        if has {
             told.push(format!("{name}: a larger amplitude or more periods make it smaller"));
         }
     }

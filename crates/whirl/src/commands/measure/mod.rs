@@ -77,9 +77,9 @@ struct Subject {
 }
 
 impl Subject {
-    /// Mass ratio of the control bearing's mass.
+    /// Mass ratio of the mass that carries the first control bearing: the one that is excited and measured.
     fn bearing_mass(&self) -> f64 {
-        self.rotor.control_mass(self.settings.feedback.bearings[0].station)
+        self.rotor.control_mass(self.settings.feedback.first().station)
     }
 }
 

@@ -114,7 +114,7 @@ impl Plan {
     /// Says what will bend what is measured, if it is known before.
     pub(super) fn warn(&self, subject: &Subject) {
         let added: f64 = self.tones.iter().map(|tone| (tone.amplitude * sensitivity(subject, tone)).norm()).sum();
-        if subject.present_force + added > subject.settings.feedback.bearings[0].parts.limit {
+        if subject.present_force + added > subject.settings.feedback.first().parts.limit {
             output::warn("the force may reach its limit under these tones, which bends what is measured");
         }
     }

@@ -1,6 +1,6 @@
 //! `whirl tail --events`: what has happened on a bench, and what happens, one line an event.
 
-use rotor::{ChangedValue, Difference, Rotor, Settings};
+use rotor::{ChangedValue, ControlMasses, Difference, Rotor, Settings};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use wire::message::Trip;
@@ -44,8 +44,8 @@ enum Detail {
 #[derive(Debug, Default)]
 pub(super) struct Teller {
     last: Option<(u64, u64, Settings)>,
-    /// Mass ratio of every mass, for forces in newtons.
-    masses: Vec<f64>,
+    /// For forces in newtons.
+    rotor: Option<Rotor>,
     /// Events whose numbers are missing.
     pub(super) lost: u64,
 }
@@ -53,9 +53,7 @@ pub(super) struct Teller {
 impl Teller {
     /// Tells of a bench on which this rotor runs.
     pub(super) fn of(rotor: Option<&Rotor>) -> Self {
-        let masses =
-            rotor.map_or_else(Vec::new, |rotor| (0..rotor.len()).map(|place| rotor.control_mass(place)).collect());
-        Self { masses, ..Self::default() }
+        Self { rotor: rotor.cloned(), ..Self::default() }
     }
 
     /// The line of one event, without its end.
@@ -66,7 +64,8 @@ impl Teller {
         self.lost += lost;
         let changed = known.map(|(.., before)| Difference::between(&before, &settings));
         let happening = event.happening();
-        let units = (units, self.masses.get(settings.feedback.bearings[0].station).copied().unwrap_or(1.0));
+        let masses = self.rotor.as_ref().map(|rotor| ControlMasses::of(rotor, &settings.feedback));
+        let units = (units, masses.unwrap_or_default());
         let line = if json {
             let line = document(event, lost, happening.as_ref(), changed.as_ref(), &settings);
             // A line of plain numbers and words always serialises.
@@ -80,10 +79,10 @@ impl Teller {
 }
 
 /// `speed 2.5 -> 3`, in the units of the machine.
-fn words(difference: &Difference, (units, mass): (Units, f64)) -> Vec<String> {
+fn words(difference: &Difference, (units, masses): (Units, ControlMasses)) -> Vec<String> {
     let values = difference.values.iter();
     let values = values.map(|ChangedValue { key, label, was, is }| {
-        let [was, is] = [*was, *is].map(|value| units.value(key.parameter.dimension, mass, value));
+        let [was, is] = [*was, *is].map(|value| units.value(masses, *key, value));
         format!("{label} {} -> {}", plain(was), plain(is))
     });
     values.chain(difference.law.then(|| "another feedback".to_owned())).collect()
@@ -99,7 +98,7 @@ fn for_people(
     event: &Event,
     happening: Option<&Happening>,
     changed: Option<&Difference>,
-    units: (Units, f64),
+    units: (Units, ControlMasses),
 ) -> String {
     let mut words_of = match (happening, changed) {
         (Some(Happening::Settings), Some(changed)) if !changed.is_empty() => words(changed, units).join(", "),
@@ -138,9 +137,9 @@ fn document<'a>(
             None => String::new(),
         },
         detail: match happening {
-            Some(Happening::Settings) => {
-                Detail::Settings { changed: changed.map(|changed| words(changed, (Units::with(None), 1.0))) }
-            }
+            Some(Happening::Settings) => Detail::Settings {
+                changed: changed.map(|changed| words(changed, (Units::with(None), ControlMasses::default()))),
+            },
             Some(Happening::Impulse { mass, velocity }) => {
                 Detail::Impulse { mass: mass + 1, vy: velocity.re, vz: velocity.im }
             }

@@ -75,7 +75,7 @@ pub(super) fn chosen(
                 None => [corner.from, corner.to],
                 Some(By::Part(part)) => [corner.own * (1.0 - part), corner.own * (1.0 + part)],
                 Some(By::Range(range)) => {
-                    [range.from, range.to].map(|end| end / units.value(corner.dimension, 1.0, 1.0))
+                    [range.from, range.to].map(|end| end / units.quantity(corner.dimension, 1.0, 1.0))
                 }
             });
         }
@@ -121,7 +121,7 @@ pub(super) fn document(structure: &Structure, tuned: &Tuned) -> Vec<Value> {
 pub(super) fn add(table: &mut Table, structure: &Structure, tuned: &Tuned, units: Units, wide: bool) {
     for (corner, found) in structure.corners().iter().zip(&tuned.corners) {
         let (filter, number) = parts(&corner.name);
-        let value = Cell::from(units.value(corner.dimension, 1.0, *found));
+        let value = Cell::from(units.quantity(corner.dimension, 1.0, *found));
         let names = [Cell::from(&filter.to_owned()), Cell::from(&number.to_owned())];
         let speed = wide.then_some(Cell::Without("any"));
         table.row(names.into_iter().chain(speed).chain([value]));

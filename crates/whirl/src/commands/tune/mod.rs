@@ -21,6 +21,7 @@ use tuner::{Method, Options, Price, Problem, Progress};
 
 use crate::failure::Failure;
 use crate::interrupt;
+use crate::machine_args::BelowArgs;
 use crate::output::{Format, rounded};
 use crate::place::Force;
 use crate::range::Range;
@@ -101,10 +102,8 @@ pub(crate) struct TuneArgs {
     /// What a mode is worth: its damping ratio, or its decay rate
     #[arg(long, value_enum, default_value_t = MeasureName::Ratio, help_heading = "Objective")]
     measure: MeasureName,
-    /// With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the
-    /// top speed, and past the fourth forward mode]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true, help_heading = "Objective")]
-    below: Option<f64>,
+    #[command(flatten, next_help_heading = "Objective")]
+    below: BelowArgs,
     /// Weights of forward and backward whirl: a mode's damping ratio counts divided by its weight
     #[arg(
         long,

@@ -1,7 +1,5 @@
 //! What is asked: options into a family, structures and choices of place, each checked and named in the user's terms.
 
-use std::f64::consts::TAU;
-
 use control::{PARTS, Parts};
 use rotor::typed::pair;
 use rotor::{Feedback, Rotor};
@@ -75,9 +73,6 @@ impl Asked {
         if args.delay.is_some() && feedback.delay() > 0.0 {
             return Err(Failure::Usage("--delay: the loop has a delay already: leave one of the two out".into()));
         }
-        if args.below.is_some() && rotor.is_chain() {
-            return Err(Failure::Usage("--below: every mode of a chain of masses counts: leave it out".into()));
-        }
         let template = match args.feedback {
             Some(_) => Some(feedback.clone()),
             None if rotor.is_chain() => None,
@@ -86,7 +81,7 @@ impl Asked {
         let mut asked = Self {
             family: family(args, &rotor, [from, to])?,
             range_text,
-            parts: feedback.bearings[0].parts,
+            parts: feedback.first().parts,
             corners: corners::chosen(&args.corners, template.as_ref(), &rotor, units)?,
             bound: bound(args, &rotor, template.as_ref())?,
             template,
@@ -96,7 +91,7 @@ impl Asked {
             force_limit: None,
             max_sensitivity: args.max_sensitivity,
             min_delay: args.min_delay.map(|least| least / units.time(1.0)),
-            below: args.below.map(|hertz| hertz * TAU * units.time(1.0)),
+            below: args.below.typed(&rotor)?,
             bearings: places::bearings(args.bearing.as_ref(), &rotor)?,
             sensors: places::sensors(args.sensors.as_ref(), &rotor)?,
         };
@@ -113,18 +108,11 @@ impl Asked {
     /// A limit of the control force as typed, in `w0^2 e_t`.
     fn force_limit(&self, typed: f64) -> Result<f64, Failure> {
         let rotor = self.rotor();
-        let own = self.template.as_ref().map(|template| &template.bearings[0].station);
+        let own = self.template.as_ref().map(|template| &template.first().station);
         let only = self.bearings.first().filter(|_| self.bearings.len() == 1);
         let Some(&bearing) = own.or(only) else {
             return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
         };
-        let mass = |bearing: &rotor::ControlBearing| rotor.control_mass(bearing.station);
-        let of_all = self.template.iter().flat_map(|template| &template.bearings).map(mass);
-        if of_all.into_iter().any(|other| other != rotor.control_mass(bearing)) {
-            return Err(Failure::Usage(
-                "--force-limit: the control bearings carry unequal masses, so no one limit is that of all".into(),
-            ));
-        }
         Ok(typed / self.units().force(1.0, rotor.control_mass(bearing)))
     }
 
@@ -141,10 +129,8 @@ impl Asked {
     /// Every choice of bearing and sensors.
     pub(super) fn choices(&self) -> Vec<(usize, Vec<usize>)> {
         if let Some(template) = &self.template {
-            let is_read = |k: &usize| {
-                template.bearings[0].signals.iter().any(|s| s.displacement[*k] != 0.0 || s.velocity[*k] != 0.0)
-            };
-            return vec![(template.bearings[0].station, (0..self.rotor().len()).filter(is_read).collect())];
+            let is_read = |k: &usize| template.signals().any(|s| s.displacement[*k] != 0.0 || s.velocity[*k] != 0.0);
+            return vec![(template.first().station, (0..self.rotor().len()).filter(is_read).collect())];
         }
         let of = |&bearing: &usize| {
             let sensors = if self.sensors.is_empty() {

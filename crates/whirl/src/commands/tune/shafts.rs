@@ -24,6 +24,12 @@ pub(super) fn template(args: &TuneArgs, rotor: &Rotor, feedback: &Feedback) -> R
         return Ok(feedback.clone());
     }
     let mut made = beam.no_feedback().with_parts(feedback.first().parts);
+    // Each bearing keeps its own actuator.
+    for bearing in &mut made.bearings {
+        if let Some(own) = feedback.bearings.iter().find(|own| own.station == bearing.station) {
+            bearing.parts = own.parts;
+        }
+    }
     let named = args.sensors.as_ref().map(|typed| places(typed, rotor, beam)).transpose()?;
     for bearing in &mut made.bearings {
         let own = bearing.signals[0].clone();
