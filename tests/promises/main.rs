@@ -27,6 +27,7 @@ mod report;
 mod run;
 mod seven_tasks;
 mod speeds;
+mod sweeps;
 mod tune;
 mod typed;
 mod units;

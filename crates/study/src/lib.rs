@@ -5,6 +5,7 @@
 //! * [`measured`]: the sensitivity of a loop out of its command while tones are added to it.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`map`]: a quantity over a plane of two parameters, its boundary of stability traced by [`contour`].
+//! * [`sweep`]: maps and samples cut into shards, each a pure function of the question and its number.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`assess`]: what standards ask of a machine, line by line.
 //! * [`table`]: a CSV or Parquet file that is there whole or not at all. [`trajectory`]: a run as one.
@@ -39,5 +40,6 @@ pub mod run;
 pub mod runup;
 mod settle;
 pub mod spectrum;
+pub mod sweep;
 pub mod table;
 pub mod trajectory;

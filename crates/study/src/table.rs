@@ -132,5 +132,16 @@ impl Table {
     }
 }
 
+/// How many rows a Parquet file has, as its footer says.
+///
+/// # Errors
+/// A file that cannot be read, or a build without Parquet.
+pub(crate) fn count_parquet_rows(path: &Path) -> io::Result<u64> {
+    #[cfg(feature = "parquet")]
+    return columnar::rows(path);
+    #[cfg(not(feature = "parquet"))]
+    Err(io::Error::new(io::ErrorKind::Unsupported, format!("{}: {}", path.display(), FormError::NoParquet)))
+}
+
 #[cfg(feature = "parquet")]
 mod columnar;

@@ -134,7 +134,8 @@ pub fn samples(
 }
 
 /// The values of the parameters of sample `index`, in the order of the ranges.
-pub(crate) fn values(ranges: &[Range], distribution: Distribution, seed: u64, index: u64) -> Vec<f64> {
+#[must_use]
+pub fn values(ranges: &[Range], distribution: Distribution, seed: u64, index: u64) -> Vec<f64> {
     match distribution {
         Distribution::Uniform => {
             draw(seed, index, ranges.len()).iter().zip(ranges).map(|(part, range)| range.at(*part)).collect()

@@ -60,7 +60,7 @@ impl From<FileError> for Failure {
 }
 
 /// Whether what was typed means a file: it ends in `.toml` or has a path separator.
-fn is_file(typed: &str) -> bool {
+pub(crate) fn is_file(typed: &str) -> bool {
     typed.contains(std::path::is_separator) || typed.ends_with(".toml")
 }
 

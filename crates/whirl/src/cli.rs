@@ -90,6 +90,8 @@ pub(crate) enum Command {
     Cycles(commands::cycles::CyclesArgs),
     /// Map a quantity over a plane of two parameters: damping, margins, orbits, forces, limit cycles
     Map(commands::map::MapArgs),
+    /// Cut a map or samples into shards for Slurm, Kubernetes or several shells, and gather them
+    Sweep(commands::sweep::SweepArgs),
     /// Search the gains that damp the worst mode best, over speeds and deadband states
     Tune(Box<commands::tune::TuneArgs>),
     /// Make the NASA report again: every figure, and every printed number beside ours

@@ -3,8 +3,8 @@
 use crate::cli::{Cli, Command};
 use crate::commands::{
     assess, assign, bode, clean, config, control, cycles, dash, export, force, info, layout, map, margin, measure,
-    modes, note, poles, record, replay, report, response, rotor, run, runup, set, sim, status, tail, thresholds, trace,
-    tune, up, wire,
+    modes, note, poles, record, replay, report, response, rotor, run, runup, set, sim, status, sweep, tail, thresholds,
+    trace, tune, up, wire,
 };
 use crate::failure::Failure;
 
@@ -44,6 +44,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Response(args) => response::run(&args),
         Command::Cycles(args) => cycles::run(&args),
         Command::Map(args) => map::run(&args),
+        Command::Sweep(args) => sweep::run(&args),
         Command::Tune(args) => tune::run(&args),
         Command::Report(args) => report::run(&args),
         Command::Assign(args) => assign::run(&args),

@@ -7,6 +7,7 @@ use files::Draft;
 use parquet::basic::{Compression, Repetition, Type as Physical};
 use parquet::data_type::{DoubleType, Int32Type, Int64Type};
 use parquet::file::properties::WriterProperties;
+use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
@@ -106,4 +107,10 @@ impl Columns {
         self.flush().map_err(io::Error::other)?;
         self.writer.into_inner().map_err(io::Error::other)
     }
+}
+
+/// How many rows a file has, as its footer says.
+pub(super) fn rows(path: &std::path::Path) -> io::Result<u64> {
+    let reader = SerializedFileReader::new(std::fs::File::open(path)?).map_err(io::Error::other)?;
+    Ok(reader.metadata().file_metadata().num_rows().max(0) as u64)
 }

@@ -182,6 +182,15 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     args.format.print(&document, &heading, &table, &footer)
 }
 
+/// The samples of a machine as rows, for a sweep.
+///
+/// # Errors
+/// A machine that cannot be made, or no samples.
+pub(crate) fn task(args: &MarginArgs) -> Result<study::sweep::Task, Failure> {
+    let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?.whole(args.whole)?;
+    args.unsure.task(&machine)
+}
+
 /// What no frequency exceeds; nothing of a sampled loop, or where there is no bound.
 fn certified(machine: &Machine, speed: f64) -> Option<CertifiedPeak> {
     MachineLoop::at(&machine.rotor, &machine.settings, speed).ok()?.certified_peak().ok()?

@@ -30,6 +30,7 @@ pub(crate) mod runup;
 pub(crate) mod set;
 pub(crate) mod sim;
 pub(crate) mod status;
+pub(crate) mod sweep;
 pub(crate) mod tail;
 pub(crate) mod thresholds;
 pub(crate) mod trace;

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 use study::map::{self, Map, MapAxis, MapError, MapKey, MapPlan, MapQuantity, QUANTITIES};
+use study::sweep::Task;
 use study::table::{self, Form, FormError};
 use units::Dimension;
 use variation::Model;
@@ -151,6 +152,23 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
     output::print_text(&format!("{}{}", picture::text(&shown), shown.footer()))
 }
 
+/// The cells of a map as rows, for a sweep.
+///
+/// # Errors
+/// A machine or an axis that cannot be, or options that are of no use there.
+pub(crate) fn task(args: &MapArgs) -> Result<Task, Failure> {
+    if args.out.is_some() || args.format.json || args.format.csv {
+        return Err(Failure::Usage(
+            "--out, --json and --csv are of no use in a sweep: its shards are the result".into(),
+        ));
+    }
+    let (machine, plan) = plan(args)?;
+    plan.check()?;
+    let [x, y] = [&plan.x, &plan.y].map(|axis| unit(&machine, &axis.key));
+    let units = [x, y, quantity_unit(&machine, plan.quantity)];
+    Ok(Task::Map { plan, units })
+}
+
 /// The form of a table that a path asks for; `None` of a picture.
 fn table_form(path: &Path, force: Force) -> Result<Option<Form>, Failure> {
     force.check(path)?;
@@ -243,17 +261,22 @@ fn unit(machine: &Machine, key: &MapKey) -> f64 {
     }
 }
 
+/// What one of a quantity is in the unit that it is shown in.
+fn quantity_unit(machine: &Machine, quantity: MapQuantity) -> f64 {
+    let units = machine.units();
+    match quantity {
+        MapQuantity::Damping | MapQuantity::Stability | MapQuantity::Sensitivity => 1.0,
+        MapQuantity::Delay => units.time(1.0),
+        MapQuantity::Orbit | MapQuantity::Cycle => units.length(1.0),
+        MapQuantity::Force => units.quantity(Dimension::Force, machine.bearing_mass(), 1.0),
+        MapQuantity::CycleFrequency => units.frequency(1.0),
+    }
+}
+
 impl Shown<'_> {
     /// What one of the quantity is in the unit that it is shown in.
     fn quantity_unit(&self) -> f64 {
-        let units = self.machine.units();
-        match self.plan.quantity {
-            MapQuantity::Damping | MapQuantity::Stability | MapQuantity::Sensitivity => 1.0,
-            MapQuantity::Delay => units.time(1.0),
-            MapQuantity::Orbit | MapQuantity::Cycle => units.length(1.0),
-            MapQuantity::Force => units.quantity(Dimension::Force, self.machine.bearing_mass(), 1.0),
-            MapQuantity::CycleFrequency => units.frequency(1.0),
-        }
+        quantity_unit(self.machine, self.plan.quantity)
     }
 
     /// An axis as it is shown.

@@ -4,6 +4,7 @@ use std::fmt::Write;
 
 use machine::WORST;
 use serde_json::{Map, Value, json};
+use study::sweep::Task;
 use tuner::Stop;
 use variation::{Distribution, Model, Range, Samples, Sensitivities, Sensitivity, Worst};
 
@@ -24,6 +25,15 @@ enum Spread {
     Uniform,
     /// About its middle, three standard deviations to either end; nothing outside
     Normal,
+}
+
+impl From<Spread> for Distribution {
+    fn from(spread: Spread) -> Self {
+        match spread {
+            Spread::Uniform => Self::Uniform,
+            Spread::Normal => Self::Normal,
+        }
+    }
 }
 
 /// The options of a machine that is not quite what is thought.
@@ -157,6 +167,21 @@ impl Unsure {
             let _ = writeln!(told.text, "quantiles of the smallest damping  {}", each.join("  "));
         }
         Ok(told)
+    }
+
+    /// The samples as rows, for a sweep.
+    ///
+    /// # Errors
+    /// No samples, or a parameter that is none.
+    pub(super) fn task(&self, machine: &Machine) -> Result<Task, Failure> {
+        let model = Model::new(machine.rotor.clone(), machine.settings.clone());
+        let Some(count) = self.samples else {
+            return Err(Failure::Usage("expected --samples N: a sweep cuts samples into shards".into()));
+        };
+        let ranges = self.ranges(machine, &model)?;
+        let units = ranges.iter().map(|range| varied::shown(machine, &range.parameter, 1.0)).collect();
+        let distribution = self.distribution.into();
+        Ok(Task::Samples { model, ranges, distribution, seed: self.seed, count, units })
     }
 
     /// The parameters that vary, each once.

@@ -1,0 +1,203 @@
+//! Maps and samples cut into shards: each a pure function of the question and of its number, on whatever machine.
+//!
+//! A question is a list of rows, each of which depends on its index alone; a shard is a stretch of them. So what is gathered is the same,
+//! row for row, however it was cut and whoever did it. A shard's file takes its name when it is whole: one that died is run again, and
+//! nothing is counted twice.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use files::{Existing, FileError};
+use rayon::prelude::*;
+use variation::{Distribution, Model, SamplesError};
+
+use crate::map::{MapError, MapPlan};
+use crate::table::{Form, Kind, Table};
+
+/// More shards than this are refused.
+pub const MOST_SHARDS: u64 = 100_000;
+
+/// What is asked, row by row.
+#[derive(Clone, Debug)]
+pub enum Task {
+    /// A map: a row a cell, x slowest.
+    Map {
+        /// The map.
+        plan: MapPlan,
+        /// What one of x, y and the quantity is in the unit that it is written in.
+        units: [f64; 3],
+    },
+    /// Samples: a row each.
+    Samples {
+        /// The machine.
+        model: Model,
+        /// What is drawn.
+        ranges: Vec<variation::Range>,
+        /// How.
+        distribution: Distribution,
+        /// From which seed.
+        seed: u64,
+        /// How many.
+        count: u64,
+        /// What one of each parameter is in the unit that it is written in.
+        units: Vec<f64>,
+    },
+}
+
+/// Why there is no shard.
+#[derive(Debug, thiserror::Error)]
+pub enum SweepError {
+    /// A row of a map.
+    #[error(transparent)]
+    Map(#[from] MapError),
+    /// A sample.
+    #[error(transparent)]
+    Samples(#[from] SamplesError),
+    /// Its file.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// Its file cannot be written, or not read.
+    #[error(transparent)]
+    Io(#[from] std::io::Error),
+    /// Asked to stop.
+    #[error("interrupted")]
+    Interrupted,
+}
+
+/// The rows of a shard, counted from 0: as even as can be.
+#[must_use]
+pub fn rows_of(shard: u64, shards: u64, rows: u64) -> Range<u64> {
+    let at = |k: u64| (u128::from(rows) * u128::from(k) / u128::from(shards)) as u64;
+    at(shard)..at(shard + 1)
+}
+
+impl Task {
+    /// How many rows there are.
+    #[must_use]
+    pub fn rows(&self) -> u64 {
+        match self {
+            Self::Map { plan, .. } => plan.x.values.len() as u64 * plan.y.values.len() as u64,
+            Self::Samples { count, .. } => *count,
+        }
+    }
+
+    /// The columns of numbers; the index of a row follows them.
+    #[must_use]
+    pub fn columns(&self) -> Vec<String> {
+        match self {
+            Self::Map { plan, .. } => {
+                vec![plan.x.key.name(), plan.y.key.name(), plan.quantity.row().name.to_owned()]
+            }
+            Self::Samples { ranges, .. } => {
+                let of = ranges.iter().map(|range| range.parameter.name().to_owned());
+                of.chain(["min_damping".to_owned()]).collect()
+            }
+        }
+    }
+
+    /// One row.
+    fn row(&self, index: u64, stop: &AtomicBool) -> Result<Vec<f64>, SweepError> {
+        match self {
+            Self::Map { plan, units } => {
+                let up = plan.y.values.len() as u64;
+                let (x, y) = (plan.x.values[(index / up) as usize], plan.y.values[(index % up) as usize]);
+                let value = plan.at(x, y, stop)?;
+                Ok([x, y, value].iter().zip(units).map(|(value, unit)| value * unit).collect())
+            }
+            Self::Samples { model, ranges, distribution, seed, units, .. } => {
+                let damping = variation::samples(model, ranges, *distribution, *seed, [index, 1], &|_| ())?;
+                let values = variation::values(ranges, *distribution, *seed, index);
+                let values = values.iter().zip(units).map(|(value, unit)| value * unit);
+                Ok(values.chain(damping).collect())
+            }
+        }
+    }
+
+    /// Computes rows and writes them into `target`, which is there whole or not at all.
+    ///
+    /// # Errors
+    /// A row that cannot be had, a file that cannot be written, or `stop`.
+    pub fn write(&self, rows: Range<u64>, target: &Path, form: Form, stop: &AtomicBool) -> Result<(), SweepError> {
+        /// Rows that are kept before they are written.
+        const AT_ONCE: u64 = 1 << 14;
+        let mut table = Table::create(target, form, &self.columns(), &[("index", Kind::Long)], Existing::Keep)?;
+        let mut from = rows.start;
+        while from < rows.end {
+            let to = rows.end.min(from + AT_ONCE);
+            let each: Result<Vec<Vec<f64>>, SweepError> = (from..to)
+                .into_par_iter()
+                .map(|index| match stop.load(Ordering::Relaxed) {
+                    true => Err(SweepError::Interrupted),
+                    false => self.row(index, stop),
+                })
+                .collect();
+            for (row, index) in each?.iter().zip(from..) {
+                table.row(row, &[index])?;
+            }
+            from = to;
+        }
+        Ok(table.finish()?)
+    }
+}
+
+/// The name of a shard's file: it says of how many it is, and of which question.
+#[must_use]
+pub fn file_name(shard: u64, shards: u64, question: &str, form: Form) -> String {
+    let ending = if form == Form::Csv { "csv" } else { "parquet" };
+    format!("shard-{shard:05}-of-{shards:05}-{question}.{ending}")
+}
+
+/// The files of shards in a folder: those of this question by number, and the names of all others.
+///
+/// # Errors
+/// A folder that cannot be read.
+pub fn found(
+    folder: &Path,
+    shards: u64,
+    question: &str,
+    form: Form,
+) -> std::io::Result<(Vec<Option<PathBuf>>, Vec<String>)> {
+    let names: Vec<String> = (0..shards).map(|shard| file_name(shard, shards, question, form)).collect();
+    let mut others = Vec::new();
+    for entry in std::fs::read_dir(folder)? {
+        let name = entry?.file_name().to_string_lossy().into_owned();
+        // Sorted by number, and so by name.
+        if name.starts_with("shard-") && names.binary_search(&name).is_err() {
+            others.push(name);
+        }
+    }
+    others.sort();
+    let path = |name: &String| Some(folder.join(name)).filter(|path| path.is_file());
+    Ok((names.iter().map(path).collect(), others))
+}
+
+/// How many rows a shard's file has.
+///
+/// # Errors
+/// A file that cannot be read.
+pub fn count_rows(path: &Path, form: Form) -> std::io::Result<u64> {
+    match form {
+        Form::Csv => {
+            let text = std::fs::read(path)?;
+            Ok((text.iter().filter(|byte| **byte == b'\n').count() as u64).saturating_sub(1))
+        }
+        Form::Parquet => crate::table::count_parquet_rows(path),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards_cover_every_row_once() {
+        for (rows, shards) in [(10, 3), (7, 7), (3, 5), (1_000_003, 64)] {
+            let parts: Vec<Range<u64>> = (0..shards).map(|k| rows_of(k, shards, rows)).collect();
+            assert_eq!((parts[0].start, parts[parts.len() - 1].end), (0, rows));
+            assert!(parts.windows(2).all(|pair| pair[0].end == pair[1].start));
+            let sizes: Vec<u64> = parts.iter().map(|part| part.end - part.start).collect();
+            assert!(sizes.iter().max().expect("some") - sizes.iter().min().expect("some") <= 1);
+        }
+    }
+}

@@ -1,0 +1,309 @@
+//! `whirl sweep`: a map or samples cut into shards that schedulers run.
+//!
+//! The document is the command line of a `whirl map` or of a `whirl margin .. --samples`: `run = "map three-mass .."` in a TOML file. Its
+//! plan names the question by a checksum over that line, every file that it reads, and the version of this program, so that shards of
+//! another one are told apart.
+
+mod jobs;
+
+use std::path::{Path, PathBuf};
+
+use clap::Parser;
+use serde::Serialize;
+use study::sweep::{self, MOST_SHARDS, SweepError, Task};
+use study::table::Form;
+
+use crate::catalog::{self, FileError};
+use crate::cli::{Cli, Command};
+use crate::commands::{map, margin};
+use crate::failure::Failure;
+use crate::interrupt;
+use crate::output::{print_json, print_text};
+use crate::place::Force;
+
+/// Options of `whirl sweep`.
+#[derive(Debug, clap::Args)]
+pub(crate) struct SweepArgs {
+    #[command(subcommand)]
+    command: SweepCommand,
+}
+
+#[derive(Debug, clap::Subcommand)]
+enum SweepCommand {
+    /// Cut a map or samples into shards, and write the job files that run them
+    Plan(PlanArgs),
+    /// Run one shard; one that is there already is left as it is
+    Run(RunArgs),
+    /// Check that every shard is there, whole and of this plan, and say what they hold
+    Gather(GatherArgs),
+}
+
+#[derive(Debug, clap::Args)]
+#[command(group = clap::ArgGroup::new("written").args(["file"]))]
+struct PlanArgs {
+    /// The document: a TOML file with run = "map .." or run = "margin .. --samples N"
+    #[arg(value_name = "FILE")]
+    file: String,
+    /// Into how many shards
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=MOST_SHARDS))]
+    shards: u64,
+    /// The folder for plan and shards
+    #[arg(long, value_name = "DIR", default_value = "out")]
+    out: PathBuf,
+    /// Write array.sh, a job array for Slurm: sbatch array.sh
+    #[arg(long)]
+    slurm: bool,
+    /// Write job.yaml, an indexed job for Kubernetes
+    #[arg(long)]
+    kubernetes: bool,
+    #[command(flatten)]
+    force: Force,
+}
+
+#[derive(Debug, clap::Args)]
+struct RunArgs {
+    /// The plan: plan.toml in the folder of the shards
+    #[arg(value_name = "PLAN")]
+    plan: PathBuf,
+    /// Which shard, counted from 0
+    #[arg(long, value_name = "K")]
+    shard: u64,
+}
+
+#[derive(Debug, clap::Args)]
+struct GatherArgs {
+    /// The folder with the plan and its shards
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Print one JSON document
+    #[arg(long)]
+    json: bool,
+}
+
+/// A plan as it stands in its file.
+struct Plan {
+    line: String,
+    shards: u64,
+    question: String,
+    form: Form,
+}
+
+/// Plans, runs or gathers.
+///
+/// # Errors
+/// A document that makes no sense, shards of another one, or files that cannot be written.
+pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
+    match &args.command {
+        SweepCommand::Plan(args) => plan(args),
+        SweepCommand::Run(args) => shard(args),
+        SweepCommand::Gather(args) => gather(args),
+    }
+}
+
+fn plan(args: &PlanArgs) -> Result<(), Failure> {
+    let path = args.out.join("plan.toml");
+    args.force.check(&path)?;
+    for (wanted, name) in [(args.slurm, jobs::SLURM), (args.kubernetes, jobs::KUBERNETES)] {
+        if wanted {
+            args.force.check(Path::new(name))?;
+        }
+    }
+    let text = catalog::text(&args.file)?;
+    let [line] = keys(&args.file, &text, ["run"])?;
+    let (task, question) = question(&line)?;
+    let rows = task.rows();
+    if rows < args.shards {
+        return Err(Failure::Usage(format!("--shards {}: expected at most {rows}, a row each", args.shards)));
+    }
+    // What this program can write stays what the shards are.
+    let form = if Form::Parquet.available().is_ok() { Form::Parquet } else { Form::Csv };
+    let made = Plan { line, shards: args.shards, question, form };
+    std::fs::create_dir_all(&args.out)
+        .map_err(|error| Failure::Usage(format!("'{}': {error}: expected a folder to write to", args.out.display())))?;
+    args.force.write(&path, made.to_text())?;
+    let mut told = format!("{rows} rows in {} shards: {}\n", args.shards, path.display());
+    for (wanted, name, text) in [
+        (args.slurm, jobs::SLURM, jobs::slurm(&path, args.shards)),
+        (args.kubernetes, jobs::KUBERNETES, jobs::kubernetes(&path, args.shards)),
+    ] {
+        if wanted {
+            args.force.write(Path::new(name), text)?;
+            told += &format!("{name}\n");
+        }
+    }
+    print_text(&told)
+}
+
+fn shard(args: &RunArgs) -> Result<(), Failure> {
+    let plan = Plan::read(&args.plan)?;
+    if args.shard >= plan.shards {
+        return Err(Failure::Usage(format!("--shard {}: expected 0 to {}", args.shard, plan.shards - 1)));
+    }
+    let task = plan.task(&args.plan)?;
+    let folder = args.plan.parent().unwrap_or(Path::new(""));
+    let target = folder.join(sweep::file_name(args.shard, plan.shards, &plan.question, plan.form));
+    if target.is_file() {
+        // A file has its name when it is whole: a job that is put back in its queue has nothing to do.
+        return print_text(&format!("{} is there already\n", target.display()));
+    }
+    let stop = interrupt::flag()?;
+    let rows = sweep::rows_of(args.shard, plan.shards, task.rows());
+    let count = rows.end - rows.start;
+    task.write(rows, &target, plan.form, &stop)?;
+    print_text(&format!("{}: {count} rows\n", target.display()))
+}
+
+/// What `gather` says for scripts.
+#[derive(Debug, Serialize)]
+struct Document {
+    shards: u64,
+    rows: u64,
+    columns: Vec<String>,
+    files: Vec<String>,
+}
+
+fn gather(args: &GatherArgs) -> Result<(), Failure> {
+    let path = args.folder.join("plan.toml");
+    let plan = Plan::read(&path)?;
+    let task = plan.task(&path)?;
+    let (files, others) = sweep::found(&args.folder, plan.shards, &plan.question, plan.form)?;
+    if !others.is_empty() {
+        return Err(Failure::Work(format!(
+            "'{}' has shards of another plan or version: {}. Expected those of {} alone",
+            args.folder.display(),
+            others.join(", "),
+            plan.question
+        )));
+    }
+    let missing: Vec<String> =
+        files.iter().enumerate().filter(|(_, file)| file.is_none()).map(|(shard, _)| shard.to_string()).collect();
+    if !missing.is_empty() {
+        let (count, all) = (missing.len(), plan.shards);
+        return Err(Failure::Work(format!(
+            "{count} of {all} shards are missing: {}. Run them again",
+            missing.join(", ")
+        )));
+    }
+    let files: Vec<PathBuf> = files.into_iter().flatten().collect();
+    for (shard, file) in files.iter().enumerate() {
+        let rows = sweep::rows_of(shard as u64, plan.shards, task.rows());
+        let (found, expected) = (sweep::count_rows(file, plan.form)?, rows.end - rows.start);
+        if found != expected {
+            let file = file.display();
+            return Err(Failure::Work(format!(
+                "'{file}' has {found} rows: expected {expected}. Remove it and run it again"
+            )));
+        }
+    }
+    let document = Document {
+        shards: plan.shards,
+        rows: task.rows(),
+        columns: task.columns().into_iter().chain(["index".to_owned()]).collect(),
+        files: files.iter().map(|file| file.display().to_string()).collect(),
+    };
+    if args.json {
+        return print_json(&document);
+    }
+    let ending = if plan.form == Form::Csv { "csv" } else { "parquet" };
+    print_text(&format!(
+        "{} shards, {} rows, whole\ncolumns {}\nread them together as {}/shard-*.{ending}\n",
+        document.shards,
+        document.rows,
+        document.columns.join(", "),
+        args.folder.display()
+    ))
+}
+
+/// The texts under these keys, and no others, of a file.
+///
+/// # Errors
+/// All that is wrong with it.
+fn keys<const N: usize>(file: &str, text: &str, names: [&str; N]) -> Result<[String; N], Failure> {
+    let read = || -> Result<[String; N], text::Faults> {
+        let (mut reader, table) = text::Reader::parse(text)?;
+        reader.only(&table, &names);
+        let values = names.map(|name| {
+            let found = reader.string(&table, name, "text in quotes").map(str::to_owned);
+            if found.is_none() && !table.contains_key(name) {
+                reader.fault(0..0, format!("no {name}"), format!("{name} = \"..\""));
+            }
+            found.unwrap_or_default()
+        });
+        reader.finish(values)
+    };
+    read().map_err(|faults| FileError::wrong(file, text, faults).into())
+}
+
+/// The task that a command line is, and what names it.
+fn question(line: &str) -> Result<(Task, String), Failure> {
+    let wrong = |why: &str| Failure::Usage(format!("run = \"{line}\": {why}"));
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let cli = Cli::try_parse_from(std::iter::once("whirl").chain(words.iter().copied()))
+        .map_err(|error| wrong(error.to_string().trim_end()))?;
+    let task = match cli.command() {
+        Command::Map(args) => map::task(&args)?,
+        Command::Margin(args) => margin::task(&args)?,
+        _ => return Err(wrong("expected a map, or a margin with --samples")),
+    };
+    let mut named = format!("{}\n{line}\n", env!("CARGO_PKG_VERSION"));
+    // Whatever the line reads is a part of the question.
+    for file in words.iter().filter(|word| catalog::is_file(word)) {
+        named += &catalog::text(file)?;
+    }
+    Ok((task, format!("{:016x}", checksum(named.as_bytes()))))
+}
+
+/// FNV-1a of 64 bits: to tell questions apart, not to keep secrets.
+fn checksum(bytes: &[u8]) -> u64 {
+    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
+impl Plan {
+    fn to_text(&self) -> String {
+        let form = if self.form == Form::Csv { "csv" } else { "parquet" };
+        format!(
+            "# Made by `whirl sweep plan`; shards are run by `whirl sweep run` of the same version.\nrun = {:?}\nshards = \"{}\"\nquestion = \"{}\"\nform = \"{form}\"\n",
+            self.line, self.shards, self.question
+        )
+    }
+
+    fn read(path: &Path) -> Result<Self, Failure> {
+        let file = path.display().to_string();
+        let text = catalog::text(&file)?;
+        let [line, shards, question, form] = keys(&file, &text, ["run", "shards", "question", "form"])?;
+        let wrong =
+            |expected: &str| Failure::Usage(format!("{file}: expected {expected}, as `whirl sweep plan` writes it"));
+        let count = shards.parse().ok().filter(|count| (1..=MOST_SHARDS).contains(count));
+        let form = match form.as_str() {
+            "csv" => Form::Csv,
+            "parquet" => Form::Parquet.available().map_err(|error| Failure::Usage(error.to_string()))?,
+            _ => return Err(wrong("form = \"csv\" or \"parquet\"")),
+        };
+        Ok(Self { line, shards: count.ok_or_else(|| wrong("a number of shards"))?, question, form })
+    }
+
+    /// The task, which must be the one that was planned.
+    fn task(&self, path: &Path) -> Result<Task, Failure> {
+        let (task, question) = question(&self.line)?;
+        if question == self.question {
+            return Ok(task);
+        }
+        Err(Failure::Usage(format!(
+            "{}: it is the plan {}, but this version of whirl and the files it reads make it {question}: plan it anew",
+            path.display(),
+            self.question
+        )))
+    }
+}
+
+impl From<SweepError> for Failure {
+    fn from(error: SweepError) -> Self {
+        match error {
+            SweepError::Map(error) => error.into(),
+            SweepError::Samples(error) => Self::Work(error.to_string()),
+            SweepError::File(error) => error.into(),
+            SweepError::Io(error) => error.into(),
+            SweepError::Interrupted => Self::Interrupted,
+        }
+    }
+}
