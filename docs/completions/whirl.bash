@@ -100,6 +100,9 @@ _whirl() {
             whirl,status)
                 cmd="whirl__subcmd__status"
                 ;;
+            whirl,sweep)
+                cmd="whirl__subcmd__sweep"
+                ;;
             whirl,tail)
                 cmd="whirl__subcmd__tail"
                 ;;
@@ -154,6 +157,15 @@ _whirl() {
             whirl__subcmd__rotor,show)
                 cmd="whirl__subcmd__rotor__subcmd__show"
                 ;;
+            whirl__subcmd__sweep,gather)
+                cmd="whirl__subcmd__sweep__subcmd__gather"
+                ;;
+            whirl__subcmd__sweep,plan)
+                cmd="whirl__subcmd__sweep__subcmd__plan"
+                ;;
+            whirl__subcmd__sweep,run)
+                cmd="whirl__subcmd__sweep__subcmd__run"
+                ;;
             *)
                 ;;
         esac
@@ -161,7 +173,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map sweep tune report assign rotor"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -175,7 +187,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__assess)
-            opts="-h --feedback --deadband --set --over --operating --grade --cross-stiffness --cross-at --clearance --force-limit --limits --print-limits --out --force --json --csv --help"
+            opts="-h --feedback --deadband --set --over --operating --grade --cross-stiffness --cross-at --clearance --force-limit --limits --print-limits --out --below --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -226,6 +238,10 @@ _whirl() {
                     return 0
                     ;;
                 --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --below)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -687,7 +703,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__margin)
-            opts="-h --feedback --deadband --set --full --speed --over --points --zones --sensitivities --box --vary --tolerance --samples --distribution --seed --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --over --points --zones --sensitivities --box --vary --tolerance --samples --distribution --seed --below --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -742,6 +758,10 @@ _whirl() {
                     return 0
                     ;;
                 --seed)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --below)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -851,7 +871,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__poles)
-            opts="-h --feedback --deadband --set --full --speed --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --below --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -873,6 +893,10 @@ _whirl() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --below)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -881,7 +905,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__record)
-            opts="-h --force --bench --keep --pretrigger --split --min-free --follow --as-child --help"
+            opts="-h --force --bench --keep --pretrigger --split --min-free --follow --as-child --from-the-start --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1247,7 +1271,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__sim)
-            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --lockstep --as-child --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --lockstep --as-child --when-told --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1310,6 +1334,74 @@ _whirl() {
             COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
             return 0
             ;;
+        whirl__subcmd__sweep)
+            opts="-h --help plan run gather"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__sweep__subcmd__gather)
+            opts="-h --json --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__sweep__subcmd__plan)
+            opts="-h --shards --out --slurm --kubernetes --force --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --shards)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --out)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__sweep__subcmd__run)
+            opts="-h --shard --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 3 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --shard)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
         whirl__subcmd__tail)
             opts="-h --bench --events --every --count --json --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
@@ -1337,7 +1429,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__thresholds)
-            opts="-h --feedback --deadband --set --over --json --csv --help"
+            opts="-h --feedback --deadband --set --over --below --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1359,6 +1451,10 @@ _whirl() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --below)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 *)
                     COMPREPLY=()
                     ;;
@@ -1367,7 +1463,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__trace)
-            opts="-h --feedback --deadband --set --over --points --campbell --json --csv --help"
+            opts="-h --feedback --deadband --set --over --points --campbell --below --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1390,6 +1486,10 @@ _whirl() {
                     return 0
                     ;;
                 --points)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --below)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -56,6 +56,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "force" -d 'Print the la
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "response" -d 'Print the exact synchronous response, branch by branch'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "cycles" -d 'Print the exact self-excited limit cycles, branch by branch'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "map" -d 'Map a quantity over a plane of two parameters: damping, margins, orbits, forces, limit cycles'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "sweep" -d 'Cut a map or samples into shards for Slurm, Kubernetes or several shells, and gather them'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "tune" -d 'Search the gains that damp the worst mode best, over speeds and deadband states'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "report" -d 'Make the NASA report again: every figure, and every printed number beside ours'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedback that assigns poles, or show which modes each bearing and sensor reaches'
@@ -89,6 +90,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of 
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l lockstep -d 'Not in real time: wait at every sample for the command of a controller outside (`external`), and go as fast as that, bit for bit repeatable'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l as-child -d 'Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when the parent dies'
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l when-told -d 'Make no step before the parent has said something'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l history -d 'Megabytes that the steps kept for looking back may take' -r
@@ -110,7 +112,8 @@ complete -c whirl -n "__fish_whirl_using_subcommand record" -l split -d 'Go on i
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l min-free -d 'End in good order when the disk has less room left than this' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l follow -d 'Go on with the next simulation of the same name when one ends'
-complete -c whirl -n "__fish_whirl_using_subcommand record" -l as-child -d 'Serve a parent process: say `ready` once it records, and end when standard input closes'
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l as-child -d 'Serve a parent process: say `ready` once it records, with the number of the first step, and end when standard input closes'
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l from-the-start -d 'Serve a parent process whose simulation has not begun yet: say `ready` before any step'
 complete -c whirl -n "__fish_whirl_using_subcommand record" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l history -d 'Megabytes that the steps kept for looking back may take' -r
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
@@ -179,6 +182,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The f
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l csv -d 'Print rows for a spreadsheet'
@@ -188,6 +192,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand trace" -l deadband -d 'Clear
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l over -d 'Spin speeds R, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l points -d 'How many speeds, evenly spaced [default: 101]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand trace" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l campbell -d 'Print the Campbell diagram instead: frequencies, and critical speeds where a branch meets 0.5X or 1X'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand trace" -l csv -d 'Print rows for a spreadsheet'
@@ -196,6 +201,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l feedback -d '
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l over -d 'Spin speeds R to search, both ends included (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand thresholds" -s h -l help -d 'Print help (see more with \'--help\')'
@@ -225,6 +231,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand margin" -l samples -d 'Draw 
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l distribution -d 'How they are spread' -r -f -a "uniform\t'All of a range alike'
 normal\t'About its middle, three standard deviations to either end; nothing outside'"
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l seed -d 'What random numbers start from; the same seed draws the same machines, on any number of threads' -r
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l sensitivities -d 'What every parameter does to damping and margins, the largest effects first; `--csv` has these rows'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
@@ -271,6 +278,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand assess" -l clearance -d 'Sma
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l force-limit -d 'The largest force of the control bearing, in w0^2 e_t (SI rotors: in N) [default: the limit of the loop]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l limits -d 'A file of limits, for those that are to be others than the table\'s' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l out -d 'Write a page that ends in .html, with its charts, or in .md' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand assess" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l print-limits -d 'Print every limit with its origin, as such a file to start from, and end'
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand assess" -l json -d 'Print one JSON document'
@@ -343,6 +351,20 @@ complete -c whirl -n "__fish_whirl_using_subcommand map" -l force -d 'Replace a 
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand map" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "plan" -d 'Cut a map or samples into shards, and write the job files that run them'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "run" -d 'Run one shard; one that is there already is left as it is'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and not __fish_seen_subcommand_from plan run gather" -f -a "gather" -d 'Check that every shard is there, whole and of this plan, and say what they hold'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -l shards -d 'Into how many shards' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -l out -d 'The folder for plan and shards' -r -F
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -l slurm -d 'Write array.sh, a job array for Slurm: sbatch array.sh'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -l kubernetes -d 'Write job.yaml, an indexed job for Kubernetes'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -l force -d 'Replace a file that is there already'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from plan" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from run" -l shard -d 'Which shard, counted from 0' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from run" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from gather" -l json -d 'Print one JSON document'
+complete -c whirl -n "__fish_whirl_using_subcommand sweep; and __fish_seen_subcommand_from gather" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l over -d 'Every spin speed of a range, both ends included (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l speed -d 'One spin speed R alone (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l signal -d 'What drives a bearing: the sum of all sensors with four gains, or four gains for each sensor [default: composite; with shaft elements the law of the drawing]' -r -f -a "composite\t'The sum of all sensors, with four gains: the report\'s'

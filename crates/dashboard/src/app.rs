@@ -27,7 +27,6 @@ use crossbeam::channel::{self, Receiver, Sender, select_biased};
 use crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::Rect;
 use rotor::Settings;
-pub use watch::OnAlarm;
 
 use crate::actions;
 use crate::appearance::Look;
@@ -35,6 +34,7 @@ use crate::input::Input;
 use crate::keymap::Keymap;
 use crate::layers::Layer;
 use crate::layout::Layout;
+use crate::on_alarm::OnAlarm;
 use crate::options::{DashboardError, Ended, Options};
 use crate::panels::registry::Panels;
 use crate::screen;

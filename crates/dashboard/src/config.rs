@@ -4,9 +4,9 @@ use alarms::{AskedLimit, Limits, Watch};
 use text::{Faults, Reader, Table, Value, as_number};
 
 use crate::actions::ACTIONS;
-use crate::app::OnAlarm;
 use crate::appearance::ThemeName;
 use crate::keymap::{Chord, Keymap};
+use crate::on_alarm::OnAlarm;
 
 /// What a configuration file says.
 #[derive(Clone, Debug, Default, PartialEq)]

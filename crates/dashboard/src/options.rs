@@ -5,10 +5,10 @@ use std::path::PathBuf;
 
 use alarms::Limits;
 
-use crate::app::OnAlarm;
 use crate::appearance::AppearanceOptions;
 use crate::keymap::Keymap;
 use crate::layout::{Layout, built_in};
+use crate::on_alarm::OnAlarm;
 use telemetry::history::BOUND;
 
 /// Why the dashboard did not start, or could not go on.

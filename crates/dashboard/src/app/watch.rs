@@ -8,24 +8,7 @@ use telemetry::reader::lock;
 use wire::Channel;
 
 use super::App;
-
-/// What an alarm does to a speed that rises.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum OnAlarm {
-    /// Nothing: it goes on.
-    #[default]
-    GoOn,
-    /// It stays what it is.
-    Hold,
-    /// It falls to rest at the rate at which it rose.
-    CoastDown,
-}
-
-impl OnAlarm {
-    /// Every one by its name in the configuration file.
-    pub const ALL: [(&'static str, Self); 3] =
-        [("go-on", Self::GoOn), ("hold", Self::Hold), ("coast-down", Self::CoastDown)];
-}
+use crate::on_alarm::OnAlarm;
 
 impl App<'_> {
     /// Holds what has come in against the limits: alarms go on while the view stands, and no peak falls between two

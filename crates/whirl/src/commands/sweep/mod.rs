@@ -102,7 +102,10 @@ pub(crate) fn run(args: &SweepArgs) -> Result<(), Failure> {
 
 fn plan(args: &PlanArgs) -> Result<(), Failure> {
     let path = args.out.join("plan.toml");
-    args.force.check(&path)?;
+    // A folder that is to be made has nothing in the way.
+    if args.out.is_dir() {
+        args.force.check(&path)?;
+    }
     for (wanted, name) in [(args.slurm, jobs::SLURM), (args.kubernetes, jobs::KUBERNETES)] {
         if wanted {
             args.force.check(Path::new(name))?;
