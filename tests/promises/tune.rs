@@ -521,7 +521,7 @@ fn the_law_of_a_shaft_on_two_magnetic_bearings_is_made_better_and_read_back() {
         (&["rig", "--sensors", "left,middle"], "--sensors: no place 'middle': rig has magnetic bearings left, right"),
         (&["rig", "--sensors", "left,left"], "--sensors: place 'left' is named twice"),
         (&["rig", "--sensors", "any:2"], "--sensors any: places of a rotor of shaft elements are named"),
-        (&["rig", "--below", "0"], "expected a finite number above 0"),
+        (&["rig", "--below", "0"], "--below 0: expected a frequency in Hz above 0"),
         (&["rig", "--robust", "deadband"], "--robust: rig has no support bearing with stiffness"),
         (&["three-mass", "--below", "100"], "--below: every mode of a chain of masses counts"),
         (&["three-mass", "--sensors", "1,left"], "expected masses counted from 1"),

@@ -408,7 +408,7 @@ mod tests {
     fn every_key_reads_back_what_was_set() {
         let (rotor, mut settings) = three_mass();
         let keys = settings.keys();
-        assert_eq!(keys.len(), 3 + 10 + 3 + 4 * 2);
+        assert_eq!(keys.len(), 3 + 12 + 3 + 4 * 2);
         for (i, &key) in keys.iter().enumerate() {
             let value = 0.25 + i as f64;
             assert_eq!(key.to_string().parse::<Key>().expect("its own name"), key);
@@ -436,7 +436,7 @@ mod tests {
             (
                 "sped",
                 "1",
-                "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, feedback, with .N for mass, signal or control bearing N",
+                "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, sensor_lag, noise, quantum, seed, sample, delay, lag, lag_damping, limit, slew, external, external_trip, feedback, with .N for mass, signal or control bearing N",
             ),
             (
                 "speed.1",

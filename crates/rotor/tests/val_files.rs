@@ -231,13 +231,13 @@ type Made = (Option<String>, Vec<Signal>, Vec<Filter>, Parts);
 
 /// Bearings at the first masses, with one clock and names of their own.
 fn joined(bearings: Vec<Made>) -> Feedback {
-    let Parts { sample, delay, .. } = bearings[0].3;
+    let Parts { sample, delay, external, external_trip, .. } = bearings[0].3;
     let one = |(station, (name, signals, filters, parts)): (usize, Made)| ControlBearing {
         name: name.map(|name| format!("{name}{station}")),
         station,
         signals,
         filters,
-        parts: Parts { sample, delay, ..parts },
+        parts: Parts { sample, delay, external, external_trip, ..parts },
     };
     Feedback { bearings: bearings.into_iter().enumerate().map(one).collect() }
 }

@@ -72,7 +72,8 @@ impl Parameter {
     /// Whether linear analysis knows it: clearance, unbalance, noise and limits play no part there.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        const NOT: [&str; 8] = ["ramp", "deadband", "trip", "noise", "quantum", "seed", "limit", "slew"];
+        const NOT: [&str; 10] =
+            ["ramp", "deadband", "trip", "noise", "quantum", "seed", "limit", "slew", "external", "external_trip"];
         match &self.quantity {
             Quantity::Setting(key) => !NOT.contains(&key.parameter.name),
             Quantity::Field { field, .. } => FIELDS[*field].name != "unbalance",

@@ -51,9 +51,9 @@ pub(crate) enum Command {
     Note(commands::note::NoteArgs),
     /// List running benches: rates, lateness, losses, who is attached
     Status(commands::status::StatusArgs),
-    /// Let a program of any kind control a running simulation, by its standard input and output
+    /// Let any program control a running simulation, by its standard input and output
     Control(commands::control::ControlArgs),
-    /// Say how another program finds and reads a bench: root, services, types, sizes, offsets, units
+    /// Say how another program finds and reads a bench: root, services, types, units
     Wire(commands::wire::WireArgs),
     /// Remove what crashed processes left behind; never touches a live bench
     Clean(commands::clean::CleanArgs),
@@ -88,9 +88,9 @@ pub(crate) enum Command {
     Response(commands::response::ResponseArgs),
     /// Print the exact self-excited limit cycles, branch by branch
     Cycles(commands::cycles::CyclesArgs),
-    /// Map a quantity over a plane of two parameters: damping, margins, orbits, forces, limit cycles
+    /// Map a quantity over a plane of two parameters: damping, margins, orbits, forces
     Map(commands::map::MapArgs),
-    /// Cut a map or samples into shards for Slurm, Kubernetes or several shells, and gather them
+    /// Cut a map or samples into shards that schedulers run, and gather them
     Sweep(commands::sweep::SweepArgs),
     /// Search the gains that damp the worst mode best, over speeds and deadband states
     Tune(Box<commands::tune::TuneArgs>),
