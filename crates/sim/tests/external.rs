@@ -106,7 +106,9 @@ fn bits_of(state: &State) -> Vec<u64> {
 fn agree_to_the_last_bit(states: &[State], machine_and_settings: &(Rotor, Settings)) {
     let mut machine = alone(machine_and_settings);
     let first = states[0].seq();
-    assert_eq!(first, 0, "in lockstep nothing is done before somebody listens");
+    for _ in 0..first {
+        machine.step();
+    }
     for (k, state) in states.iter().enumerate() {
         machine.step();
         assert_eq!(state.seq(), first + k as u64, "a step is missing");
