@@ -95,7 +95,7 @@ pub struct ExternalCounts {
     pub late: u64,
     /// Samples whose command was not there at its deadline.
     pub missed: u64,
-    /// Commands that were not taken, because they were not finite.
+    /// Commands that were not taken, because they were not finite, whatever they answered.
     pub refused: u64,
     /// How often commands from outside came to act.
     pub took_over: u64,
@@ -161,6 +161,12 @@ pub(crate) struct External<P> {
     closed: u64,
     /// The newest readings that were answered.
     answered: u64,
+    /// Which of the latest were.
+    which: Answered,
+    /// The newest readings whose command should have been there.
+    due: u64,
+    /// The first readings that a controller answered of those whose commands act.
+    since: u64,
     /// Commands in time, one after the other.
     in_time: u64,
     acting: bool,
@@ -188,6 +194,9 @@ impl<P: ControlHost> External<P> {
             number: 0,
             closed: 0,
             answered: 0,
+            which: Answered::default(),
+            due: 0,
+            since: 0,
             in_time: 0,
             acting: false,
             has_acted: false,
@@ -210,7 +219,7 @@ impl<P: ControlHost> External<P> {
         if engine.generation() != self.generation {
             // What was asked before was asked of another loop, or at another time.
             self.generation = engine.generation();
-            (self.closed, self.answered) = (self.number, self.number);
+            (self.closed, self.answered, self.due) = (self.number, self.number, self.number);
             (self.in_time, self.waiting, self.has_acted) = (0, false, self.acting);
         }
         let Some(allowed) = engine.machine().external() else {
@@ -224,26 +233,41 @@ impl<P: ControlHost> External<P> {
             return self.in_lockstep(engine, exchange, now_ns);
         }
         self.take(engine, exchange, allowed)?;
-        if !engine.machine_mut().sense() {
-            return Ok(Ready::Yes);
+        let is_read = engine.machine_mut().sense();
+        if is_read {
+            self.number += 1;
+            self.which.set(self.number, false);
         }
-        self.number += 1;
-        let (_, samples) = engine.machine().external_delay();
-        let overdue = self.number.saturating_sub(samples).saturating_sub(self.answered);
-        if overdue > 0 && self.acting {
-            exchange.counters.external.missed.fetch_add(1, Ordering::Relaxed);
-            self.in_time = 0;
-            if overdue > allowed {
-                self.act(engine, exchange, false);
-                exchange.counters.external.lost.fetch_add(1, Ordering::Relaxed);
-            }
-        }
-        engine.set_held(overdue > 0 && self.acting);
+        let overdue = self.look_for_missing(engine, exchange, allowed);
         if self.has_acted && engine.machine().external_trip().is_some_and(|most| overdue > most) {
             return Ok(engine.trip_for_want_of_commands().map_or(Ready::Yes, Ready::Tripped));
         }
-        self.send(engine, exchange, now_ns)?;
+        if is_read {
+            self.send(engine, exchange, now_ns)?;
+        }
         Ok(Ready::Yes)
+    }
+
+    /// Counts the samples whose command should act within the step to come and is not there, and hands the machine to its own law where too
+    /// many are. Returns how many in a row, up to the newest, are without.
+    fn look_for_missing(&mut self, engine: &mut Engine, exchange: &Exchange, allowed: u64) -> u64 {
+        let due = engine.machine().external_due().map_or(0, |back| self.number.saturating_sub(back));
+        let overdue = due.saturating_sub(self.answered);
+        let counters = &exchange.counters.external;
+        for number in self.due + 1..=due {
+            // What was read before the controller had the machine was answered by the law here.
+            if self.acting && number >= self.since && !self.which.has(number) {
+                counters.missed.fetch_add(1, Ordering::Relaxed);
+            }
+        }
+        self.due = self.due.max(due);
+        if self.acting && overdue > allowed {
+            self.act(engine, exchange, false);
+            counters.lost.fetch_add(1, Ordering::Relaxed);
+        }
+        let is_held = due > self.closed && due >= self.since && !self.which.has(due);
+        engine.set_held(self.acting && is_held);
+        overdue
     }
 
     /// Takes the commands that have come, each for its sample.
@@ -254,6 +278,7 @@ impl<P: ControlHost> External<P> {
         for Taken { number, command } in found.into_iter().take(count).flatten() {
             let back = self.number - number;
             self.answered = number;
+            self.which.set(number, true);
             let put = |engine: &mut Engine| engine.machine_mut().command_from_outside(complex(&command), back);
             let in_time = put(engine);
             counters.taken.fetch_add(1, Ordering::Relaxed);
@@ -265,6 +290,7 @@ impl<P: ControlHost> External<P> {
             }
             if in_time && !self.acting && self.in_time >= allowed {
                 self.act(engine, exchange, true);
+                self.since = number;
                 put(engine);
                 counters.took_over.fetch_add(1, Ordering::Relaxed);
             }
@@ -309,13 +335,17 @@ impl<P: ControlHost> External<P> {
         let Self { port, run_id, number, closed, answered, .. } = self;
         let (mut count, mut newest) = (0, *answered);
         port.commands(|message: &ControlCommand| {
-            // What was meant for another run, or came twice, is no command; nor is the answer to what nobody asked.
-            let is_ours = message.run_id == *run_id && message.number <= *number;
-            if !is_ours || message.number <= newest.max(*closed) || count == MAX_TAKEN {
+            // What was meant for another run is no command.
+            if message.run_id != *run_id {
                 return;
             }
+            // Before its number is looked at: who sends such things is told, also where another command was there first.
             if !message.is_finite(bearings) {
                 exchange.counters.external.refused.fetch_add(1, Ordering::Relaxed);
+                return;
+            }
+            // What came twice is none either, nor is the answer to what nobody asked.
+            if message.number > *number || message.number <= newest.max(*closed) || count == MAX_TAKEN {
                 return;
             }
             newest = message.number;
@@ -340,7 +370,7 @@ impl<P: ControlHost> External<P> {
     fn send(&mut self, engine: &Engine, exchange: &Exchange, now_ns: u64) -> Result<(), WireError> {
         let machine = engine.machine();
         let sample = machine.sample();
-        let (delay, _) = machine.external_delay();
+        let delay = machine.external_delay();
         let counts = exchange.counters.external.now();
         let deadline_ns = if self.lockstep { 0 } else { now_ns + (delay * self.tau_ns) as u64 };
         let mut readings = Readings {
@@ -370,7 +400,40 @@ impl<P: ControlHost> External<P> {
     }
 }
 
-/// Commands that are looked at before a step.
+/// Which of the latest readings were answered.
+struct Answered(Box<[u64]>);
+
+impl Default for Answered {
+    fn default() -> Self {
+        Self(vec![0; REMEMBERED / 64].into())
+    }
+}
+
+impl Answered {
+    fn place(number: u64) -> (usize, u64) {
+        let at = number as usize % REMEMBERED;
+        (at / 64, 1 << (at % 64))
+    }
+
+    fn has(&self, number: u64) -> bool {
+        let (word, bit) = Self::place(number);
+        self.0[word] & bit != 0
+    }
+
+    fn set(&mut self, number: u64, answered: bool) {
+        let (word, bit) = Self::place(number);
+        if answered {
+            self.0[word] |= bit;
+        } else {
+            self.0[word] &= !bit;
+        }
+    }
+}
+
+/// Readings of which it is known whether they were answered: more than a loop can be late by.
+const REMEMBERED: usize = 1 << 17;
+
+/// Commands that are looked at before a step: as many as can wait.
 const MAX_TAKEN: usize = 8;
 
 fn complex(command: &[[f64; 2]; MAX_BEARINGS]) -> impl Iterator<Item = rotor::C64> + '_ {

@@ -38,9 +38,7 @@ impl Controller {
     /// Sends the command of the law outside for the sample that was taken `back` samples before the last one that was read, when it is `tau`.
     /// One that comes after it should have begun to act acts at once. Returns whether it came in time.
     pub fn command_from_outside(&mut self, command: C64, back: u64, tau: f64) -> bool {
-        // The last that was read has its turn yet, unless it was acted upon.
-        let read = if self.is_sensed { self.next_sample } else { self.next_sample.saturating_sub(1) };
-        let at = read.saturating_sub(back) as f64 * self.parts.sample;
+        let at = self.last_read().saturating_sub(back) as f64 * self.parts.sample;
         let due = at + self.parts.delay;
         let is_in_time = tau <= due + self.tolerance;
         if self.is_external {
@@ -49,5 +47,17 @@ impl Controller {
             self.send(command, if is_in_time { due } else { tau });
         }
         is_in_time
+    }
+
+    /// How many samples before the last one that was read is the newest whose command should act before `until`; `None` while none should.
+    #[must_use]
+    pub fn due_before(&self, until: f64) -> Option<u64> {
+        let newest = ((until - self.parts.delay - self.tolerance) / self.parts.sample).ceil() - 1.0;
+        (newest >= 0.0).then(|| self.last_read().saturating_sub(newest as u64))
+    }
+
+    /// Which sample was read last, counted from 0 at `tau` = 0: it has its turn yet, unless it was acted upon.
+    fn last_read(&self) -> u64 {
+        if self.is_sensed { self.next_sample } else { self.next_sample.saturating_sub(1) }
     }
 }

@@ -27,12 +27,18 @@ impl Machine {
         self.program.feedback().external_trip()
     }
 
-    /// The delay of the loop, in `tau` and in samples: after so many, a command should be there.
+    /// The delay of the loop, in `tau`: after it, the command of a sample should be there.
     #[must_use]
-    pub fn external_delay(&self) -> (f64, u64) {
-        let (delay, sample) = (self.program.feedback().delay(), self.program.feedback().sample());
-        let samples = if sample > 0.0 { (delay / sample - 1e-9).ceil().max(0.0) } else { 0.0 };
-        (delay, samples as u64)
+    pub fn external_delay(&self) -> f64 {
+        self.program.feedback().delay()
+    }
+
+    /// How many samples before the last one that was read is the newest whose command should act within the next step; `None` while none
+    /// should.
+    #[must_use]
+    pub fn external_due(&self) -> Option<u64> {
+        let until = self.tau() + self.dtau();
+        self.program.integrator.controllers.first()?.due_before(until)
     }
 
     /// Reads the sample that is due before the next step, if one is and has not been read yet. Returns whether one was read now. Only a loop
