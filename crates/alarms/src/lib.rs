@@ -1,7 +1,7 @@
 //! Alarms: what of a running machine is past its limits, since when, and by how much.
 //!
 //! The dashboard and the recorder judge by the same rules, whoever of them runs: a [`Sampler`] takes a [`Reading`] of what
-//! the bench sends, [`Alarms`] hold it against [`Limits`], and every crossing comes out as a [`Turn`]. Pure: no clock, no
+//! the bench sends, [`Alarms`] hold it against [`Limits`], and every crossing comes out as a [`LevelChange`]. Pure: no clock, no
 //! files, no screen.
 //!
 //! ```
@@ -30,5 +30,5 @@ pub use limits::{AskedLimit, LOW_DAMPING, Limit, Limits, LimitsError};
 pub use machine::{Alarms, Entry, Standing};
 pub use reading::{Reading, Sample};
 pub use sampler::Sampler;
-pub use turn::Turn;
+pub use turn::LevelChange;
 pub use watch::{Level, Watch};

@@ -16,7 +16,7 @@ use std::collections::VecDeque;
 
 use wire::{BenchStatus, Moment};
 
-use crate::{Level, Limit, Limits, Reading, Sample, Turn, Watch};
+use crate::{Level, LevelChange, Limit, Limits, Reading, Sample, Watch};
 
 /// Entries kept of what has been read.
 const KEPT: usize = 256;
@@ -82,7 +82,7 @@ impl Alarms {
 
     /// How things stood after these turns, which somebody else has judged and seen. Every entry stays.
     #[must_use]
-    pub fn recalled<'a>(limits: Limits, turns: impl IntoIterator<Item = &'a Turn>) -> Self {
+    pub fn recalled<'a>(limits: Limits, turns: impl IntoIterator<Item = &'a LevelChange>) -> Self {
         let mut alarms = Self::new(limits);
         turns.into_iter().for_each(|turn| alarms.follow(turn));
         alarms.acknowledge();
@@ -90,7 +90,7 @@ impl Alarms {
     }
 
     /// Holds a reading against the limits. Returns every crossing.
-    pub fn read(&mut self, reading: &Reading) -> Vec<Turn> {
+    pub fn read(&mut self, reading: &Reading) -> Vec<LevelChange> {
         self.last_ns = reading.at.wall_ns;
         let mut turns = Vec::new();
         for watch in Watch::ALL {
@@ -108,7 +108,7 @@ impl Alarms {
             if level == before {
                 continue;
             }
-            let turn = Turn {
+            let turn = LevelChange {
                 at: sample.at,
                 watch,
                 before,
@@ -128,11 +128,11 @@ impl Alarms {
     }
 
     /// What is past a limit that is no more is within it again.
-    fn let_go(&mut self, watch: Watch, Sample { value, at }: Sample) -> Option<Turn> {
+    fn let_go(&mut self, watch: Watch, Sample { value, at }: Sample) -> Option<LevelChange> {
         let before = self.standings[watch as usize].at;
         let entry = self.open(watch).filter(|_| before > Level::Fine)?;
         let (limit, worst, cause) = (entry.limit, entry.worst, String::new());
-        let turn = Turn { at, watch, before, level: Level::Fine, value, limit, worst, cause };
+        let turn = LevelChange { at, watch, before, level: Level::Fine, value, limit, worst, cause };
         self.follow(&turn);
         Some(turn)
     }
@@ -148,7 +148,7 @@ impl Alarms {
     }
 
     /// Takes a turn as it was taken by whoever judged.
-    pub fn follow(&mut self, turn: &Turn) {
+    pub fn follow(&mut self, turn: &LevelChange) {
         self.last_ns = self.last_ns.max(turn.at.wall_ns);
         let standing = &mut self.standings[turn.watch as usize];
         standing.at = turn.level;
@@ -168,7 +168,7 @@ impl Alarms {
         self.entries.iter_mut().rev().find(|entry| entry.watch == watch).filter(|entry| entry.fell.is_none())
     }
 
-    fn rise(&mut self, turn: &Turn) {
+    fn rise(&mut self, turn: &LevelChange) {
         if let Some(entry) = self.open(turn.watch) {
             // A warning that grows into an alarm is one story, however often it does; it must be seen anew.
             entry.level = entry.level.max(turn.level);

@@ -145,12 +145,12 @@ impl Sampler {
 #[cfg(test)]
 mod tests {
     use wire::message::{Analysis, Trip};
-    use wire::{Channel, Layout, State};
+    use wire::{Channel, State, StepLayout};
 
     use super::*;
 
     fn state(seq: u64) -> State {
-        let state = State::new(Layout::new(3)).with_word(Channel::RunId, 7).with_word(Channel::Seq, seq);
+        let state = State::new(StepLayout::new(3)).with_word(Channel::RunId, 7).with_word(Channel::Seq, seq);
         state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 1, 2.5)
     }
 

@@ -9,7 +9,7 @@ use crate::{Level, Watch};
 
 /// Something went from one level to another.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Turn {
+pub struct LevelChange {
     /// When: the step whose value that is.
     pub at: Moment,
     /// What.
@@ -28,7 +28,7 @@ pub struct Turn {
     pub cause: String,
 }
 
-impl Turn {
+impl LevelChange {
     /// Whether it is worse than before.
     #[must_use]
     pub fn rises(&self) -> bool {
@@ -36,7 +36,7 @@ impl Turn {
     }
 }
 
-impl fmt::Display for Turn {
+impl fmt::Display for LevelChange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { watch, level, value, limit, worst, cause, .. } = self;
         let unit = if *watch == Watch::Orbit { " e_t" } else { "" };
@@ -56,7 +56,7 @@ mod tests {
 
     #[test]
     fn a_turn_is_told_in_a_line() {
-        let turn = |before, level, value, limit| Turn {
+        let turn = |before, level, value, limit| LevelChange {
             at: Moment::default(),
             watch: Watch::Damping,
             before,
@@ -71,9 +71,12 @@ mod tests {
             (turn(Fine, Alarm, -0.030_561, 0.0), "alarm: damping -0.03056, limit 0"),
             (turn(Alarm, Warning, 0.01, 0.0), "damping back to a warning: 0.01, limit 0"),
             (turn(Warning, Fine, 0.05, 0.0159), "damping within its limits again: 0.05, at worst -0.03"),
-            (Turn { watch: Watch::Orbit, ..turn(Fine, Warning, 1234.567, 20.0) }, "warning: orbit 1235 e_t, limit 20"),
             (
-                Turn { watch: Watch::Trip, cause: "orbit of mass 2".into(), ..turn(Fine, Alarm, 1.0, 0.5) },
+                LevelChange { watch: Watch::Orbit, ..turn(Fine, Warning, 1234.567, 20.0) },
+                "warning: orbit 1235 e_t, limit 20",
+            ),
+            (
+                LevelChange { watch: Watch::Trip, cause: "orbit of mass 2".into(), ..turn(Fine, Alarm, 1.0, 0.5) },
                 "alarm: trip, orbit of mass 2",
             ),
         ] {

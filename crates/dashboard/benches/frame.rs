@@ -15,7 +15,7 @@ use ratatui::style::Color;
 use ratatui::symbols::Marker;
 use ratatui::widgets::Widget;
 use ratatui::widgets::canvas::{Canvas, Points};
-use rotor::{Settings, Spectrum, builtin};
+use rotor::{Modes, Settings, builtin};
 use wire::message::Analysis;
 use wire::{BenchStatus, Channel, Point, SettingsDocument, State};
 
@@ -72,10 +72,10 @@ fn bench_status() -> Box<BenchStatus> {
     let rotor = builtin::rotor("three-mass").expect("built in");
     let feedback = builtin::feedback(&rotor, "composite").expect("built in");
     let settings = Settings::new(&rotor, SPEED, feedback);
-    let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).expect("converges");
-    let count = spectrum.modes.len() as u32;
-    let mut analysis = Analysis { revision: 1, count, min_damping: spectrum.min_damping(), ..Analysis::default() };
-    for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
+    let linear = Modes::of(&settings.closed_loop(&rotor)).expect("converges");
+    let count = linear.modes.len() as u32;
+    let mut analysis = Analysis { revision: 1, count, min_damping: linear.min_damping(), ..Analysis::default() };
+    for (place, mode) in analysis.poles.iter_mut().zip(&linear.modes) {
         *place = [mode.pole.re, mode.pole.im];
     }
     let settings = SettingsDocument::of(&settings);
@@ -95,7 +95,7 @@ fn bench_status() -> Box<BenchStatus> {
 /// Masses that drift over ellipses, so that no two turns are alike.
 fn state(seq: u64) -> State {
     let tau = seq as f64 * 0.01;
-    let mut state = State::new(wire::Layout::new(3));
+    let mut state = State::new(wire::StepLayout::new(3));
     let mut row = state.row_mut();
     row.set_word(Channel::RunId, 7);
     row.set_word(Channel::Seq, seq);

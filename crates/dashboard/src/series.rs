@@ -7,7 +7,7 @@ use std::ops::Range;
 use ratatui::style::Color;
 
 use units::Dimension;
-use wire::{CHANNELS, Layout, PAIRS, Scope};
+use wire::{CHANNELS, PAIRS, Scope, StepLayout};
 
 use crate::theme;
 use telemetry::frame_data::FrameData;
@@ -182,7 +182,7 @@ impl Strip {
 
     /// Its lines of steps that are laid out like this. A strip of more masses than colours would be a tangle: the first few stand for
     /// all.
-    pub(crate) fn traces(&self, layout: Layout) -> Vec<Trace> {
+    pub(crate) fn traces(&self, layout: StepLayout) -> Vec<Trace> {
         let mut traces = Vec::new();
         for (source, mass) in &self.parts {
             let (name, colors) = (source.name(), theme::TRACES);
@@ -267,7 +267,7 @@ mod tests {
     fn labels(word: &str) -> Vec<String> {
         Strip::read(word)
             .unwrap()
-            .traces(Layout::new(3).with_bearings(2))
+            .traces(StepLayout::new(3).with_bearings(2))
             .into_iter()
             .map(|trace| trace.label)
             .collect()
@@ -299,7 +299,7 @@ mod tests {
     #[test]
     fn lines_of_one_strip_differ_in_colour_and_in_mark() {
         for word in ["y", "y.1+z.1", "u", "force+command+u.z", "y.1+y.2+z.2+radius.1", "command.y+command.z"] {
-            let traces = Strip::read(word).unwrap().traces(Layout::new(3).with_bearings(2));
+            let traces = Strip::read(word).unwrap().traces(StepLayout::new(3).with_bearings(2));
             for (at, trace) in traces.iter().enumerate() {
                 assert!(
                     traces[..at].iter().all(|other| other.mark != trace.mark && other.color != trace.color),

@@ -20,7 +20,7 @@ use path::Path;
 
 /// Where a clock was set last, and how many steps of integration ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Line {
+pub struct ClockOrigin {
     /// Time then.
     pub tau: f64,
     /// Spin angle then, in radians.
@@ -128,7 +128,7 @@ impl Machine {
     #[must_use]
     pub fn resumed(
         program: Program,
-        line: Line,
+        line: ClockOrigin,
         speed: f64,
         [displacement, velocity]: [&[C64]; 2],
         outputs: &[Output],

@@ -7,7 +7,7 @@
 
 use linear::DelayError;
 use rotor::{
-    C64, Characteristic, ClosedLoop, LinearForm, Mode, OperatingPoint, Plant, PoleError, Rotor, Settings, Spectrum,
+    C64, Characteristic, ClosedLoop, LinearForm, Mode, Modes, OperatingPoint, Plant, PoleError, Rotor, Settings,
     damping_ratio,
 };
 
@@ -56,7 +56,7 @@ impl MachinePoles {
         let feedback = &settings.feedback;
         if ClosedLoop::describes(rotor, feedback) {
             let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
-            return Ok(Self { modes: Spectrum::of(&closed_loop)?.modes, z: None, right_of: None });
+            return Ok(Self { modes: Modes::of(&closed_loop)?.modes, z: None, right_of: None });
         }
         let plant = Plant::of(rotor);
         let form = LinearForm::of(&plant, feedback, &OperatingPoint::at(speed))?;
@@ -80,8 +80,8 @@ impl MachinePoles {
 
     /// The same in a form that knows only modes.
     #[must_use]
-    pub fn spectrum(self) -> Spectrum {
-        Spectrum { modes: self.modes }
+    pub fn into_modes(self) -> Modes {
+        Modes { modes: self.modes }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
-use rotor::{ClosedLoop, Rotor, Spectrum, builtin, poles};
+use rotor::{ClosedLoop, Modes, Rotor, builtin, poles};
 
 fn main() {
     divan::main();
@@ -32,7 +32,7 @@ fn sweep<T>(bencher: Bencher<'_, '_>, items: &[T], work: impl Fn(&T)) {
 
 #[divan::bench(args = [1, 3, 16])]
 fn spectrum(bencher: Bencher<'_, '_>, masses: usize) {
-    sweep(bencher, &machine(masses), |m| drop(black_box(Spectrum::of(m))));
+    sweep(bencher, &machine(masses), |m| drop(black_box(Modes::of(m))));
 }
 
 #[divan::bench(args = [1, 3, 16])]

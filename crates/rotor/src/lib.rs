@@ -8,7 +8,7 @@
 //! for checking and for those who expect them.
 //!
 //! ```
-//! use rotor::{Settings, Spectrum, builtin, thresholds};
+//! use rotor::{Settings, Modes, builtin, thresholds};
 //!
 //! // A rotor of your own: `rotor::file::read_rotor`.
 //! let rotor = builtin::rotor("three-mass").ok_or("built in")?;
@@ -17,7 +17,7 @@
 //! assert!((thresholds(&rotor, &off, 0.0, 6.0)?[0].speed - 1.776).abs() < 1e-3);
 //!
 //! let composite = builtin::feedback(&rotor, "composite").ok_or("built in")?;
-//! let held = Spectrum::of(&Settings::new(&rotor, 2.5, composite).closed_loop(&rotor))?;
+//! let held = Modes::of(&Settings::new(&rotor, 2.5, composite).closed_loop(&rotor))?;
 //! assert!(held.is_stable() && held.modes.len() == 2 * rotor.len());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -29,7 +29,7 @@
 //! * [`Settings`]: all that can be changed on a running machine, with one table of its keys. [`ControlMasses`]: by which control is a force.
 //! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart. [`Characteristic`]: its roots.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
-//! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Spectrum`]: poles without it.
+//! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Modes`]: poles without it.
 //!   [`Stability`]: what they say.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
@@ -82,7 +82,7 @@ pub use linear::eigenvalues;
 pub use linear_form::{LinearForm, SampledStep};
 pub use loop_over_speed::{LoopOverSpeed, SpeedStage};
 pub use marginal::{Stability, stability};
-pub use modes::{Mode, PoleError, Spectrum, Whirl, damping_ratio, poles, scale_to_largest};
+pub use modes::{Mode, Modes, PoleError, Whirl, damping_ratio, poles, scale_to_largest};
 pub use parameters::{Key, PARAMETERS, Parameter, Scope};
 pub use params::{BeamError, FIELDS, Field, Mass, Rotor, RotorError};
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station, Tabulated};

@@ -29,7 +29,7 @@ pub enum Stability {
 }
 
 impl Stability {
-    /// How a pole of [`poles`] or [`crate::Spectrum`] stands, where a marginal one has a real part of exactly zero. A
+    /// How a pole of [`poles`] or [`crate::Modes`] stands, where a marginal one has a real part of exactly zero. A
     /// real part that is not a number is not stable.
     #[must_use]
     pub fn of(pole: C64) -> Self {

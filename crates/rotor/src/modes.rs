@@ -17,7 +17,7 @@ pub enum PoleError {
 
 /// The poles of `closed_loop` alone, without their shapes: every support bearing at its full stiffness, least damped
 /// first, of equally damped ones the highest `Im` first. A part that is zero but for rounding is exactly zero
-/// (see [`Stability`]). Half the cost of [`Spectrum::of`].
+/// (see [`Stability`]). Half the cost of [`Modes::of`].
 ///
 /// # Errors
 /// Coefficients that are not finite or poles that are not, or an eigenvalue iteration that does not converge.
@@ -129,12 +129,12 @@ impl Mode {
 
 /// All modes of the linear rotor at one operating point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Spectrum {
+pub struct Modes {
     /// The `2n` modes, least damped first; of equally damped ones the highest `Im` first.
     pub modes: Vec<Mode>,
 }
 
-impl Spectrum {
+impl Modes {
     /// The modes of `closed_loop`, every support bearing at its full stiffness.
     ///
     /// # Errors

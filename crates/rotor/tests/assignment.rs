@@ -5,8 +5,8 @@ mod common;
 use common::machine;
 use proptest::prelude::*;
 use rotor::{
-    AssignError, C64, ClosedLoop, Mass, PBH_LIMIT, Rotor, Spectrum, Whirl, assign_poles, builtin, cancelling,
-    influence, poles,
+    AssignError, C64, ClosedLoop, Mass, Modes, PBH_LIMIT, Rotor, Whirl, assign_poles, builtin, cancelling, influence,
+    poles,
 };
 
 fn wanted(n: usize) -> impl Strategy<Value = Vec<C64>> {
@@ -84,7 +84,7 @@ fn val_the_pitch_mode_is_out_of_reach_of_the_centre_bearing() {
     assert_eq!(stuck.len(), 2, "the pitch mode, forward and backward: {stuck:?}");
     assert!((stuck[0] - C64::new(0.0, 2.050_625)).norm() < 1e-5);
     assert!(table.iter().all(|m| m.pbh[0] > 1e-3 && m.pbh[2] > 1e-3));
-    let wanted: Vec<C64> = Spectrum::of(&closed_loop).expect("converges").modes.iter().map(|m| m.pole - 0.3).collect();
+    let wanted: Vec<C64> = Modes::of(&closed_loop).expect("converges").modes.iter().map(|m| m.pole - 0.3).collect();
     let error = assign_poles(&rotor, 4.101_25, 1, &wanted).expect_err("not controllable");
     assert!(matches!(error, AssignError::NotControllable { bearing: 2, whirl: Whirl::Forward, .. }), "{error}");
     assert!(error.to_string().contains("(1.000, 0.000, -1.000)"), "{error}");

@@ -2,9 +2,7 @@
 
 use nalgebra::DVector;
 use proptest::prelude::*;
-use rotor::{
-    C64, ClosedLoop, Feedback, Mass, Rotor, Signal, Spectrum, damping_ratio, eigenvalues, report_form, stepper,
-};
+use rotor::{C64, ClosedLoop, Feedback, Mass, Modes, Rotor, Signal, damping_ratio, eigenvalues, report_form, stepper};
 
 fn mass() -> impl Strategy<Value = Mass> {
     (0.05..2.0, 0.0..0.6, 0.0..0.2, 0.0..1.0, 0.0..1.0, -1.0..1.0, 0.0..3.0).prop_map(
@@ -53,7 +51,7 @@ proptest! {
     #[test]
     fn real_and_complex_forms_have_the_same_poles((rotor, feedback) in machine(), speed in 0.0..6.0) {
         let closed_loop = ClosedLoop::new(&rotor, &feedback, speed, &[]);
-        let mut expected: Vec<C64> = Spectrum::of(&closed_loop).expect("converges").modes.iter()
+        let mut expected: Vec<C64> = Modes::of(&closed_loop).expect("converges").modes.iter()
             .flat_map(|m| [m.pole, m.pole.conj()]).collect();
         let real = report_form::closed_loop_matrix(&rotor, &feedback, speed);
         for pole in eigenvalues(complex(&real)).expect("converges") {
@@ -70,7 +68,7 @@ proptest! {
     fn poles_sum_to_the_trace((rotor, feedback) in machine(), speed in 0.0..6.0) {
         let closed_loop = ClosedLoop::new(&rotor, &feedback, speed, &[]);
         let a = closed_loop.state_matrix();
-        let poles = Spectrum::of(&closed_loop).expect("converges");
+        let poles = Modes::of(&closed_loop).expect("converges");
         let sum: C64 = poles.modes.iter().map(|m| m.pole).sum();
         let squares: C64 = poles.modes.iter().map(|m| m.pole * m.pole).sum();
         let scale = a.norm();
@@ -83,7 +81,7 @@ proptest! {
     fn shapes_are_eigenvectors((rotor, feedback) in machine(), speed in 0.0..6.0) {
         let closed_loop = ClosedLoop::new(&rotor, &feedback, speed, &[]);
         let a = closed_loop.state_matrix();
-        let modes = Spectrum::of(&closed_loop).expect("converges").modes;
+        let modes = Modes::of(&closed_loop).expect("converges").modes;
         for mode in &modes {
             let x: Vec<C64> = mode.shape.iter().copied().chain(mode.shape.iter().map(|c| c * mode.pole)).collect();
             let x = DVector::from_vec(x);

@@ -1,8 +1,6 @@
 //! Poles within rounding of zero are marginal: told as exactly zero, never judged by the sign of rounding.
 
-use rotor::{
-    ClosedLoop, Feedback, Mass, Rotor, Settings, Signal, Spectrum, Stability, Whirl, builtin, poles, stability,
-};
+use rotor::{ClosedLoop, Feedback, Mass, Modes, Rotor, Settings, Signal, Stability, Whirl, builtin, poles, stability};
 
 /// Two equal masses on one shaft that nothing holds, with seals of this damping.
 fn free(damping: f64) -> Rotor {
@@ -16,12 +14,12 @@ fn off(rotor: &Rotor, speed: f64) -> ClosedLoop {
 #[test]
 fn a_rotor_free_in_space_is_marginal_at_rest() {
     for damping in [0.0, 0.1] {
-        let spectrum = Spectrum::of(&off(&free(damping), 0.0)).expect("converges");
-        assert_eq!(spectrum.stability(), Stability::Marginal, "{spectrum:?}");
-        assert_eq!(spectrum.min_damping().to_bits(), 0, "zero, and not -0");
-        assert!(!spectrum.is_stable());
-        let still: Vec<_> = spectrum.modes.iter().filter(|m| m.pole.norm() == 0.0).collect();
-        assert_eq!(still.len(), if damping == 0.0 { 2 } else { 1 }, "{spectrum:?}");
+        let linear = Modes::of(&off(&free(damping), 0.0)).expect("converges");
+        assert_eq!(linear.stability(), Stability::Marginal, "{linear:?}");
+        assert_eq!(linear.min_damping().to_bits(), 0, "zero, and not -0");
+        assert!(!linear.is_stable());
+        let still: Vec<_> = linear.modes.iter().filter(|m| m.pole.norm() == 0.0).collect();
+        assert_eq!(still.len(), if damping == 0.0 { 2 } else { 1 }, "{linear:?}");
         assert!(still.iter().all(|m| m.log_decrement() == 0.0 && m.whirl() == Whirl::Forward));
     }
     // Seals that turn with the spin drive it from the first turn on.
@@ -33,12 +31,12 @@ fn a_mode_that_nothing_damps_is_marginal_beside_damped_ones() {
     let end = Mass { mass: 0.25, bearing_stiffness: 0.5, ..Mass::default() };
     let centre = Mass { mass: 0.5, damping: 0.25, cross_damping: 0.05, ..Mass::default() };
     let rotor = Rotor::new("middle", vec![end, centre, end], vec![0.5, 0.5]).expect("valid");
-    let spectrum = Spectrum::of(&off(&rotor, 1.0)).expect("converges");
-    let count = |stability| spectrum.modes.iter().filter(|m| m.stability() == stability).count();
-    assert_eq!((count(Stability::Marginal), count(Stability::Unstable)), (2, 0), "{spectrum:?}");
-    assert_eq!(spectrum.stability(), Stability::Marginal);
+    let linear = Modes::of(&off(&rotor, 1.0)).expect("converges");
+    let count = |stability| linear.modes.iter().filter(|m| m.stability() == stability).count();
+    assert_eq!((count(Stability::Marginal), count(Stability::Unstable)), (2, 0), "{linear:?}");
+    assert_eq!(linear.stability(), Stability::Marginal);
     // The pitch mode: sqrt((0.5 + 0.5) / 0.25) = 2.
-    assert!(spectrum.modes[..2].iter().all(|m| (m.frequency() - 2.0).abs() < 1e-14));
+    assert!(linear.modes[..2].iter().all(|m| (m.frequency() - 2.0).abs() < 1e-14));
 }
 
 /// Stiffness from the magnetic bearing alone: a rotor that is held, and that nothing damps.

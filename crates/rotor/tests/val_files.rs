@@ -3,8 +3,8 @@
 use proptest::prelude::*;
 use rotor::file::{kind_of, read_feedback, read_feedback_for, read_rotor, write_feedback, write_rotor};
 use rotor::{
-    C64, ClosedLoop, ControlBearing, Feedback, Filter, Gain, GainKind, Mass, Parts, PhysicalMass, Rotor, Scales,
-    Signal, Spectrum, builtin, stepper,
+    C64, ClosedLoop, ControlBearing, Feedback, Filter, Gain, GainKind, Mass, Modes, Parts, PhysicalMass, Rotor, Scales,
+    Signal, builtin, stepper,
 };
 use text::{MAX_BYTES, utf8};
 
@@ -59,7 +59,7 @@ fn val_an_si_rotor_equivalent_to_table_4_2_moves_like_it() {
     let feedback = builtin::feedback(&report, "composite").expect("built in");
     for speed in [0.0, 1.775, 4.0, 6.0] {
         let [ours, theirs] = [&si, &report].map(|rotor| ClosedLoop::new(rotor, &feedback, speed, &rotor.deadbands()));
-        let [a, b] = [&ours, &theirs].map(|closed_loop| Spectrum::of(closed_loop).expect("converges"));
+        let [a, b] = [&ours, &theirs].map(|closed_loop| Modes::of(closed_loop).expect("converges"));
         for (a, b) in a.modes.iter().zip(&b.modes) {
             assert!((a.pole - b.pole).norm() < 1e-12, "{} and {} at R = {speed}", a.pole, b.pole);
         }

@@ -2,7 +2,7 @@
 //! the deadband is a constant factor.
 
 use nalgebra::{DMatrix, DVector};
-use rotor::{C64, ClosedLoop, Feedback, J, MAX_MASSES, Mass, Rotor, Signal, Spectrum, builtin, stepper};
+use rotor::{C64, ClosedLoop, Feedback, J, MAX_MASSES, Mass, Modes, Rotor, Signal, builtin, stepper};
 
 /// Complex amplitudes `c` of the synchronous whirl `p = c exp(j R tau)` when every support bearing is scaled by its
 /// factor: the dynamic stiffness of the system matrix, solved against the unbalance.
@@ -121,7 +121,7 @@ fn val_free_motion_is_the_sum_of_its_modes() {
     .expect("valid");
     let feedback = builtin::feedback(&still, "off").expect("built in");
     let closed_loop = ClosedLoop::new(&still, &feedback, 2.0, &[]);
-    for mode in Spectrum::of(&closed_loop).expect("converges").modes {
+    for mode in Modes::of(&closed_loop).expect("converges").modes {
         let velocity: Vec<C64> = mode.shape.iter().map(|c| c * mode.pole).collect();
         let mut motion = stepper(&closed_loop);
         motion.place(&mode.shape, &velocity);

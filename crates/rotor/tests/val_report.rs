@@ -1,10 +1,10 @@
 //! The numbers that the report prints, and the exact values behind them (physics: poles).
 
-use rotor::{ClosedLoop, Rotor, Spectrum, Whirl, builtin};
+use rotor::{ClosedLoop, Modes, Rotor, Whirl, builtin};
 
-fn spectrum(rotor: &Rotor, feedback: &str, speed: f64) -> Spectrum {
+fn modes_of(rotor: &Rotor, feedback: &str, speed: f64) -> Modes {
     let feedback = builtin::feedback(rotor, feedback).expect("built in");
-    Spectrum::of(&ClosedLoop::new(rotor, &feedback, speed, &[])).expect("converges")
+    Modes::of(&ClosedLoop::new(rotor, &feedback, speed, &[])).expect("converges")
 }
 
 #[track_caller]
@@ -22,7 +22,7 @@ fn three_mass() -> Rotor {
 
 #[test]
 fn val_jeffcott_at_rest_has_the_poles_the_report_prints() {
-    let at_rest = spectrum(&jeffcott(), "off", 0.0);
+    let at_rest = modes_of(&jeffcott(), "off", 0.0);
     assert_eq!(at_rest.modes.len(), 2);
     for (whirl, re, im) in [(Whirl::Forward, -0.557_231, 0.973_656), (Whirl::Backward, -0.442_769, -0.773_656)] {
         let mode = at_rest.modes.iter().find(|m| m.whirl() == whirl).expect("one of each");
@@ -30,14 +30,14 @@ fn val_jeffcott_at_rest_has_the_poles_the_report_prints() {
         close(mode.pole.im, im, 5e-7);
     }
     close(at_rest.min_damping(), 0.496_714, 5e-7);
-    close(spectrum(&jeffcott(), "off", 0.78).min_damping(), 0.322_721, 5e-7);
+    close(modes_of(&jeffcott(), "off", 0.78).min_damping(), 0.322_721, 5e-7);
 }
 
 #[test]
 fn val_jeffcott_loses_stability_at_2_21_whirling_forward_at_half_speed() {
     let threshold = 2.209_975;
-    assert!(spectrum(&jeffcott(), "off", threshold - 1e-5).is_stable());
-    let beyond = spectrum(&jeffcott(), "off", threshold + 1e-5);
+    assert!(modes_of(&jeffcott(), "off", threshold - 1e-5).is_stable());
+    let beyond = modes_of(&jeffcott(), "off", threshold + 1e-5);
     assert!(!beyond.is_stable());
     assert_eq!(beyond.modes[0].whirl(), Whirl::Forward);
     close(beyond.modes[0].frequency(), 1.104_988, 1e-5);
@@ -45,9 +45,9 @@ fn val_jeffcott_loses_stability_at_2_21_whirling_forward_at_half_speed() {
 
 #[test]
 fn val_the_cancelling_law_holds_the_poles_of_rest_at_any_speed() {
-    let at_rest = spectrum(&jeffcott(), "off", 0.0);
+    let at_rest = modes_of(&jeffcott(), "off", 0.0);
     for speed in [0.5, 2.3, 5.0, 40.0] {
-        let held = spectrum(&jeffcott(), "cancel", speed);
+        let held = modes_of(&jeffcott(), "cancel", speed);
         for (held, rest) in held.modes.iter().zip(&at_rest.modes) {
             close((held.pole - rest.pole).norm(), 0.0, 1e-12);
         }
@@ -56,7 +56,7 @@ fn val_the_cancelling_law_holds_the_poles_of_rest_at_any_speed() {
 
 #[test]
 fn val_three_mass_thresholds_are_1_776_4_101_and_4_650() {
-    let unstable = |speed| spectrum(&three_mass(), "off", speed).modes.iter().filter(|m| m.pole.re > 0.0).count();
+    let unstable = |speed| modes_of(&three_mass(), "off", speed).modes.iter().filter(|m| m.pole.re > 0.0).count();
     for (already, threshold) in [(0, 1.775_522), (1, 4.101_250), (2, 4.650_456)] {
         assert_eq!((unstable(threshold - 2e-6), unstable(threshold + 2e-6)), (already, already + 1), "at {threshold}");
     }
@@ -67,7 +67,7 @@ fn val_three_mass_bounces_pitches_and_bends() {
     for (threshold, shape) in
         [(1.775_522, [0.606, 1.0, 0.606]), (4.101_250, [-1.0, 0.0, 1.0]), (4.650_456, [1.0, -0.587, 1.0])]
     {
-        let modes = spectrum(&three_mass(), "off", threshold).modes;
+        let modes = modes_of(&three_mass(), "off", threshold).modes;
         let crossing = modes.iter().min_by(|a, b| a.pole.re.abs().total_cmp(&b.pole.re.abs())).expect("six modes");
         // Shapes are scaled to a largest component of 1, whichever of two equal ones that is: compare up to sign.
         let sign = (crossing.shape[0].re * shape[0]).signum();
@@ -81,7 +81,7 @@ fn val_three_mass_bounces_pitches_and_bends() {
 #[test]
 fn val_builtin_feedback_holds_the_range_it_claims() {
     let worst = |name: &str, top: f64| {
-        (0..=1000).map(|i| spectrum(&three_mass(), name, top * f64::from(i) / 1000.0).min_damping()).fold(1.0, f64::min)
+        (0..=1000).map(|i| modes_of(&three_mass(), name, top * f64::from(i) / 1000.0).min_damping()).fold(1.0, f64::min)
     };
     close(worst("composite", 7.0), 0.0036, 1e-4);
     assert!(worst("composite", 7.1) < 0.0);

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use proptest::prelude::*;
 use rotor::circular::synchronous;
 use rotor::step::{Fastest, PROMISE, substeps};
-use rotor::{C64, ClosedLoop, Feedback, GainKind, J, Mass, Rotor, Settings, Signal, Spectrum, builtin, stepper};
+use rotor::{C64, ClosedLoop, Feedback, GainKind, J, Mass, Modes, Rotor, Settings, Signal, builtin, stepper};
 
 /// Rotors of one to six masses, soft and stiff, slow and fast, with and without control; and a speed.
 fn machine() -> impl Strategy<Value = (Rotor, Feedback, f64)> {
@@ -38,7 +38,7 @@ fn with_bearings(rotor: &Rotor, share: f64) -> Rotor {
 }
 
 fn min_damping(closed_loop: &ClosedLoop) -> f64 {
-    Spectrum::of(closed_loop).map_or(f64::NAN, |spectrum| spectrum.min_damping())
+    Modes::of(closed_loop).map_or(f64::NAN, |linear| linear.min_damping())
 }
 
 /// The periodic answer of the integrator itself to the unbalance, at the beginning of a step: a step is an affine map, so
@@ -73,7 +73,7 @@ proptest! {
             let rotor = with_bearings(&rotor, share);
             let closed_loop = ClosedLoop::new(&rotor, &feedback, speed, &[]);
             if share == 0.0 || share == 1.0 {
-                for mode in Spectrum::of(&closed_loop).expect("poles").modes {
+                for mode in Modes::of(&closed_loop).expect("poles").modes {
                     let x = mode.pole * dtau;
                     let grown = C64::ONE + x * (C64::ONE + x / 2.0 * (C64::ONE + x / 3.0 * (C64::ONE + x / 4.0)));
                     prop_assert!((grown.ln() / x - 1.0).norm() <= 1.2e-5, "{} for {x}", grown.ln() / x);

@@ -2,7 +2,7 @@
 
 use rotor::circular::synchronous;
 use rotor::{C64, J, Rotor, Settings, builtin, poles};
-use wire::{BenchName, Layout, State, Step};
+use wire::{BenchName, State, Step, StepLayout};
 
 use crate::Options;
 use crate::engine::Engine;
@@ -24,7 +24,7 @@ fn shown(rotor: &Rotor, settings: &Settings, dtau: f64, tau: f64) -> State {
     for _ in 0..(tau / dtau).round() as u64 {
         assert_eq!(engine.step(), None);
     }
-    let mut state = State::new(Layout::new(rotor.len()));
+    let mut state = State::new(StepLayout::new(rotor.len()));
     engine.fill(&mut state.row_mut(), 0, false);
     state
 }

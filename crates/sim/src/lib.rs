@@ -51,7 +51,7 @@ use machine::{Pace, Program};
 use rotor::profile::Profile;
 use rotor::{Rotor, Settings};
 use wire::message::{Health, Trip};
-use wire::{BenchName, Carrier, ControlHost, Host, Layout, MAX_BURST, StateSender, WireError};
+use wire::{BenchName, Carrier, ControlHost, Host, MAX_BURST, StateSender, StepLayout, WireError};
 
 use crate::engine::{Engine, Exchange};
 use crate::external::{External, Ready};
@@ -188,7 +188,7 @@ pub fn run<C: Carrier>(
     let program = options.check(rotor, &settings)?;
     let substeps = program.substeps();
     let host = carrier.host(&options.bench)?;
-    let states = host.states(Layout::new(rotor.len()).with_bearings(settings.feedback.bearings.len()))?;
+    let states = host.states(StepLayout::new(rotor.len()).with_bearings(settings.feedback.bearings.len()))?;
     ready();
 
     let started = Instant::now();

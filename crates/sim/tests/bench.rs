@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use rotor::{C64, Settings, Spectrum, builtin};
+use rotor::{C64, Modes, Settings, builtin};
 use sim::{Options, Summary};
 use wire::message::Flags;
 use wire::{
@@ -134,10 +134,10 @@ fn the_bench_status_tells_the_rotor_the_settings_and_the_poles() {
         let rotor = bench_status.rotor().unwrap();
         assert_eq!(rotor, builtin::rotor("three-mass").unwrap());
         assert_eq!(bench_status.settings.get().clone(), settings);
-        let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).unwrap();
-        assert_eq!(bench_status.analysis.min_damping, spectrum.min_damping());
+        let linear = Modes::of(&settings.closed_loop(&rotor)).unwrap();
+        assert_eq!(bench_status.analysis.min_damping, linear.min_damping());
         let poles: Vec<C64> = bench_status.analysis.poles().collect();
-        assert_eq!(poles, spectrum.modes.iter().map(|m| m.pole).collect::<Vec<_>>());
+        assert_eq!(poles, linear.modes.iter().map(|m| m.pole).collect::<Vec<_>>());
         assert_eq!((bench_status.rate_hz, bench_status.dtau, bench_status.pid), (1000.0, 0.01, std::process::id()));
     });
 }

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 use variation::{Distribution, Model, SamplesError};
 
 use crate::map::{MapError, MapPlan};
-use crate::table::{Form, Kind, Table};
+use crate::table::{ColumnKind, Form, Table};
 
 /// More shards than this are refused.
 pub const MOST_SHARDS: u64 = 100_000;
@@ -121,7 +121,7 @@ impl Task {
     pub fn write(&self, rows: Range<u64>, target: &Path, form: Form, stop: &AtomicBool) -> Result<(), SweepError> {
         /// Rows that are kept before they are written.
         const AT_ONCE: u64 = 1 << 14;
-        let mut table = Table::create(target, form, &self.columns(), &[("index", Kind::Long)], Existing::Keep)?;
+        let mut table = Table::create(target, form, &self.columns(), &[("index", ColumnKind::Long)], Existing::Keep)?;
         let mut from = rows.start;
         while from < rows.end {
             let to = rows.end.min(from + AT_ONCE);

@@ -54,7 +54,7 @@ impl Form {
 
 /// What a column holds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ColumnKind {
     /// Doubles.
     Double,
     /// Whole numbers of 32 bits.
@@ -84,7 +84,7 @@ impl Table {
         target: &Path,
         form: Form,
         doubles: &[String],
-        wholes: &[(&str, Kind)],
+        wholes: &[(&str, ColumnKind)],
         existing: Existing,
     ) -> Result<Self, FileError> {
         let draft = Draft::begin(target, existing)?;

@@ -7,7 +7,7 @@ use files::{Existing, FileError};
 use machine::Machine;
 
 use crate::run::Observer;
-use crate::table::{Form, Kind, Table};
+use crate::table::{ColumnKind, Form, Table};
 
 /// Names of the columns: `tau`, `y1 z1 vy1 vz1` and so on for every mass, `uy uz`, and `contact` (bit `k` for mass `k + 1`).
 #[must_use]
@@ -17,7 +17,7 @@ pub fn columns(masses: usize) -> Vec<String> {
     names
 }
 
-const CONTACT: (&str, Kind) = ("contact", Kind::Int);
+const CONTACT: (&str, ColumnKind) = ("contact", ColumnKind::Int);
 
 fn doubles(masses: usize) -> Vec<String> {
     let per_mass = (1..=masses).flat_map(|k| ["y", "z", "vy", "vz"].map(|name| format!("{name}{k}")));

@@ -3,14 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use rotor::{PhysicalMass, Rotor, Settings, builtin};
-use study::assess::{Asked, Assessment, Limits, Line, Question, assess};
+use study::assess::{Asked, Assessment, AssessmentCase, Limits, Line, assess};
 
 fn settings(rotor: &Rotor, feedback: &str) -> Settings {
     Settings::new(rotor, 0.0, builtin::feedback(rotor, feedback).expect("built in"))
 }
 
-fn question<'a>(rotor: &'a Rotor, settings: &'a Settings, over: [f64; 2], limits: &'a Limits) -> Question<'a> {
-    Question {
+fn question<'a>(rotor: &'a Rotor, settings: &'a Settings, over: [f64; 2], limits: &'a Limits) -> AssessmentCase<'a> {
+    AssessmentCase {
         rotor,
         settings,
         over,
@@ -35,7 +35,7 @@ fn val_decrement_and_cross_coupling_of_one_mass_are_exact() {
     let rotor = builtin::rotor("jeffcott").expect("built in");
     let (off, limits) = (settings(&rotor, "off"), Limits::default());
     let answer =
-        assess(&Question { cross_stiffness: Some(0.4), ..question(&rotor, &off, [0.0, 0.78], &limits) }).unwrap();
+        assess(&AssessmentCase { cross_stiffness: Some(0.4), ..question(&rotor, &off, [0.0, 0.78], &limits) }).unwrap();
     // The report's minimum damping at R = 0.78.
     let zeta = 0.322_721_f64;
     let line = found(&answer, "log decrement, forward");
@@ -122,7 +122,7 @@ fn val_unbalance_of_a_grade_and_of_the_residual_are_the_exact_response() {
     let off = settings(&rotor, "off");
     let scales = *rotor.scales().expect("in SI units");
     let over = [scales.speed(500.0), scales.speed(6000.0)];
-    let asked = Question {
+    let asked = AssessmentCase {
         grade: Some("G2.5".parse().unwrap()),
         clearance: Some(scales.length(100e-6)),
         ..question(&rotor, &off, over, &limits)
@@ -176,7 +176,7 @@ fn no_angles_between_the_unbalances_are_worse_than_those_that_were_found() {
     let rotor = made([1.0, 1.0, 1.0]);
     let off = settings(&rotor, "off");
     let over = [0.1, rotor.scales().expect("in SI units").speed(3000.0)];
-    let asked = Question { grade: Some("G2.5".parse().unwrap()), ..question(&rotor, &off, over, &limits) };
+    let asked = AssessmentCase { grade: Some("G2.5".parse().unwrap()), ..question(&rotor, &off, over, &limits) };
     let worst = found(&assess(&asked).unwrap(), "orbit of a rotor").found.unwrap();
     let mut nearest = 0.0_f64;
     for signs in [[1.0, 1.0, 1.0], [1.0, -1.0, 1.0], [1.0, 1.0, -1.0], [-1.0, 1.0, 1.0]] {
@@ -196,7 +196,7 @@ fn val_a_resonance_between_two_speeds_is_not_missed() {
         rotor::Mass { mass: 1.0, damping: 0.002, bearing_stiffness: 1.0, unbalance: 1.0, ..rotor::Mass::default() };
     let rotor = Rotor::new("light", vec![mass], vec![]).expect("valid");
     let (off, limits) = (settings(&rotor, "off"), Limits::default());
-    let asked = Question { clearance: Some(700.0), ..question(&rotor, &off, [0.0, 1.9], &limits) };
+    let asked = AssessmentCase { clearance: Some(700.0), ..question(&rotor, &off, [0.0, 1.9], &limits) };
     let answer = assess(&asked).unwrap();
     let line = found(&answer, "orbit / clearance");
     assert!((line.found.unwrap() - 500.0 / 700.0).abs() < 1e-3, "{line:?}");

@@ -14,7 +14,7 @@ use rerun::{RecordingStreamBuilder, Scalars, TimeColumn};
 use rotor::{Settings, Stepper, builtin};
 use tape::{Batch, Head, Recording};
 use wire::message::Flags;
-use wire::{BenchStatus, Channel, Layout, Moment, Point, SettingsDocument, State, Step};
+use wire::{BenchStatus, Channel, Moment, Point, SettingsDocument, State, Step, StepLayout};
 
 /// Ten minutes at 1000 steps a second.
 const STEPS: usize = 600_000;
@@ -97,7 +97,7 @@ fn session() -> (Head, Vec<State>) {
         stepper.step(0.01);
         let (motion, control) = (stepper.motion(), stepper.control());
         let force = [control.re, control.im];
-        let mut state = State::new(Layout::new(3)).with_flags(Flags::contact(stepper.contact()));
+        let mut state = State::new(StepLayout::new(3)).with_flags(Flags::contact(stepper.contact()));
         let mut row = state.row_mut();
         row.set_word(Channel::RunId, 7);
         row.set_word(Channel::Seq, seq as u64);
@@ -121,7 +121,7 @@ fn we_write(path: &Path, head: &Head, states: &[State], rows: usize) {
     let mut sink = tape::create(path, head).unwrap();
     sink.revision(&head.revision(), Moment::default()).unwrap();
     for states in states.chunks(rows) {
-        let mut batch = Batch::new(Layout::new(3));
+        let mut batch = Batch::new(StepLayout::new(3));
         states.iter().for_each(|state| batch.push(state));
         sink.steps(&batch).unwrap();
     }

@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use alarms::{Alarms, Limits, Sampler, Turn, Watch};
+use alarms::{Alarms, LevelChange, Limits, Sampler, Watch};
 use rotor::Rotor;
 use wire::{BenchStatus, Event, Step};
 
@@ -93,7 +93,7 @@ impl AlarmRecorder {
 
     /// What has gone past a limit or come back since this was last asked; at `None` whatever there is, else only now and
     /// then. Trips are not among it: they are events of the bench.
-    pub(crate) fn turns(&mut self, now: Option<Instant>) -> Vec<Turn> {
+    pub(crate) fn turns(&mut self, now: Option<Instant>) -> Vec<LevelChange> {
         if let (Some(now), Some(looked)) = (now, self.looked)
             && now.saturating_duration_since(looked) < LOOK
         {
@@ -114,12 +114,12 @@ impl AlarmRecorder {
 mod tests {
     use alarms::Level;
     use wire::message::Trip;
-    use wire::{Channel, Layout, State};
+    use wire::{Channel, State, StepLayout};
 
     use super::*;
 
     fn state(run_id: u64, seq: u64, radius: f64) -> State {
-        let state = State::new(Layout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
+        let state = State::new(StepLayout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
         state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 0, radius)
     }
 

@@ -1,30 +1,30 @@
 //! Steps as columns: the form in which they are queued, written and read.
 
 use wire::message::Flags;
-use wire::{Channel, Layout, Moment, State, Step, WHOLES};
+use wire::{Channel, Moment, State, Step, StepLayout, WHOLES};
 
 /// Consecutive steps of one run, column by column. Doubles are kept bit for bit.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Batch {
-    layout: Layout,
+    layout: StepLayout,
     pub(crate) seq: Vec<u64>,
     pub(crate) wall_ns: Vec<u64>,
     pub(crate) revision: Vec<u64>,
     pub(crate) flags: Vec<u32>,
-    /// In the order of [`Layout::number_columns`].
+    /// In the order of [`StepLayout::number_columns`].
     pub(crate) values: Vec<Vec<f64>>,
 }
 
 impl Batch {
     /// An empty batch of steps that are laid out like this.
     #[must_use]
-    pub fn new(layout: Layout) -> Self {
+    pub fn new(layout: StepLayout) -> Self {
         Self { layout, values: vec![Vec::new(); layout.numbers()], ..Self::default() }
     }
 
     /// How its steps are laid out.
     #[must_use]
-    pub fn layout(&self) -> Layout {
+    pub fn layout(&self) -> StepLayout {
         self.layout
     }
 
@@ -94,7 +94,7 @@ pub(crate) mod tests {
     use super::*;
 
     /// Any step of this layout, its doubles any bits.
-    pub(crate) fn any_state(layout: Layout) -> impl Strategy<Value = State> {
+    pub(crate) fn any_state(layout: StepLayout) -> impl Strategy<Value = State> {
         let heads = (any::<u64>(), any::<u64>(), any::<u64>(), any::<u32>());
         (heads, proptest::collection::vec(any::<u64>(), layout.numbers())).prop_map(
             move |((seq, wall_ns, revision, flags), words)| {
@@ -111,8 +111,9 @@ pub(crate) mod tests {
     }
 
     /// Any layout.
-    pub(crate) fn any_layout() -> impl Strategy<Value = Layout> {
-        (1..=MAX_MASSES, 1..=MAX_BEARINGS).prop_map(|(masses, bearings)| Layout::new(masses).with_bearings(bearings))
+    pub(crate) fn any_layout() -> impl Strategy<Value = StepLayout> {
+        (1..=MAX_MASSES, 1..=MAX_BEARINGS)
+            .prop_map(|(masses, bearings)| StepLayout::new(masses).with_bearings(bearings))
     }
 
     proptest! {

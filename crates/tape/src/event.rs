@@ -1,6 +1,6 @@
 //! What happened during a session, and when: the events of the bench, and the recorder's own remarks.
 
-use alarms::{Level, Turn, Watch};
+use alarms::{Level, LevelChange, Watch};
 use wire::message::Trip;
 use wire::{Happening, Moment};
 
@@ -77,7 +77,7 @@ pub enum What {
     /// The file ends here as it should, and the recording goes on in the next, which has this name.
     Continues(String),
     /// Something went past one of the limits of alarms, or came back.
-    Alarm(Turn),
+    Alarm(LevelChange),
     /// What a later version has to say.
     Other(String),
 }
@@ -98,9 +98,9 @@ impl Remark {
 }
 
 /// A trip, or the restart after one, as the turn of an alarm: recordings hold them as events already.
-pub(crate) fn turn_of(at: Moment, tripped: Option<&Trip>) -> Turn {
+pub(crate) fn turn_of(at: Moment, tripped: Option<&Trip>) -> LevelChange {
     let on = tripped.is_some();
     let [level, before] = if on { [Level::Alarm, Level::Fine] } else { [Level::Fine, Level::Alarm] };
     let cause = tripped.map_or_else(String::new, ToString::to_string);
-    Turn { at, watch: Watch::Trip, before, level, value: f64::from(u8::from(on)), limit: 0.5, worst: 1.0, cause }
+    LevelChange { at, watch: Watch::Trip, before, level, value: f64::from(u8::from(on)), limit: 0.5, worst: 1.0, cause }
 }

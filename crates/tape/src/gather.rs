@@ -234,12 +234,12 @@ fn rows(item: &Item) -> usize {
 
 #[cfg(test)]
 mod tests {
-    use wire::{Channel, Layout, State};
+    use wire::{Channel, State, StepLayout};
 
     use super::*;
 
     fn state(run_id: u64, seq: u64) -> State {
-        let state = State::new(Layout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
+        let state = State::new(StepLayout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
         state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 0, seq as f64)
     }
 
@@ -313,7 +313,8 @@ mod tests {
     #[test]
     fn a_snapshot_follows_the_steps_that_were_being_gathered_and_one_of_another_run_waits() {
         let now = Instant::now();
-        let step = |run, seq| State::new(Layout::new(1)).with_word(Channel::RunId, run).with_word(Channel::Seq, seq);
+        let step =
+            |run, seq| State::new(StepLayout::new(1)).with_word(Channel::RunId, run).with_word(Channel::Seq, seq);
         let snapshot = |next| Snapshot { next, dtau: 0.01, words: vec![next] };
         let mut gatherer = Gatherer::new();
         gatherer.snapshot(1, snapshot(3));

@@ -7,7 +7,7 @@ use files::Existing;
 use machine::{Machine, Words};
 use rotor::{C64, Rotor, Settings};
 use wire::message::{Flags, Trip};
-use wire::{BenchStatus, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Text};
+use wire::{BenchStatus, Channel, Happening, Moment, Point, SettingsDocument, State, StepLayout, Text};
 
 use crate::batch::Batch;
 use crate::error::TapeError;
@@ -54,8 +54,8 @@ impl Drop for Unfinished {
 
 /// One unit of `tau` on the made-up clock, which begins at 1970 so that the same run is the same file.
 /// How the steps of a machine under these settings are laid out.
-fn layout(settings: &Settings) -> Layout {
-    Layout::new(settings.deadband.len()).with_bearings(settings.feedback.bearings.len())
+fn layout(settings: &Settings) -> StepLayout {
+    StepLayout::new(settings.deadband.len()).with_bearings(settings.feedback.bearings.len())
 }
 
 fn wall_ns(tau: f64) -> u64 {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicU64, Ordering};
 use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 
-use alarms::{Limits, Turn};
+use alarms::{LevelChange, Limits};
 use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
 use wire::{
     BenchName, Carrier, HostState, Keeping, Listener, RecorderSender, RecorderState, RecorderStatus, Text, WireError,
@@ -197,7 +197,7 @@ fn listen(
 }
 
 /// Has alarms put on tape.
-fn note(gatherer: &mut Gatherer, turns: Vec<Turn>) {
+fn note(gatherer: &mut Gatherer, turns: Vec<LevelChange>) {
     turns.into_iter().for_each(|turn| gatherer.remark(Remark { at: turn.at, what: What::Alarm(turn) }));
 }
 

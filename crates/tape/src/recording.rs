@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use rotor::{Rotor, Scales};
 use wire::message::{Flags, Trip};
-use wire::{Channel, Layout, State, Step};
+use wire::{Channel, State, Step, StepLayout};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
@@ -91,8 +91,8 @@ impl Recording {
 
     /// How its steps are laid out.
     #[must_use]
-    pub fn layout(&self) -> Layout {
-        Layout::new(self.rotor().len()).with_bearings(self.session().bearings)
+    pub fn layout(&self) -> StepLayout {
+        StepLayout::new(self.rotor().len()).with_bearings(self.session().bearings)
     }
 
     /// About the whole file.

@@ -11,7 +11,7 @@
 //! | `/snapshots` | all of the machine now and then, to go on from: step made next, its length (bits of a double), [`machine::Machine::save`] |
 //! | `/orbits/massN` | curves for the eye, thinned out; `/orbits/massN/deadband`, the clearance in force |
 
-use wire::Layout;
+use wire::StepLayout;
 
 /// Version of what recordings hold. Raised when a reader of the older version would misread; never lowered.
 pub const VERSION: u32 = 1;
@@ -64,7 +64,7 @@ pub struct Column {
 /// The columns of doubles of steps that are laid out like this, in order: those of the table of channels ([`wire::CHANNELS`]). The
 /// columns `revision` (64 bits) and `flags` (32 bits) follow them.
 #[must_use]
-pub fn columns(layout: Layout) -> Vec<Column> {
+pub fn columns(layout: StepLayout) -> Vec<Column> {
     let described = |column: wire::Column| Column {
         name: column.name(),
         meaning: column.meaning(),
@@ -87,7 +87,7 @@ mod tests {
     #[test]
     fn names_are_unique_and_counted() {
         for masses in [1, 3, MAX_MASSES] {
-            let layout = Layout::new(masses).with_bearings(masses.min(rotor::MAX_BEARINGS));
+            let layout = StepLayout::new(masses).with_bearings(masses.min(rotor::MAX_BEARINGS));
             let columns = columns(layout);
             assert_eq!(columns.len(), layout.numbers());
             let mut names: Vec<_> = columns.iter().map(|c| c.name.as_str()).chain([REVISION, FLAGS]).collect();

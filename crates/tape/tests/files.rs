@@ -7,7 +7,7 @@ mod common;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-use alarms::{Level, Limit, Limits, Turn, Watch};
+use alarms::{Level, LevelChange, Limit, Limits, Watch};
 use common::{RUN, at, batch, bench_status, state, states};
 use rotor::builtin;
 use tape::{Event, Head, Info, Recording, Remark, What};
@@ -55,10 +55,10 @@ fn write(path: &Path) -> Vec<u64> {
 }
 
 /// An alarm that rises twice and falls once.
-fn turns() -> Vec<Turn> {
+fn turns() -> Vec<LevelChange> {
     let turn = |seq, before, level, value: f64, worst| {
         let (watch, limit, cause) = (Watch::Orbit, 1.0 / 3.0, String::new());
-        Turn { at: at(seq), watch, before, level, value, limit, worst, cause }
+        LevelChange { at: at(seq), watch, before, level, value, limit, worst, cause }
     };
     vec![
         turn(2200, Level::Fine, Level::Warning, 0.4, 0.4),

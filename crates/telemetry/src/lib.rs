@@ -9,11 +9,11 @@
 //! ```
 //! use std::time::Instant;
 //! use telemetry::feed::Feed;
-//! use wire::{Layout, State};
+//! use wire::{StepLayout, State};
 //!
 //! // What a reader thread does with every step that it hears of a rotor of three masses.
 //! let mut feed = Feed::new("looking for a bench");
-//! feed.push_step(&State::new(Layout::new(3)), Instant::now());
+//! feed.push_step(&State::new(StepLayout::new(3)), Instant::now());
 //! assert_eq!(feed.history().kept(), 0..1);
 //! ```
 

@@ -5,18 +5,18 @@ use crate::past::Past;
 /// What the dashboard asked of its surroundings failed: with the error of whoever was to do it.
 #[derive(Debug, thiserror::Error)]
 #[error(transparent)]
-pub struct ExternalError(Box<dyn std::error::Error + Send + Sync>);
+pub struct OpaqueError(Box<dyn std::error::Error + Send + Sync>);
 
-impl ExternalError {
+impl OpaqueError {
     /// That failed, for this.
     pub fn new(error: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> Self {
         Self(error.into())
     }
 }
 
-impl From<ExternalError> for String {
+impl From<OpaqueError> for String {
     /// In the words that the message line has.
-    fn from(error: ExternalError) -> Self {
+    fn from(error: OpaqueError) -> Self {
         error.to_string()
     }
 }
@@ -29,7 +29,7 @@ pub trait SimulationProcess {
     ///
     /// # Errors
     /// It cannot be started.
-    fn restart(&mut self) -> Result<(), ExternalError>;
+    fn restart(&mut self) -> Result<(), OpaqueError>;
 }
 
 /// Whoever can record the bench, in a process of its own.
@@ -39,7 +39,7 @@ pub trait RecorderProcess {
     ///
     /// # Errors
     /// It cannot be started.
-    fn start(&mut self, past: bool) -> Result<String, ExternalError>;
+    fn start(&mut self, past: bool) -> Result<String, OpaqueError>;
     /// The number of the first step that is recorded, while what is kept from before it is waited for.
     fn wants_past_before(&self) -> Option<u64>;
     /// Has this written before what is recorded. Does not wait.

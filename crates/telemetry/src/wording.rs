@@ -1,6 +1,6 @@
 //! What happened, in words and in the units of the machine that it happened to.
 
-use alarms::{Level, Turn, Watch};
+use alarms::{Level, LevelChange, Watch};
 use wire::Happening;
 use wire::message::Trip;
 
@@ -31,7 +31,7 @@ impl Units {
     }
 
     /// What became of an alarm.
-    pub fn turn(&self, turn: &Turn) -> String {
+    pub fn turn(&self, turn: &LevelChange) -> String {
         let unit = match turn.watch {
             Watch::Orbit => self.length,
             Watch::Force => self.force,
@@ -78,7 +78,7 @@ mod tests {
         assert_eq!(units.happening(&impulse), "impulse on mass 1: vy 2500.0, vz -1250.0 μm/s");
         assert_eq!(Units::DIMENSIONLESS.happening(&impulse), impulse.to_string());
         assert_eq!(Units::DIMENSIONLESS.trip(&trip), trip.to_string());
-        let turn = Turn {
+        let turn = LevelChange {
             at: Moment::default(),
             watch: Watch::Orbit,
             before: Level::Fine,
@@ -89,7 +89,7 @@ mod tests {
             cause: String::new(),
         };
         assert_eq!(units.turn(&turn), "warning: orbit 10.00 μm, limit 5.000 μm");
-        let fell = Turn { before: Level::Warning, level: Level::Fine, ..turn };
+        let fell = LevelChange { before: Level::Warning, level: Level::Fine, ..turn };
         assert_eq!(units.turn(&fell), "orbit within its limits again: 10.00 μm, at worst 10.00 μm");
     }
 }

@@ -70,7 +70,7 @@ pub use minimax::Stationarity;
 pub use opened::LoopMargins;
 pub use options::{Method, Options};
 pub use pareto::{ParetoPoint, Price, pareto};
-pub use placement::{Placement, Question, choices, rank};
+pub use placement::{Placement, PlacementProblem, choices, rank};
 pub use problem::{Problem, ProblemError};
 pub use search::{bound, evaluate, tune};
 pub use stop::Stop;

@@ -17,7 +17,7 @@ pub struct Placement {
 
 /// What is the same for every choice.
 #[derive(Clone, Debug)]
-pub struct Question<'a> {
+pub struct PlacementProblem<'a> {
     /// The operating conditions.
     pub family: &'a Family,
     /// What stands around the gains.
@@ -44,7 +44,7 @@ pub struct Question<'a> {
     pub below: Option<f64>,
 }
 
-impl Question<'_> {
+impl PlacementProblem<'_> {
     /// The problem for one choice.
     ///
     /// # Panics
@@ -92,7 +92,7 @@ pub fn choices(masses: usize, count: usize) -> Vec<Vec<usize>> {
 /// # Errors
 /// A problem that makes no sense.
 pub fn rank(
-    question: &Question<'_>,
+    question: &PlacementProblem<'_>,
     places: &[(usize, Vec<usize>)],
     options: &dyn Fn(&Problem) -> Options,
     progress: &(dyn Fn(&Progress) + Sync),

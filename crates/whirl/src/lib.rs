@@ -2,7 +2,7 @@
 //!
 //! | you want | crate | to begin with |
 //! |---|---|---|
-//! | a rotor, built in or from a file; its poles under ideal feedback; exact whirl with deadband | [`rotor`] | [`rotor::builtin`], [`rotor::file`], [`rotor::Spectrum`], [`rotor::circular`] |
+//! | a rotor, built in or from a file; its poles under ideal feedback; exact whirl with deadband | [`rotor`] | [`rotor::builtin`], [`rotor::file`], [`rotor::Modes`], [`rotor::circular`] |
 //! | a rotor drawn in sections, discs and bearings: its elements, eigenvalues and reduction | `beam` | `beam::Drawing`, `beam::read`, `beam::import_ross` |
 //! | feedback: gains over speed, filters, sensors, sampling, delay, actuator | [`control`] | [`control::Feedback`], [`control::Controller`] |
 //! | rotor and loop as one: stepped, or as poles, margins and responses | [`machine`] | [`machine::Machine`], [`machine::MachinePoles`]; `crates/machine/examples/poles.rs` |

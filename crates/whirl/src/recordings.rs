@@ -5,7 +5,7 @@ use std::thread::JoinHandle;
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use telemetry::past::Past;
-use telemetry::processes::{ExternalError, RecorderNews, RecorderProcess};
+use telemetry::processes::{OpaqueError, RecorderNews, RecorderProcess};
 use wire::BenchName;
 
 use crate::child_process::ChildProcess;
@@ -90,14 +90,14 @@ fn outcome(recorder: &mut ChildProcess) -> Result<String, Failure> {
 }
 
 impl RecorderProcess for Recordings {
-    fn start(&mut self, past: bool) -> Result<String, ExternalError> {
+    fn start(&mut self, past: bool) -> Result<String, OpaqueError> {
         let file = new_name(&self.bench);
         // A recording and what goes before it are parts of one, as those of `--split` are: given any, readers take all.
         let path = if past { second_part(&file) } else { file.clone() };
         let launched = tape::available()
             .map_err(Failure::from)
             .and_then(|()| record::launch(&path, Force::default(), &self.bench, false));
-        self.recorder = Some(launched.map_err(ExternalError::new)?);
+        self.recorder = Some(launched.map_err(OpaqueError::new)?);
         if past {
             self.past = PastFile::Wanted { file: file.clone(), recorded: path.clone(), before: None };
         }

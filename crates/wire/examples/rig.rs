@@ -21,8 +21,8 @@ use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
 use rotor::{Rotor, Settings, builtin};
 use wire::message::BenchStatusMessage;
 use wire::{
-    Answer, BenchStatus, Carrier, Change, Channel, Column, Event, Happening, Host, Inbox, Layout, NewsSender, Request,
-    Root, RowMut, SettingsDocument, SharedMemory, StateSender, Step, Text,
+    Answer, BenchStatus, Carrier, Change, Channel, Column, Event, Happening, Host, Inbox, NewsSender, Request, Root,
+    RowMut, SettingsDocument, SharedMemory, StateSender, Step, StepLayout, Text,
 };
 
 /// How often it says how it stands.
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let rate: f64 = option("--rate").unwrap_or("1000").parse()?;
     let turns: usize = option("--turns").map_or(Ok(usize::MAX), str::parse)?;
-    let measured = Measured::read(Path::new(&file), Layout::new(rotor.len()))?;
+    let measured = Measured::read(Path::new(&file), StepLayout::new(rotor.len()))?;
     let carrier = SharedMemory::new(&Root::from_environment()?, "sim")?;
     let host = carrier.host(&option("--bench").unwrap_or("default").parse()?)?;
     println!("{} steps of {file} at {rate}/s", measured.rows.len());
@@ -54,12 +54,12 @@ fn main() -> Result<(), Box<dyn Error>> {
 pub(crate) struct Measured {
     columns: Vec<Column>,
     pub(crate) rows: Vec<Vec<f64>>,
-    layout: Layout,
+    layout: StepLayout,
 }
 
 impl Measured {
     /// Reads a CSV file for this layout.
-    pub(crate) fn read(path: &Path, layout: Layout) -> Result<Self, Box<dyn Error>> {
+    pub(crate) fn read(path: &Path, layout: StepLayout) -> Result<Self, Box<dyn Error>> {
         let text = std::fs::read_to_string(path)?;
         let mut lines = text.lines().filter(|line| !line.trim().is_empty());
         let names: Vec<&str> = lines.next().ok_or("an empty file")?.split(',').map(str::trim).collect();

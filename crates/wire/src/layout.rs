@@ -6,7 +6,7 @@ use crate::channels::{Channel, Scope, WHOLES, channels_of};
 
 /// How a step's words are laid out: how many masses, sensors and control bearings there are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Layout {
+pub struct StepLayout {
     masses: u16,
     sensors: u16,
     /// Control bearings after the first.
@@ -14,7 +14,7 @@ pub struct Layout {
 }
 
 /// Words of the widest step.
-pub const MAX_WIDTH: usize = Layout::new(MAX_MASSES).with_bearings(MAX_BEARINGS).width();
+pub const MAX_WIDTH: usize = StepLayout::new(MAX_MASSES).with_bearings(MAX_BEARINGS).width();
 
 /// A channel, of one mass, sensor or control bearing where it has many: one word of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -56,7 +56,7 @@ impl Column {
     }
 }
 
-impl Layout {
+impl StepLayout {
     /// The layout for a rotor of so many masses, with a sensor at each, and one control bearing; of more than [`MAX_MASSES`], for
     /// those.
     #[must_use]
@@ -169,23 +169,23 @@ mod tests {
 
     #[test]
     fn a_row_of_three_masses_takes_248_bytes_and_the_widest_1096() {
-        assert_eq!((Layout::new(3).width() * 8, MAX_WIDTH * 8), (248, 1096));
+        assert_eq!((StepLayout::new(3).width() * 8, MAX_WIDTH * 8), (248, 1096));
     }
 
     #[test]
     fn every_column_has_the_place_that_the_layout_gives_it() {
         for (masses, bearings) in [(0, 1), (1, 1), (3, 1), (3, 2), (MAX_MASSES, MAX_BEARINGS)] {
-            let layout = Layout::new(masses).with_bearings(bearings);
-            assert_eq!(Layout::told_by(layout.told()), Some(layout));
+            let layout = StepLayout::new(masses).with_bearings(bearings);
+            assert_eq!(StepLayout::told_by(layout.told()), Some(layout));
             let columns: Vec<Column> = layout.columns().collect();
             assert_eq!((columns.len(), layout.number_columns().count()), (layout.width(), layout.numbers()));
             for (at, column) in columns.into_iter().enumerate() {
                 assert_eq!(layout.place(column.channel, column.index), at, "{}", column.name());
             }
         }
-        let names: Vec<String> = Layout::new(1).with_bearings(3).columns().map(Column::name).collect();
+        let names: Vec<String> = StepLayout::new(1).with_bearings(3).columns().map(Column::name).collect();
         assert_eq!(names[19..23], ["bearing_uy_commanded2", "bearing_uz_commanded2", "bearing_uy2", "bearing_uz2"]);
-        let names: Vec<String> = Layout::new(2).columns().map(Column::name).collect();
+        let names: Vec<String> = StepLayout::new(2).columns().map(Column::name).collect();
         assert_eq!(names[..6], ["run_id", "seq", "wall_ns", "revision", "flags", "tau"]);
         assert_eq!(
             names[13..],

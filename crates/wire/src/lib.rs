@@ -5,13 +5,13 @@
 //! contract suite: [`SharedMemory`], which is iceoryx2, and [`Memory`], which is a map of queues for tests.
 //!
 //! ```
-//! use wire::{BenchName, Carrier, Host, Layout, Listener, Memory, Point, StateSender, Step};
+//! use wire::{BenchName, Carrier, Host, StepLayout, Listener, Memory, Point, StateSender, Step};
 //!
 //! let bench: BenchName = "demo".parse()?;
 //! // Between processes: `SharedMemory::new(&Root::from_environment()?, "reader")?`.
 //! let carrier = Memory::default();
 //! let rotor = rotor::builtin::rotor("three-mass").ok_or("built in")?;
-//! let mut states = carrier.host(&bench)?.states(Layout::new(rotor.len()))?;
+//! let mut states = carrier.host(&bench)?.states(StepLayout::new(rotor.len()))?;
 //!
 //! let mut listener = carrier.listen(&bench)?;
 //! states.send(1, |_, row| row.set_point(0, Point { y: 0.5, ..Point::default() }))?;
@@ -82,7 +82,7 @@ pub use document::{
 pub use error::WireError;
 pub use event::{EVENTS_KEPT, Event, EventMessage, Happening};
 pub use iceoryx::MAX_READERS;
-pub use layout::{Column, Layout, MAX_WIDTH};
+pub use layout::{Column, MAX_WIDTH, StepLayout};
 pub use memory::Memory;
 pub use message::{Answer, Flags, SCHEMA};
 pub use moment::Moment;

@@ -18,8 +18,8 @@ use crate::message::BenchStatusMessage;
 use crate::ports::{check_burst, check_document, check_snapshot};
 use crate::snapshot::{SNAPSHOTS_BUFFERED, SnapshotHead};
 use crate::{
-    Answer, BenchName, BenchStatus, Carrier, EVENTS_KEPT, Event, EventMessage, Host, Inbox, Layout, MAX_READERS,
-    NewsSender, RecorderSender, RecorderStatus, Request, RowMut, State, StateSender, WireError,
+    Answer, BenchName, BenchStatus, Carrier, EVENTS_KEPT, Event, EventMessage, Host, Inbox, MAX_READERS, NewsSender,
+    RecorderSender, RecorderStatus, Request, RowMut, State, StateSender, StepLayout, WireError,
 };
 
 /// How many states a sleeping listener keeps if nobody says more: the oldest are dropped beyond that.
@@ -182,7 +182,7 @@ impl Host for MemoryHost {
     type Inbox = MemoryInbox;
     type Control = MemoryControlHost;
 
-    fn states(&self, layout: Layout) -> Result<MemoryStates, WireError> {
+    fn states(&self, layout: StepLayout) -> Result<MemoryStates, WireError> {
         Ok(MemoryStates { layout, bench: self.bench.clone(), _claim: self.claim.clone() })
     }
 
@@ -212,7 +212,7 @@ impl Host for MemoryHost {
 /// See [`Memory`].
 #[derive(Debug)]
 pub struct MemoryStates {
-    layout: Layout,
+    layout: StepLayout,
     bench: Arc<Bench>,
     _claim: Arc<()>,
 }

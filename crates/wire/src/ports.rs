@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use crate::document::MAX_DOCUMENT;
 use crate::{
-    Answer, BenchName, BenchStatus, ControlCommand, Event, Layout, MAX_SNAPSHOT, Readings, RecorderStatus, Request,
-    Row, RowMut, SnapshotHead, WireError,
+    Answer, BenchName, BenchStatus, ControlCommand, Event, MAX_SNAPSHOT, Readings, RecorderStatus, Request, Row,
+    RowMut, SnapshotHead, StepLayout, WireError,
 };
 
 /// A way to carry messages between a simulation and its readers.
@@ -77,7 +77,7 @@ pub trait Host: Send + Sync {
     ///
     /// # Errors
     /// Another simulation holds it, or it cannot be made.
-    fn states(&self, layout: Layout) -> Result<Self::States, WireError>;
+    fn states(&self, layout: StepLayout) -> Result<Self::States, WireError>;
 
     /// The port for bench statuses, events and the documents that they name; there is one.
     ///

@@ -21,8 +21,8 @@ use crate::shared_control::{ControlServices, SharedControlHost, SharedController
 use crate::shared_glance::SharedGlance;
 use crate::shared_news::{self, NewsServices, RECORDER_ROLE, SharedNews, SharedRecorder};
 use crate::{
-    BenchName, BenchStatus, Carrier, Event, EventMessage, Glance, Host, HostState, Layout, Listener, MAX_BURST,
-    RecorderStatus, Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, Topic, WireError,
+    BenchName, BenchStatus, Carrier, Event, EventMessage, Glance, Host, HostState, Listener, MAX_BURST, RecorderStatus,
+    Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, StepLayout, Topic, WireError,
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
@@ -205,7 +205,7 @@ impl Host for SharedHost {
     type Inbox = SharedInbox;
     type Control = SharedControlHost;
 
-    fn states(&self, layout: Layout) -> Result<SharedStates, WireError> {
+    fn states(&self, layout: StepLayout) -> Result<SharedStates, WireError> {
         let words = MAX_BURST * layout.width();
         let builder = self.states.publisher_builder().max_loaned_samples(1).initial_max_slice_len(words);
         let taken = |error| port(&error, || WireError::Taken(self.bench.clone()));
@@ -232,7 +232,7 @@ impl Host for SharedHost {
 /// See [`StateSender`].
 #[derive(Debug)]
 pub struct SharedStates {
-    layout: Layout,
+    layout: StepLayout,
     publisher: Publisher<Ipc, [u64], ()>,
     _name: NameLock,
 }

@@ -5,7 +5,7 @@
 //! control bearings it has, so that no reader takes a row of another run for one of this.
 
 use crate::channels::{Channel, WHOLES};
-use crate::layout::{Layout, MAX_WIDTH};
+use crate::layout::{MAX_WIDTH, StepLayout};
 use crate::message::Flags;
 
 /// Where one mass is and how it moves.
@@ -51,9 +51,9 @@ pub fn bearing_of(channel: Channel, index: usize) -> Option<usize> {
 /// A step, wherever its words lie.
 pub trait Step {
     /// How its words are laid out.
-    fn layout(&self) -> Layout;
+    fn layout(&self) -> StepLayout;
 
-    /// Its words: [`Layout::width`] of them.
+    /// Its words: [`StepLayout::width`] of them.
     fn words(&self) -> &[u64];
 
     /// The word of a channel that occurs once.
@@ -66,7 +66,7 @@ pub trait Step {
         f64::from_bits(self.words()[self.layout().place(channel, index)])
     }
 
-    /// All its doubles, in the order of [`Layout::number_columns`].
+    /// All its doubles, in the order of [`StepLayout::number_columns`].
     fn numbers(&self) -> impl ExactSizeIterator<Item = f64> + '_ {
         self.words()[WHOLES..].iter().map(|word| f64::from_bits(*word))
     }
@@ -168,7 +168,7 @@ pub trait Step {
 /// A step in a message.
 #[derive(Clone, Copy, Debug)]
 pub struct Row<'a> {
-    layout: Layout,
+    layout: StepLayout,
     words: &'a [u64],
 }
 
@@ -177,7 +177,7 @@ impl<'a> Row<'a> {
     pub fn all(words: &'a [u64]) -> impl Iterator<Item = Self> {
         let mut rest = words;
         std::iter::from_fn(move || {
-            let layout = Layout::told_by(*rest.get(Channel::Flags as usize)?)?;
+            let layout = StepLayout::told_by(*rest.get(Channel::Flags as usize)?)?;
             let (words, after) = rest.split_at_checked(layout.width())?;
             rest = after;
             Some(Self { layout, words })
@@ -186,7 +186,7 @@ impl<'a> Row<'a> {
 }
 
 impl Step for Row<'_> {
-    fn layout(&self) -> Layout {
+    fn layout(&self) -> StepLayout {
         self.layout
     }
 
@@ -198,13 +198,13 @@ impl Step for Row<'_> {
 /// A step in a message that is being filled.
 #[derive(Debug)]
 pub struct RowMut<'a> {
-    layout: Layout,
+    layout: StepLayout,
     words: &'a mut [u64],
 }
 
 impl<'a> RowMut<'a> {
     /// The first words of `words` as a step of this layout; `None` if they are too few.
-    pub fn new(layout: Layout, words: &'a mut [u64]) -> Option<Self> {
+    pub fn new(layout: StepLayout, words: &'a mut [u64]) -> Option<Self> {
         let mut row = Self { layout, words: words.get_mut(..layout.width())? };
         row.set_flags(Flags::default());
         Some(row)
@@ -233,7 +233,7 @@ impl<'a> RowMut<'a> {
         self.set_pair(force, index, delivered);
     }
 
-    /// Sets all doubles, in the order of [`Layout::number_columns`].
+    /// Sets all doubles, in the order of [`StepLayout::number_columns`].
     pub fn set_numbers(&mut self, numbers: impl IntoIterator<Item = f64>) {
         self.words[WHOLES..].iter_mut().zip(numbers).for_each(|(word, number)| *word = number.to_bits());
     }
@@ -252,7 +252,7 @@ impl<'a> RowMut<'a> {
 }
 
 impl Step for RowMut<'_> {
-    fn layout(&self) -> Layout {
+    fn layout(&self) -> StepLayout {
         self.layout
     }
 
@@ -264,14 +264,14 @@ impl Step for RowMut<'_> {
 /// A step of one's own.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub struct State {
-    layout: Layout,
+    layout: StepLayout,
     words: [u64; MAX_WIDTH],
 }
 
 impl State {
     /// A step that is all zero.
     #[must_use]
-    pub fn new(layout: Layout) -> Self {
+    pub fn new(layout: StepLayout) -> Self {
         let mut made = Self { layout, words: [0; MAX_WIDTH] };
         made.row_mut().set_flags(Flags::default());
         made
@@ -324,12 +324,12 @@ impl State {
 
 impl Default for State {
     fn default() -> Self {
-        Self::new(Layout::default())
+        Self::new(StepLayout::default())
     }
 }
 
 impl Step for State {
-    fn layout(&self) -> Layout {
+    fn layout(&self) -> StepLayout {
         self.layout
     }
 
@@ -358,9 +358,10 @@ mod tests {
 
     #[test]
     fn rows_of_another_width_are_told_apart_and_what_is_no_row_ends_them() {
-        let one =
-            State::new(Layout::new(1)).with_word(Channel::Seq, 7).with_point(0, Point { y: 1.5, ..Point::default() });
-        let three = State::new(Layout::new(3)).with_word(Channel::Seq, 8).with_flags(Flags::TRIPPED);
+        let one = State::new(StepLayout::new(1))
+            .with_word(Channel::Seq, 7)
+            .with_point(0, Point { y: 1.5, ..Point::default() });
+        let three = State::new(StepLayout::new(3)).with_word(Channel::Seq, 8).with_flags(Flags::TRIPPED);
         let mut words = [one.words(), three.words()].concat();
         let read: Vec<State> = Row::all(&words).map(|row| State::of(&row)).collect();
         assert_eq!(read, [one, three]);
@@ -369,6 +370,6 @@ mod tests {
         assert_eq!(Row::all(&words).count(), 1, "a row that is cut off is none");
         words[Channel::Flags as usize] = u64::MAX;
         assert_eq!(Row::all(&words).count(), 0);
-        assert!(RowMut::new(Layout::new(3), &mut words[..30]).is_none());
+        assert!(RowMut::new(StepLayout::new(3), &mut words[..30]).is_none());
     }
 }

@@ -11,13 +11,13 @@ use std::time::{Duration, Instant};
 use rotor::{C64, Settings, builtin};
 use wire::{
     Answer, BenchName, BenchStatus, Carrier, Change, Channel, Commander, ControlCommand, ControlHost, Controlling,
-    EVENTS_KEPT, Glance, Happening, Host, HostState, Inbox, Keeping, Layout, Listener, MAX_BURST, MAX_READERS,
-    MAX_SNAPSHOT, NewsSender, Readings, RecorderSender, RecorderState, RecorderStatus, Row, RowMut, SettingsDocument,
-    SnapshotHead, StateSender, Step, Topic, WireError,
+    EVENTS_KEPT, Glance, Happening, Host, HostState, Inbox, Keeping, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT,
+    NewsSender, Readings, RecorderSender, RecorderState, RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead,
+    StateSender, Step, StepLayout, Topic, WireError,
 };
 
 /// A rotor of three masses.
-const LAYOUT: Layout = Layout::new(3);
+const LAYOUT: StepLayout = StepLayout::new(3);
 
 const PATIENCE: Duration = Duration::from_secs(5);
 

@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::Command;
 
 use wire::header;
-use wire::{CHANNELS, Layout, Scope};
+use wire::{CHANNELS, Scope, StepLayout};
 
 const HEADER: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/whirl.h");
 
@@ -33,7 +33,7 @@ fn program() -> (String, String) {
         }
     }
     for masses in [1, 3, 16] {
-        let layout = Layout::new(masses).with_bearings(3);
+        let layout = StepLayout::new(masses).with_bearings(3);
         tell(&format!("WHIRL_WIDTH({masses}, {masses}, 2)"), layout.width());
         for row in CHANNELS {
             let index = layout.count(row.scope) - 1;
@@ -92,7 +92,7 @@ fn val_a_cpp_compiler_lays_them_out_as_we_do() {
 #[test]
 fn messages_are_narrow() {
     let size = |name: &str| header::messages().into_iter().find(|message| message.name == name).unwrap().size;
-    assert!(Layout::new(3).width() * 8 <= 256);
+    assert!(StepLayout::new(3).width() * 8 <= 256);
     assert!(
         size("whirl.Event") <= 600 && size("whirl.Request") <= 600,
         "{} {}",

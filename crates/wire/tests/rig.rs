@@ -6,7 +6,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 use rotor::{C64, builtin};
-use wire::{BenchName, Carrier, Change, Commander, Glance, Happening, Layout, Listener, Memory, Point, State, Step};
+use wire::{
+    BenchName, Carrier, Change, Commander, Glance, Happening, Listener, Memory, Point, State, Step, StepLayout,
+};
 
 #[path = "../examples/rig.rs"]
 #[allow(dead_code, reason = "its command line is not tried here")]
@@ -26,7 +28,7 @@ fn a_file_is_played_as_a_bench() {
         (0..50).map(|k| format!("{},{},2.5,0.25,{}\n", f64::from(k) * 0.02, f64::from(k) * 0.01, -k)).collect();
     let file = file(&format!("tau,y1,speed,uy,z1\n{rows}"));
     let rotor = builtin::rotor("jeffcott").unwrap();
-    let measured = rig::Measured::read(file.path(), Layout::new(1)).unwrap();
+    let measured = rig::Measured::read(file.path(), StepLayout::new(1)).unwrap();
     let carrier = Memory::with_room(1_000_000);
     let name = BenchName::default();
     let host = carrier.host(&name).unwrap();
@@ -76,7 +78,7 @@ fn a_file_is_played_as_a_bench() {
 
 #[test]
 fn what_is_no_such_file_is_told() {
-    let told = |text: &str| rig::Measured::read(file(text).path(), Layout::new(2)).unwrap_err().to_string();
+    let told = |text: &str| rig::Measured::read(file(text).path(), StepLayout::new(2)).unwrap_err().to_string();
     assert_eq!(told(""), "an empty file");
     assert!(told("y1,z1,w\n").starts_with("column 'w': expected names among tau, angle, speed"));
     assert_eq!(told("y1,z1\n0,0\n"), "no column 'y2': expected y and z of each of 2 masses");

@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use rotor::{ControlBearing, Feedback, Settings, builtin};
-use wire::{BenchStatus, Channel, Layout, SettingsDocument, State};
+use wire::{BenchStatus, Channel, SettingsDocument, State, StepLayout};
 
 use super::*;
 
@@ -202,7 +202,7 @@ fn every_control_bearing_is_held_against_its_own_limit_as_if_the_first_had_to() 
     alarms.learn(&status);
     sampler.learn(&status, 0);
     let mut turns = |seq: u64, sizes: [f64; 2]| {
-        let mut state = State::new(Layout::new(3).with_bearings(2)).with_word(Channel::RunId, 7);
+        let mut state = State::new(StepLayout::new(3).with_bearings(2)).with_word(Channel::RunId, 7);
         state = state.with_word(Channel::Seq, seq).with(Channel::ForceY, 0, sizes[0]);
         sampler.hear(&state.with(Channel::FurtherForceZ, 0, sizes[1]));
         let turns = alarms.read(&sampler.take());
@@ -216,7 +216,7 @@ fn every_control_bearing_is_held_against_its_own_limit_as_if_the_first_had_to() 
     let mut limits = Limits::default();
     limits.set(Watch::Force, Some([6.0, 12.0])).unwrap();
     alarms.limit(limits);
-    sampler.hear(&State::new(Layout::new(3).with_bearings(2)).with_word(Channel::RunId, 7).with(
+    sampler.hear(&State::new(StepLayout::new(3).with_bearings(2)).with_word(Channel::RunId, 7).with(
         Channel::FurtherForceY,
         0,
         3.5,

@@ -142,7 +142,7 @@ impl App<'_> {
     pub(super) fn show_strips(&mut self, strips: Option<&[Strip]>) {
         let masses = lock(&self.feed).rotor().map_or(0, |rotor| rotor.len());
         let bearings = self.settings().map_or(1, |settings| settings.feedback.bearings.len());
-        let layout = wire::Layout::new(masses).with_bearings(bearings);
+        let layout = wire::StepLayout::new(masses).with_bearings(bearings);
         let empty = strips.into_iter().flatten().find(|strip| masses > 0 && strip.traces(layout).is_empty());
         if let Some(strip) = empty {
             self.tell(Message::Bad(format!("strips '{}': expected a mass from 1 to {masses}", strip.name)));

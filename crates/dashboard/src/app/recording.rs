@@ -81,7 +81,7 @@ mod tests {
     use crate::screenshot::image::text;
     use telemetry::feed::Feed;
     use telemetry::past::Past;
-    use telemetry::processes::ExternalError;
+    use telemetry::processes::OpaqueError;
     use wire::Step;
 
     #[derive(Default)]
@@ -97,10 +97,10 @@ mod tests {
     }
 
     impl RecorderProcess for Writer {
-        fn start(&mut self, past: bool) -> Result<String, ExternalError> {
+        fn start(&mut self, past: bool) -> Result<String, OpaqueError> {
             self.wants_past = past;
             if self.refuses {
-                return Err(ExternalError::new("recordings need another build"));
+                return Err(OpaqueError::new("recordings need another build"));
             }
             self.at_work = true;
             self.silent.get_or_insert(0);

@@ -1,6 +1,6 @@
 //! Alarms on a live bench: what has come in is held against the limits, and a run-up may be stopped by what rises.
 
-use alarms::{Level, Turn, Watch};
+use alarms::{Level, LevelChange, Watch};
 use rotor::Settings;
 use telemetry::edits::Edit;
 use telemetry::history::StepQuantity;
@@ -67,6 +67,6 @@ impl App<'_> {
 }
 
 /// Whether it is the machine that something has come to an alarm of: not its computer, and not a trip, after which it stands.
-fn is_of_the_machine(turn: &Turn) -> bool {
+fn is_of_the_machine(turn: &LevelChange) -> bool {
     turn.rises() && turn.level == Level::Alarm && !matches!(turn.watch, Watch::Trip | Watch::Lateness | Watch::Losses)
 }

@@ -11,7 +11,7 @@
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::text::Line;
-use telemetry::jobs::run_up::Turn;
+use telemetry::jobs::run_up::TrackedTurn;
 use text::number::{nice_ceiling, short};
 
 use super::panel::{Panel, PanelCommand, PanelRequest};
@@ -33,7 +33,7 @@ pub(crate) struct Polar {
     shown: Option<(Window, Rect)>,
 }
 
-fn place(turn: &Turn) -> [f64; 2] {
+fn place(turn: &TrackedTurn) -> [f64; 2] {
     [turn.first_order.re, turn.first_order.im]
 }
 
@@ -74,7 +74,7 @@ impl Panel for Polar {
         let (window, area) = self.shown?;
         let legs = legs_of(mass_of(self.mass, view), view)?;
         let plot = Plot::new(area, window);
-        let far = |turn: &Turn| {
+        let far = |turn: &TrackedTurn| {
             let (x, y) = plot.cell(turn.first_order.re, turn.first_order.im)?;
             Some((f64::from(x) - f64::from(at.x)).hypot(2.0 * (f64::from(y) - f64::from(at.y))))
         };

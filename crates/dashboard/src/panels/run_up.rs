@@ -16,7 +16,7 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Constraint, Layout, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
-use telemetry::jobs::run_up::{RunUpRequest, SpeedLeg, SpeedLegs, Turn};
+use telemetry::jobs::run_up::{RunUpRequest, SpeedLeg, SpeedLegs, TrackedTurn};
 use text::number::{nice_ceiling, short};
 
 use super::panel::{Panel, PanelCommand, PanelRequest};
@@ -52,8 +52,8 @@ pub(super) fn strokes() -> [Span<'static>; 2] {
 /// A leg's points: a line while the speed rises, dots while it falls. Where `breaks` says so the line ends and begins anew.
 pub(super) fn stroke(
     leg: &SpeedLeg,
-    place: impl Fn(&Turn) -> [f64; 2],
-    breaks: impl Fn(&Turn, &Turn) -> bool,
+    place: impl Fn(&TrackedTurn) -> [f64; 2],
+    breaks: impl Fn(&TrackedTurn, &TrackedTurn) -> bool,
     window: Window,
     plot: &mut Plot,
 ) {
@@ -79,7 +79,7 @@ pub(super) fn stroke(
 }
 
 /// What is told of a turn, with a sign before it.
-pub(super) fn told(turn: &Turn, view: &View<'_>) -> String {
+pub(super) fn told(turn: &TrackedTurn, view: &View<'_>) -> String {
     let units = view.data.units();
     let size = units.length.told(turn.first_order.norm(), 4);
     format!(" ┃ {}  {size}  {:.0} deg ", units.speed_told(turn.speed), turn.first_order.arg().to_degrees())
@@ -127,7 +127,7 @@ impl Panel for RunUp {
         let legs = legs_of(mass_of(self.mass, view), view)?;
         let plot = Plot::new(upper, window);
         // On the amplitude the nearest point is meant, as a speed may be passed twice; below, the last time it was.
-        let far = |turn: &Turn| {
+        let far = |turn: &TrackedTurn| {
             let (x, y) = plot.cell(turn.speed, turn.first_order.norm())?;
             let high = if upper.contains(at) { 2.0 * (f64::from(y) - f64::from(at.y)) } else { 0.0 };
             Some((f64::from(x) - f64::from(at.x)).hypot(high))
@@ -177,11 +177,11 @@ fn draw(view: &View<'_>, legs: &SpeedLegs, panel: &mut RunUp, (frame, area): (Re
         stroke(leg, |turn| [turn.speed, turn.first_order.norm()], |_, _| false, window, &mut plot);
     }
     let phases = Window { x: [slow, fast], y: [-180.0, 180.0] };
-    let degrees = |turn: &Turn| turn.first_order.arg().to_degrees();
+    let degrees = |turn: &TrackedTurn| turn.first_order.arg().to_degrees();
     let mut phase_plot = Plot::new(lower, phases);
     phase_plot.line([slow, 0.0], [fast, 0.0], theme::GRID);
     for leg in &legs.legs {
-        let jumps = |a: &Turn, b: &Turn| (degrees(a) - degrees(b)).abs() > 180.0;
+        let jumps = |a: &TrackedTurn, b: &TrackedTurn| (degrees(a) - degrees(b)).abs() > 180.0;
         stroke(leg, |turn| [turn.speed, degrees(turn)], jumps, phases, &mut phase_plot);
     }
     if let Some(here) = here {
@@ -217,8 +217,8 @@ fn draw(view: &View<'_>, legs: &SpeedLegs, panel: &mut RunUp, (frame, area): (Re
 pub(super) fn mark(
     buffer: &mut Buffer,
     plot: &Plot,
-    turn: Option<&Turn>,
-    place: impl Fn(&Turn) -> [f64; 2],
+    turn: Option<&TrackedTurn>,
+    place: impl Fn(&TrackedTurn) -> [f64; 2],
     color: Color,
 ) {
     let at = turn.map(place).and_then(|[x, y]| plot.cell(x, y));

@@ -1,5 +1,5 @@
 use rotor::{Rotor, Settings, builtin};
-use wire::{Layout, State, Step};
+use wire::{State, Step, StepLayout};
 
 use super::*;
 
@@ -15,7 +15,7 @@ fn engine(feedback: &str, speed: f64, dtau: f64) -> (Rotor, Settings, Engine) {
 }
 
 fn sent(engine: &mut Engine) -> State {
-    let mut state = State::new(Layout::new(3));
+    let mut state = State::new(StepLayout::new(3));
     engine.fill(&mut state.row_mut(), 0, false);
     state
 }
@@ -42,7 +42,7 @@ fn an_unstable_rotor_trips_at_the_limit_and_is_held_there() {
 fn stepping_filling_and_taking_orders_allocate_nothing() {
     let (rotor, settings, mut engine) = engine("composite", 2.5, 0.01);
     let exchange = Exchange::default();
-    let mut state = State::new(Layout::new(3));
+    let mut state = State::new(StepLayout::new(3));
     let other = Settings { speed: 3.0, ..settings };
     let multisine =
         "seed=1 period=50.0 lines=1..40 tones=20 away_from=2.5 amplitude=0.01 duration=250.0".parse().unwrap();

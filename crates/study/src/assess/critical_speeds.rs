@@ -3,7 +3,7 @@
 
 use machine::unbalance_response;
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
 use crate::runup::{ResonancePeak, peaks};
 use plot::{Axis, Chart, Color, Look, Series};
 
@@ -12,7 +12,7 @@ const BEYOND: f64 = 1.4;
 
 /// One line for each resonance: peaks of several masses within each other's half-power points are the same, told where it has least
 /// in hand of what is asked.
-fn resonances(question: &Question<'_>, mut peaks: Vec<(usize, ResonancePeak)>) -> Vec<Line> {
+fn resonances(question: &AssessmentCase<'_>, mut peaks: Vec<(usize, ResonancePeak)>) -> Vec<Line> {
     peaks.sort_by(|a, b| a.1.speed.total_cmp(&b.1.speed));
     let mut found: Vec<(f64, Line)> = Vec::new();
     for (station, peak) in peaks {
@@ -40,7 +40,7 @@ fn in_hand(line: &Line) -> f64 {
 }
 
 /// What is asked of one critical speed.
-fn line(question: &Question<'_>, station: usize, peak: &ResonancePeak) -> Line {
+fn line(question: &AssessmentCase<'_>, station: usize, peak: &ResonancePeak) -> Line {
     let limits = question.limits;
     let place = Where::speed(peak.speed).of(station);
     let (factor, source) = ("critical speed, amplification factor", limits.source("amplification"));
@@ -67,7 +67,7 @@ fn line(question: &Question<'_>, station: usize, peak: &ResonancePeak) -> Line {
     line.at(place).noted(format!("amplification {amplification:.3}{inside}"))
 }
 
-pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
     let (rotor, settings, limits) = (question.rotor, question.settings, question.limits);
     let what = "critical speed, separation";
     let source = limits.source("separation_above");
@@ -117,7 +117,7 @@ mod tests {
         let rotor = builtin::rotor("three-mass").unwrap();
         let settings = Settings::new(&rotor, 0.0, builtin::feedback(&rotor, "individual").unwrap());
         let limits = Limits::default();
-        let question = Question {
+        let question = AssessmentCase {
             rotor: &rotor,
             settings: &settings,
             over: [0.0, 6.0],

@@ -8,7 +8,7 @@ use plot::{Axis, Chart, Color, Look, Series};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant};
 
 use super::decrement::decrement;
-use super::{Asked, AssessError, Line, Quantity, Question, Where};
+use super::{Asked, AssessError, AssessmentCase, Line, Quantity, Where};
 
 /// Points of the curve.
 const POINTS: usize = 61;
@@ -84,7 +84,7 @@ impl Machine {
     }
 }
 
-pub(super) fn lines(question: &Question<'_>) -> Result<(Vec<Line>, CrossCoupling, Vec<Chart>), AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<(Vec<Line>, CrossCoupling, Vec<Chart>), AssessError> {
     let (rotor, limits, station) = (question.rotor, question.limits, question.cross_at);
     let speed = question.operating[1];
     let plant = Plant::of(rotor);
@@ -148,7 +148,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<(Vec<Line>, CrossCoupling
     Ok((lines, CrossCoupling { speed, station, borne, curve }, chart))
 }
 
-fn chart(question: &Question<'_>, end: f64, curve: &[(f64, f64)]) -> Vec<Chart> {
+fn chart(question: &AssessmentCase<'_>, end: f64, curve: &[(f64, f64)]) -> Vec<Chart> {
     let [low, high] = (curve.iter())
         .fold([0.0_f64, question.limits.log_decrement], |[low, high], (_, y)| [low.min(*y), high.max(*y)]);
     let asked = question.limits.log_decrement;

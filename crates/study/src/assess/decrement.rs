@@ -7,7 +7,7 @@ use plot::{Axis, Chart, Color, Look, Series};
 use rotor::C64;
 use text::number::counted;
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
 
 /// Modes damped so many times as well as is asked are summed up in one line.
 const WELL_DAMPED: f64 = 10.0;
@@ -28,9 +28,9 @@ struct Least {
     pole: C64,
 }
 
-pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
-    let Question { rotor, settings, limits, .. } = question;
-    let speeds = Question::speeds(question.over);
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
+    let AssessmentCase { rotor, settings, limits, .. } = question;
+    let speeds = AssessmentCase::speeds(question.over);
     let branches = trace(rotor, settings, &speeds)?;
     let source = limits.source("log_decrement");
     let asked = Asked::AtLeast(limits.log_decrement);
@@ -73,7 +73,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
 }
 
 /// The least of a mode between the neighbours of the speed at which it was least.
-fn between(question: &Question<'_>, speeds: &[f64], at: usize, mut least: Least) -> Result<Least, AssessError> {
+fn between(question: &AssessmentCase<'_>, speeds: &[f64], at: usize, mut least: Least) -> Result<Least, AssessError> {
     let [low, high] = [at.saturating_sub(1), (at + 1).min(speeds.len() - 1)].map(|k| speeds[k]);
     linear::least([low, high], NEAR * (high - low), |speed| -> Result<f64, AssessError> {
         let modes = MachinePoles::at(question.rotor, question.settings, speed)?.modes;
@@ -89,7 +89,7 @@ fn between(question: &Question<'_>, speeds: &[f64], at: usize, mut least: Least)
 }
 
 /// Decrement over speed, forward and backward, with the line that is asked for.
-fn chart(question: &Question<'_>, speeds: &[f64], branches: &[Vec<Option<C64>>]) -> Chart {
+fn chart(question: &AssessmentCase<'_>, speeds: &[f64], branches: &[Vec<Option<C64>>]) -> Chart {
     let [from, to] = question.over;
     let asked = question.limits.log_decrement;
     // What is well damped would press the rest against the axis.

@@ -33,7 +33,7 @@ const SPEEDS: usize = 201;
 
 /// What is to be assessed.
 #[derive(Clone, Debug)]
-pub struct Question<'a> {
+pub struct AssessmentCase<'a> {
     /// The rotor.
     pub rotor: &'a Rotor,
     /// Its settings; their speed is not looked at.
@@ -59,7 +59,7 @@ pub struct Question<'a> {
     pub limits: &'a Limits,
 }
 
-impl Question<'_> {
+impl AssessmentCase<'_> {
     /// The smallest clearance there is.
     fn smallest_clearance(&self) -> Option<f64> {
         let set = self.settings.deadband.iter().copied().filter(|g| *g > 0.0).min_by(f64::total_cmp);
@@ -118,7 +118,7 @@ impl Assessment {
 /// # Errors
 /// A loop that does not fit the rotor, or poles that cannot be had. What a machine cannot be asked (orbits of a sampled loop, say)
 /// is a line that says why.
-pub fn assess(question: &Question<'_>) -> Result<Assessment, AssessError> {
+pub fn assess(question: &AssessmentCase<'_>) -> Result<Assessment, AssessError> {
     let (mut lines, mut charts) = decrement::lines(question)?;
     let (found, cross_coupling, chart) = cross_coupling::lines(question)?;
     lines.extend(found);

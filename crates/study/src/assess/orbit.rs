@@ -4,14 +4,14 @@
 use rotor::circular::{self, CircularError, Orbit};
 use rotor::{ControlMasses, Stability};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, SPEEDS, Where};
+use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, SPEEDS, Where};
 
-pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
     let (settings, limits) = (question.settings, question.limits);
     let orbit_source = limits.source("orbit_zone_a");
     let force_source = limits.source("force_share");
     let (orbit, force) = ("orbit / clearance", "dynamic force");
-    let speeds = Question::speeds(question.operating);
+    let speeds = AssessmentCase::speeds(question.operating);
     let found = match circular::synchronous(question.rotor, &settings.feedback, &settings.deadband, &speeds) {
         Ok(found) => found,
         Err(CircularError::Sampled) => {
@@ -55,7 +55,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
 
 /// The orbit that is largest by `size` among those known, and between the speeds at which they are.
 fn largest(
-    question: &Question<'_>,
+    question: &AssessmentCase<'_>,
     orbits: &[&Orbit],
     size: &dyn Fn(&Orbit) -> f64,
 ) -> Result<Option<Orbit>, AssessError> {
@@ -79,7 +79,7 @@ fn largest(
     Ok(Some(best))
 }
 
-fn orbit_line(question: &Question<'_>, what: &str, largest: Option<&Orbit>, source: &str) -> Line {
+fn orbit_line(question: &AssessmentCase<'_>, what: &str, largest: Option<&Orbit>, source: &str) -> Line {
     let limits = question.limits;
     let Some(clearance) = question.smallest_clearance() else {
         return Line::without(what, Quantity::Number, "no clearance is set", source);
@@ -97,7 +97,7 @@ fn orbit_line(question: &Question<'_>, what: &str, largest: Option<&Orbit>, sour
 
 /// The force of a control bearing, counted from 0, against what it can hold; both as if the first had to.
 fn force_line(
-    question: &Question<'_>,
+    question: &AssessmentCase<'_>,
     what: &str,
     bearing: usize,
     orbits: &[&Orbit],

@@ -2,7 +2,7 @@
 
 use machine::{MarginsError, margins_at, worst_among};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
 use plot::{Axis, Chart, Color, Look, Series};
 
 /// The place of the sensitivity among [`machine::WORST`].
@@ -10,9 +10,9 @@ const SENSITIVITY: usize = 4;
 /// Axes end at so many times the last zone's end.
 const TOP: f64 = 1.5;
 
-pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
     let (rotor, settings, limits) = (question.rotor, question.settings, question.limits);
-    let speeds = Question::speeds(question.operating);
+    let speeds = AssessmentCase::speeds(question.operating);
     let what = "sensitivity, peak of |S|";
     let source = limits.source("sensitivity_zone_a");
     let zones = limits.sensitivity_zones();

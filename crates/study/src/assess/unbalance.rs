@@ -10,7 +10,7 @@ use machine::forced_response;
 use nalgebra::DMatrix;
 use rotor::{C64, LinearForm, OperatingPoint, Plant, Scales};
 
-use super::{Asked, AssessError, Line, Part, Quantity, Question, Where};
+use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
 
 /// The speed in rpm from which less vibration is allowed (API 617).
 const KNEE: f64 = 12_000.0;
@@ -58,7 +58,7 @@ struct Largest {
     station: usize,
 }
 
-pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
     let limits = question.limits;
     let (vibration_source, share_source) = (limits.source("vibration"), limits.source("clearance_share"));
     let plain = "vibration under 2 U_r, peak to peak";
@@ -108,7 +108,7 @@ pub(super) fn lines(question: &Question<'_>) -> Result<Part, AssessError> {
 }
 
 /// The largest orbit of a rotor balanced to a grade, against the zone of orbits that is asked for.
-fn graded(question: &Question<'_>, grade: Grade, scales: &Scales, all: &[usize]) -> Result<Line, AssessError> {
+fn graded(question: &AssessmentCase<'_>, grade: Grade, scales: &Scales, all: &[usize]) -> Result<Line, AssessError> {
     let limits = question.limits;
     let largest = largest(question, question.operating, all)?;
     let radius = scales.length(grade.eccentricity(question.operating[1] * scales.w0)) * largest.radius;
@@ -132,7 +132,7 @@ impl Largest {
 }
 
 /// The largest radius at any of `places` over a range, per eccentricity at every mass, at the worst angles.
-fn largest(question: &Question<'_>, range: [f64; 2], places: &[usize]) -> Result<Largest, AssessError> {
+fn largest(question: &AssessmentCase<'_>, range: [f64; 2], places: &[usize]) -> Result<Largest, AssessError> {
     let plant = Plant::of(question.rotor);
     let at = |speed: f64| -> Result<Largest, AssessError> {
         let radii = worst_radii(
@@ -143,7 +143,7 @@ fn largest(question: &Question<'_>, range: [f64; 2], places: &[usize]) -> Result
         let largest = places.iter().map(|station| Largest { radius: radii[*station], speed, station: *station });
         Ok(largest.max_by(|a, b| a.radius.total_cmp(&b.radius)).unwrap_or(Largest { radius: 0.0, speed, station: 0 }))
     };
-    let speeds = Question::speeds(range);
+    let speeds = AssessmentCase::speeds(range);
     let found: Vec<Largest> = speeds.iter().map(|speed| at(*speed)).collect::<Result<_, _>>()?;
     let best = (0..found.len()).max_by(|a, b| found[*a].radius.total_cmp(&found[*b].radius)).unwrap_or(0);
     let mut largest = found[best];

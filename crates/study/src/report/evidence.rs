@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 use rotor::circular::{Circular, synchronous};
 use rotor::{
-    C64, ClosedLoop, CriticalSpeed, Feedback, Rotor, Spectrum, Threshold, Trace, builtin, critical_speeds, thresholds,
+    C64, ClosedLoop, CriticalSpeed, Feedback, Modes, Rotor, Threshold, Trace, builtin, critical_speeds, thresholds,
     trace,
 };
 
@@ -166,8 +166,8 @@ impl Evidence {
     ///
     /// # Errors
     /// Eigenvalues that do not converge.
-    pub(super) fn modes(rotor: &Rotor, feedback: &Feedback, speed: f64) -> Result<Spectrum, ReportError> {
-        Ok(Spectrum::of(&ClosedLoop::new(rotor, feedback, speed, &[]))?)
+    pub(super) fn modes(rotor: &Rotor, feedback: &Feedback, speed: f64) -> Result<Modes, ReportError> {
+        Ok(Modes::of(&ClosedLoop::new(rotor, feedback, speed, &[]))?)
     }
 }
 

@@ -11,7 +11,7 @@ use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::file::writer::SerializedFileWriter;
 use parquet::schema::types::Type;
 
-use super::Kind;
+use super::ColumnKind;
 
 /// Rows that are gathered before they are written: a few megabytes.
 const GROUP: usize = 1 << 15;
@@ -31,13 +31,13 @@ enum Wholes {
 
 impl Columns {
     /// Begins a file with these columns.
-    pub(super) fn create(file: Draft, doubles: &[String], wholes: &[(&str, Kind)]) -> io::Result<Self> {
-        let kinds = doubles.iter().map(|name| (name.as_str(), Kind::Double)).chain(wholes.iter().copied());
+    pub(super) fn create(file: Draft, doubles: &[String], wholes: &[(&str, ColumnKind)]) -> io::Result<Self> {
+        let kinds = doubles.iter().map(|name| (name.as_str(), ColumnKind::Double)).chain(wholes.iter().copied());
         let field = |(name, kind)| {
             let physical = match kind {
-                Kind::Double => Physical::DOUBLE,
-                Kind::Int => Physical::INT32,
-                Kind::Long => Physical::INT64,
+                ColumnKind::Double => Physical::DOUBLE,
+                ColumnKind::Int => Physical::INT32,
+                ColumnKind::Long => Physical::INT64,
             };
             Type::primitive_type_builder(name, physical)
                 .with_repetition(Repetition::REQUIRED)
@@ -51,8 +51,8 @@ impl Columns {
         let writer =
             SerializedFileWriter::new(file, Arc::new(schema), Arc::new(properties)).map_err(io::Error::other)?;
         let wholes = wholes.iter().map(|(_, kind)| match kind {
-            Kind::Long => Wholes::Long(Vec::new()),
-            Kind::Int | Kind::Double => Wholes::Int(Vec::new()),
+            ColumnKind::Long => Wholes::Long(Vec::new()),
+            ColumnKind::Int | ColumnKind::Double => Wholes::Int(Vec::new()),
         });
         Ok(Self { writer, doubles: vec![Vec::new(); doubles.len()], wholes: wholes.collect(), rows: 0 })
     }

@@ -1,6 +1,6 @@
 //! What happened, as documents: events of the bench, and what the recorder had to say.
 
-use alarms::Turn;
+use alarms::LevelChange;
 use rotor::C64;
 use serde::{Deserialize, Serialize};
 use wire::message::Trip;
@@ -66,9 +66,9 @@ struct AlarmDocument {
     worst: f64,
 }
 
-impl From<&Turn> for AlarmDocument {
-    fn from(turn: &Turn) -> Self {
-        let Turn { watch, before, level, value, limit, worst, .. } = turn;
+impl From<&LevelChange> for AlarmDocument {
+    fn from(turn: &LevelChange) -> Self {
+        let LevelChange { watch, before, level, value, limit, worst, .. } = turn;
         Self {
             watch: watch.name().to_owned(),
             before: before.name().to_owned(),
@@ -82,8 +82,8 @@ impl From<&Turn> for AlarmDocument {
 
 impl AlarmDocument {
     /// `None` if it is of something that this version does not watch.
-    fn read(&self, at: Moment) -> Option<Turn> {
-        Some(Turn {
+    fn read(&self, at: Moment) -> Option<LevelChange> {
+        Some(LevelChange {
             at,
             watch: self.watch.parse().ok()?,
             before: self.before.parse().ok()?,

@@ -11,7 +11,7 @@ use alarms::{Limits, Watch};
 use rotor::file::{read_feedback, read_rotor, write_feedback, write_rotor};
 use rotor::{C64, Mass, Rotor, Scales, Settings};
 use serde::{Deserialize, Serialize};
-use wire::Layout;
+use wire::StepLayout;
 
 use crate::schema::{self, Column};
 use crate::session::{Revision, Session, Source};
@@ -146,7 +146,7 @@ impl SessionDocument {
                 drawing: rotor.beam().map(|_| DrawingDocument { stations: rotor.len(), file: write_rotor(rotor) }),
                 scales: scales.map(|Scales { w0, k_t, m_t, e_t }| ScalesDocument { w0, k_t, m_t, e_t }),
             },
-            columns: schema::columns(Layout::new(rotor.len()).with_bearings(session.bearings))
+            columns: schema::columns(StepLayout::new(rotor.len()).with_bearings(session.bearings))
                 .into_iter()
                 .map(column)
                 .collect(),

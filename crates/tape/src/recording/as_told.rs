@@ -1,6 +1,6 @@
 //! A recording as the bench told it: messages made again of what is on file.
 
-use alarms::Turn;
+use alarms::LevelChange;
 use wire::message::{Analysis, Trip};
 use wire::{BenchStatus, Happening, SettingsDocument, Text};
 
@@ -31,7 +31,7 @@ impl Recording {
 
     /// Every turn of an alarm, trips and the restarts after them among them, in order.
     #[must_use]
-    pub fn turns(&self) -> Vec<Turn> {
+    pub fn turns(&self) -> Vec<LevelChange> {
         let mut held = false;
         let of_bench = self.contents.events.iter().filter_map(|event| match &event.happening {
             Happening::Tripped(trip) => {
@@ -45,7 +45,7 @@ impl Recording {
             What::Alarm(turn) => Some(turn.clone()),
             _ => None,
         });
-        let mut turns: Vec<Turn> = of_bench.chain(of_recorder).collect();
+        let mut turns: Vec<LevelChange> = of_bench.chain(of_recorder).collect();
         turns.sort_by_key(|turn| turn.at.seq);
         turns
     }

@@ -2,10 +2,10 @@
 
 use std::sync::{Arc, Mutex};
 
-use alarms::{Level, Turn, Watch};
+use alarms::{Level, LevelChange, Watch};
 use files::Existing;
 use wire::message::Trip;
-use wire::{Channel, Layout, SettingsDocument, State};
+use wire::{Channel, SettingsDocument, State, StepLayout};
 
 use super::*;
 use crate::batch::Batch;
@@ -88,10 +88,10 @@ impl Bench {
 
     /// One second of steps at 10 a second.
     fn second(&mut self, second: u64) {
-        let mut batch = Batch::new(Layout::new(3));
+        let mut batch = Batch::new(StepLayout::new(3));
         for seq in 10 * second..10 * (second + 1) {
             let wall_ns = 1_000_000_000_000 + seq * 100_000_000;
-            let state = State::new(Layout::new(3)).with_word(Channel::RunId, 1).with_word(Channel::Seq, seq);
+            let state = State::new(StepLayout::new(3)).with_word(Channel::RunId, 1).with_word(Channel::Seq, seq);
             batch.push(&state.with_word(Channel::WallNs, wall_ns));
         }
         self.rotation.take(Item::Steps(batch)).unwrap();
@@ -166,7 +166,7 @@ fn alarm(seq: u64, level: Level) -> Item {
     let before = if level == Level::Fine { Level::Alarm } else { Level::Fine };
     let at = Moment { seq, ..Moment::default() };
     let (watch, cause) = (Watch::Damping, String::new());
-    let turn = Turn { at, watch, before, level, value: seq as f64, limit: 0.0, worst: 0.0, cause };
+    let turn = LevelChange { at, watch, before, level, value: seq as f64, limit: 0.0, worst: 0.0, cause };
     Item::Remark(Remark { at, what: What::Alarm(turn) })
 }
 

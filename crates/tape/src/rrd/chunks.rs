@@ -14,7 +14,7 @@ use super::fence::Unreadable;
 use crate::batch::Batch;
 use crate::schema;
 use crate::snapshot::Snapshot;
-use wire::{Column, Layout, Moment, Substitute};
+use wire::{Column, Moment, StepLayout, Substitute};
 
 /// `tau` on its timeline, where 1 is a second.
 fn nanos(tau: f64) -> i64 {
@@ -110,7 +110,7 @@ pub(super) fn read_steps(chunk: &Chunk, masses: usize) -> Result<Batch, Unreadab
     let rows = list.values().as_any().downcast_ref::<StructArray>().ok_or_else(|| content("steps of another shape"))?;
     let column =
         |name: &str| rows.column_by_name(name).ok_or_else(|| content(&format!("steps without the column '{name}'")));
-    let layout = Layout::new(masses).with_bearings(bearings(rows));
+    let layout = StepLayout::new(masses).with_bearings(bearings(rows));
     let mut batch = Batch::new(layout);
     for (place, wanted) in batch.values.iter_mut().zip(layout.number_columns()) {
         let name = wanted.name();

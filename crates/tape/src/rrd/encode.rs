@@ -95,7 +95,7 @@ mod tests {
     use rerun::StoreKind;
     use rerun::external::arrow::array::Array;
     use rerun::external::re_log_encoding::{Encoder as Reruns, RawRrdManifest};
-    use wire::{Channel, Layout, State};
+    use wire::{Channel, State, StepLayout};
 
     use super::*;
     use crate::batch::Batch;
@@ -105,8 +105,9 @@ mod tests {
     fn messages() -> Vec<LogMsg> {
         let store = StoreId::new(StoreKind::Recording, "whirl", "run");
         let message = |first: u64| {
-            let mut batch = Batch::new(Layout::new(1));
-            (first..first + 10).for_each(|seq| batch.push(&State::new(Layout::new(1)).with_word(Channel::Seq, seq)));
+            let mut batch = Batch::new(StepLayout::new(1));
+            (first..first + 10)
+                .for_each(|seq| batch.push(&State::new(StepLayout::new(1)).with_word(Channel::Seq, seq)));
             LogMsg::ArrowMsg(store.clone(), chunks::steps(&batch).unwrap().to_arrow_msg().unwrap())
         };
         (0..20).map(|number| message(10 * number)).collect()

@@ -10,14 +10,14 @@ use rerun::blueprint::{
     VisualizerComponentMapping,
 };
 use rerun::log::LogMsg;
-use wire::Layout;
+use wire::StepLayout;
 
 use super::scene;
 use crate::schema::{self, Column};
 use crate::session::Source;
 
 /// The messages that carry the layout; none if rerun has been switched off by its environment variable.
-pub(super) fn blueprint(steps: Layout, source: Source) -> Vec<LogMsg> {
+pub(super) fn blueprint(steps: StepLayout, source: Source) -> Vec<LogMsg> {
     // Its own builder of layouts obeys the variable and would then have nothing to send.
     if std::env::var("RERUN").is_ok_and(|value| ["0", "false", "off"].contains(&value.to_lowercase().as_str())) {
         return Vec::new();
@@ -32,7 +32,7 @@ pub(super) fn blueprint(steps: Layout, source: Source) -> Vec<LogMsg> {
     storage.take().into_iter().filter(is_layout).collect()
 }
 
-fn layout(steps: Layout, source: Source) -> Blueprint {
+fn layout(steps: StepLayout, source: Source) -> Blueprint {
     let masses = steps.masses();
     let orbit = |mass: usize| {
         let path = scene::orbit_path(mass);

@@ -11,7 +11,7 @@ use rerun::log::{Chunk, ChunkError, LogMsg, RowId};
 use rerun::{AsComponents, EntityPath, StoreKind, TimePoint};
 use rotor::Rotor;
 use wire::message::Health;
-use wire::{BenchStatus, Happening, Layout, Moment};
+use wire::{BenchStatus, Happening, Moment, StepLayout};
 
 use super::{chunks, scene, view};
 use crate::batch::Batch;
@@ -101,7 +101,7 @@ impl Writer {
         for chunk in self.scene.still() {
             self.put(chunk)?;
         }
-        let steps = Layout::new(self.rotor.len()).with_bearings(head.session.bearings);
+        let steps = StepLayout::new(self.rotor.len()).with_bearings(head.session.bearings);
         for message in view::blueprint(steps, head.session.source) {
             self.append(&message)?;
         }

@@ -4,7 +4,7 @@
 use rotor::{Settings, builtin};
 use tape::{Batch, Recording};
 use wire::message::Flags;
-use wire::{BenchStatus, Channel, Layout, Moment, Point, SettingsDocument, State, Step, Text};
+use wire::{BenchStatus, Channel, Moment, Point, SettingsDocument, State, Step, StepLayout, Text};
 
 pub(crate) const RUN: u64 = 0xfeed_beef_0123_4567;
 
@@ -28,7 +28,7 @@ pub(crate) fn bench_status() -> Box<BenchStatus> {
 }
 
 pub(crate) fn state(seq: u64) -> State {
-    let mut state = State::new(Layout::new(3)).with_flags(Flags::contact((seq % 8) as u32));
+    let mut state = State::new(StepLayout::new(3)).with_flags(Flags::contact((seq % 8) as u32));
     let mut row = state.row_mut();
     row.set_word(Channel::RunId, RUN);
     row.set_word(Channel::Seq, seq);
@@ -49,7 +49,7 @@ pub(crate) fn state(seq: u64) -> State {
 }
 
 pub(crate) fn batch(range: std::ops::Range<u64>) -> Batch {
-    let mut batch = Batch::new(Layout::new(3));
+    let mut batch = Batch::new(StepLayout::new(3));
     range.for_each(|seq| batch.push(&state(seq)));
     batch
 }

@@ -1,7 +1,7 @@
 //! A run of consecutive steps in columns, with the range of every column over groups of them: drawing a million steps
 //! then looks at thousands of ranges.
 
-use wire::{Channel, Layout, PAIRS, Pair, Step};
+use wire::{Channel, PAIRS, Pair, Step, StepLayout};
 
 /// Steps in a block.
 pub(crate) const STEPS: usize = 1024;
@@ -76,7 +76,7 @@ impl StepQuantity {
     }
 
     /// Its place among the columns, of those whose ranges are kept.
-    fn column(self, layout: Layout) -> usize {
+    fn column(self, layout: StepLayout) -> usize {
         match self {
             Self::Of(channel, index) => layout.place(channel, index) - wire::WHOLES,
             Self::Size(pair, index) => layout.numbers() + sizes(layout, pair) + index,
@@ -85,7 +85,7 @@ impl StepQuantity {
 }
 
 /// Sizes that come before those of pair `pair`.
-fn sizes(layout: Layout, pair: usize) -> usize {
+fn sizes(layout: StepLayout, pair: usize) -> usize {
     PAIRS[..pair].iter().map(|pair| layout.count(scope_of(pair))).sum()
 }
 
@@ -94,7 +94,7 @@ fn scope_of(pair: &Pair) -> wire::Scope {
 }
 
 /// Columns whose ranges are kept: the numbers of a step, and the sizes of its pairs.
-fn ranged(layout: Layout) -> usize {
+fn ranged(layout: StepLayout) -> usize {
     layout.numbers() + sizes(layout, PAIRS.len())
 }
 
@@ -108,7 +108,7 @@ fn widen(range: &mut [f64; 2], other: [f64; 2]) {
 /// Up to [`STEPS`] steps.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    layout: Layout,
+    layout: StepLayout,
     /// Columns whose ranges are kept.
     ranged: usize,
     len: usize,
@@ -124,7 +124,7 @@ pub(crate) struct Block {
 
 impl Block {
     /// An empty block for steps of this layout.
-    pub(crate) fn new(layout: Layout) -> Self {
+    pub(crate) fn new(layout: StepLayout) -> Self {
         let ranged = ranged(layout);
         Self {
             layout,
@@ -139,7 +139,7 @@ impl Block {
     }
 
     /// Bytes of a block for steps of this layout.
-    pub(crate) fn bytes(layout: Layout) -> usize {
+    pub(crate) fn bytes(layout: StepLayout) -> usize {
         size_of::<Self>() + STEPS * (8 * layout.numbers() + 8 + 4) + 16 * (STEPS / GROUP + 1) * ranged(layout)
     }
 

@@ -55,9 +55,9 @@ impl Era {
     #[must_use]
     pub fn at_speed(&self, speed: f64) -> Option<Self> {
         let settings = Settings { speed, ..self.settings.clone() };
-        let spectrum = MachinePoles::of(self.rotor.as_ref()?, &settings).ok()?.spectrum();
-        let min_damping = spectrum.min_damping();
-        let poles = spectrum.modes.into_iter().map(|mode| mode.pole).collect();
+        let linear = MachinePoles::of(self.rotor.as_ref()?, &settings).ok()?.into_modes();
+        let min_damping = linear.min_damping();
+        let poles = linear.modes.into_iter().map(|mode| mode.pole).collect();
         Some(Self { speed, min_damping, poles, ..self.clone() })
     }
 

@@ -15,7 +15,7 @@ use std::sync::Arc;
 
 use rotor::{ControlMasses, MAX_BEARINGS};
 use wire::message::Flags;
-use wire::{BenchStatus, Layout, Step};
+use wire::{BenchStatus, Step, StepLayout};
 
 pub use block::StepQuantity;
 use block::{Block, STEPS};
@@ -33,7 +33,7 @@ const NOTES_KEPT: usize = 4096;
 pub struct History {
     /// Bytes that steps may take.
     bound: usize,
-    layout: Layout,
+    layout: StepLayout,
     /// Full blocks.
     blocks: VecDeque<Arc<Block>>,
     /// The block that is being filled, once there is a step.
@@ -62,7 +62,7 @@ impl History {
     pub fn new(bound: usize) -> Self {
         Self {
             bound,
-            layout: Layout::default(),
+            layout: StepLayout::default(),
             blocks: VecDeque::new(),
             open: None,
             first: 0,
@@ -88,7 +88,7 @@ impl History {
 
     /// How many steps of a rotor of `masses` masses there is room for.
     pub fn capacity_for(&self, masses: usize) -> u64 {
-        ((self.bound / Block::bytes(Layout::new(masses))).saturating_sub(1).max(8) * STEPS) as u64
+        ((self.bound / Block::bytes(StepLayout::new(masses))).saturating_sub(1).max(8) * STEPS) as u64
     }
 
     /// Takes in one step. A rotor of another number of masses starts the history anew; a gap in the numbers is a loss.

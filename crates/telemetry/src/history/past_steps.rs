@@ -97,13 +97,13 @@ fn first_of(count: usize, is: impl Fn(usize) -> bool) -> usize {
 #[cfg(test)]
 mod tests {
     use wire::message::Flags;
-    use wire::{Layout, Step};
+    use wire::{Step, StepLayout};
 
     use super::*;
     use crate::history::{BOUND, History};
 
     fn state(run_id: u64, seq: u64, revision: u64) -> State {
-        let state = State::new(Layout::new(2).with_bearings(2))
+        let state = State::new(StepLayout::new(2).with_bearings(2))
             .with_word(Channel::RunId, run_id)
             .with_word(Channel::Seq, seq)
             .with_word(Channel::WallNs, 1_000 * seq)

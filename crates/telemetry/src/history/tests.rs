@@ -22,13 +22,13 @@ fn filled(steps: u64) -> History {
 fn ten_minutes_at_1000_steps_a_second_of_three_masses_fit_under_150_mb_with_all_their_numbers() {
     let history = filled(1);
     assert!(history.room() >= 600_000, "{}", history.room());
-    let a_step = Block::bytes(Layout::new(3)) as f64 / STEPS as f64;
+    let a_step = Block::bytes(StepLayout::new(3)) as f64 / STEPS as f64;
     assert!(a_step < 250.0 && BOUND < 150_000_000, "{a_step}");
 }
 
 #[test]
 fn history_is_bounded_and_keeps_the_latest() {
-    let mut history = History::new(20 * Block::bytes(Layout::new(3)));
+    let mut history = History::new(20 * Block::bytes(StepLayout::new(3)));
     let steps = 100_000;
     (0..steps).for_each(|seq| history.push(&state(3, seq)));
     let places = history.kept();

@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use wire::Layout;
+use wire::StepLayout;
 use wire::message::Flags;
 
 use super::block::{Block, STEPS, StepQuantity};
@@ -11,7 +11,7 @@ use super::block::{Block, STEPS, StepQuantity};
 /// Consecutive steps, shared with the history; the first has the index 0.
 #[derive(Clone, Debug, Default)]
 pub struct Track {
-    layout: Layout,
+    layout: StepLayout,
     blocks: Vec<Arc<Block>>,
     first: u64,
     /// Index within the first block of the first step.
@@ -21,7 +21,7 @@ pub struct Track {
 
 impl Track {
     /// `len` steps from the one that is `skipped` steps into the first block; its place in the history is `first`.
-    pub(crate) fn new(layout: Layout, blocks: Vec<Arc<Block>>, first: u64, skipped: usize, len: usize) -> Self {
+    pub(crate) fn new(layout: StepLayout, blocks: Vec<Arc<Block>>, first: u64, skipped: usize, len: usize) -> Self {
         Self { layout, blocks, first, skipped, len }
     }
 
@@ -41,7 +41,7 @@ impl Track {
     }
 
     /// What is told of a step.
-    pub fn layout(&self) -> Layout {
+    pub fn layout(&self) -> StepLayout {
         self.layout
     }
 

@@ -49,7 +49,7 @@ impl RunUpRequest {
 
 /// One turn of the spin.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Turn {
+pub struct TrackedTurn {
     /// Place in the history of the step that ends it.
     pub place: u64,
     /// Its mean speed, in units of `w0`.
@@ -64,7 +64,7 @@ pub struct SpeedLeg {
     /// Whether the speed rises.
     pub is_upward: bool,
     /// The turns, in order of time.
-    pub turns: Vec<Turn>,
+    pub turns: Vec<TrackedTurn>,
 }
 
 /// What the steps since the last start from rest show.
@@ -116,7 +116,7 @@ impl SpeedLegs {
                 if book.readings.is_multiple_of(PER_TURN)
                     && let Some(turn) = tracker.turn()
                 {
-                    book.push(Turn { place, speed: turn.speed, first_order: turn.first_order[0] });
+                    book.push(TrackedTurn { place, speed: turn.speed, first_order: turn.first_order[0] });
                 }
             });
             before = Some(at);
@@ -130,19 +130,19 @@ impl SpeedLegs {
     }
 
     /// All turns.
-    pub fn turns(&self) -> impl Iterator<Item = &Turn> {
+    pub fn turns(&self) -> impl Iterator<Item = &TrackedTurn> {
         self.legs.iter().flat_map(|leg| &leg.turns)
     }
 
     /// The turn that was under way at a place in the history: the nearest.
     #[must_use]
-    pub fn at(&self, place: u64) -> Option<&Turn> {
+    pub fn at(&self, place: u64) -> Option<&TrackedTurn> {
         self.turns().min_by_key(|turn| turn.place.abs_diff(place))
     }
 
     /// The turn with the largest first order.
     #[must_use]
-    pub fn highest(&self) -> Option<&Turn> {
+    pub fn highest(&self) -> Option<&TrackedTurn> {
         self.turns().max_by(|a, b| a.first_order.norm_sqr().total_cmp(&b.first_order.norm_sqr()))
     }
 }
@@ -151,14 +151,14 @@ impl SpeedLegs {
 #[derive(Debug, Default)]
 struct Book {
     legs: Vec<SpeedLeg>,
-    last: Option<Turn>,
+    last: Option<TrackedTurn>,
     readings: usize,
     /// The next turn does not go on where the last one was.
     breaks: bool,
 }
 
 impl Book {
-    fn push(&mut self, turn: Turn) {
+    fn push(&mut self, turn: TrackedTurn) {
         if std::mem::take(&mut self.breaks) {
             self.last = None;
             self.legs.push(SpeedLeg { is_upward: true, turns: Vec::new() });

@@ -2,7 +2,7 @@
 //!
 //! Everything else that was done to the machine is done to this one too: impulses, restarts and changes of other settings
 //! come at the steps at which they came. With nothing changed it reproduces what happened to the last bit, as far as the
-//! recording tells on which line of time the run was ([`super::machine::Line`]).
+//! recording tells on which line of time the run was ([`super::machine::ClockOrigin`]).
 //!
 //! It may run on for as long as the recording does. What it remembers is bounded: where it was lately, step by step
 //! ([`Rows`]), and how it was now and then, so that what is forgotten can be run anew when somebody goes back to it. A long

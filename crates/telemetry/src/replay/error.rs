@@ -3,7 +3,7 @@
 use machine::ProgramError;
 use rotor::{RotorError, SettingsError};
 
-use crate::processes::ExternalError;
+use crate::processes::OpaqueError;
 use crate::units::Units;
 
 /// Why a player does not do what it is asked for.
@@ -14,7 +14,7 @@ pub enum ReplayError {
     Empty,
     /// Whoever has the recording cannot read it.
     #[error(transparent)]
-    Source(#[from] ExternalError),
+    Source(#[from] OpaqueError),
     /// There is no event that way.
     #[error("no event {} this", if *after { "after" } else { "before" })]
     NoEvent {

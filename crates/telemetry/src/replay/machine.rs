@@ -25,7 +25,7 @@ pub(super) enum RecordedChange {
     Excitation(Option<Multisine>),
 }
 
-pub(super) use machine::Line;
+pub(super) use machine::ClockOrigin;
 
 /// The moment from which a branch runs on.
 #[derive(Clone, Debug)]
@@ -40,7 +40,7 @@ pub(super) struct BranchPoint {
     pub(super) settings: Settings,
     /// In how many substeps.
     pub(super) substeps: u32,
-    pub(super) line: Line,
+    pub(super) line: ClockOrigin,
     /// The machine after this step with all that it held, where a snapshot of it led there.
     pub(super) restored: Option<machine::Machine>,
 }

@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use alarms::{Limits, Turn};
+use alarms::{LevelChange, Limits};
 use machine::{Excitation, Machine, Multisine, Pace, Program, Words};
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Rotor, Settings, builtin};
 use wire::message::Flags;
-use wire::{BenchStatus, Channel, Happening, Layout, Moment, Point, SettingsDocument, State, Step};
+use wire::{BenchStatus, Channel, Happening, Moment, Point, SettingsDocument, State, Step, StepLayout};
 
-use crate::processes::ExternalError;
+use crate::processes::OpaqueError;
 
 use super::{Player, RecordedEvent, RecordedKind, RecordingSource};
 use crate::edits::Edit;
@@ -45,7 +45,7 @@ struct Recorded {
 fn state(machine: &Machine, seq: u64, revision: usize) -> State {
     let sample = machine.sample();
     let pair = |z: C64| [z.re, z.im];
-    let mut state = State::new(Layout::new(sample.displacement.len()));
+    let mut state = State::new(StepLayout::new(sample.displacement.len()));
     let mut row = state.row_mut();
     row.set_word(Channel::Seq, seq);
     row.set_word(Channel::WallNs, seq * 1_000_000);
@@ -141,7 +141,7 @@ impl RecordingSource for Recorded {
         Some([self.states.first()?.into(), self.states.last()?.into()])
     }
 
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OpaqueError> {
         self.states.iter().filter(|state| range.contains(&state.seq())).for_each(each);
         Ok(())
     }
@@ -165,7 +165,7 @@ impl RecordingSource for Recorded {
         self.events.clone()
     }
 
-    fn turns(&self) -> Vec<Turn> {
+    fn turns(&self) -> Vec<LevelChange> {
         Vec::new()
     }
 
@@ -181,11 +181,11 @@ impl RecordingSource for Recorded {
         Vec::new()
     }
 
-    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, ExternalError> {
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, OpaqueError> {
         Ok(self.snapshots.iter().rfind(|(next, _)| *next <= seq).cloned())
     }
 
-    fn at_tau(&mut self, _: f64) -> Result<u64, ExternalError> {
+    fn at_tau(&mut self, _: f64) -> Result<u64, OpaqueError> {
         Ok(0)
     }
 }

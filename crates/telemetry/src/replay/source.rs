@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use alarms::{Limits, Turn};
+use alarms::{LevelChange, Limits};
 use wire::{BenchStatus, Happening, Moment, State};
 
-use crate::processes::ExternalError;
+use crate::processes::OpaqueError;
 use crate::units::Units;
 
 /// Something that happened.
@@ -37,7 +37,7 @@ pub enum RecordedKind {
     /// On the bench, as [`wire::Event`] tells it.
     Happening(Happening),
     /// Something went past its limit, or came back.
-    Alarm(Turn),
+    Alarm(LevelChange),
     /// In the words of whoever recorded.
     Remark(String),
 }
@@ -71,7 +71,7 @@ pub trait RecordingSource {
     ///
     /// # Errors
     /// It cannot be read.
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError>;
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OpaqueError>;
 
     /// The bench status as it stood at step `seq`: rotor, settings, poles, trip, rate.
     fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus>;
@@ -83,7 +83,7 @@ pub trait RecordingSource {
     fn events(&self) -> Vec<RecordedEvent>;
 
     /// Every turn of an alarm, trips among them, ascending in step.
-    fn turns(&self) -> Vec<Turn>;
+    fn turns(&self) -> Vec<LevelChange>;
 
     /// What alarms were held against; `None` if nobody judged.
     fn limits(&self) -> Option<Limits>;
@@ -99,7 +99,7 @@ pub trait RecordingSource {
     ///
     /// # Errors
     /// It cannot be read.
-    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, ExternalError> {
+    fn snapshot_before(&mut self, _seq: u64) -> Result<Option<(u64, Vec<u64>)>, OpaqueError> {
         Ok(None)
     }
 
@@ -112,5 +112,5 @@ pub trait RecordingSource {
     ///
     /// # Errors
     /// It cannot be read.
-    fn at_tau(&mut self, tau: f64) -> Result<u64, ExternalError>;
+    fn at_tau(&mut self, tau: f64) -> Result<u64, OpaqueError>;
 }

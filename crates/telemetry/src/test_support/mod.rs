@@ -7,9 +7,9 @@ mod recorded;
 use std::sync::Arc;
 use std::time::Instant;
 
-use rotor::{Scales, Settings, Spectrum, builtin};
+use rotor::{Modes, Scales, Settings, builtin};
 use wire::message::Analysis;
-use wire::{BenchStatus, Channel, Event, Happening, Layout, Point, SettingsDocument, State, Text};
+use wire::{BenchStatus, Channel, Event, Happening, Point, SettingsDocument, State, StepLayout, Text};
 
 pub use recorded::{Long, Session, Stage, session, whole};
 
@@ -27,15 +27,15 @@ pub fn bench_status(rotor_name: &str, feedback: &str) -> Box<BenchStatus> {
     let rotor = builtin::rotor(rotor_name).unwrap();
     let mut settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, feedback).unwrap());
     settings.deadband.fill(1.0);
-    let spectrum = Spectrum::of(&settings.closed_loop(&rotor)).unwrap();
+    let linear = Modes::of(&settings.closed_loop(&rotor)).unwrap();
     let mut analysis = Analysis {
         revision: 1,
-        count: spectrum.modes.len() as u32,
+        count: linear.modes.len() as u32,
         speed: settings.speed,
-        min_damping: spectrum.min_damping(),
+        min_damping: linear.min_damping(),
         ..Analysis::default()
     };
-    for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
+    for (place, mode) in analysis.poles.iter_mut().zip(&linear.modes) {
         *place = [mode.pole.re, mode.pole.im];
     }
     let mut bench_status = Box::new(BenchStatus::from(wire::message::BenchStatusMessage {
@@ -59,7 +59,7 @@ pub fn bench_status(rotor_name: &str, feedback: &str) -> Box<BenchStatus> {
 pub fn state(masses: usize, seq: u64) -> State {
     let tau = seq as f64 * 0.01;
     let (sin, cos) = (1.25 * tau).sin_cos();
-    let mut state = State::new(Layout::new(masses));
+    let mut state = State::new(StepLayout::new(masses));
     let mut row = state.row_mut();
     row.set_word(Channel::RunId, 7);
     row.set_word(Channel::Seq, seq);
@@ -103,7 +103,7 @@ pub fn frame_data_of_two_bearings() -> FrameData {
     let mut feed = Feed::new("");
     feed.push_bench_status(status);
     for seq in 0..100 {
-        let mut state = State::new(Layout::new(2).with_bearings(2));
+        let mut state = State::new(StepLayout::new(2).with_bearings(2));
         let mut row = state.row_mut();
         row.set_word(Channel::RunId, 7);
         row.set_word(Channel::Seq, seq);

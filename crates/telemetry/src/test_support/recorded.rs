@@ -5,8 +5,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use alarms::{Alarms, Limit, Limits, Sampler, Turn, Watch};
-use rotor::{C64, Settings, Spectrum, builtin};
+use alarms::{Alarms, LevelChange, Limit, Limits, Sampler, Watch};
+use rotor::{C64, Modes, Settings, builtin};
 use wire::message::{Analysis, Trip};
 use wire::{
     BenchName, BenchStatus, Carrier, Change, Channel, Commander, Event, Glance, Happening, Listener, Memory, Moment,
@@ -15,7 +15,7 @@ use wire::{
 
 use crate::edits::Edit;
 use crate::feed::Feed;
-use crate::processes::ExternalError;
+use crate::processes::OpaqueError;
 use crate::replay::{Player, RecordedEvent, RecordedKind, RecordingSource, ReplayError};
 use crate::view_time::ViewTime;
 
@@ -50,7 +50,7 @@ impl RecordingSource for Session {
         Some([Self::moment(self.states.first()?), Self::moment(self.states.last()?)])
     }
 
-    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OpaqueError> {
         let from = self.states.partition_point(|state| state.seq() < range.start);
         self.states[from..].iter().take_while(|state| state.seq() < range.end).for_each(each);
         Ok(())
@@ -63,9 +63,9 @@ impl RecordingSource for Session {
         bench_status.substeps = event.substeps;
         bench_status.revision = event.revision;
         let rotor = bench_status.rotor().unwrap();
-        let spectrum = Spectrum::of(&event.settings.get().clone().closed_loop(&rotor)).unwrap();
-        bench_status.analysis = Analysis { count: 6, min_damping: spectrum.min_damping(), ..Analysis::default() };
-        for (place, mode) in bench_status.analysis.poles.iter_mut().zip(&spectrum.modes) {
+        let linear = Modes::of(&event.settings.get().clone().closed_loop(&rotor)).unwrap();
+        bench_status.analysis = Analysis { count: 6, min_damping: linear.min_damping(), ..Analysis::default() };
+        for (place, mode) in bench_status.analysis.poles.iter_mut().zip(&linear.modes) {
             *place = [mode.pole.re, mode.pole.im];
         }
         let mut trips = self.events.iter().rev().filter(|event| matches!(event.kind, 5 | 6));
@@ -78,7 +78,7 @@ impl RecordingSource for Session {
     }
 
     fn events(&self) -> Vec<RecordedEvent> {
-        let alarm = |turn: Turn| RecordedEvent {
+        let alarm = |turn: LevelChange| RecordedEvent {
             at: turn.at,
             what: RecordedKind::Alarm(turn),
             who: "recorder".into(),
@@ -96,7 +96,7 @@ impl RecordingSource for Session {
     }
 
     /// As a recorder judges, only more often.
-    fn turns(&self) -> Vec<Turn> {
+    fn turns(&self) -> Vec<LevelChange> {
         let (mut sampler, mut alarms) = (Sampler::default(), Alarms::new(limits()));
         let mut turns = Vec::new();
         for stretch in self.states.chunks(50) {
@@ -120,9 +120,9 @@ impl RecordingSource for Session {
         if missing > 0 { vec![format!("{missing} steps are missing")] } else { Vec::new() }
     }
 
-    fn at_tau(&mut self, tau: f64) -> Result<u64, ExternalError> {
+    fn at_tau(&mut self, tau: f64) -> Result<u64, OpaqueError> {
         let found = self.states.iter().rev().find(|state| state.tau() <= tau);
-        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| ExternalError::new("empty"))
+        found.or(self.states.first()).map(|state| state.seq()).ok_or_else(|| OpaqueError::new("empty"))
     }
 }
 
@@ -245,7 +245,7 @@ impl RecordingSource for Long {
         Some([0, 1_999_999].map(|seq| Moment { seq, ..Moment::default() }))
     }
 
-    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
+    fn visit(&mut self, range: std::ops::Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OpaqueError> {
         let first = self.0.states[0];
         let made = |seq: u64| first.with_word(Channel::Seq, seq).with(Channel::Tau, 0, (seq + 1) as f64 * 0.01);
         (range.start..range.end.min(2_000_000)).for_each(|seq| each(&made(seq)));
@@ -264,7 +264,7 @@ impl RecordingSource for Long {
         Vec::new()
     }
 
-    fn turns(&self) -> Vec<Turn> {
+    fn turns(&self) -> Vec<LevelChange> {
         Vec::new()
     }
 
@@ -280,7 +280,7 @@ impl RecordingSource for Long {
         Vec::new()
     }
 
-    fn at_tau(&mut self, _: f64) -> Result<u64, ExternalError> {
+    fn at_tau(&mut self, _: f64) -> Result<u64, OpaqueError> {
         Ok(0)
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use study::assess::{
-    AID, Asked, AssessError, Assessment, Grade, Limits, Line, Quantity, Question, Where, Words, assess,
+    AID, Asked, AssessError, Assessment, AssessmentCase, Grade, Limits, Line, Quantity, Where, Words, assess,
 };
 
 use crate::catalog::{self, FileError, Machine};
@@ -162,7 +162,7 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
             "--grade: expected a rotor in SI units, because a grade is eccentricity times speed in mm/s".into(),
         ));
     }
-    let question = Question {
+    let question = AssessmentCase {
         rotor,
         settings: &machine.settings,
         over: [range.from, range.to],
@@ -325,7 +325,7 @@ impl Told<'_> {
     }
 
     /// What was assessed, and how.
-    fn about(&self, question: &Question<'_>, args: &AssessArgs) -> Vec<String> {
+    fn about(&self, question: &AssessmentCase<'_>, args: &AssessArgs) -> Vec<String> {
         let [from, to] = question.operating.map(|speed| self.units.speed_text_rounded(speed));
         let mut about = vec![
             format!(
@@ -342,7 +342,7 @@ impl Told<'_> {
         about
     }
 
-    fn document<'a>(&'a self, question: &Question<'_>, found: &'a Assessment) -> Document<'a> {
+    fn document<'a>(&'a self, question: &AssessmentCase<'_>, found: &'a Assessment) -> Document<'a> {
         let lines = found.lines.iter().map(|line| LineDocument {
             what: &line.what,
             found: line.found.map(|value| self.value(line.quantity, value).0),

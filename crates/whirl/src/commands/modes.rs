@@ -5,7 +5,7 @@ mod shapes;
 use std::path::PathBuf;
 
 use machine::MachinePoles;
-use rotor::{C64, Mode, Spectrum};
+use rotor::{C64, Mode, Modes};
 use serde::Serialize;
 
 use super::linear::{self, Part, PoleDocument};
@@ -108,15 +108,15 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     if let Some(path) = &args.out {
         picture::check(path, args.force)?;
     }
-    let spectrum = MachinePoles::of(rotor, settings)?.spectrum();
-    let charts = || shapes::charts(rotor, &spectrum.modes, units);
+    let linear = MachinePoles::of(rotor, settings)?.into_modes();
+    let charts = || shapes::charts(rotor, &linear.modes, units);
     if let Some(path) = &args.out {
         picture::draw(path, args.force, &charts())?;
     }
     let document = Document {
         rotor: rotor.name(),
         speed: settings.speed,
-        modes: spectrum
+        modes: linear
             .modes
             .iter()
             .map(|mode| {
@@ -144,17 +144,17 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
     }
     let footer =
         "orbit: p = shape exp(lambda tau); negative phase lags in the sense of the spin; points with --json or --csv";
-    let table = if args.format.csv { orbit_table(&spectrum, points, units) } else { shape_table(&spectrum, units) };
+    let table = if args.format.csv { orbit_table(&linear, points, units) } else { shape_table(&linear, units) };
     args.format.print(&document, &heading, &table, footer)
 }
 
 /// For people: one row a mode and mass.
-fn shape_table(spectrum: &Spectrum, units: Units) -> Table {
+fn shape_table(linear: &Modes, units: Units) -> Table {
     let mut table = Table::new(units.pick(
         &["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"],
         &["mode", "re (1/s)", "im (rad/s)", "whirl", "period (s)", "mass", "radius", "phase"],
     ));
-    for (k, mode) in spectrum.modes.iter().enumerate() {
+    for (k, mode) in linear.modes.iter().enumerate() {
         for (i, p) in mode.shape.iter().enumerate() {
             // What is rounding reads as the zero that it stands for.
             let tidy = |x: f64| if x.abs() < 1e-12 { 0.0 } else { x };
@@ -175,10 +175,10 @@ fn shape_table(spectrum: &Spectrum, units: Units) -> Table {
 }
 
 /// For spreadsheets: one row an orbit point.
-fn orbit_table(spectrum: &Spectrum, points: u16, units: Units) -> Table {
+fn orbit_table(linear: &Modes, points: u16, units: Units) -> Table {
     let time = units.pick("tau", "t (s)");
     let mut table = Table::new(&["mode", "mass", time, "y", "z"]);
-    for (k, mode) in spectrum.modes.iter().enumerate() {
+    for (k, mode) in linear.modes.iter().enumerate() {
         for (i, orbit) in orbits(mode, points).into_iter().flatten().enumerate() {
             for p in orbit {
                 table.row([

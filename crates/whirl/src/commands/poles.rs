@@ -74,10 +74,10 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let (rotor, units) = (&machine.rotor, machine.units());
     let poles = MachinePoles::of(rotor, &machine.settings)?;
     let (z, right_of) = (poles.z.clone(), poles.right_of);
-    let spectrum = poles.spectrum();
+    let linear = poles.into_modes();
     let modes = args.below.modes(rotor, &machine.settings, machine.settings.speed)?;
-    let min_damping = modes.min_damping(spectrum.modes.iter().map(|mode| mode.pole));
-    if spectrum.modes.is_empty() {
+    let min_damping = modes.min_damping(linear.modes.iter().map(|mode| mode.pole));
+    if linear.modes.is_empty() {
         let line = rounded(units.rate(right_of.unwrap_or(f64::NEG_INFINITY)));
         return Err(Failure::Work(format!("no pole has a real part greater than {line}: every motion dies at once")));
     }
@@ -86,7 +86,7 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         &["re", "im", "damping", "log dec", "frequency", "whirl", "stands"],
         &["re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl", "stands"],
     ));
-    for mode in &spectrum.modes {
+    for mode in &linear.modes {
         let pole = [mode.pole.re, mode.pole.im].map(|part| units.rate(part));
         let numbers = [pole[0], pole[1], mode.damping(), mode.log_decrement(), units.frequency(mode.frequency())];
         table
@@ -96,11 +96,11 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
     let document = Document {
         rotor: rotor.name(),
         speed,
-        stability: spectrum.stability().into(),
+        stability: linear.stability().into(),
         min_damping,
         below: modes.below(),
         count_right_of: right_of,
-        modes: (spectrum.modes.iter().enumerate())
+        modes: (linear.modes.iter().enumerate())
             .map(|(k, mode)| ModeDocument::of(mode, z.as_ref().map(|z| z[k])))
             .collect(),
         units: units.document(),
@@ -112,7 +112,7 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
         &table,
         &format!(
             "{}, minimum damping {}{}{}",
-            word(spectrum.stability()),
+            word(linear.stability()),
             rounded(min_damping),
             counted(&modes, units).map_or(String::new(), |told| format!("\n{told}")),
             remark(&machine, right_of)

@@ -3,9 +3,9 @@
 use std::ops::{ControlFlow, Range};
 use std::path::PathBuf;
 
-use alarms::{Limits, Turn};
+use alarms::{LevelChange, Limits};
 use tape::{Gap, Recording, What};
-use telemetry::processes::ExternalError;
+use telemetry::processes::OpaqueError;
 use telemetry::replay::{RecordedEvent, RecordedKind, RecordingSource};
 use wire::{BenchStatus, Moment, State};
 
@@ -80,12 +80,12 @@ impl RecordingSource for Tape {
         self.recording.span().map(|span| [span.first, span.last])
     }
 
-    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), ExternalError> {
+    fn visit(&mut self, range: Range<u64>, each: &mut dyn FnMut(&State)) -> Result<(), OpaqueError> {
         let visited = self.recording.visit(range, 1, |state| {
             each(state);
             ControlFlow::Continue(())
         });
-        visited.map_err(ExternalError::new)
+        visited.map_err(OpaqueError::new)
     }
 
     fn bench_status_at(&mut self, seq: u64) -> Box<BenchStatus> {
@@ -100,7 +100,7 @@ impl RecordingSource for Tape {
         self.events.clone()
     }
 
-    fn turns(&self) -> Vec<Turn> {
+    fn turns(&self) -> Vec<LevelChange> {
         self.recording.turns()
     }
 
@@ -116,8 +116,8 @@ impl RecordingSource for Tape {
         self.recording.notices()
     }
 
-    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, ExternalError> {
-        let snapshot = self.recording.snapshot_before(seq).map_err(ExternalError::new)?;
+    fn snapshot_before(&mut self, seq: u64) -> Result<Option<(u64, Vec<u64>)>, OpaqueError> {
+        let snapshot = self.recording.snapshot_before(seq).map_err(OpaqueError::new)?;
         Ok(snapshot.map(|snapshot| (snapshot.next, snapshot.words)))
     }
 
@@ -125,7 +125,7 @@ impl RecordingSource for Tape {
         self.recording.paces()
     }
 
-    fn at_tau(&mut self, tau: f64) -> Result<u64, ExternalError> {
-        self.recording.seq_at_tau(tau).map_err(ExternalError::new)
+    fn at_tau(&mut self, tau: f64) -> Result<u64, OpaqueError> {
+        self.recording.seq_at_tau(tau).map_err(OpaqueError::new)
     }
 }

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::time::Duration;
 
-use telemetry::processes::{ExternalError, SimulationProcess};
+use telemetry::processes::{OpaqueError, SimulationProcess};
 
 use crate::attach;
 use crate::child_process::ChildProcess;
@@ -75,9 +75,9 @@ impl SimulationProcess for Simulation {
         self.0.has_ended().then(|| self.0.words())
     }
 
-    fn restart(&mut self) -> Result<(), ExternalError> {
-        self.0 = self.0.start_again().map_err(ExternalError::new)?;
-        self.0.tell().map_err(ExternalError::new)
+    fn restart(&mut self) -> Result<(), OpaqueError> {
+        self.0 = self.0.start_again().map_err(OpaqueError::new)?;
+        self.0.tell().map_err(OpaqueError::new)
     }
 }
 

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 use wire::protocol::{ICEORYX2, Payload, SCHEMA_ATTRIBUTE, SERVICES, Service};
-use wire::{BenchName, BenchStatus, CHANNELS, Flags, Layout, Root, SCHEMA, Scope, WireError, channels_of, header};
+use wire::{BenchName, BenchStatus, CHANNELS, Flags, Root, SCHEMA, Scope, StepLayout, WireError, channels_of, header};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -154,7 +154,7 @@ struct FieldEntry {
 impl Bench {
     fn new(name: &BenchName, told: Option<&BenchStatus>) -> Self {
         let layout = told.map(|status| {
-            Layout::new(status.masses as usize).with_bearings(status.settings.get().feedback.bearings.len())
+            StepLayout::new(status.masses as usize).with_bearings(status.settings.get().feedback.bearings.len())
         });
         let columns = layout.map(|layout| {
             let column = |(place, column): (usize, wire::Column)| Column {
@@ -170,9 +170,9 @@ impl Bench {
             name: name.to_string(),
             running: told.is_some(),
             rotor: told.map(|status| status.rotor_name.as_str().to_owned()),
-            masses: layout.map(Layout::masses),
-            bearings: layout.map(Layout::bearings),
-            width: layout.map(Layout::width),
+            masses: layout.map(StepLayout::masses),
+            bearings: layout.map(StepLayout::bearings),
+            width: layout.map(StepLayout::width),
             columns,
             scales: told.filter(|status| status.scales().is_some()).map(|status| status.scales),
         }

@@ -6,7 +6,7 @@ mod run_on;
 use std::ops::Range;
 use std::time::Instant;
 
-use alarms::{Alarms, Limits, Turn};
+use alarms::{Alarms, LevelChange, Limits};
 use wire::Happening;
 
 use crate::feed::Feed;
@@ -47,7 +47,7 @@ pub struct Player {
     pub(super) events: Vec<RecordedEvent>,
     pub(super) missing: Vec<Range<u64>>,
     /// What alarms did, and how they stood where we stand: after so many of these turns.
-    turns: Vec<Turn>,
+    turns: Vec<LevelChange>,
     limits: Limits,
     pub(super) judged: bool,
     alarms: (usize, Alarms),

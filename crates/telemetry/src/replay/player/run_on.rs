@@ -8,7 +8,7 @@ use crate::edits::Edit;
 use crate::feed::Feed;
 use crate::replay::ReplayError;
 use crate::replay::branch::Branch;
-use crate::replay::machine::{BranchPoint, Line, RecordedChange};
+use crate::replay::machine::{BranchPoint, ClockOrigin, RecordedChange};
 use crate::units::Units;
 use crate::view_time::ViewTime;
 
@@ -127,7 +127,7 @@ impl Player {
 
     /// The line of time that the run was on at `state`: since the last restart or change of speed or of substeps, if that is
     /// on file. A line that begins at the first step on file differs from the true one by rounding only.
-    fn line(&mut self, state: &State, settings: &Settings, substeps: u32) -> Result<Line, ReplayError> {
+    fn line(&mut self, state: &State, settings: &Settings, substeps: u32) -> Result<ClockOrigin, ReplayError> {
         let restart = self
             .events
             .iter()
@@ -143,20 +143,23 @@ impl Player {
         });
         let made = |steps: u64| steps * u64::from(substeps);
         let line = match turned {
-            None => Some(Line { tau: 0.0, angle: 0.0, steps: made(state.seq() + 1 - rest) }),
-            Some(from) => self.state(from - 1)?.map(|before| Line {
+            None => Some(ClockOrigin { tau: 0.0, angle: 0.0, steps: made(state.seq() + 1 - rest) }),
+            Some(from) => self.state(from - 1)?.map(|before| ClockOrigin {
                 tau: before.tau(),
                 angle: before.angle(),
                 steps: made(state.seq() + 1 - from),
             }),
         };
-        let here = Line { tau: state.tau(), angle: state.angle(), steps: 0 };
+        let here = ClockOrigin { tau: state.tau(), angle: state.angle(), steps: 0 };
         let first = self.state(self.ends[0])?;
-        let begun =
-            first.map(|first| Line { tau: first.tau(), angle: first.angle(), steps: made(state.seq() - first.seq()) });
+        let begun = first.map(|first| ClockOrigin {
+            tau: first.tau(),
+            angle: first.angle(),
+            steps: made(state.seq() - first.seq()),
+        });
         let dtau = self.past.bench_status_at(state.seq()).dtau / f64::from(substeps);
         // Whichever arrives at the time and the angle that were recorded.
-        let arrives = |line: &Line| {
+        let arrives = |line: &ClockOrigin| {
             let passed = line.steps as f64 * dtau;
             line.tau + passed == state.tau() && line.angle + settings.speed * passed == state.angle()
         };

@@ -256,13 +256,13 @@ impl Printer for Happenings {
 
 #[cfg(test)]
 mod tests {
-    use wire::{CHANNELS, Layout, State};
+    use wire::{CHANNELS, State, StepLayout};
 
     use super::*;
 
     #[test]
     fn a_line_tells_every_channel_of_the_table() {
-        let layout = Layout::new(2);
+        let layout = StepLayout::new(2);
         let mut state = State::new(layout);
         for (at, column) in layout.number_columns().enumerate() {
             state = state.with(column.channel, column.index, 0.5 + at as f64);

@@ -4,8 +4,8 @@ use control::{PARTS, Parts};
 use rotor::typed::pair;
 use rotor::{Feedback, Rotor};
 use tuner::{
-    Corner, Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, Problem, ProblemError, Question, Schedule,
-    Structure,
+    Corner, Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, PlacementProblem, Problem, ProblemError,
+    Schedule, Structure,
 };
 
 use super::typed::{Gains, MeasureName, Robust, Signal, Span, axis};
@@ -144,8 +144,8 @@ impl Asked {
     }
 
     /// What is the same for every choice.
-    pub(super) fn question(&self) -> Question<'_> {
-        Question {
+    pub(super) fn question(&self) -> PlacementProblem<'_> {
+        PlacementProblem {
             family: &self.family,
             parts: self.parts,
             template: self.template.clone(),
