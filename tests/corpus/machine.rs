@@ -39,7 +39,7 @@ fn goes_through(rotor: &Rotor, feedback: &Feedback) {
             continue;
         }
         // Poles that cannot be had are refused in words too.
-        if let Ok(spectrum) = MachinePoles::of(rotor, &settings).map(MachinePoles::spectrum) {
+        if let Ok(spectrum) = MachinePoles::of(rotor, &settings).map(MachinePoles::into_modes) {
             assert!(!feedback.is_ideal() || spectrum.modes.len() == 2 * rotor.len());
             for mode in &spectrum.modes {
                 assert!(mode.pole.re.is_finite() && mode.pole.im.is_finite(), "pole {:?}", mode.pole);

@@ -428,6 +428,9 @@ mod with {
             let mut all = Vec::new();
             recording.steps(0..u64::MAX, &mut all).unwrap();
             assert!(all.windows(2).all(|pair| pair[1].seq() == pair[0].seq() + 1));
+            let mut revisions: Vec<u64> = all.iter().map(Step::revision).collect();
+            revisions.dedup();
+            assert_eq!(revisions, [1, 2], "the revision in force");
         }
     }
 

@@ -384,7 +384,7 @@ impl<'a> RequestThread<'a> {
         let speed = self.speed();
         let mut analysis = Analysis { revision: self.bench_status.revision, speed, ..Analysis::default() };
         let settings = Settings { speed, ..self.settings.clone() };
-        match MachinePoles::of(self.rotor, &settings).map(MachinePoles::spectrum) {
+        match MachinePoles::of(self.rotor, &settings).map(MachinePoles::into_modes) {
             Ok(spectrum) => {
                 // Of a loop with many states, the least damped.
                 analysis.count = spectrum.modes.len().min(analysis.poles.len()) as u32;

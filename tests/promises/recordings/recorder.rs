@@ -31,7 +31,9 @@ impl Recorder {
         let mut said = BufReader::new(child.stdout.take().unwrap());
         let mut word = String::new();
         said.read_line(&mut word).unwrap();
-        if word != "ready\n" {
+        // With the number of the first step, where one has come.
+        if word.split_whitespace().next() != Some("ready") {
+            child.kill().unwrap();
             let mut why = String::new();
             child.stderr.take().unwrap().read_to_string(&mut why).unwrap();
             panic!("it does not record: {word}{why}");

@@ -6,7 +6,7 @@ use machine::{Machine, Pace, Program};
 use proptest::prelude::*;
 use rotor::builtin;
 use wire::message::Flags;
-use wire::{Layout, State, Step};
+use wire::{State, Step, StepLayout};
 
 use super::*;
 
@@ -114,7 +114,7 @@ fn beside_the_law(port: Law, set: &[(&str, &str)], count: u64) -> (Option<u64>, 
         assert!(matches!(external.before_step(&mut engine, &exchange, 0).unwrap(), Ready::Yes));
         assert_eq!(engine.step(), None);
         alone.step();
-        let mut state = State::new(Layout::new(3));
+        let mut state = State::new(StepLayout::new(3));
         engine.fill(&mut state.row_mut(), 0, false);
         if state.flags().has(Flags::HELD) {
             held.push(step);

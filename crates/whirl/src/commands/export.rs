@@ -4,7 +4,7 @@ use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use files::FileError;
-use study::table::{Form, FormError, Kind, Table};
+use study::table::{ColumnKind, Form, FormError, Table};
 use tape::{Damage, Recording};
 use wire::Step;
 
@@ -59,8 +59,12 @@ struct Written<'a> {
 }
 
 /// The columns after those of doubles.
-const WHOLES: [(&str, Kind); 4] =
-    [("step", Kind::Long), ("wall_ns", Kind::Long), ("revision", Kind::Long), ("flags", Kind::Int)];
+const WHOLES: [(&str, ColumnKind); 4] = [
+    ("step", ColumnKind::Long),
+    ("wall_ns", ColumnKind::Long),
+    ("revision", ColumnKind::Long),
+    ("flags", ColumnKind::Int),
+];
 
 /// Writes the table, whole or not at all.
 ///
