@@ -199,3 +199,82 @@ fn orbits_of_a_sampled_loop_are_refused_in_words() {
     assert_eq!(refused, CircularError::Sampled);
     assert!(refused.to_string().contains("sample=off"), "{refused}");
 }
+
+/// The machine from an orbit on, in steps that it can take, for so long.
+fn in_motion(rotor: &Rotor, settings: &Settings, start: &Orbit, duration: f64) -> Machine {
+    let pace = machine::Pace { dtau: 0.01, rate_hz: 0.0 };
+    let mut machine = Machine::new(Program::compile(rotor, settings, settings.speed, pace).expect("can be stepped"));
+    let velocity: Vec<C64> = start.amplitude.iter().map(|c| c * J * start.frequency).collect();
+    machine.place(&start.amplitude, &velocity);
+    (0..(duration / 0.01) as u64).for_each(|_| assert!(machine.step().is_none()));
+    machine
+}
+
+/// Two places of twelve have play: the whirl of all others follows from what these two are pushed with.
+#[test]
+fn val_the_response_of_shaft_elements_in_their_touchdown_bearings_is_what_the_machine_stays_on() {
+    let rotor = builtin::rotor("rig").expect("built in");
+    let feedback = builtin::feedback(&rotor, "own").expect("it has a law");
+    let mut settings = Settings::new(&rotor, 3.0, feedback.clone());
+    let met: Vec<usize> = (0..rotor.len()).filter(|place| rotor.has_contact(*place)).collect();
+    met.iter().for_each(|place| settings.deadband[*place] = 0.1);
+    let found = synchronous(&rotor, &feedback, &settings.deadband, &[3.0]).expect("converges");
+    let stable: Vec<&Orbit> = found.orbits[0].iter().filter(|orbit| orbit.is_stable()).collect();
+    let [orbit] = stable[..] else { panic!("one stable orbit: {:?}", found.orbits[0]) };
+    assert!(met.iter().any(|place| orbit.contact >> place & 1 == 1), "it presses on one: {orbit:?}");
+    // What the integrators of its magnets begin with fades within a thousand tau; it is small.
+    let machine = in_motion(&rotor, &settings, orbit, 150.0);
+    let sample = machine.sample();
+    let turned = C64::cis(-sample.angle);
+    for (ours, exact) in sample.displacement.iter().zip(&orbit.amplitude) {
+        assert!((ours * turned - exact).norm() < 2e-3 * (1.0 + exact.norm()), "{} and {exact}", ours * turned);
+    }
+    for (output, force) in machine.outputs().iter().zip(&orbit.forces) {
+        assert!((output.delivered.norm() - force).abs() < 5e-3 * (0.1 + force), "{output:?} and {force}");
+    }
+}
+
+/// A shaft with two discs in bearings with play and a seal that drives forward whirl.
+fn driven() -> Rotor {
+    let text = format!(
+        "units = 'si'\nreference_length = 1e-4\n[material.steel]\ndensity = 7810.0\nyoungs_modulus = 211e9\npoisson = 0.3\n{}\
+         [[disc]]\nstation = 2\nmass = 32.6\npolar_inertia = 0.356\ndiametral_inertia = 0.178\n\
+         [[disc]]\nstation = 3\nmass = 35.8\npolar_inertia = 0.405\ndiametral_inertia = 0.203\n\
+         [[bearing]]\nstation = 1\nstiffness = 1e7\ndamping = 2000.0\nclearance = 1e-4\n\
+         [[bearing]]\nstation = 4\nstiffness = 1e7\ndamping = 2000.0\nclearance = 1e-4\n\
+         [[seal]]\nstation = 2\ndamping = 500.0\ncross_stiffness = 3e5\n",
+        "[[section]]\nlength = 0.25\nouter = 0.05\nelements = 2\n".repeat(3)
+    );
+    rotor::file::read_rotor(&text, "driven").expect("a rotor")
+}
+
+#[test]
+fn val_the_cycle_of_shaft_elements_is_what_the_machine_whirls_on() {
+    let rotor = driven();
+    let off = rotor.beam().expect("shaft elements").no_feedback();
+    let settings = Settings::new(&rotor, 1.0, off.clone());
+    let found = cycles(&rotor, &off, &settings.deadband, &[1.0]).expect("converges");
+    let stable: Vec<&Orbit> = found.orbits[0].iter().filter(|orbit| orbit.is_stable()).collect();
+    let [orbit] = stable[..] else { panic!("one stable cycle: {:?}", found.orbits[0]) };
+    assert_eq!(orbit.contact.count_ones(), 2, "it presses on both");
+    // From a tenth more than it, to it.
+    let larger = Orbit { amplitude: orbit.amplitude.iter().map(|c| c * 1.1).collect(), ..orbit.clone() };
+    let machine = in_motion(&rotor, &settings, &larger, 200.0);
+    for (ours, exact) in machine.sample().displacement.iter().zip(orbit.radii()) {
+        assert!((ours.norm() - exact).abs() < 2e-4 * exact, "{} and {exact}", ours.norm());
+    }
+    let (p, v) = (machine.sample().displacement[0], machine.sample().velocity[0]);
+    assert!(((v / p).im - orbit.frequency).abs() < 2e-4 * orbit.frequency, "{} and {}", v / p, orbit.frequency);
+}
+
+/// The equation of all coordinates of a shaft spans nine decades, and had made these up: no force at a magnet balanced them.
+#[test]
+fn no_cycles_of_the_rig_are_made_up() {
+    let rotor = builtin::rotor("rig").expect("built in");
+    let feedback = builtin::feedback(&rotor, "own").expect("it has a law");
+    let scales = rotor.scales().expect("SI");
+    let speeds =
+        [3700.0, 4100.0, 5033.0 + 1.0 / 3.0, 5133.0 + 1.0 / 3.0, 6466.0 + 2.0 / 3.0].map(|rpm| scales.speed(rpm));
+    let found = cycles(&rotor, &feedback, &rotor.deadbands(), &speeds).expect("converges");
+    assert!(found.orbits.iter().all(Vec::is_empty), "{:?}", found.orbits);
+}

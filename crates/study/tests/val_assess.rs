@@ -248,3 +248,62 @@ fn every_control_bearing_has_a_line_of_its_own_limit() {
     assert!(near(of("heavy").found, 3.0 * 0.999 * heavy, 0.05), "{:?}", of("heavy"));
     assert!(near(of("light").found, light, 0.05) && of("light").place.station == Some(1), "{:?}", of("light"));
 }
+
+/// A shaft with two discs on bearings, with cross-coupled stiffness from a seal at station 2.
+fn shaft(cross: f64) -> Rotor {
+    let text = format!(
+        "units = 'si'\nreference_length = 1e-5\n[material.steel]\ndensity = 7810.0\nyoungs_modulus = 211e9\npoisson = 0.3\n{}\
+         [[disc]]\nstation = 2\nmass = 32.6\npolar_inertia = 0.356\ndiametral_inertia = 0.178\n\
+         [[disc]]\nstation = 3\nmass = 35.8\npolar_inertia = 0.405\ndiametral_inertia = 0.203\n\
+         [[bearing]]\nstation = 1\nstiffness = 1e7\ndamping = 8000.0\n[[bearing]]\nstation = 4\nstiffness = 1e7\ndamping = 8000.0\n\
+         [[sensor]]\nname = 'seal'\nstation = 2\n[[seal]]\nstation = 2\ncross_stiffness = {cross:?}\n",
+        "[[section]]\nlength = 0.25\nouter = 0.05\nelements = 2\n".repeat(3)
+    );
+    rotor::file::read_rotor(&text, "shaft").expect("a rotor")
+}
+
+/// Of shaft elements a force at a place moves all of them: what is added there by `assess` is what a seal there has.
+#[test]
+fn val_cross_coupling_of_shaft_elements_is_that_of_a_seal_in_their_place() {
+    let rotor = shaft(0.0);
+    let scales = rotor.scales().expect("SI");
+    let settings = Settings::new(&rotor, 0.0, rotor.beam().expect("elements").no_feedback());
+    let at = rotor.beam().and_then(|beam| beam.coordinate(1)).expect("a place");
+    let limits = Limits::default();
+    let over = [0.0, scales.speed(4000.0)];
+    let asked = Question { cross_at: at, ..question(&rotor, &settings, over, &limits) };
+    let answer = assess(&asked).expect("assessed");
+    let borne = answer.cross_coupling.borne.expect("some") * scales.k_t;
+    let least = |cross: f64| {
+        let rotor = shaft(cross);
+        let settings = Settings::new(&rotor, over[1], rotor.beam().expect("elements").no_feedback());
+        machine::min_damping(&rotor, &settings, over[1]).expect("found")
+    };
+    let [before, after] = [0.999, 1.001].map(|part| least(part * borne));
+    assert!(before > 0.0 && after < 0.0, "{before} and {after} at {borne} N/m");
+}
+
+#[test]
+fn modes_that_do_not_count_are_summed_up_and_nothing_is_asked_of_them() {
+    let rotor = shaft(0.0);
+    let scales = rotor.scales().expect("SI");
+    let settings = Settings::new(&rotor, 0.0, rotor.beam().expect("elements").no_feedback());
+    let limits = Limits::default();
+    let over = [0.0, scales.speed(4000.0)];
+    let modes = machine::CountedModes::usual(&rotor, &settings, over[1]).expect("found");
+    let lines = |modes| {
+        let asked = Question { modes, ..question(&rotor, &settings, over, &limits) };
+        let lines = assess(&asked).expect("assessed").lines;
+        lines.into_iter().filter(|line| line.what.starts_with("log decrement")).collect::<Vec<_>>()
+    };
+    let all = lines(machine::CountedModes::ALL);
+    let some = lines(modes);
+    let below = modes.below().expect("of shaft elements");
+    let judged = |lines: &[Line]| lines.iter().filter(|line| line.passed.is_some()).count();
+    assert!(judged(&some) < judged(&all), "{some:?}");
+    for line in some.iter().filter(|line| line.passed.is_some()) {
+        assert!(line.place.frequency.expect("it whirls").abs() <= below, "{line:?}");
+    }
+    let rest = some.iter().find(|line| line.what.contains("faster than what counts")).expect("told");
+    assert!(rest.asked.is_none() && rest.place.frequency.expect("it whirls").abs() > below, "{rest:?}");
+}

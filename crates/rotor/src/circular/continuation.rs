@@ -131,9 +131,11 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
     let (c, frequency, speed) = problem.unpack(x);
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
-    let forces = equation.forces(c.as_slice(), frequency);
+    let whole = equation.expanded(&c, frequency, contact);
+    let forces = equation.forces(whole.as_slice(), frequency);
     let force = problem.control_masses().largest(forces.iter().copied());
-    let mut amplitude = c.as_slice().to_vec();
+    let contact = problem.places_in(contact);
+    let mut amplitude = whole.as_slice().to_vec();
     if !problem.forced {
         // Of equal amplitudes the first decides, so that rounding does not.
         let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });

@@ -72,14 +72,14 @@ fn roots(polynomial: &[C64]) -> Option<Vec<C64>> {
 pub(super) fn frequencies(equation: &Equation, k: usize) -> Result<Vec<f64>, PoleError> {
     let Some(a) = equation.state_matrix(|i| if i == k { 1.0 } else { 0.0 }) else { return Ok(Vec::new()) };
     let size = a.nrows();
-    let n = equation.forcing().len();
+    let (n, coordinate) = (equation.order(), equation.coordinate(k));
     let all = 2 * size + 1;
     let mut pencil = DMatrix::<C64>::zeros(all, all);
     pencil.view_mut((0, 0), (size, size)).copy_from(&a);
     pencil.view_mut((size, size), (size, size)).copy_from(&-a.conjugate());
     for half in [0, size] {
-        pencil.view_mut((half + n, all - 1), (n, 1)).copy_from(&equation.push(k));
-        pencil[(all - 1, half + k)] = C64::ONE;
+        pencil.view_mut((half + n, all - 1), (n, 1)).copy_from(&equation.push(coordinate));
+        pencil[(all - 1, half + coordinate)] = C64::ONE;
     }
     // Off the axis, where no zero sought can be.
     let shift = 1.0 + 0.1 * a.norm();
@@ -103,7 +103,7 @@ pub(super) fn is_unique(equation: &Equation, speed: f64, gapped: &[usize]) -> bo
     let lu = equation.stiffened(speed, |_| 0.5).lu();
     let mut gain = DMatrix::<C64>::zeros(m, m);
     for (column, &k) in gapped.iter().enumerate() {
-        let mut unit = DVector::zeros(equation.forcing().len());
+        let mut unit = DVector::zeros(equation.unknowns());
         unit[k] = C64::from(0.5 * equation.bearing_stiffness(k));
         let Some(c) = lu.solve(&unit) else { return false };
         for (row, &i) in gapped.iter().enumerate() {

@@ -29,7 +29,7 @@ type Found = Vec<(DVector<f64>, Contact)>;
 pub(super) fn by_load(problem: &Problem<'_>, speed: f64) -> Found {
     let equation = problem.at(speed);
     let way = problem.along(Along::Load { speed });
-    let linear = |factor: f64| equation.stiffened(speed, |_| factor).lu().solve(equation.forcing());
+    let linear = |factor: f64| equation.stiffened(speed, |_| factor).lu().solve(&equation.forcing(speed));
     let relative = |c: &DVector<C64>| -> Vec<f64> {
         problem.contacts(problem.gapped).map(|k| c[k].norm() / problem.clearance(k)).collect()
     };
@@ -128,7 +128,7 @@ fn shape(equation: &Equation, pole: C64, factor: f64) -> Option<DVector<C64>> {
     // Inverse iteration on the quadratic form, a little off the pole.
     let growing = equation.growing(pole.re + 1e-9 * (1.0 + pole.norm()));
     let lu = growing.stiffened(pole.im, |_| factor).lu();
-    let uneven = DVector::from_fn(growing.forcing().len(), |k, _| C64::cis(k as f64 * 1.618_033_988_75));
+    let uneven = DVector::from_fn(growing.unknowns(), |k, _| C64::cis(k as f64 * 1.618_033_988_75));
     let once = lu.solve(&uneven)?;
     let twice = lu.solve(&(&once / C64::from(once.norm())))?;
     let size = twice.norm();

@@ -52,6 +52,23 @@ impl Problem<'_> {
         contact: Contact,
         phase: &DVector<C64>,
     ) -> (DVector<f64>, DMatrix<f64>, f64) {
+        let (residual, mut slope, scale) = self.linearise_at(x, contact, phase);
+        let (c, frequency, speed) = self.unpack(x);
+        let by = self.by_last(&self.at(speed), &c, frequency, speed, contact);
+        for (k, by) in by.iter().enumerate() {
+            slope[(k, self.unknowns() - 1)] = by.re;
+            slope[(self.masses + k, self.unknowns() - 1)] = by.im;
+        }
+        (residual, slope, scale)
+    }
+
+    /// The same at a speed that is given and stays: the derivative by it, which costs most, is left at 0.
+    fn linearise_at(
+        &self,
+        x: &DVector<f64>,
+        contact: Contact,
+        phase: &DVector<C64>,
+    ) -> (DVector<f64>, DMatrix<f64>, f64) {
         let n = self.masses;
         let unknowns = self.unknowns();
         let (c, frequency, speed) = self.unpack(x);
@@ -78,7 +95,6 @@ impl Problem<'_> {
                 slope[(n + i, n + k)] = (a - b).re;
             }
         }
-        column(&mut slope, unknowns - 1, &self.by_last(&equation, &c, frequency, speed, contact));
         if !self.forced {
             column(&mut slope, 2 * n, &equation.by_frequency(&c, frequency));
             residual[2 * n] = phase.dotc(&c).im;
@@ -109,7 +125,10 @@ impl Problem<'_> {
         let mut before: Option<(f64, DVector<f64>, DVector<f64>)> = None;
         for _ in 0..MAX_ITERATIONS {
             let contact = given.unwrap_or_else(|| self.touching(&self.unpack(&x).0));
-            let (f, slope, scale) = self.linearise(&x, contact, &phase);
+            let (f, slope, scale) = match closing {
+                Closing::Speed(speed) if x[last] == speed => self.linearise_at(&x, contact, &phase),
+                _ => self.linearise(&x, contact, &phase),
+            };
             let mut residual = f.push(0.0);
             let mut matrix = slope.insert_row(last, 0.0);
             let (unit, closing_residual) = match closing {

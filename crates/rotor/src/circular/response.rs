@@ -30,11 +30,12 @@ pub(super) fn at_speed(problem: &Problem<'_>, speed: f64) -> AtSpeed {
     let centre = vec![C64::ZERO; problem.masses];
     let gapped: Vec<usize> = problem.contacts(problem.gapped).collect();
     let unique = !gapped.is_empty() && enumerated::is_unique(&equation, speed, &gapped);
-    if equation.forcing().iter().all(|f| *f == C64::ZERO) {
+    if equation.is_balanced() {
         // At rest there may be more, but they are equilibria off centre.
         let complete = gapped.is_empty() || unique;
         return AtSpeed { found: vec![(problem.pack(&centre, speed, speed), 0)], complete };
     }
+    let forcing = equation.forcing(speed);
     let mut found = Vec::new();
     let mut enumerable = true;
     for contact in sets(problem) {
@@ -56,7 +57,7 @@ pub(super) fn at_speed(problem: &Problem<'_>, speed: f64) -> AtSpeed {
     if !complete {
         for factors in spread(&gapped, STARTS) {
             let matrix: DMatrix<C64> = equation.stiffened(speed, |k| factors[k]);
-            let Some(c) = matrix.lu().solve(equation.forcing()).filter(is_finite) else { continue };
+            let Some(c) = matrix.lu().solve(&forcing).filter(is_finite) else { continue };
             found.extend(problem.solve_any(problem.pack(c.as_slice(), speed, speed), Closing::Speed(speed)));
         }
     }
@@ -84,7 +85,7 @@ fn starts(problem: &Problem<'_>, equation: &Equation, speed: f64, contact: Conta
     let in_contact: Vec<usize> = problem.contacts(contact).collect();
     let within = |k: usize| if contact >> k & 1 == 1 { 1.0 } else { 0.0 };
     let lu = equation.stiffened(speed, within).lu();
-    let Some(base) = lu.solve(equation.forcing()).filter(is_finite) else { return (Vec::new(), false) };
+    let Some(base) = lu.solve(&equation.forcing(speed)).filter(is_finite) else { return (Vec::new(), false) };
     let columns: Option<Vec<DVector<C64>>> = in_contact
         .iter()
         .map(|&k| {
@@ -160,7 +161,7 @@ fn by_factors(problem: &Problem<'_>, equation: &Equation, speed: f64, in_contact
         .into_iter()
         .filter_map(|factors| {
             let matrix: DMatrix<C64> = equation.stiffened(speed, |k| factors[k.min(factors.len() - 1)]);
-            matrix.lu().solve(equation.forcing()).filter(is_finite)
+            matrix.lu().solve(&equation.forcing(speed)).filter(is_finite)
         })
         .filter(|c| in_contact.iter().all(|&k| c[k].norm() > 0.0))
         .inspect(|c| debug_assert_eq!(c.len(), problem.masses))

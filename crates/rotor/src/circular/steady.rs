@@ -30,7 +30,7 @@ pub fn orbit_of(
 ) -> Result<Option<Orbit>, CircularError> {
     let equation = Equation::of(closed_loop, true);
     let speed = closed_loop.speed;
-    let forced = equation.forcing().iter().any(|f| *f != C64::ZERO);
+    let forced = !equation.is_balanced();
     let turn = C64::cis(-angle);
     let c = DVector::from_iterator(displacement.len(), displacement.iter().map(|p| p * turn));
     let v = DVector::from_iterator(velocity.len(), velocity.iter().map(|v| v * turn));

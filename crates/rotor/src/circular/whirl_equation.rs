@@ -1,8 +1,9 @@
 //! The algebraic equation of circular whirl, its residual and its derivatives, for a given set of bearings in contact.
 
+use std::cell::RefCell;
 use std::rc::Rc;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, Dyn, LU};
 
 use super::CircularError;
 use super::around::{Answer, Around};
@@ -35,11 +36,17 @@ pub(super) struct Problem<'a> {
     feedback: std::borrow::Cow<'a, Feedback>,
     /// The plant, and a loop that is more than gains.
     around: Option<(Rc<Plant>, &'a Feedback)>,
+    /// Of each unknown.
     deadband: Vec<f64>,
+    /// The clearances of all places, of which the unknowns are some.
+    clearances: Vec<f64>,
+    /// The places whose amplitudes are the unknowns: all masses of a chain; of shaft elements those with play alone.
+    places: Rc<[usize]>,
     /// Synchronous under unbalance; otherwise self-excited without.
     pub forced: bool,
-    /// Masses whose bearing has both stiffness and clearance.
+    /// Unknowns whose bearing has both stiffness and clearance.
     pub gapped: Contact,
+    /// How many amplitudes are unknown.
     pub masses: usize,
 }
 
@@ -63,13 +70,34 @@ impl<'a> Problem<'a> {
         } else {
             std::borrow::Cow::Borrowed(feedback)
         };
-        let deadband: Vec<f64> = (0..rotor.len()).map(|k| deadband.get(k).copied().unwrap_or(0.0)).collect();
-        let gapped = deadband
-            .iter()
-            .enumerate()
-            .fold(0, |set, (k, g)| if rotor.has_contact(k) && *g > 0.0 { set | 1 << k } else { set });
-        let masses = rotor.len();
-        Ok(Self { along: Along::Speed, fixed: None, rotor, feedback: gains, around, deadband, forced, gapped, masses })
+        let clearances: Vec<f64> = (0..rotor.len()).map(|k| deadband.get(k).copied().unwrap_or(0.0)).collect();
+        let has_play = |place: &usize| rotor.has_contact(*place) && clearances[*place] > 0.0;
+        let mut places: Vec<usize> = (0..rotor.len()).filter(|place| rotor.is_chain() || has_play(place)).collect();
+        if places.is_empty() {
+            places.push(0);
+        }
+        let gapped = places.iter().enumerate().filter(|(_, place)| has_play(place)).fold(0, |set, (k, _)| set | 1 << k);
+        let (masses, deadband) = (places.len(), places.iter().map(|place| clearances[*place]).collect());
+        let places = places.into();
+        let along = Along::Speed;
+        Ok(Self {
+            along,
+            fixed: None,
+            rotor,
+            feedback: gains,
+            around,
+            deadband,
+            clearances,
+            places,
+            forced,
+            gapped,
+            masses,
+        })
+    }
+
+    /// A set of unknowns in contact as one of places.
+    pub(super) fn places_in(&self, contact: Contact) -> Contact {
+        self.contacts(contact).fold(0, |set, k| set | 1 << self.places[k])
     }
 
     /// The same rotor, to be followed along something else than speed.
@@ -79,7 +107,8 @@ impl<'a> Problem<'a> {
             Along::Load { speed } | Along::Growth { speed } => Some(self.at(speed)),
         };
         let (feedback, around) = (self.feedback.clone(), self.around.clone());
-        Self { along, fixed, feedback, around, deadband: self.deadband.clone(), ..*self }
+        let (deadband, clearances, places) = (self.deadband.clone(), self.clearances.clone(), self.places.clone());
+        Self { along, fixed, feedback, around, deadband, clearances, places, ..*self }
     }
 
     /// The frequency that is given: that of the spin under unbalance, unless the spin is unknown itself.
@@ -100,7 +129,7 @@ impl<'a> Problem<'a> {
         contact: Contact,
     ) -> DVector<C64> {
         match self.along {
-            Along::Load { .. } => -equation.forcing(),
+            Along::Load { .. } => -equation.forcing(frequency),
             Along::Growth { .. } => equation.by_growth(c, frequency),
             Along::Speed => {
                 // Gains may be any function of speed, so this one derivative is a difference.
@@ -120,8 +149,8 @@ impl<'a> Problem<'a> {
             };
         }
         let gains = match self.rotor.beam() {
-            Some(beam) => Equation::of_beam(beam, speed, &self.deadband, self.forced),
-            None => Equation::of(&ClosedLoop::new(self.rotor, &self.feedback, speed, &self.deadband), self.forced),
+            Some(beam) => Equation::of_beam(beam, speed, &self.clearances, &self.places, self.forced),
+            None => Equation::of(&ClosedLoop::new(self.rotor, &self.feedback, speed, &self.clearances), self.forced),
         };
         // Feedback that fits at one speed fits at all.
         let around = self.around.as_ref().and_then(|(plant, feedback)| Around::new(plant, feedback, speed).ok());
@@ -191,7 +220,37 @@ struct Inertia {
     inverse: DMatrix<C64>,
 }
 
+/// The coordinates that are not unknown, solved for at one frequency.
+struct Under {
+    /// `h^-1`.
+    stiffness: DMatrix<C64>,
+    /// `H`.
+    whirl: DMatrix<C64>,
+    /// `Z`, ready to be solved with.
+    lu: LU<C64, Dyn, Dyn>,
+}
+
+impl Under {
+    /// Of the dynamic stiffness of all coordinates, with the unknowns among them; `None` where it is singular.
+    fn of(whole: DMatrix<C64>, seen: &[usize]) -> Option<Self> {
+        let unit = DMatrix::from_fn(whole.nrows(), seen.len(), |i, k| if seen[k] == i { C64::ONE } else { C64::ZERO });
+        let lu = whole.lu();
+        let whirl = lu.solve(&unit)?;
+        let own = DMatrix::from_fn(seen.len(), seen.len(), |i, k| whirl[(seen[i], k)]);
+        Some(Self { stiffness: own.try_inverse()?, whirl, lu })
+    }
+}
+
 /// The equation of circular whirl at one spin speed.
+///
+/// Of shaft elements only the amplitudes `c` at places with play are unknown, because only there it is not linear. With the dynamic stiffness
+/// `Z(s)` of all coordinates, `H = Z^-1 E` the whirl of all under a force at each of those places, and `h = E^T H`, what is left is
+///
+/// ```text
+/// h^-1 (c - E^T Z^-1 f) + b s(|c|) c = 0
+/// ```
+///
+/// which is small, and of numbers like each other: the places of a stiff shaft are so near each other that `Z` spans nine decades.
 #[derive(Clone)]
 pub(super) struct Equation {
     /// The rate at which the whirl grows; zero on an orbit.
@@ -200,9 +259,14 @@ pub(super) struct Equation {
     mass: Option<Inertia>,
     stiffness: DMatrix<C64>,
     damping: DMatrix<C64>,
+    /// Of each unknown.
     bearing: Vec<f64>,
     clearance: Vec<f64>,
     forcing: DVector<C64>,
+    /// The coordinates that are the unknowns, where not all are.
+    seen: Option<Rc<[usize]>>,
+    /// What was found at the frequency that was asked for last.
+    last: RefCell<Option<(f64, Option<Rc<Under>>)>>,
     control: ControlRow,
     /// A loop that is more than gains, in place of them.
     around: Option<Around>,
@@ -229,18 +293,19 @@ impl Equation {
                 closed_loop.unbalance[..n].iter().map(|f| C64::from(if forced { *f } else { 0.0 })),
             ),
             control: closed_loop.control,
+            seen: None,
+            last: RefCell::default(),
             around: None,
             gapped: (0..n).filter(is_gapped).fold(0, |set, k| set | 1 << k),
         }
     }
 
-    /// The equation of shaft elements at an operating point, without their control.
-    fn of_beam(beam: &BeamRotor, speed: f64, deadband: &[f64], forced: bool) -> Self {
+    /// The equation of shaft elements at an operating point, without their control; `places` are the unknowns, all with play among them.
+    fn of_beam(beam: &BeamRotor, speed: f64, clearances: &[f64], places: &Rc<[usize]>, forced: bool) -> Self {
         let (plant, n) = (beam.plant(), beam.plant().order());
-        let clearance: Vec<f64> = (0..n).map(|k| deadband.get(k).copied().unwrap_or(0.0)).collect();
-        let bearing: Vec<f64> = plant.contacts().iter().map(|contact| contact.stiffness).collect();
-        let is_gapped = |k: &usize| bearing[*k] > 0.0 && clearance[*k] > 0.0;
-        let contact_factors = (0..n).map(|k| if is_gapped(&k) { 0.0 } else { 1.0 }).collect();
+        let stiffness_of = |k: usize| plant.contacts()[k].stiffness;
+        let is_gapped = |k: usize| stiffness_of(k) > 0.0 && clearances[k] > 0.0;
+        let contact_factors = (0..n).map(|k| if is_gapped(k) { 0.0 } else { 1.0 }).collect();
         let [damping, stiffness] = plant.linear(&OperatingPoint { speed, contact_factors });
         let matrix = beam.mass();
         let inverse = matrix.clone().try_inverse().unwrap_or_else(|| DMatrix::zeros(n, n));
@@ -252,16 +317,33 @@ impl Equation {
             forcing: &matrix * DVector::from_iterator(n, plant.unbalance().iter().map(|u| u * load)),
             mass: Some(Inertia { matrix, inverse }),
             control: ControlRow::default(),
+            seen: Some(places.clone()),
+            last: RefCell::default(),
             around: None,
-            gapped: (0..n).filter(is_gapped).fold(0, |set, k| set | 1 << k),
-            bearing,
-            clearance,
+            gapped: (places.iter().enumerate()).filter(|(_, k)| is_gapped(**k)).fold(0, |set, (i, _)| set | 1 << i),
+            bearing: places.iter().map(|k| stiffness_of(*k)).collect(),
+            clearance: places.iter().map(|k| clearances[*k]).collect(),
         }
     }
 
-    /// What a force at mass `k` does to the accelerations.
+    /// How many amplitudes are unknown.
+    pub(super) fn unknowns(&self) -> usize {
+        self.bearing.len()
+    }
+
+    /// How many coordinates there are.
+    pub(super) fn order(&self) -> usize {
+        self.stiffness.nrows()
+    }
+
+    /// Which coordinate an unknown is.
+    pub(super) fn coordinate(&self, unknown: usize) -> usize {
+        self.seen.as_ref().map_or(unknown, |seen| seen[unknown])
+    }
+
+    /// What a force at coordinate `k` does to the accelerations.
     pub(super) fn push(&self, k: usize) -> DVector<C64> {
-        let n = self.bearing.len();
+        let n = self.order();
         match &self.mass {
             Some(mass) => mass.inverse.column(k).into_owned(),
             None => DVector::from_fn(n, |i, _| if i == k { C64::ONE } else { C64::ZERO }),
@@ -275,12 +357,44 @@ impl Equation {
 
     /// The same for whirl that grows at this rate.
     pub(super) fn growing(&self, growth: f64) -> Self {
-        Self { growth, ..self.clone() }
+        Self { growth, last: RefCell::default(), ..self.clone() }
+    }
+
+    /// Dynamic stiffness as the unknowns have it: `Z`, or `h^-1`; not a number where there is none.
+    pub(super) fn dynamic_stiffness(&self, frequency: f64) -> DMatrix<C64> {
+        let Some(seen) = &self.seen else { return self.whole_stiffness(frequency) };
+        self.under(frequency, seen).map_or_else(
+            || DMatrix::from_element(seen.len(), seen.len(), C64::from(f64::NAN)),
+            |under| under.stiffness.clone(),
+        )
+    }
+
+    /// What is left of the coordinates that are not unknown, at a frequency; the last is kept, as whoever asks asks several times.
+    fn under(&self, frequency: f64, seen: &[usize]) -> Option<Rc<Under>> {
+        if let Some((at, under)) = &*self.last.borrow()
+            && *at == frequency
+        {
+            return under.clone();
+        }
+        let under = Under::of(self.whole_stiffness(frequency), seen).map(Rc::new);
+        *self.last.borrow_mut() = Some((frequency, under.clone()));
+        under
+    }
+
+    /// Every amplitude of the orbit on which the unknowns are `c`.
+    pub(super) fn expanded(&self, c: &DVector<C64>, frequency: f64, contact: Contact) -> DVector<C64> {
+        let Some(seen) = &self.seen else { return c.clone() };
+        let mut forces = self.forcing.clone();
+        for k in (0..c.len()).filter(|k| contact >> k & 1 == 1) {
+            forces[seen[k]] -= c[k] * self.bearing[k] - direction(c[k]) * self.deadband_force(k);
+        }
+        let whole = self.under(frequency, seen).and_then(|under| under.lu.solve(&forces));
+        whole.unwrap_or_else(|| DVector::from_element(self.order(), C64::from(f64::NAN)))
     }
 
     /// Dynamic stiffness `Z = K + s C + s^2` with `s = j w`, plus the rate of growth; without the bearings that have
     /// clearance.
-    pub(super) fn dynamic_stiffness(&self, frequency: f64) -> DMatrix<C64> {
+    fn whole_stiffness(&self, frequency: f64) -> DMatrix<C64> {
         let s = C64::new(self.growth, frequency);
         let mut z = &self.stiffness + &self.damping * s;
         match &self.mass {
@@ -306,9 +420,13 @@ impl Equation {
         z
     }
 
-    /// Shares of the bearings' stiffness in the linear rotor in which those with clearance have `factor(k)`.
+    /// Shares of the bearings' stiffness in the linear rotor, of every coordinate, in which those with clearance have `factor(k)`.
     fn factors(&self, factor: impl Fn(usize) -> f64) -> Vec<f64> {
-        (0..self.bearing.len()).map(|k| if self.gapped >> k & 1 == 1 { factor(k) } else { 1.0 }).collect()
+        let mut factors = vec![1.0; self.order()];
+        for k in (0..self.unknowns()).filter(|k| self.gapped >> k & 1 == 1) {
+            factors[self.coordinate(k)] = factor(k);
+        }
+        factors
     }
 
     /// State matrix of the linear rotor whose bearings with clearance have `factor(k)` of their stiffness: displacements,
@@ -317,7 +435,7 @@ impl Equation {
         if let Some(around) = &self.around {
             return around.state_matrix(self.factors(factor));
         }
-        let n = self.bearing.len();
+        let n = self.order();
         let mut a = DMatrix::zeros(2 * n, 2 * n);
         a.view_mut((0, n), (n, n)).fill_with_identity();
         a.view_mut((n, 0), (n, n)).copy_from(&-self.stiffened(0.0, factor));
@@ -341,19 +459,34 @@ impl Equation {
         self.around.as_ref()
     }
 
-    /// What multiplies a small disturbance of each mass and its conjugate in the bearings: shares of the stiffness, and
+    /// What multiplies a small disturbance of each coordinate and its conjugate in the bearings: shares of the stiffness, and
     /// accelerations.
     pub(super) fn bearings_about(&self, c: &[C64], contact: Contact) -> (Vec<f64>, Vec<C64>) {
         let half = |k: usize| 0.5 * self.clearance[k] / c[k].norm();
         let presses = |k: usize| contact >> k & 1 == 1;
         let along = self.factors(|k| if presses(k) { 1.0 - half(k) } else { 0.0 });
         let turned = |k: usize| direction(c[k]).powi(2) * (self.bearing[k] * half(k));
-        (along, (0..c.len()).map(|k| if presses(k) { turned(k) } else { C64::ZERO }).collect())
+        let mut pushes = vec![C64::ZERO; self.order()];
+        (0..c.len()).filter(|k| presses(*k)).for_each(|k| pushes[self.coordinate(k)] = turned(k));
+        (along, pushes)
     }
 
-    /// `Re R^2` per mass; zero for a limit cycle.
-    pub(super) fn forcing(&self) -> &DVector<C64> {
-        &self.forcing
+    /// Whether nothing drives the whirl.
+    pub(super) fn is_balanced(&self) -> bool {
+        self.forcing.iter().all(|f| *f == C64::ZERO)
+    }
+
+    /// What drives the unknowns: `Re R^2` per mass, or `h^-1 E^T Z^-1 f`; zero for a limit cycle.
+    pub(super) fn forcing(&self, frequency: f64) -> DVector<C64> {
+        let Some(seen) = &self.seen else { return self.forcing.clone() };
+        if self.is_balanced() {
+            return DVector::zeros(seen.len());
+        }
+        let driven = self.under(frequency, seen).and_then(|under| {
+            let whole = under.lu.solve(&self.forcing)?;
+            Some(&under.stiffness * DVector::from_iterator(seen.len(), seen.iter().map(|k| whole[*k])))
+        });
+        driven.unwrap_or_else(|| DVector::from_element(seen.len(), C64::from(f64::NAN)))
     }
 
     /// Restoring force of bearing `k` at the edge of contact extended: `b_k g_k`, what `s` takes away in contact.
@@ -363,7 +496,7 @@ impl Equation {
 
     /// Left side minus right side, with `s = 1 - g / r` on the masses in `contact` and 0 on the others, wherever they are.
     pub(super) fn residual(&self, c: &DVector<C64>, frequency: f64, contact: Contact) -> DVector<C64> {
-        let mut f = self.dynamic_stiffness(frequency) * c - &self.forcing;
+        let mut f = self.dynamic_stiffness(frequency) * c - self.forcing(frequency);
         for k in 0..c.len() {
             if contact >> k & 1 == 1 {
                 f[k] += c[k] * self.bearing[k] - direction(c[k]) * self.deadband_force(k);
@@ -376,7 +509,7 @@ impl Equation {
     pub(super) fn scale(&self, c: &DVector<C64>, frequency: f64) -> f64 {
         let biggest = self.dynamic_stiffness(frequency).iter().map(|z| z.norm()).fold(0.0, f64::max);
         let bearing = self.bearing.iter().copied().fold(0.0, f64::max);
-        (biggest + bearing) * c.norm() + self.forcing.norm()
+        (biggest + bearing) * c.norm() + self.forcing(frequency).norm()
     }
 
     /// Derivative of the residual by `c` as the pair `(A, B)` of `A q + B conj(q)`.
@@ -400,8 +533,18 @@ impl Equation {
         self.by_growth(c, frequency) * J
     }
 
-    /// Derivative of the residual by the rate of growth: `(C + 2 s) c`.
+    /// Derivative of the residual by the rate of growth: `(C + 2 s) c`, or `h^-1 E^T Z^-1 (C + 2 s M) H h^-1 c`.
     fn by_growth(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
+        let Some(seen) = &self.seen else { return self.by_growth_of_all(c, frequency) };
+        let moved = self.under(frequency, seen).and_then(|under| {
+            let moved = under.lu.solve(&self.by_growth_of_all(&(&under.whirl * (&under.stiffness * c)), frequency))?;
+            Some(&under.stiffness * DVector::from_iterator(seen.len(), seen.iter().map(|k| moved[*k])))
+        });
+        moved.unwrap_or_else(|| DVector::from_element(seen.len(), C64::from(f64::NAN)))
+    }
+
+    /// `dZ/ds c` of all coordinates.
+    fn by_growth_of_all(&self, c: &DVector<C64>, frequency: f64) -> DVector<C64> {
         let s = C64::new(self.growth, frequency);
         let inertia = self.mass.as_ref().map_or_else(|| c.clone(), |mass| &mass.matrix * c);
         let mut by = &self.damping * c + inertia * (s * 2.0);
@@ -423,7 +566,7 @@ impl Equation {
         &self.damping
     }
 
-    /// The control acceleration of the orbit at each control bearing, `|u|`, in `w0^2 e_t`.
+    /// The control acceleration of the orbit with all amplitudes `c` at each control bearing, `|u|`, in `w0^2 e_t`.
     pub(super) fn forces(&self, c: &[C64], frequency: f64) -> Vec<f64> {
         if let Some(around) = &self.around {
             let mut forces = vec![C64::ZERO; around.count()];

@@ -136,7 +136,13 @@ pub(super) fn radii(orbit: &Orbit, units: Units) -> impl Iterator<Item = Cell> {
 /// `deadband 1, 0, 1 e_t`, or in m.
 pub(super) fn deadband_text(machine: &Machine) -> String {
     let units = machine.units();
-    let typed: Vec<f64> = machine.settings.deadband.iter().map(|g| units.length(*g)).collect();
+    // Of a chain every mass has one, as in its file; of shaft elements only what has play.
+    let tells = |place: usize| machine.rotor.is_chain() || machine.rotor.has_contact(place);
+    let places = machine.settings.deadband.iter().enumerate().filter(|(place, _)| tells(*place));
+    let typed: Vec<f64> = places.map(|(_, g)| units.length(*g)).collect();
+    if typed.is_empty() {
+        return "no bearing with play".to_owned();
+    }
     format!("deadband {} {}", listed(&typed), units.length_unit())
 }
 
