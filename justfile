@@ -39,7 +39,7 @@ dependencies:
 ci:
     .ci/run
 
-# What docs/measurements.md promises of the live bench, measured on this machine (2 minutes; Linux)
+# What docs/book/src/measurements.md promises of the live bench, measured on this machine (2 minutes; Linux)
 measure:
     cargo bench -p promises --bench measure
 
@@ -84,16 +84,26 @@ bench *ARGS:
 
 # The NASA report again, into ./out, and its committed page renewed
 report:
-    cargo run --release -- report --force --out out --page docs/report.md
+    cargo run --release -- report --force --out out --page docs/book/src/nasa-report.md
 
-# The evidence for the gain search, docs/gain-search.md, computed anew (a minute)
+# The evidence for the gain search, docs/book/src/gain-search.md, computed anew (a minute)
 evidence:
-    cargo run --release -p study --example gain_search -- docs
+    cargo run --release -p study --example gain_search -- docs/book/src
 
-# Man pages and shell completions, docs/man and docs/completions, made from the program (a test compares)
+# Man pages, shell completions and the book's reference pages, made from the program's tables (a test compares)
 manual:
     rm -rf docs/man docs/completions
     cargo run -p promises --example manual -- docs
+
+# The book's page of JSON fields, asked of the program (a test compares)
+json:
+    cargo build -p promises
+    cargo run -p promises --example json -- docs/book/src/json.md
+
+# The book as HTML, target/book (sets up mdBook in target/tools: a minute or two, once)
+book:
+    cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root target/tools
+    target/tools/bin/mdbook build docs/book
 
 # The C header of the messages, made from their tables (a test compares)
 header:
@@ -111,13 +121,13 @@ check-python:
     cd crates/wire/python && ../../../target/python-bench/bin/mypy whirl
     WHIRL=target/release/whirl target/python-bench/bin/python -m pytest -q crates/wire/python/tests
 
-# The page of the protocol, docs/protocol.md, made from the same tables (a test compares)
+# The page of the protocol, docs/book/src/protocol.md, made from the same tables (a test compares)
 protocol:
-    cargo run -p wire --example protocol -- docs/protocol.md
+    cargo run -p wire --example protocol -- docs/book/src/protocol.md
 
-# The documents' pictures, of a real bench, into docs/pictures
+# The documents' pictures, of a real bench, into docs/book/src/pictures
 screenshots:
-    docs/pictures/make
+    docs/book/src/pictures/make
 
 # Take over changed frames and texts of the snapshot tests, after reading them
 accept:

@@ -46,6 +46,9 @@ _whirl() {
             whirl,force)
                 cmd="whirl__subcmd__force"
                 ;;
+            whirl,help)
+                cmd="whirl__subcmd__help"
+                ;;
             whirl,info)
                 cmd="whirl__subcmd__info"
                 ;;
@@ -173,7 +176,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map sweep tune report assign rotor"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map sweep tune report assign rotor help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -557,6 +560,20 @@ _whirl() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__help)
+            opts="-h --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
                 *)
                     COMPREPLY=()
                     ;;
@@ -1701,7 +1718,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__wire)
-            opts="-h --bench --json --csv --help"
+            opts="-h --bench --header --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0

@@ -61,6 +61,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "tune" -d 'Search the ga
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "report" -d 'Make the NASA report again: every figure, and every printed number beside ours'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "assign" -d 'Make feedback that assigns poles, or show which modes each bearing and sensor reaches'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "rotor" -d 'List the built-in rotors, show one as a file, or check files'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "help" -d 'Show a page of the book, or what a command takes'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
@@ -173,6 +174,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand status" -s h -l help -d 'Pri
 complete -c whirl -n "__fish_whirl_using_subcommand control" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand control" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand wire" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand wire" -l header -d 'Print the C header of all messages, whirl.h'
 complete -c whirl -n "__fish_whirl_using_subcommand wire" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand wire" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand wire" -s h -l help -d 'Print help'
@@ -451,3 +453,4 @@ complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subco
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand help" -s h -l help -d 'Print help'

@@ -1,4 +1,4 @@
-//! Measures what docs/measurements.md promises of the live bench, on the machine at hand, and prints a table.
+//! Measures what docs/book/src/measurements.md promises of the live bench, on the machine at hand, and prints a table.
 //!
 //! `cargo bench -p promises --bench measure`. It drives the real program in a real pseudo-terminal and reads the
 //! processes' own accounts in `/proc`: Linux only. It judges nothing; machines and their load differ.

@@ -29,30 +29,54 @@ macro_rules! documents {
 
 documents! {
     commands_of_the_readme: "README.md",
-    commands_of_analysis: "docs/analysis.md",
-    commands_of_bench: "docs/bench.md",
-    commands_of_console: "docs/console.md",
-    commands_of_files: "docs/files.md",
-    commands_of_join: "docs/join.md",
-    commands_of_loop: "docs/loop.md",
-    commands_of_protocol: "docs/protocol.md",
-    commands_of_search: "docs/search.md",
-    commands_of_recordings: "docs/recordings.md",
+    commands_of_introduction: "docs/book/src/introduction.md",
+    commands_of_tutorial: "docs/book/src/tutorial.md",
+    commands_of_bring_a_rotor: "docs/book/src/bring-a-rotor.md",
+    commands_of_import_a_rotor: "docs/book/src/import-a-rotor.md",
+    commands_of_tune_for_deadband: "docs/book/src/tune-for-deadband.md",
+    commands_of_add_a_delay: "docs/book/src/add-a-delay.md",
+    commands_of_pass_a_critical_speed: "docs/book/src/pass-a-critical-speed.md",
+    commands_of_after_a_trip: "docs/book/src/after-a-trip.md",
+    commands_of_write_a_controller: "docs/book/src/write-a-controller.md",
+    commands_of_sweep_on_a_cluster: "docs/book/src/sweep-on-a-cluster.md",
+    commands_of_coming_from: "docs/book/src/coming-from.md",
+    commands_of_console: "docs/book/src/console.md",
+    commands_of_bench: "docs/book/src/bench.md",
+    commands_of_recordings: "docs/book/src/recordings.md",
+    commands_of_join: "docs/book/src/join.md",
+    commands_of_files: "docs/book/src/files.md",
+    commands_of_loop: "docs/book/src/loop.md",
+    commands_of_analysis: "docs/book/src/analysis.md",
+    commands_of_search: "docs/book/src/search.md",
+    commands_of_protocol: "docs/book/src/protocol.md",
+    commands_of_circular_whirl: "docs/book/src/circular-whirl.md",
     commands_of_the_sample_recordings: "recordings/README.md",
 }
 
+/// The pages of the book, and their order.
+const BOOK: &str = "docs/book/src";
+const SUMMARY: &str = "docs/book/src/SUMMARY.md";
+
 /// Blocks that no test runs, of all documents. Each says why.
-const NOT_RUN: usize = 8;
+const NOT_RUN: usize = 10;
 
 fn follow(path: &str) {
     let mut reader = Reader::new();
-    let (mut run, mut left_to_the_feature) = (0, 0);
+    let (mut run, mut left_to_the_feature, mut is_left) = (0, 0, false);
     for Fence { line, block, text } in fences(path) {
         let place = format!("{path}:{line}");
         match block {
-            Block::Commands => run += reader.types(&place, &text),
+            Block::Commands => {
+                run += reader.types(&place, &text);
+                is_left = false;
+            }
             Block::Recordings if cfg!(feature = "rerun") => run += reader.types(&place, &text),
-            Block::Recordings => left_to_the_feature += 1,
+            Block::Recordings => {
+                left_to_the_feature += 1;
+                is_left = true;
+            }
+            // Of a command that was not run nothing was seen.
+            Block::Printed if is_left => {}
             Block::Printed => reader.has_seen(&place, &text),
             Block::File(name) => reader.writes(&name, &text),
             Block::NotRun(_) | Block::Other => {}
@@ -64,15 +88,7 @@ fn follow(path: &str) {
 
 #[test]
 fn every_document_with_commands_is_tried_and_what_is_not_run_says_why() {
-    let mut documents: BTreeSet<String> = BTreeSet::new();
-    for folder in [".", "docs", "recordings"] {
-        for entry in fs::read_dir(top().join(folder)).expect("a folder").flatten() {
-            let name = entry.file_name().to_string_lossy().into_owned();
-            if name.ends_with(".md") {
-                documents.insert(if folder == "." { name } else { format!("{folder}/{name}") });
-            }
-        }
-    }
+    let documents = documents();
     assert!(documents.len() > 10, "{documents:?}");
     let mut not_run = 0;
     for document in &documents {
@@ -109,7 +125,9 @@ fn regress_no_document_writes_a_file_twice() {
                 if words.get(1) == Some(&"export") {
                     let kind = if words.contains(&"--parquet") { "parquet" } else { "csv" };
                     assert!(written.insert(words[2].replace(".rrd", &format!(".{kind}"))), "{line}");
-                    assert!(written.contains(words[2]), "nothing has written {}: {line}", words[2]);
+                    // The sample is there from the start.
+                    let is_there = words[2].starts_with("recordings/") || written.contains(words[2]);
+                    assert!(is_there, "nothing has written {}: {line}", words[2]);
                 }
             }
         }
@@ -119,30 +137,38 @@ fn regress_no_document_writes_a_file_twice() {
 }
 
 #[test]
-fn the_readme_is_short_and_every_document_begins_with_what_it_is_for() {
+fn the_readme_is_short_and_the_book_has_every_page_once() {
     let readme = paper("README.md");
-    assert!(readme.len() <= 8192, "README.md has {} bytes: what is not for a first visit goes to docs/", readme.len());
-    for entry in fs::read_dir(top().join("docs")).expect("docs").flatten() {
-        let name = entry.file_name().to_string_lossy().into_owned();
-        if name.ends_with(".md") {
-            assert!(readme.contains(&format!("docs/{name}")), "README.md does not lead to docs/{name}");
-        }
+    assert!(
+        readme.len() <= 8192,
+        "README.md has {} bytes: what is not for a first visit goes to the book",
+        readme.len()
+    );
+    let listed: Vec<String> = links(&paper(SUMMARY)).into_iter().map(|page| format!("{BOOK}/{page}")).collect();
+    let once: BTreeSet<String> = listed.iter().cloned().collect();
+    assert_eq!(once.len(), listed.len(), "{SUMMARY} lists a page twice: {listed:?}");
+    let mut there = documents();
+    there.retain(|document| document.starts_with(BOOK) && document != SUMMARY);
+    assert_eq!(once, there, "pages that {SUMMARY} lists, and those that are there");
+    for page in &there {
+        // Behind the comment that a page was made.
+        let begins = paper(page).lines().find(|line| !line.is_empty() && !line.starts_with("<!--")).map(str::to_owned);
+        assert!(begins.is_some_and(|line| line.starts_with("# ")), "{page} does not begin with its title");
     }
 }
 
 #[test]
 fn every_link_of_the_documents_leads_somewhere() {
     let mut followed = 0;
-    for document in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md"].iter().chain(TRIED) {
+    for document in &documents() {
         let folder = top().join(document).parent().expect("a document is in a folder").to_owned();
-        let text = paper(document);
-        for link in text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link) {
-            if link.contains("://") || link.contains(char::is_whitespace) {
-                continue;
-            }
-            let (file, anchor) = link.split_once('#').unwrap_or((link, ""));
+        for link in links(&paper(document)) {
+            let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
             let target = if file.is_empty() { top().join(document) } else { folder.join(file) };
             assert!(target.exists(), "{document}: nothing is at {link}");
+            // The book is read without the repository.
+            let leaves = document.starts_with(BOOK) && file.starts_with("..");
+            assert!(!leaves, "{document}: {link} is not in the book");
             if !anchor.is_empty() {
                 let target = fs::read_to_string(&target).expect("a text");
                 assert!(anchors(&target).contains(anchor), "{document}: no heading for {link}");
@@ -151,6 +177,26 @@ fn every_link_of_the_documents_leads_somewhere() {
         }
     }
     assert!(followed > 50, "only {followed} links");
+}
+
+/// All documents, by their paths in the repository.
+fn documents() -> BTreeSet<String> {
+    let mut documents: BTreeSet<String> = BTreeSet::new();
+    for folder in [".", BOOK, "recordings"] {
+        for entry in fs::read_dir(top().join(folder)).expect("a folder").flatten() {
+            let name = entry.file_name().to_string_lossy().into_owned();
+            if name.ends_with(".md") {
+                documents.insert(if folder == "." { name } else { format!("{folder}/{name}") });
+            }
+        }
+    }
+    documents
+}
+
+/// Where the links and pictures of a text lead to, but those to other places of the world.
+fn links(text: &str) -> Vec<String> {
+    let all = text.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(link, _)| link);
+    all.filter(|link| !link.contains("://") && !link.contains(char::is_whitespace)).map(str::to_owned).collect()
 }
 
 /// What a Markdown viewer calls the headings of a text.

@@ -76,10 +76,19 @@ fn the_documents_and_the_changelog_show_every_command() {
     let commands = help.split("Commands:").nth(1).and_then(|rest| rest.split("Options:").next()).expect("commands");
     let names: Vec<&str> = commands.lines().filter_map(|line| line.split_whitespace().next()).collect();
     assert!(names.contains(&"up") && names.len() > 8, "{help}");
-    let shown: String =
-        ["README.md", "analysis.md", "bench.md", "console.md", "join.md", "protocol.md", "recordings.md", "search.md"]
-            .map(|name| if name == "README.md" { paper(name) } else { paper(&format!("docs/{name}")) })
-            .concat();
+    let shown: String = [
+        "README.md",
+        "introduction.md",
+        "analysis.md",
+        "bench.md",
+        "console.md",
+        "join.md",
+        "protocol.md",
+        "recordings.md",
+        "search.md",
+    ]
+    .map(|name| if name == "README.md" { paper(name) } else { paper(&format!("docs/book/src/{name}")) })
+    .concat();
     let changelog = paper("CHANGELOG.md");
     for name in names {
         assert!(shown.contains(&format!("\nwhirl {name} ")), "no document shows `whirl {name}`");
@@ -88,6 +97,12 @@ fn the_documents_and_the_changelog_show_every_command() {
             "CHANGELOG.md does not name `{name}`"
         );
     }
+}
+
+#[test]
+fn the_page_of_json_fields_is_that_of_the_program() {
+    let made = promises::reference::json(&|words| run(words).json());
+    assert!(made == paper("docs/book/src/json.md"), "docs/book/src/json.md: `just json` makes it again");
 }
 
 #[test]
@@ -110,6 +125,10 @@ fn the_manual_and_the_completions_are_those_of_the_program() {
             assert!(made == kept, "docs/{part}/{name} is not of this program: `just manual` makes it again");
             compared += 1;
         }
+    }
+    for name in promises::reference::names() {
+        let made = fs::read_to_string(folder.path().join("book/src").join(name)).expect("a text");
+        assert!(made == paper(&format!("docs/book/src/{name}")), "docs/book/src/{name}: `just manual` makes it again");
     }
     assert!(compared > 20, "only {compared} files");
 }

@@ -1,4 +1,4 @@
-//! The seven tasks of docs/console.md, one after another in one session, in terminals as small as people have them: each from what the help
+//! The seven tasks of docs/book/src/console.md, one after another in one session, in terminals as small as people have them: each from what the help
 //! on the screen tells, and with what it asks for read from the screen.
 
 use promises::paper::paper;
@@ -20,7 +20,7 @@ const TASKS: [Task; 7] = [
 
 #[test]
 fn the_seven_tasks_succeed_in_small_terminals() {
-    let document = paper("docs/console.md");
+    let document = paper("docs/book/src/console.md");
     let listed = document.split("## Seven tasks").nth(1).expect("the tasks").split("\n## ").next().unwrap_or_default();
     let names: Vec<&str> = listed.split("\n**").skip(1).filter_map(|task| Some(task.split_once("**")?.0)).collect();
     assert_eq!(names, TASKS.map(|(name, _)| name));

@@ -2,6 +2,7 @@
 
 pub mod manual;
 pub mod paper;
+pub mod reference;
 mod screen;
 
 use std::ffi::OsStr;

@@ -1,4 +1,4 @@
-//! The manual: man pages and shell completions, made from the command line itself and the dashboard's table of actions.
+//! The manual: man pages, shell completions and the reference part of the book, made from the command line itself and the tables of the program.
 
 use std::fs;
 use std::io::{self, Write};
@@ -7,7 +7,7 @@ use std::path::Path;
 use clap_complete::Shell;
 use clap_mangen::roff::{Roff, bold, roman};
 
-/// Writes `man/*.1`, `man/whirl-keys.7` and `completions/*` into `folder`.
+/// Writes `man/*.1`, `man/whirl-keys.7`, `completions/*` and the made pages of `book/src` into `folder`.
 ///
 /// # Errors
 /// It cannot be written.
@@ -15,6 +15,9 @@ pub fn write(folder: &Path) -> io::Result<()> {
     let (man, completions) = (folder.join("man"), folder.join("completions"));
     fs::create_dir_all(&man)?;
     fs::create_dir_all(&completions)?;
+    let book = folder.join("book/src");
+    fs::create_dir_all(&book)?;
+    crate::reference::write(&book)?;
     clap_mangen::generate_to(whirl::command(), &man)?;
     fs::write(man.join("whirl-keys.7"), keys())?;
     for shell in [Shell::Bash, Shell::Zsh, Shell::Fish] {
@@ -54,20 +57,16 @@ fn rows(page: &mut Roff, rows: Vec<(String, &str)>) {
 fn see_also() -> String {
     let mut page = Roff::new();
     page.control("SH", ["EXIT STATUS"]);
-    page.text([roman(
-        "0 done; 1 the work failed, or a change was refused; 2 the command line or a file is wrong; 3 no such bench, or it \
-         is taken; 130 interrupted.",
-    )]);
-    page.control("SH", ["ENVIRONMENT"]);
-    for (name, meaning) in [
-        ("WHIRL_ROOT", "the folder of shared memory; else whirl in XDG_RUNTIME_DIR, else /tmp/whirl-UID"),
-        ("WHIRL_LOG", "a log, such as debug: of dashboards in a file that whirl status names, of the rest on stderr"),
-        ("NO_COLOR", "no colours"),
-        ("COLORTERM", "truecolor: the themes full and colour-blind have all their colours"),
-    ] {
+    for (code, meaning) in whirl::EXIT_CODES {
         page.control("TP", []);
-        page.text([bold(name)]);
-        page.text([roman(meaning)]);
+        page.text([bold(code.to_string())]);
+        page.text([roman(*meaning)]);
+    }
+    page.control("SH", ["ENVIRONMENT"]);
+    for (name, meaning) in whirl::ENVIRONMENT {
+        page.control("TP", []);
+        page.text([bold(*name)]);
+        page.text([roman(*meaning)]);
     }
     page.control("SH", ["FILES"]);
     page.text([bold("whirl config path"), roman(" prints where the configuration, layouts, gains and commands are.")]);

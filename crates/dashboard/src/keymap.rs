@@ -195,16 +195,6 @@ mod tests {
     const CTRL: KeyModifiers = KeyModifiers::CONTROL;
 
     #[test]
-    fn the_documents_have_the_same_table() {
-        let console = include_str!("../../../docs/console.md");
-        let keymap = Keymap::default();
-        let rows = ACTIONS.iter().flat_map(|row| row.keys.iter().map(move |keys| (row, keys)));
-        let table: String =
-            rows.map(|(row, keys)| format!("| {} | {} |\n", keymap.shown(row, keys), keys.meaning)).collect();
-        assert!(console.contains(&table), "docs/console.md should have these lines:\n{table}");
-    }
-
-    #[test]
     fn no_key_is_bound_twice_and_names_read_back() {
         let keymap = Keymap::default();
         for (at, (chord, _)) in keymap.0.iter().enumerate() {

@@ -1,7 +1,7 @@
-//! Makes `docs/gain-search.md`, the evidence for the gain search, with its pictures: every number in it is computed here.
+//! Makes `docs/book/src/gain-search.md`, the evidence for the gain search, with its pictures: every number in it is computed here.
 //!
 //! ```sh
-//! cargo run --release -p study --example gain_search -- docs
+//! cargo run --release -p study --example gain_search -- docs/book/src
 //! ```
 
 use std::error::Error;
@@ -24,7 +24,7 @@ const CLIMBS: u64 = 100;
 const MANY: usize = 64;
 
 fn main() -> Done<()> {
-    let folder = std::env::args().nth(1).unwrap_or_else(|| "docs".into());
+    let folder = std::env::args().nth(1).unwrap_or_else(|| "docs/book/src".into());
     let folder = Path::new(&folder);
     let rotor = builtin::rotor("three-mass").ok_or("no such rotor")?;
     let mut page = HEAD.to_owned();
@@ -40,7 +40,7 @@ fn main() -> Done<()> {
 const HEAD: &str = "# The gain search: evidence
 
 The three-mass rotor, control bearing at mass 1, sensors at masses 1 and 2. Made by
-`cargo run --release -p study --example gain_search -- docs`, which computes every number here anew; times are those of the machine it
+`cargo run --release -p study --example gain_search -- docs/book/src`, which computes every number here anew; times are those of the machine it
 ran on. *Proven* means over every condition of the family, between grid points too, within 1e-4 ([search.md](search.md) says how).
 
 ";

@@ -58,13 +58,13 @@ fn agrees(ours: &str, committed: &str) -> bool {
 
 #[test]
 fn the_committed_page_is_the_one_that_is_made() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/report.md");
-    let committed = std::fs::read_to_string(path).expect("docs/report.md is committed");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/book/src/nasa-report.md");
+    let committed = std::fs::read_to_string(path).expect("docs/book/src/nasa-report.md is committed");
     let page = made().markdown(false);
     for (i, (ours, committed)) in page.lines().zip(committed.lines()).enumerate() {
         assert!(
             agrees(ours, committed),
-            "docs/report.md:{}: make it again with `cargo run --release -- report --page docs/report.md`\n made: {ours}\n \
+            "docs/book/src/nasa-report.md:{}: make it again with `cargo run --release -- report --page docs/book/src/nasa-report.md`\n made: {ours}\n \
              there: {committed}",
             i + 1
         );

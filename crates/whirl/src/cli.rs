@@ -100,4 +100,6 @@ pub(crate) enum Command {
     Assign(commands::assign::AssignArgs),
     /// List the built-in rotors, show one as a file, or check files
     Rotor(commands::rotor::RotorArgs),
+    /// Show a page of the book, or what a command takes
+    Help(commands::help::HelpArgs),
 }

@@ -2,9 +2,9 @@
 
 use crate::cli::{Cli, Command};
 use crate::commands::{
-    assess, assign, bode, clean, config, control, cycles, dash, export, force, info, layout, map, margin, measure,
-    modes, note, poles, record, replay, report, response, rotor, run, runup, set, sim, status, sweep, tail, thresholds,
-    trace, tune, up, wire,
+    assess, assign, bode, clean, config, control, cycles, dash, export, force, help, info, layout, map, margin,
+    measure, modes, note, poles, record, replay, report, response, rotor, run, runup, set, sim, status, sweep, tail,
+    thresholds, trace, tune, up, wire,
 };
 use crate::failure::Failure;
 
@@ -49,5 +49,6 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Report(args) => report::run(&args),
         Command::Assign(args) => assign::run(&args),
         Command::Rotor(args) => rotor::run(&args),
+        Command::Help(args) => help::run(&args),
     }
 }

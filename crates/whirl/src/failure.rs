@@ -3,6 +3,23 @@
 use std::io::Write;
 use std::process::ExitCode;
 
+/// Every exit code, and what it means.
+pub const EXIT_CODES: &[(u8, &str)] = &[
+    (0, "done"),
+    (1, "the work failed, or a change was refused"),
+    (2, "the command line or a file is wrong"),
+    (3, "no such bench, or it is taken"),
+    (130, "interrupted"),
+];
+
+/// Every variable of the environment that counts, and what it does.
+pub const ENVIRONMENT: &[(&str, &str)] = &[
+    ("WHIRL_ROOT", "the folder of shared memory; else whirl in XDG_RUNTIME_DIR, else /tmp/whirl-UID"),
+    ("WHIRL_LOG", "a log, such as debug: of dashboards in a file that whirl status names, of the rest on stderr"),
+    ("NO_COLOR", "no colours"),
+    ("COLORTERM", "truecolor: the themes full and colour-blind have all their colours"),
+];
+
 /// Why a command did not do what was asked.
 #[derive(Debug, thiserror::Error)]
 pub(crate) enum Failure {
@@ -88,5 +105,26 @@ impl From<rotor::circular::CircularError> for Failure {
             CircularError::Sampled | CircularError::Feedback(_) => Self::Usage(error.to_string()),
             CircularError::Poles(_) | CircularError::Roots(_) => Self::Work(error.to_string()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_failure_has_its_code_in_the_table() {
+        let told = String::new;
+        let all = [
+            Failure::OutputClosed,
+            Failure::Work(told()),
+            Failure::Usage(told()),
+            Failure::Bench(told()),
+            Failure::Interrupted,
+        ];
+        assert_eq!(
+            all.map(|failure| failure.code()).as_slice(),
+            EXIT_CODES.iter().map(|(code, _)| *code).collect::<Vec<_>>()
+        );
     }
 }

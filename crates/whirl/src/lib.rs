@@ -20,6 +20,7 @@
 //! | what a console knows and asks, for a screen of your own | [`telemetry`] | `telemetry::feed` |
 //! | the console | [`dashboard`] | |
 //! | to read TOML files and tell every fault at its place | [`text`] | [`text::Reader`] |
+//! | the book's pages, as text | `manual` | `manual::page` |
 //! | to write files whole or not at all | [`files`] | [`files::Draft`] |
 //!
 //! Quantities are dimensionless unless a name says otherwise: displacements in `e_t`, time `tau = w0 t`, speed `R = w / w0`,
@@ -65,6 +66,8 @@ mod units;
 mod varied;
 
 use std::process::ExitCode;
+
+pub use failure::{ENVIRONMENT, EXIT_CODES};
 
 use clap::Parser;
 

@@ -4,7 +4,7 @@
 //! cargo run -p wire --example rig -- measured.csv --rotor rotor.toml --bench rig --rate 1000
 //! ```
 //!
-//! The file has a line of names and then a line a step. The names are those of the channels (docs/protocol.md): `y1` and `z1` of every mass must
+//! The file has a line of names and then a line a step. The names are those of the channels (docs/book/src/protocol.md): `y1` and `z1` of every mass must
 //! be there; `tau`, `speed`, `angle`, `uy`, `uz` and the rest may be. What is not measured is told so far as it follows from what is: velocities are
 //! differences of displacements, readings are the displacements, and what does not follow is 0. Only a model knows poles: of a rig none are
 //! told, and its rotor, a file, is there for names, masses and units alone. At its end the file begins anew, as another turn of the same run.

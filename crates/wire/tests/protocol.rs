@@ -9,8 +9,9 @@ use wire::{header, message};
 
 #[test]
 fn the_page_is_that_of_these_tables() {
-    let kept = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/protocol.md")).unwrap();
-    assert!(kept == page(), "make it again: cargo run -p wire --example protocol -- docs/protocol.md");
+    let kept =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/book/src/protocol.md")).unwrap();
+    assert!(kept == page(), "make it again: cargo run -p wire --example protocol -- docs/book/src/protocol.md");
 }
 
 #[test]

@@ -23,7 +23,7 @@ pub(super) enum Block {
     NotRun(String),
     /// `text printed`: what the last command before it prints.
     Printed,
-    /// `toml FILE`: a file that commands after it name.
+    /// `toml FILE` or `c FILE`: a file that commands after it name.
     File(String),
     /// `text`: anything else.
     Other,
@@ -62,7 +62,7 @@ fn block(info: &str) -> Option<Block> {
         "text" => Block::Other,
         _ => match info.split_once(' ') {
             Some(("sh", rest)) => Block::NotRun(rest.strip_prefix("not-run: ")?.to_owned()),
-            Some(("toml", file)) => Block::File(file.to_owned()),
+            Some(("toml" | "c", file)) => Block::File(file.to_owned()),
             _ => return None,
         },
     })

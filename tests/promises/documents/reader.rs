@@ -34,7 +34,7 @@ fn kind(command: &str) -> Kind {
         "up" | "replay" => Kind::Terminal,
         "dash" if !has("--picture") => Kind::Terminal,
         "tail" if !has("--count") => Kind::Endless,
-        "record" => Kind::Endless,
+        "record" | "control" => Kind::Endless,
         _ => Kind::Ends,
     }
 }
@@ -71,7 +71,8 @@ impl Reader {
     pub(super) fn types(&mut self, place: &str, block: &str) -> usize {
         let commands: Vec<&str> = block.lines().map(command).filter(|command| !command.is_empty()).collect();
         for command in &commands {
-            assert!(command.starts_with("whirl"), "{place}: '{command}' is no command that this test can follow");
+            let is_known = ["whirl", "cc", "cat"].contains(&command.split(' ').next().unwrap_or_default());
+            assert!(is_known, "{place}: '{command}' is no command that this test can follow");
             let place = format!("{place}: {command}");
             match kind(command) {
                 Kind::Ends => self.runs(&place, command),
@@ -122,7 +123,7 @@ impl Reader {
         self.printed = String::from_utf8_lossy(&output.stdout).into_owned();
         assert_eq!(output.status.code(), Some(0), "{place}\n{}{errors}", self.printed);
         let words: Vec<&str> = line.split_whitespace().collect();
-        let files = words.windows(2).filter(|pair| matches!(pair[0], "--out" | "--plot" | "--picture" | ">"));
+        let files = words.windows(2).filter(|pair| matches!(pair[0], "--out" | "-o" | "--plot" | "--picture" | ">"));
         let mut is_silent = self.printed.is_empty() && errors.is_empty();
         for pair in files {
             assert!(self.folder.path().join(pair[1]).exists(), "{place}: {} is not there", pair[1]);
@@ -152,12 +153,17 @@ impl Reader {
         let mut child = command.stdout(Stdio::piped()).spawn().expect("a shell starts");
         let mut said = BufReader::new(child.stdout.take().expect("it is piped"));
         self.printed.clear();
-        if line.starts_with("whirl record") {
-            // It says nothing until its end; but the bench knows of it.
-            let bench = line.split("--bench ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or("default");
+        let bench = line.split("--bench ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or("default");
+        // Neither says anything until its end; but the bench knows of it.
+        let is_there: Option<fn(&Self, &str, u32) -> bool> = match line.split(' ').nth(1) {
+            Some("record") => Some(|reader, bench, pid| reader.recorder_of(bench) == Some(pid)),
+            Some("control") => Some(Self::is_controlled_by),
+            _ => None,
+        };
+        if let Some(is_there) = is_there {
             let start = Instant::now();
-            while self.recorder_of(bench) != Some(child.id()) {
-                assert!(start.elapsed() < PATIENCE, "{place}: it does not record");
+            while !is_there(self, bench, child.id()) {
+                assert!(start.elapsed() < PATIENCE, "{place}: the bench does not know of it");
                 std::thread::sleep(Duration::from_millis(20));
             }
         } else {
@@ -168,6 +174,15 @@ impl Reader {
         said.read_to_string(&mut self.printed).expect("it prints text");
         let status = child.wait().expect("it ends");
         assert!(matches!(status.code(), Some(0 | 130)), "{place}: {status}");
+    }
+
+    /// Whether a process has joined a bench to control it.
+    fn is_controlled_by(&self, bench: &str, pid: u32) -> bool {
+        let status = self.root.run(&["status", "--json"]).json();
+        let benches = status["benches"].as_array().cloned().unwrap_or_default();
+        let attached =
+            benches.iter().filter(|entry| entry["name"] == bench).filter_map(|entry| entry["attached"].as_array());
+        attached.flatten().any(|process| process["role"] == "control" && process["pid"] == pid)
     }
 
     /// The process that records a bench.

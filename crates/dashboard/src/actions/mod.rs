@@ -1,5 +1,5 @@
 //! The one table of actions: it makes the keys, the command line with its completion, the help screen, the hints at the
-//! foot, the table of docs/console.md and the default configuration.
+//! foot, the table of docs/book/src/keys.md and the default configuration.
 //!
 //! A key stands for a command line, such as `nudge -1`; what is typed after `:` goes through the same [`parse`].
 

@@ -10,6 +10,7 @@ pub(crate) mod cycles;
 pub(crate) mod dash;
 pub(crate) mod export;
 pub(crate) mod force;
+pub(crate) mod help;
 pub(crate) mod info;
 pub(crate) mod layout;
 mod linear;

@@ -8,13 +8,16 @@ use wire::{BenchName, BenchStatus, CHANNELS, Flags, Root, SCHEMA, Scope, StepLay
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
-use crate::output::{Cell, Format, Table};
+use crate::output::{Cell, Format, Table, print_text};
 
 /// Options of `whirl wire`.
 #[derive(Debug, clap::Args)]
 pub(crate) struct WireArgs {
     #[command(flatten)]
     bench: BenchArgs,
+    /// Print the C header of all messages, whirl.h
+    #[arg(long, conflicts_with_all = ["bench", "json", "csv"])]
+    header: bool,
     #[command(flatten)]
     format: Format,
 }
@@ -264,6 +267,9 @@ fn messages() -> Vec<Message> {
 /// # Errors
 /// Not a bench name, a root that cannot be used, or a bench of another version.
 pub(crate) fn run(args: &WireArgs) -> Result<(), Failure> {
+    if args.header {
+        return print_text(&header::text());
+    }
     let name = args.bench.name()?;
     let carrier = attach::carrier("wire")?;
     let root = Root::from_environment()?;

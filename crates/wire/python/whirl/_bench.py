@@ -239,7 +239,7 @@ class Bench:
 
     @property
     def status(self) -> BenchStatus:
-        """How the bench stands, as it told last: pace, poles, trip. All fields: `docs/protocol.md`."""
+        """How the bench stands, as it told last: pace, poles, trip. All fields: `docs/book/src/protocol.md`."""
         end = time.monotonic() + 3.0
         while True:
             self._read_documents()

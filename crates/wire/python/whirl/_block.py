@@ -51,7 +51,7 @@ class Block:
         return Block(self.words.reshape(-1).copy(), self.lost)
 
     def channel(self, name: str) -> NDArray[Any]:
-        """A channel by its name in `docs/protocol.md`: ``tau``, ``y``, ``uy_commanded`` ..."""
+        """A channel by its name in `docs/book/src/protocol.md`: ``tau``, ``y``, ``uy_commanded`` ..."""
         try:
             row: Channel = _BY_NAME[name]
         except KeyError:

@@ -1,6 +1,6 @@
 //! How a program that knows nothing of this crate finds and reads a bench: the table of services, with their patterns, types and sizes.
 //!
-//! [`page`] is the same for people: `docs/protocol.md`, which a test keeps in step with the tables.
+//! [`page`] is the same for people: `docs/book/src/protocol.md`, which a test keeps in step with the tables.
 
 mod page;
 

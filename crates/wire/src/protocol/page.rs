@@ -1,4 +1,4 @@
-//! `docs/protocol.md`: services, steps and messages as tables, made of the tables that the program itself goes by.
+//! `docs/book/src/protocol.md`: services, steps and messages as tables, made of the tables that the program itself goes by.
 
 use std::fmt::Write as _;
 
