@@ -50,7 +50,7 @@ measure-recorder:
 # Recordings: the sink, the reader and the commands, with rerun (minutes to build the first time)
 test-recordings:
     cargo test -p tape -p promises --features promises/rerun --lib --test files --test damage
-    cargo test -p tape -p promises --features promises/rerun --test promises -- recordings replay
+    cargo test -p tape -p promises --features promises/rerun --test promises -- recordings replay after_a_trip tutorial
 
 # The small recording in recordings/, made again
 sample:
@@ -89,6 +89,15 @@ report:
 # The evidence for the gain search, docs/book/src/gain-search.md, computed anew (a minute)
 evidence:
     cargo run --release -p study --example gain_search -- docs/book/src
+
+# A release in one file, target/dist: program, man pages, completions, licences, with its SHA-256 (`just dist --features rerun`: with recordings)
+dist *ARGS:
+    cargo run -p promises --example dist -- {{ARGS}}
+
+# Sets of gains side by side, docs/book/src/side-by-side.md, computed anew (under two minutes)
+side-by-side:
+    cargo build --release -p promises
+    cargo run --release -p promises --example evidence -- docs/book/src/side-by-side.md
 
 # Man pages, shell completions and the book's reference pages, made from the program's tables (a test compares)
 manual:

@@ -25,7 +25,9 @@ pub(crate) fn show(markdown: &str, width: usize, look: Look) -> String {
     let mut was_item = false;
     for block in blocks(markdown) {
         let is_item = matches!(block, Block::Item(..));
-        if !out.is_empty() && !(is_item && was_item) {
+        // Items of a list follow each other at once.
+        let goes_on = is_item && was_item;
+        if !out.is_empty() && !goes_on {
             out.push('\n');
         }
         was_item = is_item;
@@ -39,7 +41,7 @@ pub(crate) fn show(markdown: &str, width: usize, look: Look) -> String {
             }
             Block::Verbatim(all) => {
                 for line in all {
-                    out += &format!("{INDENT}{line}").trim_end();
+                    out += format!("{INDENT}{line}").trim_end();
                     out.push('\n');
                 }
             }

@@ -44,6 +44,7 @@ pages! {
     "search-and-proof",
     "certainty",
     "nasa-report",
+    "side-by-side",
     "gain-search",
     "measurements",
     "validation",
@@ -94,7 +95,8 @@ pub struct NoPage {
 pub fn parts() -> Vec<Part> {
     let mut parts = vec![Part { title: "", pages: Vec::new() }];
     for line in SUMMARY.lines().map(str::trim) {
-        if let Some(title) = line.strip_prefix("# ") {
+        // The heading of the summary itself is none of a part.
+        if let Some(title) = line.strip_prefix("# ").filter(|title| *title != "Summary") {
             parts.push(Part { title, pages: Vec::new() });
         }
         let listed = line.trim_start_matches("- ").strip_prefix('[').and_then(|rest| rest.split_once("]("));

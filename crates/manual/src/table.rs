@@ -9,6 +9,8 @@ use crate::layout::{Look, wrapped};
 const GAP: usize = 2;
 /// No column is made narrower than this, even where the table is wider than the terminal then.
 const LEAST: usize = 4;
+/// A column is at least as wide as its longest word where there is room, but no longer word than this asks for it.
+const WORD: usize = 16;
 
 /// A table as text.
 pub(crate) fn show(rows: &[Vec<String>], width: usize, look: Look) -> String {
@@ -16,7 +18,9 @@ pub(crate) fn show(rows: &[Vec<String>], width: usize, look: Look) -> String {
     let rows: Vec<Vec<Vec<Word>>> =
         rows.iter().map(|row| (0..columns).map(|at| words(row.get(at).map_or("", String::as_str))).collect()).collect();
     let wide: Vec<usize> = (0..columns).map(|at| rows.iter().map(|row| length(&row[at])).max().unwrap_or(0)).collect();
-    let wide = fitted(wide, width);
+    let longest = |at: usize| rows.iter().flat_map(|row| &row[at]).map(|word| length(std::slice::from_ref(word))).max();
+    let least: Vec<usize> = (0..columns).map(|at| longest(at).unwrap_or(0).min(WORD)).collect();
+    let wide = fitted(wide, &least, width);
     let is_wrapped = rows.iter().any(|row| row.iter().zip(&wide).any(|(cell, wide)| length(cell) > *wide));
     let mut out = String::new();
     for (at, row) in rows.iter().enumerate() {
@@ -84,11 +88,18 @@ fn shown_width(text: &str) -> usize {
     wide
 }
 
-/// Widths that fit: what is narrow stays, and the rest share what is left.
-fn fitted(mut wide: Vec<usize>, width: usize) -> Vec<usize> {
+/// Widths that fit: each column has its longest word, and what is left goes where text is long. Where not even the words fit, what is narrow
+/// stays and the rest share what is left.
+fn fitted(mut wide: Vec<usize>, least: &[usize], width: usize) -> Vec<usize> {
     let room = width.saturating_sub(GAP * wide.len().saturating_sub(1));
     if wide.iter().sum::<usize>() <= room {
         return wide;
+    }
+    let taken: usize = least.iter().sum();
+    if taken <= room {
+        let missing = |at: usize| wide[at].saturating_sub(least[at]);
+        let all: usize = (0..wide.len()).map(missing).sum();
+        return (0..wide.len()).map(|at| least[at] + missing(at) * (room - taken) / all.max(1)).collect();
     }
     let mut order: Vec<usize> = (0..wide.len()).collect();
     order.sort_by_key(|&at| wide[at]);
@@ -122,8 +133,10 @@ mod tests {
 
     #[test]
     fn narrow_columns_keep_their_width() {
-        assert_eq!(fitted(vec![4, 100, 10], 60), [4, 42, 10]);
-        assert_eq!(fitted(vec![4, 5, 6], 60), [4, 5, 6]);
-        assert_eq!(fitted(vec![100, 100], 22), [10, 10]);
+        assert_eq!(fitted(vec![4, 5, 6], &[1, 1, 1], 60), [4, 5, 6]);
+        // 56 cells: 4, 8 and 10 for words, and the 34 that are left go to the long one.
+        assert_eq!(fitted(vec![4, 100, 10], &[4, 8, 10], 60), [4, 42, 10]);
+        // No room for the words.
+        assert_eq!(fitted(vec![100, 100], &[16, 16], 22), [10, 10]);
     }
 }
