@@ -78,6 +78,13 @@ check-campbell:
     target/ross/bin/pip install --quiet ross-rotordynamics==2.3.0 "plotly<6"
     target/ross/bin/python tests/reference/campbell_beside_ross.py target/release/whirl
 
+# A job array of `whirl sweep plan --slurm` on a real Slurm of one node, one task killed half way (as root on Debian; installs slurm-wlm and munge)
+check-slurm *ARGS:
+    cargo build --release --features parquet
+    python3 -m venv target/slurm
+    target/slurm/bin/pip install --quiet duckdb polars pyarrow
+    target/slurm/bin/python tests/slurm target/release/whirl {{ARGS}}
+
 # Benchmarks of the numerics and of drawing, each beside a peer in the same process
 bench *ARGS:
     cargo bench --workspace --exclude promises {{ARGS}}
