@@ -8,7 +8,7 @@
 #include <stdint.h>
 #include <string.h>
 
-#define WHIRL_SCHEMA 4 /* version of all messages together */
+#define WHIRL_SCHEMA 5 /* version of all messages together */
 #define WHIRL_MAX_MASSES 16 /* masses of the largest rotor */
 #define WHIRL_MAX_BEARINGS 8 /* control bearings of the largest machine */
 #define WHIRL_MAX_BURST 32 /* steps of the largest message of whirl/NAME/state */
@@ -105,6 +105,31 @@ struct whirl_health { /* 72 bytes, whirl.Health */
     uint32_t reserved;
 };
 
+/* How a controller outside does. Counts are since the process started; percentiles too. */
+struct whirl_control_health { /* 72 bytes, whirl.ControlHealth */
+    /* 0: Commands that were taken. */
+    uint64_t taken;
+    /* 8: Of these, commands that came after their deadline. */
+    uint64_t late;
+    /* 16: Samples whose command was not there at its deadline. */
+    uint64_t missed;
+    /* 24: Commands that were not taken, because they were not finite. */
+    uint64_t refused;
+    /* 32: How often commands from outside came to act. */
+    uint64_t took_over;
+    /* 40: How often the law of the bench had to take over. */
+    uint64_t lost;
+    /* 48: How long after its readings a command was sent, by its own time stamp, microseconds: median; 0 where none
+       has one. */
+    double age_p50_us;
+    /* 56: The same, 99th percentile. */
+    double age_p99_us;
+    /* 64: 1 if commands from outside act, 0 while the law of the bench does. */
+    uint32_t acting;
+    /* 68: Always 0. */
+    uint32_t reserved;
+};
+
 /* What tripped the machine; all zero while it runs. */
 struct whirl_trip { /* 32 bytes, whirl.Trip */
     /* 0: 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came from
@@ -132,7 +157,7 @@ struct whirl_document_head { /* 16 bytes, whirl.DocumentHead */
 
 /* The whole slow picture of a bench in one message, so that its parts always fit together. BenchStatus is it with
    the documents that it names. */
-struct whirl_bench_status { /* 888 bytes, whirl.BenchStatus */
+struct whirl_bench_status { /* 960 bytes, whirl.BenchStatus */
     /* 0: Which run of which process: as in the steps. */
     uint64_t run_id;
     /* 8: Number of this bench status in its run: rises by 1. */
@@ -174,7 +199,9 @@ struct whirl_bench_status { /* 888 bytes, whirl.BenchStatus */
     struct whirl_analysis analysis;
     /* 784: How well the process keeps its pace. */
     struct whirl_health health;
-    /* 856: What tripped the machine. */
+    /* 856: How a controller outside does; all zero where there was none. */
+    struct whirl_control_health control;
+    /* 928: What tripped the machine. */
     struct whirl_trip trip;
 };
 

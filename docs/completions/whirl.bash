@@ -40,6 +40,9 @@ _whirl() {
             whirl,dash)
                 cmd="whirl__subcmd__dash"
                 ;;
+            whirl,drill)
+                cmd="whirl__subcmd__drill"
+                ;;
             whirl,export)
                 cmd="whirl__subcmd__export"
                 ;;
@@ -176,7 +179,7 @@ _whirl() {
 
     case "${cmd}" in
         whirl)
-            opts="-h -V --help --version up sim dash record replay info export tail layout config set note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map sweep tune report assign rotor help"
+            opts="-h -V --help --version up sim dash record replay info export tail layout config set drill note status control wire clean poles trace thresholds modes margin measure bode assess run runup force response cycles map sweep tune report assign rotor help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 1 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -462,7 +465,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__dash)
-            opts="-h --bench --history --layout --theme --ascii --read-only --locked --picture --force --size --after --press --help"
+            opts="-h --bench --history --layout --theme --ascii --fps --read-only --locked --picture --force --size --after --press --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -484,6 +487,10 @@ _whirl() {
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
+                --fps)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --picture)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
@@ -497,6 +504,32 @@ _whirl() {
                     return 0
                     ;;
                 --press)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                *)
+                    COMPREPLY=()
+                    ;;
+            esac
+            COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+            return 0
+            ;;
+        whirl__subcmd__drill)
+            opts="-h --at --size --bench --force --json --help"
+            if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
+                COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
+                return 0
+            fi
+            case "${prev}" in
+                --at)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --size)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --bench)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -956,7 +989,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__replay)
-            opts="-h --history --layout --theme --ascii --read-only --locked --help"
+            opts="-h --history --layout --theme --ascii --fps --read-only --locked --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -971,6 +1004,10 @@ _whirl() {
                     return 0
                     ;;
                 --theme)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --fps)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -1652,7 +1689,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__up)
-            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --history --layout --theme --ascii --read-only --locked --record --force --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --history --layout --theme --ascii --fps --read-only --locked --record --force --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1703,6 +1740,10 @@ _whirl() {
                     return 0
                     ;;
                 --theme)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --fps)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

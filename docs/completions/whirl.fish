@@ -37,6 +37,7 @@ complete -c whirl -n "__fish_whirl_needs_command" -f -a "tail" -d 'Print live te
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "layout" -d 'List the layouts of the dashboard, show one as a file, or check files'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "config" -d 'Say where the configuration is, what it says, and what holds without one'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "set" -d 'Change gains, speed, deadband ... of a running simulation'
+complete -c whirl -n "__fish_whirl_needs_command" -f -a "drill" -d 'Hold a drill: one fault at a time on a running simulation, and back'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "note" -d 'Mark the present step of a running simulation with a note'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "status" -d 'List running benches: rates, lateness, losses, who is attached'
 complete -c whirl -n "__fish_whirl_needs_command" -f -a "control" -d 'Let any program control a running simulation, by its standard input and output'
@@ -74,6 +75,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l trip -d 'Orbit radius
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l history -d 'Megabytes that the steps kept for looking back may take' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l fps -d 'Frames a second at most; fewer where the line to the terminal is slow' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l record -d 'Record the session in FILE.rrd, by a process of its own' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l read-only -d 'Only look: change nothing'
@@ -97,6 +99,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand dash" -l bench -d 'Name of t
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l history -d 'Megabytes that the steps kept for looking back may take' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
+complete -c whirl -n "__fish_whirl_using_subcommand dash" -l fps -d 'Frames a second at most; fewer where the line to the terminal is slow' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l picture -d 'Take a picture of the screen, SVG or plain text, instead of showing it' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l size -d 'The size of that screen in cells' -r
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l after -d 'Seconds to listen before the picture is taken' -r
@@ -119,6 +122,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand record" -s h -l help -d 'Pri
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l history -d 'Megabytes that the steps kept for looking back may take' -r
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
+complete -c whirl -n "__fish_whirl_using_subcommand replay" -l fps -d 'Frames a second at most; fewer where the line to the terminal is slow' -r
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l ascii -d 'Show nothing but ASCII, whatever the locale says'
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l read-only -d 'Only look: change nothing'
 complete -c whirl -n "__fish_whirl_using_subcommand replay" -l locked -d 'Begin with the machine locked against keys: ctrl-l unlocks it'
@@ -165,6 +169,12 @@ complete -c whirl -n "__fish_whirl_using_subcommand set" -l why -d 'Why, for the
 complete -c whirl -n "__fish_whirl_using_subcommand set" -l force -d 'Make the change even if a stable machine becomes unstable by it'
 complete -c whirl -n "__fish_whirl_using_subcommand set" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand set" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand drill" -l at -d 'Where a fault is: the number or name of a mass or control bearing' -r
+complete -c whirl -n "__fish_whirl_using_subcommand drill" -l size -d 'How large it is, in the units of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand drill" -l bench -d 'Name of the bench' -r
+complete -c whirl -n "__fish_whirl_using_subcommand drill" -l force -d 'Make the fault even if a stable machine becomes unstable by it'
+complete -c whirl -n "__fish_whirl_using_subcommand drill" -l json -d 'Print JSON, one object a change'
+complete -c whirl -n "__fish_whirl_using_subcommand drill" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand note" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand note" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand note" -s h -l help -d 'Print help'

@@ -185,8 +185,14 @@ fn clients_that_are_killed_leave_bench_other_clients_and_memory_whole() {
     let controller = controller.map(|path| path.display().to_string());
     let mut random = 0x9e37_79b9_u32;
     for kill in 0..kills {
-        let mut clients: Vec<Vec<&str>> =
-            vec![vec!["tail", "--json"], vec!["tail", "--events"], vec!["set", "kd=4"], vec!["status"], vec!["wire"]];
+        let mut clients: Vec<Vec<&str>> = vec![
+            vec!["tail", "--json"],
+            vec!["tail", "--events"],
+            vec!["set", "kd=4"],
+            vec!["drill", "delay-jump", "--size=0.01"],
+            vec!["status"],
+            vec!["wire"],
+        ];
         if let Some(controller) = &controller {
             clients.push(vec!["control", "--bench", "a", "--", controller]);
             clients.push(vec!["control", "--bench", "a", "--", controller]);

@@ -5,6 +5,7 @@ mod beams;
 mod circular;
 mod console;
 mod documents;
+mod drills;
 mod endings;
 mod events;
 mod examples;

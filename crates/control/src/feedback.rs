@@ -140,6 +140,14 @@ impl Feedback {
         self
     }
 
+    /// The same without faults of sensors and amplifiers.
+    #[must_use]
+    pub fn sound(&self) -> Self {
+        let mut sound = self.clone();
+        sound.bearings.iter_mut().for_each(|bearing| bearing.parts = bearing.parts.sound());
+        sound
+    }
+
     /// Sets the delay of all loops.
     pub fn set_delay(&mut self, delay: f64) {
         self.bearings.iter_mut().for_each(|bearing| bearing.parts.delay = delay);

@@ -249,6 +249,29 @@ pub enum FeedbackError {
         "external_trip = {0} without external: expected external = N beside it, the samples that a controller outside may miss"
     )]
     ExternalTripAlone(f64),
+    /// A sensor that is not there.
+    #[error("sensor_at = {found}: expected a mass from 1 to {masses}, whose sensor has that gain")]
+    NoSensor {
+        /// What was asked for.
+        found: f64,
+        /// How many masses there are.
+        masses: usize,
+    },
+    /// A sensor of which nothing is said.
+    #[error(
+        "sensor_at = {0} without sensor_gain: expected sensor_gain = G beside it, what that sensor reads of what is there"
+    )]
+    SensorAtAlone(f64),
+    /// An amplifier that is not the same along both axes.
+    #[error(
+        "amplifier_y = {y}, amplifier_z = {z}: a bearing that acts along its axes differently has no poles of forward and backward whirl"
+    )]
+    Anisotropic {
+        /// Gain along y.
+        y: f64,
+        /// Gain along z.
+        z: f64,
+    },
     /// No control bearing, or more than a message can carry.
     #[error("feedback has 1 to {MAX_BEARINGS} control bearings, found {0}")]
     Bearings(usize),
@@ -326,6 +349,13 @@ impl ControlBearing {
         }
         if self.parts.external_trip > 0.0 && self.parts.external == 0.0 {
             return Err(FeedbackError::ExternalTripAlone(self.parts.external_trip));
+        }
+        let Parts { sensor_at, sensor_gain, .. } = self.parts;
+        if sensor_at.fract() != 0.0 || sensor_at > masses as f64 {
+            return Err(FeedbackError::NoSensor { found: sensor_at, masses });
+        }
+        if sensor_at > 0.0 && sensor_gain == 1.0 {
+            return Err(FeedbackError::SensorAtAlone(sensor_at));
         }
         Ok(())
     }

@@ -40,9 +40,14 @@ impl LinearLoop {
     /// The loop of `bearing` on a plant of so many stations, at a spin speed.
     ///
     /// # Errors
-    /// Feedback that does not fit.
+    /// Feedback that does not fit, or whose amplifier is not the same along both axes: such a loop answers a forward whirl with a
+    /// backward one too, and has no form in complex numbers.
     pub fn new(bearing: &ControlBearing, stations: usize, speed: f64) -> Result<Self, FeedbackError> {
         bearing.check(stations)?;
+        let Parts { amplifier_y: y, amplifier_z: z, .. } = bearing.parts;
+        if y != z {
+            return Err(FeedbackError::Anisotropic { y, z });
+        }
         Ok(Controller::with_room(bearing, stations, speed, 1, 0.0).linear(speed))
     }
 
@@ -138,7 +143,11 @@ impl LinearLoop {
         };
         let mut sum = Law::direct(DMatrix::zeros(1, inputs));
         for (displacement, velocity, gains, blocks) in rows {
-            let weights = displacement.iter().map(|w| -gains[0] * *w).chain(velocity.iter().map(|w| -gains[1] * *w));
+            let read = |weights: &'a [f64], gain: C64| {
+                let read = weights.iter().zip(sensors);
+                read.map(move |(w, station)| -gain * (*w * parts.gain_of_sensor(*station)))
+            };
+            let weights = read(displacement, gains[0]).chain(read(velocity, gains[1]));
             sum = sum.beside(through(Law::direct(DMatrix::from_row_iterator(1, inputs, weights)), blocks));
         }
         Self {
@@ -152,7 +161,14 @@ impl LinearLoop {
     }
 }
 
+/// Lag and amplifier.
 fn actuator(parts: &Parts) -> [DMatrix<C64>; 4] {
+    let [a, b, c, d] = lag(parts);
+    let gain = C64::from(parts.amplifier_y);
+    [a, b, c * gain, d * gain]
+}
+
+fn lag(parts: &Parts) -> [DMatrix<C64>; 4] {
     let of = |rows: usize, columns: usize, numbers: &[f64]| {
         DMatrix::from_row_iterator(rows, columns, numbers.iter().map(|x| C64::from(*x)))
     };
@@ -251,6 +267,31 @@ mod tests {
                 assert!((slope[k] - difference).norm() < 1e-7 * (1.0 + slope[k].norm()));
             }
         }
+    }
+
+    #[test]
+    fn val_gains_of_sensors_and_of_the_amplifier_are_factors_of_the_response() {
+        let (sound, s) = (whole(), C64::new(0.3, 2.0));
+        let mut faulty = sound.clone();
+        let parts = &mut faulty.parts;
+        (parts.sensor_gain, parts.sensor_at, parts.amplifier_y, parts.amplifier_z) = (0.3, 2.0, 0.5, 0.5);
+        let of = |bearing: &ControlBearing| LinearLoop::new(bearing, 3, 2.5).expect("fits");
+        let (sound, faulty) = (of(&sound), of(&faulty));
+        let [value, slope] = faulty.response(s).expect("no pole there");
+        let [sound_value, sound_slope] = sound.response(s).expect("no pole there");
+        for (k, station) in faulty.sensors.iter().enumerate() {
+            let factor = if *station == 1 { 0.15 } else { 0.5 };
+            assert!((value[k] - sound_value[k] * factor).norm() < 1e-13, "{station}");
+            assert!((slope[k] - sound_slope[k] * factor).norm() < 1e-13, "{station}");
+        }
+    }
+
+    #[test]
+    fn a_loop_that_has_lost_an_axis_has_no_complex_form() {
+        let mut lost = whole();
+        lost.parts.amplifier_z = 0.0;
+        let told = LinearLoop::new(&lost, 3, 2.5).unwrap_err();
+        assert_eq!(told, FeedbackError::Anisotropic { y: 1.0, z: 0.0 });
     }
 
     #[test]

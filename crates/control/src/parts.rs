@@ -59,12 +59,30 @@ pub struct Parts {
     /// Samples without a command after which the machine trips; 0 is never.
     #[serde(skip_serializing_if = "is_absent")]
     pub external_trip: f64,
+    /// What the sensors read of what is there, `r = sensor_gain (p + noise)`; 0 is a sensor that is lost.
+    #[serde(skip_serializing_if = "is_whole")]
+    pub sensor_gain: f64,
+    /// The station whose sensor that is, counted from 1; 0 is every sensor of the bearing.
+    #[serde(skip_serializing_if = "is_absent")]
+    pub sensor_at: f64,
+    /// Gain of the amplifier along y, behind the actuator's lag and before its limits; 0 is an axis that is lost.
+    #[serde(skip_serializing_if = "is_whole")]
+    pub amplifier_y: f64,
+    /// The same along z.
+    #[serde(skip_serializing_if = "is_whole")]
+    pub amplifier_z: f64,
 }
 
 /// What is not there is not told, so that whoever knows nothing of it can read the rest.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
 fn is_absent(samples: &f64) -> bool {
     *samples == 0.0
+}
+
+/// Nor is what is as it was designed.
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands out references")]
+fn is_whole(gain: &f64) -> bool {
+    *gain == 1.0
 }
 
 /// JSON has no infinity: no limit is `null` there.
@@ -96,6 +114,10 @@ impl Default for Parts {
             slew: f64::INFINITY,
             external: 0.0,
             external_trip: 0.0,
+            sensor_gain: 1.0,
+            sensor_at: 0.0,
+            amplifier_y: 1.0,
+            amplifier_z: 1.0,
         }
     }
 }
@@ -116,8 +138,8 @@ macro_rules! part {
     };
 }
 
-/// Every number of the loop, in the order in which a signal passes them.
-pub const PARTS: [Part; 12] = [
+/// Every number of the loop, in the order in which a signal passes them; what is a fault stands last.
+pub const PARTS: [Part; 16] = [
     part!(sensor_lag, "time constant of the sensors", Time, 1e-6, 1e6, 0.01, 0.0),
     part!(noise, "sensor noise, standard deviation per sample", Length, 1e-12, 1e6, 0.001, 0.0),
     part!(quantum, "resolution of the sensors", Length, 1e-12, 1e6, 0.001, 0.0),
@@ -130,7 +152,14 @@ pub const PARTS: [Part; 12] = [
     part!(slew, "largest rate of force |du/dtau|", ForceRate, 1e-9, 1e12, 10.0, f64::INFINITY),
     part!(external, "samples that a controller outside may miss", Number, 1.0, 1e6, 1.0, 0.0),
     part!(external_trip, "samples missed by it that trip the machine", Number, 1.0, 1e6, 1.0, 0.0),
+    part!(sensor_gain, "gain of the sensors, 1 as designed, 0 lost", Number, 0.0, 100.0, 0.1, 1.0),
+    part!(sensor_at, "station of the one sensor with that gain", Number, 1.0, 16.0, 1.0, 0.0),
+    part!(amplifier_y, "gain of the amplifier along y, 1 as designed, 0 lost", Number, 0.0, 100.0, 0.1, 1.0),
+    part!(amplifier_z, "gain of the amplifier along z", Number, 0.0, 100.0, 0.1, 1.0),
 ];
+
+/// Numbers that do nothing by themselves.
+const ALONE: [&str; 4] = ["seed", "lag_damping", "external_trip", "sensor_at"];
 
 impl Part {
     /// Whether a value is allowed: within its range, or absent.
@@ -164,8 +193,21 @@ impl Parts {
     /// Whether force follows displacement at once and exactly.
     #[must_use]
     pub fn is_ideal(&self) -> bool {
-        let alone = ["seed", "lag_damping", "external_trip"];
-        PARTS.iter().filter(|part| !alone.contains(&part.name)).all(|p| (p.get)(self) == p.absent)
+        PARTS.iter().filter(|part| !ALONE.contains(&part.name)).all(|p| (p.get)(self) == p.absent)
+    }
+
+    /// The gain of the sensor at a station, counted from 0.
+    #[must_use]
+    pub fn gain_of_sensor(&self, station: usize) -> f64 {
+        let is_meant = self.sensor_at == 0.0 || self.sensor_at == (station + 1) as f64;
+        if is_meant { self.sensor_gain } else { 1.0 }
+    }
+
+    /// The same without faults of sensors and amplifiers.
+    #[must_use]
+    pub fn sound(self) -> Self {
+        let Self { sensor_gain, sensor_at, amplifier_y, amplifier_z, .. } = Self::default();
+        Self { sensor_gain, sensor_at, amplifier_y, amplifier_z, ..self }
     }
 
     /// Checks every number.
@@ -192,7 +234,7 @@ mod tests {
         let parts = Parts::default();
         parts.check().expect("allowed");
         assert!(parts.is_ideal());
-        for part in PARTS.iter().filter(|p| !["seed", "lag_damping", "external_trip"].contains(&p.name)) {
+        for part in PARTS.iter().filter(|p| !ALONE.contains(&p.name)) {
             let mut changed = parts;
             (part.set)(&mut changed, part.step);
             assert!(!changed.is_ideal(), "{}", part.name);

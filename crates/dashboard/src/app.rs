@@ -109,6 +109,8 @@ pub(crate) struct App<'a> {
     command_history: CommandHistory,
     /// Settings to compare with.
     held: Option<Settings>,
+    /// Frames a second that are drawn at most for what comes in by itself.
+    fps: u32,
     read_only: bool,
     /// Whether keys leave the machine alone until it is unlocked.
     locked: bool,
@@ -175,6 +177,7 @@ impl<'a> App<'a> {
             presets: Presets(options.presets.clone()),
             command_history: CommandHistory::read(options.commands.clone()),
             held: None,
+            fps: options.fps,
             read_only: options.read_only,
             locked: options.locked,
             pictures: options.pictures.clone(),
@@ -199,7 +202,7 @@ impl<'a> App<'a> {
 
     /// Shows the bench until a person, a signal or a failure ends it.
     pub(crate) fn run(&mut self, mut screen: Screen, streams: &Streams) -> Result<Ended, DashboardError> {
-        let mut pacing = Pacing::default();
+        let mut pacing = Pacing::new(self.fps);
         loop {
             if let Some(ended) = self.quit {
                 return Ok(ended);
@@ -260,8 +263,8 @@ impl<'a> App<'a> {
         }
         let (now, feed) = (Instant::now(), self.feed_state());
         if pacing.is_due(feed, now) {
-            screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))?;
-            pacing.drawn(feed.changes, now);
+            let taken = screen.draw(|frame| self.render(frame.area(), frame.buffer_mut()))?;
+            pacing.drawn(feed.changes, Instant::now(), taken);
         }
         Ok(())
     }

@@ -3,6 +3,8 @@
 use alarms::Watch;
 use rotor::PARAMETERS;
 
+use telemetry::drill::Fault;
+
 use crate::actions::ACTIONS;
 use crate::panels::registry::plots;
 use crate::series;
@@ -27,6 +29,10 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
             Watch::ALL.into_iter().filter(|watch| watch.has_limits()).map(|watch| format!("{watch} ")).collect()
         }
         Some("alarm") => ["off", "machine"].map(str::to_owned).to_vec(),
+        Some("drill") if before.split_whitespace().count() == 1 => {
+            Fault::ALL.into_iter().map(|fault| format!("{fault} ")).chain(["off".to_owned()]).collect()
+        }
+        Some("drill") => ["at=", "size="].map(str::to_owned).to_vec(),
         Some("search") => ["robust", "full", "stop"].map(str::to_owned).to_vec(),
         Some("choose") => plots().map(str::to_owned).collect(),
         Some("scale") => plots().chain(["auto"]).map(str::to_owned).collect(),
@@ -46,6 +52,9 @@ pub(crate) fn meaning(word: &str) -> String {
     let word = word.trim_end();
     if let Some(row) = ACTIONS.iter().find(|row| row.name == word) {
         return format!("{} {}", row.argument, row.meaning).trim_start().to_owned();
+    }
+    if let Ok(fault) = Fault::named(word) {
+        return fault.meaning().to_owned();
     }
     let setting = word.strip_suffix('=').and_then(|name| PARAMETERS.iter().find(|parameter| parameter.name == name));
     setting.map_or_else(String::new, |parameter| parameter.meaning.to_owned())
@@ -67,9 +76,14 @@ mod tests {
     fn completion_offers_names_settings_and_what_commands_take() {
         let layouts = ["operator".to_owned(), "overview".to_owned()];
         let complete = |line: &str| completions(line, &layouts, &["good".to_owned()]);
-        assert_eq!(complete("se"), ["select ", "set ", "search ", "seek ", "sensor_lag=", "seed="]);
+        assert_eq!(
+            complete("se"),
+            ["select ", "set ", "search ", "seek ", "sensor_lag=", "seed=", "sensor_gain=", "sensor_at="]
+        );
         assert_eq!(complete("layout o"), ["layout operator", "layout overview"]);
         assert_eq!(complete("load "), ["load good"]);
+        assert_eq!(complete("drill sensor-l"), ["drill sensor-lost "]);
+        assert_eq!(complete("drill sensor-lost a"), ["drill sensor-lost at="]);
         assert_eq!(complete("strips y.1 rad"), ["strips y.1 radius"]);
         assert_eq!(complete("scale pole"), ["scale poles"]);
         assert!(complete("choose ").contains(&"choose spectrum".to_owned()));

@@ -65,6 +65,8 @@ pub struct Options {
     pub commands: Option<PathBuf>,
     /// The folder in which pictures of the screen are kept that are not told where.
     pub pictures: Option<PathBuf>,
+    /// Frames a second that are drawn at most for what comes in by itself, at least 1; fewer where the terminal takes no more.
+    pub fps: u32,
     /// Whether the machine is only looked at.
     pub read_only: bool,
     /// Whether keys leave the machine alone until a person unlocks it.
@@ -85,6 +87,7 @@ impl Default for Options {
             presets: None,
             commands: None,
             pictures: None,
+            fps: 30,
             read_only: false,
             locked: false,
         }

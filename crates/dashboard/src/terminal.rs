@@ -76,16 +76,22 @@ impl Screen {
         Ok(())
     }
 
-    /// Draws one frame as a whole: terminals that can, show nothing until it is complete.
-    pub(crate) fn draw(&mut self, frame: impl FnOnce(&mut ratatui::Frame<'_>)) -> io::Result<()> {
+    /// Draws one frame as a whole: terminals that can, show nothing until it is complete. Returns how long the terminal took to take it.
+    pub(crate) fn draw(&mut self, frame: impl FnOnce(&mut ratatui::Frame<'_>)) -> io::Result<Duration> {
         let _drawing = DRAWING.lock().unwrap_or_else(PoisonError::into_inner);
         if Self::is_broken() {
-            return Ok(());
+            return Ok(Duration::ZERO);
         }
-        match &mut self.terminal.0 {
-            Some(terminal) => draw_whole(terminal, self.look, frame),
-            None => Ok(()),
+        let (begun, mut own) = (Instant::now(), Duration::ZERO);
+        let timed = |canvas: &mut ratatui::Frame<'_>| {
+            let begun = Instant::now();
+            frame(canvas);
+            own = begun.elapsed();
+        };
+        if let Some(terminal) = &mut self.terminal.0 {
+            draw_whole(terminal, self.look, timed)?;
         }
+        Ok(begun.elapsed().saturating_sub(own))
     }
 
     /// Rings the terminal's bell.

@@ -141,7 +141,8 @@ impl Program {
     /// Settings that do not fit the rotor, or a loop that cannot work at this step.
     pub fn in_substeps(rotor: &Rotor, settings: &Settings, dtau: f64, substeps: u32) -> Result<Self, ProgramError> {
         settings.check(rotor)?;
-        let feedback = &settings.feedback;
+        let unbalanced = settings.unbalanced(rotor);
+        let (rotor, feedback) = (&*unbalanced, &settings.feedback);
         let plant = Arc::new(Plant::of(rotor));
         let stations = plant.stations().len();
         let inner = dtau / f64::from(substeps);
@@ -288,7 +289,15 @@ pub fn default_step_over(rotor: &Rotor, settings: &Settings, speeds: [f64; 2]) -
 /// # Errors
 /// Settings that do not fit the rotor, or eigenvalues that do not converge.
 pub fn fastest(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Fastest, ProgramError> {
-    let feedback = &settings.feedback;
+    // A gain that is lost makes nothing faster, one that is more than designed does.
+    let excess =
+        |parts: &control::Parts| parts.sensor_gain.max(1.0) * parts.amplifier_y.max(parts.amplifier_z).max(1.0);
+    let mut feedback = settings.feedback.sound();
+    for (sound, bearing) in feedback.bearings.iter_mut().zip(&settings.feedback.bearings) {
+        sound.parts.amplifier_y = excess(&bearing.parts);
+        sound.parts.amplifier_z = sound.parts.amplifier_y;
+    }
+    let feedback = &feedback;
     if ClosedLoop::describes(rotor, feedback) {
         let closed_loop = ClosedLoop::new(rotor, feedback, speed, &settings.deadband);
         return Ok(Fastest::of(&closed_loop)?);

@@ -144,6 +144,11 @@ impl BeamRotor {
         }
     }
 
+    /// The same with unbalance added at its places, `U / (m_t e_t)` each.
+    pub(crate) fn with_unbalance(&self, added: &[f64]) -> Self {
+        Self { plant: self.plant.clone().with_unbalance(added), ..self.clone() }
+    }
+
     /// The same with a plant of all the coordinates of the elements.
     pub(crate) fn in_full(&self) -> Result<Self, RotorError> {
         Ok(Self { plant: self.full_plant()?, ..self.clone() })

@@ -63,6 +63,12 @@ impl Parameter {
         (self.min..=self.max).contains(&value) || self.off == Some(value)
     }
 
+    /// Whether it is a fault where it is there: no part of a machine as it was designed.
+    #[must_use]
+    pub fn is_fault(&self) -> bool {
+        FAULTS.contains(&self.name)
+    }
+
     /// The name of its unit where a rotor has no scales; empty if it is a ratio. Times are told by their symbol, `tau`.
     #[must_use]
     pub const fn unit(&self) -> &'static str {
@@ -163,7 +169,7 @@ const fn machine(
 }
 
 /// Every numeric setting, in the order in which panels show them.
-pub const PARAMETERS: [Parameter; 20] = [
+pub const PARAMETERS: [Parameter; 25] = [
     machine(
         "speed",
         "spin speed R = w / w0; with a ramp, where it goes",
@@ -218,7 +224,26 @@ pub const PARAMETERS: [Parameter; 20] = [
     part!(9),
     part!(10),
     part!(11),
+    part!(12),
+    part!(13),
+    part!(14),
+    part!(15),
+    Parameter {
+        scope: Scope::Mass,
+        off: Some(0.0),
+        ..machine(
+            "unbalance_added",
+            "unbalance added at a place, U / (m_t e_t)",
+            Dimension::Length,
+            [-1e6, 1e6, 0.1],
+            |settings, mass| settings.unbalance_added.get(mass).copied().unwrap_or(0.0),
+            |settings, mass, value| settings.unbalance_added.get_mut(mass).into_iter().for_each(|added| *added = value),
+        )
+    },
 ];
+
+/// What of a machine is a fault while it is there, and is not told of where it is not.
+const FAULTS: [&str; 5] = ["sensor_gain", "sensor_at", "amplifier_y", "amplifier_z", "unbalance_added"];
 
 /// Whether a name is that of a setting, so that nothing in front of a key can be called so.
 #[must_use]

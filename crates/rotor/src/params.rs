@@ -332,6 +332,20 @@ impl Rotor {
         }
     }
 
+    /// It with more unbalance: `U / (m_t e_t)` at every place, in the plane of its own. For stepping and its steady response alone: what it
+    /// was made of, and the numbers of its file, stay those of the rotor without.
+    #[must_use]
+    pub fn with_unbalance(&self, added: &[f64]) -> Self {
+        let mut made = self.clone();
+        match &mut made.body {
+            Body::Chain { masses, .. } => {
+                masses.iter_mut().zip(added).for_each(|(mass, added)| mass.unbalance += added / mass.mass);
+            }
+            Body::Beam(beam) => *beam = Arc::new(beam.with_unbalance(added)),
+        }
+        made
+    }
+
     /// Whether it has no unbalance.
     #[must_use]
     pub fn is_balanced(&self) -> bool {

@@ -345,6 +345,15 @@ impl Plant {
         &self.unbalance
     }
 
+    /// The same with mass times eccentricity added at its stations, each of which is where the control bearing of the same number would be.
+    pub(crate) fn with_unbalance(mut self, added: &[f64]) -> Self {
+        for ((station, column), moment) in self.stations.iter().zip(&self.columns).zip(added) {
+            column.add(C64::from(*moment), &mut self.unbalance);
+            station.row.add(C64::from(*moment), &mut self.moment);
+        }
+        self
+    }
+
     /// The torque that the unbalance, in the direction of spin, takes from the spin while the coordinates accelerate by `a` (without
     /// the unbalance's own `R^2 - j R'`): `sum_k Im(conj(m_k e_k exp(j theta)) a_k)`, in `K_t e_t^2`.
     #[must_use]

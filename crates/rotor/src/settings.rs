@@ -2,6 +2,8 @@
 //!
 //! Settings travel whole and are checked whole: a half-applied change cannot exist.
 
+use std::borrow::Cow;
+
 use crate::{ClosedLoop, Feedback, FeedbackError, Gain, Key, PARAMETERS, Parameter, Rotor, Scope};
 
 /// Why a change of settings is refused. Nothing has changed then.
@@ -70,6 +72,14 @@ pub enum SettingsError {
         /// How many there must be.
         masses: usize,
     },
+    /// The number of added unbalances is not the number of masses.
+    #[error("{found} added unbalances for {masses} masses")]
+    Unbalances {
+        /// How many were given.
+        found: usize,
+        /// How many there must be.
+        masses: usize,
+    },
     /// The feedback does not fit the rotor.
     #[error(transparent)]
     Feedback(#[from] FeedbackError),
@@ -100,6 +110,9 @@ pub struct Settings {
     pub ramp: f64,
     /// The control law.
     pub feedback: Feedback,
+    /// Unbalance added at every place: `U / (m_t e_t)`, so the eccentricity that it would give to the mass of the whole rotor; in the plane
+    /// of the rotor's own.
+    pub unbalance_added: Vec<f64>,
 }
 
 impl Settings {
@@ -109,7 +122,17 @@ impl Settings {
     /// Settings for `rotor` at `speed` under `feedback`: its own deadbands, the default trip limit.
     #[must_use]
     pub fn new(rotor: &Rotor, speed: f64, feedback: Feedback) -> Self {
-        Self { speed, deadband: rotor.deadbands(), trip: Self::DEFAULT_TRIP, ramp: f64::INFINITY, feedback }
+        let (deadband, unbalance_added) = (rotor.deadbands(), vec![0.0; rotor.len()]);
+        Self { speed, deadband, trip: Self::DEFAULT_TRIP, ramp: f64::INFINITY, feedback, unbalance_added }
+    }
+
+    /// The rotor as it turns under these settings: with the unbalance that is added to its own.
+    #[must_use]
+    pub fn unbalanced<'a>(&self, rotor: &'a Rotor) -> Cow<'a, Rotor> {
+        match self.unbalance_added.iter().all(|added| *added == 0.0) {
+            true => Cow::Borrowed(rotor),
+            false => Cow::Owned(rotor.with_unbalance(&self.unbalance_added)),
+        }
     }
 
     /// Checks everything against the rotor it is for.
@@ -119,6 +142,9 @@ impl Settings {
     pub fn check(&self, rotor: &Rotor) -> Result<(), SettingsError> {
         if self.deadband.len() != rotor.len() {
             return Err(SettingsError::Deadbands { found: self.deadband.len(), masses: rotor.len() });
+        }
+        if self.unbalance_added.len() != rotor.len() {
+            return Err(SettingsError::Unbalances { found: self.unbalance_added.len(), masses: rotor.len() });
         }
         self.feedback.check(rotor.len())?;
         for key in self.keys() {
@@ -155,6 +181,7 @@ impl Settings {
                 (0..several).for_each(|k| add(Scope::Bearing, true, |p| !is_of_all(p), Some(k)));
             }
         }
+        (0..self.unbalance_added.len()).for_each(|i| add(Scope::Mass, true, all, Some(i)));
         keys
     }
 
@@ -222,7 +249,7 @@ impl Settings {
     /// # Errors
     /// The clearance of a place where nothing has play: to set it would do nothing.
     pub fn each(&self, rotor: &Rotor, key: Key) -> Result<Vec<Key>, SettingsError> {
-        if key.parameter.scope != Scope::Mass {
+        if key.parameter.scope != Scope::Mass || key.parameter.is_fault() {
             return Ok(self.each_bearing(key));
         }
         let met: Vec<usize> = (0..self.deadband.len()).filter(|place| rotor.has_contact(*place)).collect();
@@ -408,9 +435,10 @@ mod tests {
     fn every_key_reads_back_what_was_set() {
         let (rotor, mut settings) = three_mass();
         let keys = settings.keys();
-        assert_eq!(keys.len(), 3 + 12 + 3 + 4 * 2);
+        assert_eq!(keys.len(), 3 + 16 + 3 + 3 + 4 * 2);
         for (i, &key) in keys.iter().enumerate() {
-            let value = 0.25 + i as f64;
+            // The sensor at a station is a whole number.
+            let value = if key.parameter.name == "sensor_at" { 2.0 } else { 0.25 + i as f64 };
             assert_eq!(key.to_string().parse::<Key>().expect("its own name"), key);
             settings.set(key, value).expect("in range");
             assert_eq!(settings.get(key).expect("exists"), value, "{key}");

@@ -196,6 +196,8 @@ fn any_parts() -> impl Strategy<Value = Parts> {
         // Whole samples, and a controller outside is asked at samples.
         parts.external = if parts.sample > 0.0 { parts.external.ceil() } else { 0.0 };
         parts.external_trip = if parts.external > 0.0 { parts.external_trip.ceil() } else { 0.0 };
+        // A sensor that is there, where it has a gain.
+        parts.sensor_at = if parts.sensor_gain == 1.0 { 0.0 } else { parts.sensor_at.ceil().min(1.0) };
         // The damping is the lag's.
         if parts.lag == 0.0 {
             parts.lag_damping = 0.0;

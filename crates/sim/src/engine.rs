@@ -69,6 +69,8 @@ pub(crate) struct Exchange {
     pub(crate) orders: ArrayQueue<Box<Order>>,
     pub(crate) notices: ArrayQueue<Notice>,
     pub(crate) measures: ArrayQueue<Measure>,
+    /// How old commands from outside were when they were sent, in nanoseconds.
+    pub(crate) ages: ArrayQueue<u64>,
     /// Snapshots that were taken, and buffers for the next.
     pub(crate) saved: ArrayQueue<Box<Saved>>,
     pub(crate) blank: ArrayQueue<Box<Saved>>,
@@ -144,6 +146,7 @@ impl Default for Exchange {
             notices: ArrayQueue::new(4 * MAX_PENDING_CHANGES),
             // Two seconds of wake-ups: the request thread looks ten times a second.
             measures: ArrayQueue::new(2048),
+            ages: ArrayQueue::new(2048),
             counters: Counters::default(),
         }
     }

@@ -174,12 +174,16 @@ pub(crate) struct External<P> {
     has_acted: bool,
     /// Whether the last readings wait for their command, in lockstep.
     waiting: bool,
+    /// When the latest readings were sent, by their number.
+    sent_ns: Box<[u64]>,
 }
 
 /// A command, as far as it is looked at.
 #[derive(Clone, Copy)]
 struct Taken {
     number: u64,
+    /// When it was sent; 0 if it is not told.
+    wall_ns: u64,
     command: [[f64; 2]; MAX_BEARINGS],
 }
 
@@ -201,6 +205,7 @@ impl<P: ControlHost> External<P> {
             acting: false,
             has_acted: false,
             waiting: false,
+            sent_ns: vec![0; TIMED].into(),
         }
     }
 
@@ -275,10 +280,11 @@ impl<P: ControlHost> External<P> {
         let mut found: [Option<Taken>; MAX_TAKEN] = [None; MAX_TAKEN];
         let count = self.receive(engine.machine().outputs().len(), exchange, &mut found)?;
         let counters = &exchange.counters.external;
-        for Taken { number, command } in found.into_iter().take(count).flatten() {
+        for Taken { number, wall_ns, command } in found.into_iter().take(count).flatten() {
             let back = self.number - number;
             self.answered = number;
             self.which.set(number, true);
+            self.age(number, wall_ns, exchange);
             let put = |engine: &mut Engine| engine.machine_mut().command_from_outside(complex(&command), back);
             let in_time = put(engine);
             counters.taken.fetch_add(1, Ordering::Relaxed);
@@ -321,6 +327,7 @@ impl<P: ControlHost> External<P> {
         }
         engine.machine_mut().command_from_outside(complex(&taken.command), 0);
         counters.taken.fetch_add(1, Ordering::Relaxed);
+        self.age(wanted, taken.wall_ns, exchange);
         (self.answered, self.waiting) = (wanted, false);
         Ok(Ready::Yes)
     }
@@ -349,10 +356,19 @@ impl<P: ControlHost> External<P> {
                 return;
             }
             newest = message.number;
-            found[count] = Some(Taken { number: message.number, command: message.command });
+            found[count] = Some(Taken { number: message.number, wall_ns: message.wall_ns, command: message.command });
             count += 1;
         })?;
         Ok(count)
+    }
+
+    /// Notes how long after its readings a command was sent, if it tells that.
+    fn age(&self, number: u64, wall_ns: u64, exchange: &Exchange) {
+        if wall_ns > 0 && self.number - number < TIMED as u64 {
+            let sent_ns = self.sent_ns[number as usize % TIMED];
+            // A full queue drops it: statistics may have gaps, steps may not.
+            let _ = exchange.ages.push(wall_ns.saturating_sub(sent_ns));
+        }
     }
 
     /// From here on commands from outside act, or the law of the bench does.
@@ -396,6 +412,7 @@ impl<P: ControlHost> External<P> {
             let (p, v) = (read.displacement, read.velocity);
             *place = [p.re, p.im, v.re, v.im];
         }
+        self.sent_ns[self.number as usize % TIMED] = readings.wall_ns;
         self.port.send(&readings)
     }
 }
@@ -432,6 +449,9 @@ impl Answered {
 
 /// Readings of which it is known whether they were answered: more than a loop can be late by.
 const REMEMBERED: usize = 1 << 17;
+
+/// Readings of which it is known when they were sent.
+const TIMED: usize = 1024;
 
 /// Commands that are looked at before a step: as many as can wait.
 const MAX_TAKEN: usize = 8;

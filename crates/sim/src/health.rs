@@ -3,15 +3,17 @@
 use std::sync::atomic::Ordering;
 
 use hdrhistogram::Histogram;
-use wire::message::Health;
+use wire::message::{ControlHealth, Health};
 
 use crate::engine::Exchange;
+use crate::external::ExternalCounts;
 
 /// Gathers what the stepping thread measures.
 #[derive(Debug)]
 pub(crate) struct PaceStatistics {
     lateness_ns: Histogram<u64>,
     cost_ns: Histogram<u64>,
+    age_ns: Histogram<u64>,
 }
 
 /// Longest time told apart, in nanoseconds: a minute. Longer ones count as that.
@@ -20,7 +22,7 @@ const LONGEST_NS: u64 = 60_000_000_000;
 impl PaceStatistics {
     pub(crate) fn new() -> Self {
         let histogram = || Histogram::new_with_bounds(1, LONGEST_NS, 3).expect("bounds and digits are in range");
-        Self { lateness_ns: histogram(), cost_ns: histogram() }
+        Self { lateness_ns: histogram(), cost_ns: histogram(), age_ns: histogram() }
     }
 
     /// Takes in all measures that have come since the last call.
@@ -28,6 +30,30 @@ impl PaceStatistics {
         while let Some(measure) = exchange.measures.pop() {
             self.lateness_ns.saturating_record(measure.lateness_ns);
             self.cost_ns.saturating_record(measure.cost_ns);
+        }
+        while let Some(age_ns) = exchange.ages.pop() {
+            self.age_ns.saturating_record(age_ns);
+        }
+    }
+
+    /// How a controller outside did so far.
+    pub(crate) fn control(&self, exchange: &Exchange) -> ControlHealth {
+        let ExternalCounts { taken, late, missed, refused, took_over, lost, acting } = exchange.counters.external.now();
+        let age_us = |quantile| match self.age_ns.is_empty() {
+            true => 0.0,
+            false => self.age_ns.value_at_quantile(quantile) as f64 / 1e3,
+        };
+        ControlHealth {
+            taken,
+            late,
+            missed,
+            refused,
+            took_over,
+            lost,
+            age_p50_us: age_us(0.5),
+            age_p99_us: age_us(0.99),
+            acting: u32::from(acting),
+            reserved: 0,
         }
     }
 

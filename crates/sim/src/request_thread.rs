@@ -147,6 +147,7 @@ impl<'a> RequestThread<'a> {
         self.bench_status.number += 1;
         self.bench_status.wall_ns = crate::wall_ns();
         self.bench_status.health = self.pace.health(self.exchange, listeners);
+        self.bench_status.control = self.pace.control(self.exchange);
         self.bench_status.leg = self.leg();
         self.news = false;
         news.bench_status(&self.bench_status)

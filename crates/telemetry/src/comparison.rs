@@ -43,7 +43,7 @@ impl GainEffects {
             let orbits = found.ok().into_iter().flat_map(|found| found.orbits.into_iter().flatten());
             orbits.filter(circular::Orbit::is_stable).collect::<Vec<_>>()
         };
-        let steady = stable(circular::synchronous(rotor, feedback, deadband, &[*speed]));
+        let steady = stable(circular::synchronous(&settings.unbalanced(rotor), feedback, deadband, &[*speed]));
         let cycles = if has_deadband(settings) {
             stable(circular::cycles(rotor, feedback, deadband, &[*speed]))
         } else {

@@ -10,6 +10,7 @@ use rotor::{ControlMasses, MAX_BEARINGS, Rotor, Settings};
 use wire::{BenchStatus, Event, Happening, RecorderStatus, SettingsDocument, Step, Text};
 
 use crate::connection::Connection;
+use crate::drill::{ActiveFault, DrillLog};
 use crate::event_log::EventLog;
 use crate::frame_data::FrameData;
 use crate::history::{Era, History};
@@ -37,6 +38,7 @@ pub struct Feed {
     event_log: EventLog,
     /// As they were sent, the oldest first.
     events: VecDeque<Event>,
+    drills: DrillLog,
     rotor: Option<Arc<Rotor>>,
     bench_status: Option<Arc<BenchStatus>>,
     connection: Connection,
@@ -61,6 +63,7 @@ impl Feed {
             sampler: Sampler::default(),
             event_log: EventLog::default(),
             events: VecDeque::new(),
+            drills: DrillLog::default(),
             rotor: None,
             bench_status: None,
             connection: Connection::Waiting(why.to_owned()),
@@ -125,6 +128,11 @@ impl Feed {
         }
     }
 
+    /// The fault of a drill that is there, as far as the events tell.
+    pub fn active_fault(&self) -> Option<&ActiveFault> {
+        self.drills.active()
+    }
+
     /// What is known of a recorder.
     pub fn recorder(&self) -> Option<&RecorderStatus> {
         self.recorder.as_deref()
@@ -134,6 +142,7 @@ impl Feed {
     pub fn push_event(&mut self, event: &Event) {
         let is_news = self.event_log.push(event, &self.units());
         self.sampler.happen(event);
+        self.drills.push(event);
         if is_news {
             if self.events.len() == EVENTS {
                 self.events.pop_front();

@@ -21,6 +21,7 @@ pub mod command_history;
 pub mod comparison;
 pub mod connection;
 pub mod damping_verdict;
+pub mod drill;
 pub mod edits;
 pub mod event_log;
 pub mod feed;

@@ -141,7 +141,8 @@ impl Model {
     pub fn parameters(&self) -> Vec<Parameter> {
         let (feedback, mut all) = (&self.settings.feedback, Vec::new());
         let mut add = |quantity, name| all.push(Parameter { quantity, name });
-        for key in self.settings.keys() {
+        // Faults are no parameters of a machine.
+        for key in self.settings.keys().into_iter().filter(|key| !key.parameter.is_fault()) {
             // Without a lag there is nothing to be damped.
             let has_part = key.parameter.name != "lag_damping"
                 || feedback.bearings.iter().any(|bearing| bearing.parts.lag > 0.0 && bearing.parts.lag_damping > 0.0);

@@ -248,14 +248,16 @@ impl Machine {
     /// As for [`assign_all`]; an assignment that undoes an option; what only a live bench looks at: the trip limit, and the ramp
     /// to a speed, at which everything offline is already.
     pub(crate) fn set(&mut self, said: &[(&str, &str)], assignments: &[String]) -> Result<(), Failure> {
-        const LIVE: [(&str, &str); 4] = [
+        const LIVE: [(&str, &str); 5] = [
             ("trip", "trips"),
             ("ramp", "is on its way to a speed"),
             ("external", "has a controller outside"),
             ("external_trip", "has a controller outside"),
+            ("unbalance_added", "is unbalanced further while it turns: offline the rotor's own file says how much"),
         ];
         for typed in assignments {
-            let live = |(key, _): (&str, &str)| LIVE.into_iter().find(|(name, _)| *name == key.trim());
+            let live =
+                |(key, _): (&str, &str)| LIVE.into_iter().find(|(name, _)| Some(*name) == key.trim().split('.').next());
             if let Some((_, does)) = pair(typed).ok().and_then(live) {
                 return Err(Failure::Usage(format!("'{typed}' does nothing here: only a live bench {does}")));
             }

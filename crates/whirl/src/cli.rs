@@ -47,6 +47,8 @@ pub(crate) enum Command {
     Config(commands::config::ConfigArgs),
     /// Change gains, speed, deadband ... of a running simulation
     Set(commands::set::SetArgs),
+    /// Hold a drill: one fault at a time on a running simulation, and back
+    Drill(commands::drill::DrillArgs),
     /// Mark the present step of a running simulation with a note
     Note(commands::note::NoteArgs),
     /// List running benches: rates, lateness, losses, who is attached

@@ -2,7 +2,7 @@
 
 use crate::cli::{Cli, Command};
 use crate::commands::{
-    assess, assign, bode, clean, config, control, cycles, dash, export, force, help, info, layout, map, margin,
+    assess, assign, bode, clean, config, control, cycles, dash, drill, export, force, help, info, layout, map, margin,
     measure, modes, note, poles, record, replay, report, response, rotor, run, runup, set, sim, status, sweep, tail,
     thresholds, trace, tune, up, wire,
 };
@@ -25,6 +25,7 @@ pub(crate) fn run(cli: Cli) -> Result<(), Failure> {
         Command::Export(args) => export::run(&args),
         Command::Tail(args) => tail::run(&args),
         Command::Set(args) => set::run(&args),
+        Command::Drill(args) => drill::run(&args),
         Command::Note(args) => note::run(&args),
         Command::Status(args) => status::run(&args),
         Command::Wire(args) => wire::run(&args),

@@ -142,8 +142,8 @@ impl<T> PartialEq for Document<T> {
 /// Settings of no machine, for who has none to tell of.
 impl Default for SettingsDocument {
     fn default() -> Self {
-        let feedback = Feedback { bearings: vec![] };
-        Self::of(&Settings { speed: 0.0, deadband: vec![], trip: 0.0, ramp: f64::INFINITY, feedback })
+        let (feedback, unbalance_added) = (Feedback { bearings: vec![] }, vec![]);
+        Self::of(&Settings { speed: 0.0, deadband: vec![], trip: 0.0, ramp: f64::INFINITY, feedback, unbalance_added })
     }
 }
 
@@ -163,15 +163,21 @@ impl Content for Settings {
     const KIND: u32 = 2;
 
     fn write(&self) -> String {
-        let Self { speed, trip, ramp, deadband, feedback } = self;
-        let clearances = deadband.iter().copied().map(number).collect::<Vec<_>>().join(", ");
+        let Self { speed, trip, ramp, deadband, feedback, unbalance_added } = self;
+        let list = |numbers: &[f64]| numbers.iter().copied().map(number).collect::<Vec<_>>().join(", ");
+        let clearances = list(deadband);
         // As many as the weights say: whether that fits the rotor is for who checks them.
         let masses = feedback.signals().next().map_or(deadband.len(), |signal| signal.displacement.len());
         let mut text = String::new();
         for (key, value) in [("speed", *speed), ("trip", *trip), ("ramp", *ramp)] {
             let _ = writeln!(text, "{key} = {}", number(value));
         }
-        let _ = writeln!(text, "deadband = [{clearances}]\nmasses = {masses}\nfeedback = '''");
+        let _ = writeln!(text, "deadband = [{clearances}]");
+        // What is not there is not told, so that whoever knows nothing of it can read the rest.
+        if unbalance_added.len() != deadband.len() || unbalance_added.iter().any(|added| *added != 0.0) {
+            let _ = writeln!(text, "unbalance_added = [{}]", list(unbalance_added));
+        }
+        let _ = writeln!(text, "masses = {masses}\nfeedback = '''");
         text + &write_feedback(feedback) + "'''\n"
     }
 
@@ -180,16 +186,24 @@ impl Content for Settings {
         let table = table.get_ref();
         let value = |key: &'static str| table.get(key).ok_or(DocumentError::Lacks(key));
         let number = |key| value(key).and_then(|value| as_number(value).ok_or(DocumentError::Lacks(key)));
-        let deadband = value("deadband")?.get_ref().as_array().ok_or(DocumentError::Lacks("deadband"))?;
-        let deadband = deadband.iter().map(|value| as_number(value).ok_or(DocumentError::Lacks("deadband")));
+        let list = |key: &'static str| -> Result<Vec<f64>, DocumentError> {
+            let list = value(key)?.get_ref().as_array().ok_or(DocumentError::Lacks(key))?;
+            list.iter().map(|value| as_number(value).ok_or(DocumentError::Lacks(key))).collect()
+        };
+        let deadband = list("deadband")?;
+        let unbalance_added = match table.contains_key("unbalance_added") {
+            true => list("unbalance_added")?,
+            false => vec![0.0; deadband.len()],
+        };
         let masses = number("masses")? as usize;
         let feedback = value("feedback")?.get_ref().as_str().ok_or(DocumentError::Lacks("feedback"))?;
         Ok(Self {
             speed: number("speed")?,
             trip: number("trip")?,
             ramp: number("ramp")?,
-            deadband: deadband.collect::<Result<_, _>>()?,
+            deadband,
             feedback: read_feedback(feedback, Some(masses)).map_err(DocumentError::Faults)?,
+            unbalance_added,
         })
     }
 }
@@ -224,7 +238,9 @@ mod tests {
                     Gain::Linear { at_zero: -0.0, slope: f64::MIN_POSITIVE };
                 settings.feedback.first_mut().signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 1e-17)]);
                 settings.ramp = 0.25;
-                let parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..Parts::default() };
+                settings.unbalance_added[0] = 1.0 / 7.0;
+                let faults = Parts { sensor_gain: 0.1, sensor_at: 1.0, amplifier_y: 0.0, ..Parts::default() };
+                let parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..faults };
                 settings.feedback = settings.feedback.with_parts(parts);
                 settings.feedback.first_mut().filters = vec![Filter::SynchronousNotch { width: 0.1 }];
                 settings.feedback.first_mut().signals[0].filters = vec![

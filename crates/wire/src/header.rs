@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use crate::channels::{CHANNELS, Scope, channels_of};
 use crate::control::{ControlCommand, Readings};
-use crate::message::{Analysis, Answer, BenchStatusMessage, Flags, Health, RequestMessage, Trip};
+use crate::message::{Analysis, Answer, BenchStatusMessage, ControlHealth, Flags, Health, RequestMessage, Trip};
 use crate::wire_struct::{Message, MessageTable};
 use crate::{
     DOCUMENTS_KEPT, DocumentHead, EVENTS_KEPT, EventMessage, MAX_BURST, MAX_DOCUMENT, MAX_SNAPSHOT, RecorderStatus,
@@ -42,6 +42,7 @@ pub fn messages() -> Vec<MessageTable> {
     vec![
         Analysis::table(),
         Health::table(),
+        ControlHealth::table(),
         Trip::table(),
         DocumentHead::table(),
         BenchStatusMessage::table(),

@@ -15,7 +15,7 @@ use iceoryx2::prelude::ZeroCopySend;
 use crate::wire_struct::message;
 
 /// Version of all messages together. It is checked before a port opens: a reader of another version is told so.
-pub const SCHEMA: u32 = 4;
+pub const SCHEMA: u32 = 5;
 
 /// What is special about a step: bits 0 to 15 are contact of mass 1 to 16 with its support bearing.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -126,6 +126,8 @@ message! {
         pub analysis: Analysis,
         /// How well the process keeps its pace.
         pub health: Health,
+        /// How a controller outside does; all zero where there was none.
+        pub control: ControlHealth,
         /// What tripped the machine.
         pub trip: Trip,
     }
@@ -188,6 +190,33 @@ message! {
         pub cost_p99_us: f64,
         /// How many readers of the state there are.
         pub subscribers: u32,
+        /// Always 0.
+        pub reserved: u32,
+    }
+}
+
+message! {
+    "whirl.ControlHealth"
+    /// How a controller outside does. Counts are since the process started; percentiles too.
+    pub struct ControlHealth {
+        /// Commands that were taken.
+        pub taken: u64,
+        /// Of these, commands that came after their deadline.
+        pub late: u64,
+        /// Samples whose command was not there at its deadline.
+        pub missed: u64,
+        /// Commands that were not taken, because they were not finite.
+        pub refused: u64,
+        /// How often commands from outside came to act.
+        pub took_over: u64,
+        /// How often the law of the bench had to take over.
+        pub lost: u64,
+        /// How long after its readings a command was sent, by its own time stamp, microseconds: median; 0 where none has one.
+        pub age_p50_us: f64,
+        /// The same, 99th percentile.
+        pub age_p99_us: f64,
+        /// 1 if commands from outside act, 0 while the law of the bench does.
+        pub acting: u32,
         /// Always 0.
         pub reserved: u32,
     }

@@ -95,6 +95,13 @@ impl Controller {
             self.reading[0].iter_mut().zip(&noise.displacement).for_each(|(reading, n)| *reading += n);
             self.reading[1].iter_mut().zip(&noise.velocity).for_each(|(reading, n)| *reading += n);
         }
+        if self.parts.sensor_gain != 1.0 {
+            let [displacement, velocity] = &mut self.reading;
+            for ((p, v), station) in displacement.iter_mut().zip(velocity).zip(&self.sensors) {
+                let gain = self.parts.gain_of_sensor(*station);
+                (*p, *v) = (*p * gain, *v * gain);
+            }
+        }
         let quantum = self.parts.quantum;
         if quantum > 0.0 {
             for reading in self.reading.iter_mut().flatten() {
@@ -141,11 +148,14 @@ impl Controller {
     /// The rate of the command, from the rates of readings and filters' states: its jumps count for nothing.
     pub(super) fn command_rate(&self, rates: &Stage<'_>, x_rate: &[C64]) -> C64 {
         let count = self.sensors.len();
-        let rate = |k: usize, velocity: bool| match (self.sensor_states > 0, velocity) {
-            (true, false) => x_rate[k],
-            (true, true) => x_rate[count + k],
-            (false, false) => rates.displacement[self.sensors[k]],
-            (false, true) => rates.velocity[self.sensors[k]],
+        let rate = |k: usize, velocity: bool| {
+            let rate = match (self.sensor_states > 0, velocity) {
+                (true, false) => x_rate[k],
+                (true, true) => x_rate[count + k],
+                (false, false) => rates.displacement[self.sensors[k]],
+                (false, true) => rates.velocity[self.sensors[k]],
+            };
+            rate * self.parts.gain_of_sensor(self.sensors[k])
         };
         let mut sum = C64::ZERO;
         let states = &x_rate[self.sensor_states..self.sensor_states + self.filter_states];
@@ -181,7 +191,8 @@ impl Controller {
     /// The force that the actuator can deliver, and whether that is less than it would.
     #[inline]
     pub(super) fn limited(&self, drive: C64, since: f64) -> (C64, bool) {
-        let Parts { limit, slew, .. } = self.parts;
+        let Parts { limit, slew, amplifier_y, amplifier_z, .. } = self.parts;
+        let drive = C64::new(drive.re * amplifier_y, drive.im * amplifier_z);
         let (mut force, mut saturated) = (drive, false);
         if slew.is_finite() {
             let change = drive - self.output.delivered;

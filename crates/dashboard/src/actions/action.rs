@@ -32,6 +32,8 @@ pub(crate) enum Action {
     },
     /// The speed stays where it is on its way.
     Stay,
+    /// A fault, as typed, or `off`.
+    Drill(String),
     /// Search gains; this says for what.
     Search(String),
     /// Strike the mass with the control bearing; of several with that of the selected setting, or the first.

@@ -142,6 +142,16 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         make: |_| Ok(Action::StrikeBearing),
     },
     ActionRow {
+        name: "drill",
+        argument: "FAULT [at=PLACE] [size=SIZE]|off",
+        meaning: "a fault on the running machine; off: put back",
+        keys: &[
+            keys(&[("F", "")], "a fault on the running machine: lists them", None),
+            keys(&[("X", "off")], "the fault of a drill put back", None),
+        ],
+        make: |words| Ok(Action::Drill(words.to_owned())),
+    },
+    ActionRow {
         name: "run-up",
         argument: "[A..]B RATE",
         meaning: "the speed goes to B at RATE, up or down; from A if it is there",

@@ -101,6 +101,7 @@ impl App<'_> {
             | Action::SetTyped(_)
             | Action::RunUp { .. }
             | Action::Stay
+            | Action::Drill(_)
             | Action::StrikeBearing
             | Action::SwapHeld
             | Action::Load(_) => self.change(&action),

@@ -1,6 +1,7 @@
 //! Changes of the machine: what an action stands for as an edit, and who gets it.
 
 use rotor::{C64, Key, Settings};
+use telemetry::drill::{self, FaultOrder};
 use telemetry::edits::Edit;
 use telemetry::reader::lock;
 
@@ -72,6 +73,20 @@ impl App<'_> {
         (self.settings()?.speed != now).then(|| Edit::Set(vec![(key, now)]))
     }
 
+    /// The change that makes a fault, or puts it back.
+    fn drill(&self, words: &str, present: &Settings) -> Result<Edit, String> {
+        let feed = lock(&self.feed);
+        let active = feed.active_fault();
+        if words == "off" {
+            let active = active.ok_or("no fault of a drill is there, as far as the events tell")?;
+            return Ok(Edit::Drill(active.back.clone(), drill::OVER.to_owned()));
+        }
+        let rotor = feed.rotor().ok_or("no rotor is known yet")?;
+        let order = FaultOrder::read(words).map_err(|why| why.to_string())?;
+        let changes = order.changes(&rotor, present, &feed.units(), active).map_err(|why| why.to_string())?;
+        Ok(Edit::Drill(changes, order.cause()))
+    }
+
     /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
     fn overridden(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
         let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
@@ -130,6 +145,7 @@ impl App<'_> {
             },
             Action::RunUp { from, to, rate } => self.run_up(present, *from, *to, *rate),
             Action::Stay => self.stay().ok_or_else(|| "the speed is not on its way".into()),
+            Action::Drill(words) => self.drill(words, present),
             Action::StrikeBearing => {
                 let bearing = self.selected().and_then(|key| present.bearing_of(key)).unwrap_or(0);
                 let struck = present.feedback.bearings.get(bearing).unwrap_or(present.feedback.first());

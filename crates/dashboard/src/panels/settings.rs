@@ -25,24 +25,26 @@ use crate::theme;
 use crate::view::{SettingsCursor, View};
 use telemetry::units::Units;
 
-/// Every key that means something on a rotor, if that is known: clearances only where a support bearing has play.
+/// Every key that means something on a rotor, if that is known: clearances only where a support bearing has play, faults only where they
+/// are.
 pub(crate) fn every_row(settings: &Settings, rotor: Option<&Rotor>) -> Vec<Key> {
     let has_play = |place: usize| rotor.is_none_or(|rotor| rotor.has_contact(place));
-    let of_place = |key: &Key| key.index.filter(|_| key.parameter.scope == Scope::Mass);
-    settings.keys().into_iter().filter(|key| of_place(key).is_none_or(has_play)).collect()
+    let of_place = |key: &Key| key.index.filter(|_| key.parameter.scope == Scope::Mass && !key.parameter.is_fault());
+    let is_there = |key: &Key| !key.parameter.is_fault() || settings.get(*key).ok() != key.parameter.off;
+    settings.keys().into_iter().filter(|key| is_there(key) && of_place(key).is_none_or(has_play)).collect()
 }
 
 /// The rows of the panel: those keys, but one deadband for all masses where they are all alike, and no index on the gains of a single
 /// signal.
 pub(crate) fn rows(settings: &Settings, rotor: Option<&Rotor>) -> Vec<Key> {
     let keys = every_row(settings, rotor);
-    let places: Vec<usize> =
-        keys.iter().filter(|key| key.parameter.scope == Scope::Mass).filter_map(|key| key.index).collect();
+    let is_clearance = |key: &Key| key.parameter.scope == Scope::Mass && !key.parameter.is_fault();
+    let places: Vec<usize> = keys.iter().filter(|key| is_clearance(key)).filter_map(|key| key.index).collect();
     let alike = places.windows(2).all(|pair| settings.deadband[pair[0]] == settings.deadband[pair[1]]);
     let one_signal = settings.feedback.signal_count() == 1;
     let is_one = |key: &Key| match key.parameter.scope {
         Scope::Machine => false,
-        Scope::Mass => alike,
+        Scope::Mass => is_clearance(key) && alike,
         Scope::Signal => one_signal,
         Scope::Bearing => false,
     };

@@ -49,6 +49,15 @@ pub(super) fn parts(reader: &mut Reader<'_>, file: &Table<'_>, units: &Units) ->
     {
         reader.wrong("external_trip", value, "external = N beside it: the samples that a controller outside may miss");
     }
+    if parts.sensor_at > 0.0
+        && let Some(value) = table.get("sensor_at")
+    {
+        if parts.sensor_at.fract() != 0.0 {
+            reader.wrong("sensor_at", value, "a whole number: the station of the sensor, counted from 1");
+        } else if parts.sensor_gain == 1.0 {
+            reader.wrong("sensor_at", value, "sensor_gain = G beside it: what that sensor reads of what is there");
+        }
+    }
     parts
 }
 

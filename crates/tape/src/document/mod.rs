@@ -225,6 +225,9 @@ pub(crate) struct RevisionDocument {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ramp: Option<f64>,
     deadband: Vec<f64>,
+    /// Absent where none is added.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    unbalance_added: Option<Vec<f64>>,
     /// Runge-Kutta steps that make one step; before it was told it was one.
     #[serde(default = "one")]
     substeps: u32,
@@ -246,6 +249,8 @@ impl From<&Revision> for RevisionDocument {
             trip: r.settings.trip,
             ramp: Some(r.settings.ramp).filter(|ramp| ramp.is_finite()),
             deadband: r.settings.deadband.clone(),
+            unbalance_added: Some(r.settings.unbalance_added.clone())
+                .filter(|added| added.iter().any(|added| *added != 0.0)),
             substeps: r.substeps,
             feedback: write_feedback(&r.settings.feedback),
             poles: r.poles.iter().map(|p| [p.re, p.im]).collect(),
@@ -257,6 +262,7 @@ impl From<&Revision> for RevisionDocument {
 impl RevisionDocument {
     pub(crate) fn read(self) -> Result<Revision, BadDocument> {
         let feedback = read_feedback(&self.feedback, Some(self.deadband.len())).map_err(bad)?;
+        let unbalance_added = self.unbalance_added.unwrap_or_else(|| vec![0.0; self.deadband.len()]);
         Ok(Revision {
             from: self.from,
             revision: self.revision,
@@ -269,6 +275,7 @@ impl RevisionDocument {
                 trip: self.trip,
                 ramp: self.ramp.unwrap_or(f64::INFINITY),
                 feedback,
+                unbalance_added,
             },
             poles: self.poles.into_iter().map(|[re, im]| C64::new(re, im)).collect(),
             min_damping: self.min_damping,

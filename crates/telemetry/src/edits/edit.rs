@@ -13,6 +13,8 @@ pub enum Edit {
     NudgeAll(Vec<Key>, f64),
     /// Set these, all at once.
     Set(Vec<(Key, f64)>),
+    /// A fault of a drill is there from here on, or no longer: values by key, and the reason for the record.
+    Drill(Vec<(Key, f64)>, String),
     /// All gains to zero.
     Off,
     /// Put other settings in force, and what to call that; only what differs from those that were looked at is changed.
@@ -42,7 +44,7 @@ impl Edit {
         match self {
             Self::Nudge(key, delta) => settings.nudge(*key, *delta)?,
             Self::NudgeAll(keys, delta) => keys.iter().try_for_each(|key| settings.nudge(*key, *delta))?,
-            Self::Set(values) => {
+            Self::Set(values) | Self::Drill(values, _) => {
                 values.iter().try_for_each(|(key, value)| settings.set(*key, *value))?;
             }
             Self::Off => settings.feedback = settings.feedback.off(),
@@ -70,6 +72,10 @@ impl Edit {
                 .map(|(key, value)| format!("{} = {}", settings.label(*key), units.value(*key, *value)))
                 .collect::<Vec<_>>()
                 .join(", "),
+            Self::Drill(values, why) => {
+                let set = Self::Set(values.clone()).describe_in(settings, units);
+                format!("{why}: {set}")
+            }
             Self::Sure(edit, _) => edit.describe_in(settings, units),
             other => other.describe(units),
         }
@@ -80,6 +86,7 @@ impl Edit {
         match self {
             Self::Nudge(..) | Self::NudgeAll(..) => super::NUDGED.into(),
             Self::Set(_) => "typed".into(),
+            Self::Drill(_, why) => why.clone(),
             Self::Off => "control off".into(),
             Self::Become(_, what) => what.clone(),
             Self::Swap(_) => "swapped".into(),
@@ -125,9 +132,15 @@ pub fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
     if from.feedback != to.feedback {
         settings.feedback = to.feedback.clone();
     }
-    for (place, (from, to)) in settings.deadband.iter_mut().zip(from.deadband.iter().zip(&to.deadband)) {
-        if from != to {
-            *place = *to;
+    let lists = [
+        (&mut settings.deadband, &from.deadband, &to.deadband),
+        (&mut settings.unbalance_added, &from.unbalance_added, &to.unbalance_added),
+    ];
+    for (places, from, to) in lists {
+        for (place, (from, to)) in places.iter_mut().zip(from.iter().zip(to)) {
+            if from != to {
+                *place = *to;
+            }
         }
     }
 }

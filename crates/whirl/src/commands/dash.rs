@@ -56,6 +56,9 @@ pub(crate) struct ScreenArgs {
     /// Show nothing but ASCII, whatever the locale says
     #[arg(long)]
     ascii: bool,
+    /// Frames a second at most; fewer where the line to the terminal is slow
+    #[arg(long, value_name = "N", default_value = "30", value_parser = clap::value_parser!(u32).range(1..=60))]
+    fps: u32,
     /// Only look: change nothing
     #[arg(long)]
     read_only: bool,
@@ -94,6 +97,7 @@ impl ScreenArgs {
             presets: folders::presets(),
             commands: folders::commands(),
             pictures: std::env::current_dir().ok(),
+            fps: self.fps,
             read_only: self.read_only,
             locked: self.locked,
         })

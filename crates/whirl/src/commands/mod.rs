@@ -8,6 +8,7 @@ pub(crate) mod config;
 pub(crate) mod control;
 pub(crate) mod cycles;
 pub(crate) mod dash;
+pub(crate) mod drill;
 pub(crate) mod export;
 pub(crate) mod force;
 pub(crate) mod help;

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use serde::Serialize;
+use wire::message::ControlHealth;
 use wire::{BenchStatus, Glance, Keeping, MAX_READERS, RecorderState, RecorderStatus, Root, WireError};
 
 use crate::attach;
@@ -60,6 +61,8 @@ struct Bench {
     /// There is no room for another reader.
     full: bool,
     attached: Vec<Attached>,
+    /// Who controls it from outside; `null` where nobody has.
+    control: Option<Control>,
     recording: Option<Recording>,
     tripped: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -67,6 +70,45 @@ struct Bench {
     run_id: Option<String>,
     pid: u32,
     version: Option<String>,
+}
+
+/// How its controller outside does.
+#[derive(Debug, Serialize)]
+struct Control {
+    acting: bool,
+    taken: u64,
+    late: u64,
+    missed: u64,
+    refused: u64,
+    took_over: u64,
+    lost: u64,
+    /// How long after their readings commands were sent; `null` where they do not tell.
+    age_us: Age,
+}
+
+#[derive(Debug, Serialize)]
+struct Age {
+    p50: Option<f64>,
+    p99: Option<f64>,
+}
+
+impl Control {
+    fn of(health: &ControlHealth) -> Option<Self> {
+        let ControlHealth { taken, late, missed, refused, took_over, lost, age_p50_us, age_p99_us, acting, .. } =
+            *health;
+        let told = |us: f64| Some(us).filter(|us| *us > 0.0);
+        let age_us = Age { p50: told(age_p50_us), p99: told(age_p99_us) };
+        let acting = acting != 0;
+        (taken + refused > 0).then_some(Self { acting, taken, late, missed, refused, took_over, lost, age_us })
+    }
+
+    /// How it stands, for people.
+    fn state(&self) -> String {
+        let Self { taken, late, missed, refused, lost, .. } = self;
+        let who = if self.acting { "controlled from outside" } else { "the controller outside does not act" };
+        let age = self.age_us.p50.map_or_else(String::new, |us| format!(", age {us:.0} us"));
+        format!("{who}: {taken} commands, {late} late, {missed} missed, {refused} refused, lost {lost} times{age}")
+    }
 }
 
 /// What its recorder tells.
@@ -199,6 +241,7 @@ impl Bench {
             revision: bench_status.map(|bench_status| bench_status.revision),
             subscribers: readers as u32,
             full: readers.max(health.map_or(0, |health| health.subscribers as usize)) >= MAX_READERS,
+            control: bench_status.and_then(|bench_status| Control::of(&bench_status.control)),
             recording,
             tripped: trip.map(|trip| trip.is_tripped()),
             trip: trip
@@ -227,6 +270,9 @@ impl Bench {
         }
         if self.full {
             state += &format!("; full: no room for more than {MAX_READERS} readers");
+        }
+        if let Some(control) = &self.control {
+            state += &format!("; {}", control.state());
         }
         self.recording.as_ref().map_or(state.clone(), |recording| format!("{state}; {}", recording.state()))
     }

@@ -12,6 +12,7 @@ _GAINS = ("kd", "cd", "kc", "cc")
 _PARTS = {
     "sensor_lag": 0.0, "noise": 0.0, "quantum": 0.0, "seed": 1.0, "sample": 0.0, "delay": 0.0, "lag": 0.0, "lag_damping": 0.0,
     "limit": math.inf, "slew": math.inf, "external": 0.0, "external_trip": 0.0,
+    "sensor_gain": 1.0, "sensor_at": 0.0, "amplifier_y": 1.0, "amplifier_z": 1.0,
 }  # fmt: skip
 
 
@@ -67,9 +68,10 @@ def _assign(settings: dict[str, Any], key: str, value: object) -> None:
     name, _, index = rest.partition(".")
     if named is None and name in _MACHINE and not index:
         settings[name] = _number(key, value, math.inf if name == "ramp" else None)
-    elif named is None and name == "deadband":
-        clearances: list[float] = settings["deadband"]
-        number = _number(key, value, None)
+    elif named is None and name in ("deadband", "unbalance_added"):
+        added = name == "unbalance_added"
+        clearances: list[float] = settings.setdefault(name, [0.0] * len(settings["deadband"]))
+        number = _number(key, value, 0.0 if added else None)
         places = [_place(key, index, len(clearances), "masses")] if index else range(len(clearances))
         for place in places:
             clearances[place] = number
@@ -91,13 +93,14 @@ def _assign(settings: dict[str, Any], key: str, value: object) -> None:
             if not loop:
                 del bearing["loop"]
     else:
-        known = [*_MACHINE, "deadband", *_GAINS, *_PARTS]
+        known = [*_MACHINE, "deadband", "unbalance_added", *_GAINS, *_PARTS]
         raise ValueError(f"no setting '{key}': expected one of {', '.join(known)}")
 
 
 def write(settings: dict[str, Any]) -> str:
     """The document of settings: what tomllib reads of it is the same, and floats to the last bit."""
-    lines = [f"{key} = {_value(settings[key])}" for key in ("speed", "trip", "ramp", "deadband", "masses")]
+    keys = [key for key in ("speed", "trip", "ramp", "deadband", "unbalance_added", "masses") if key in settings]
+    lines = [f"{key} = {_value(settings[key])}" for key in keys]
     return "\n".join([*lines, "feedback = '''", _table(settings["feedback"], "")]) + "'''\n"
 
 

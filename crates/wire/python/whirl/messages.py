@@ -8,7 +8,7 @@ from typing import Any, ClassVar, NamedTuple
 
 ICEORYX2 = "0.10"
 SCHEMA_ATTRIBUTE = "whirl.schema"
-SCHEMA = 4  # version of all messages together
+SCHEMA = 5  # version of all messages together
 MAX_MASSES = 16  # masses of the largest rotor
 MAX_BEARINGS = 8  # control bearings of the largest machine
 MAX_BURST = 32  # steps of the largest message of whirl/NAME/state
@@ -146,6 +146,52 @@ class Health(ctypes.Structure):
 assert ctypes.sizeof(Health) == 72
 
 
+class ControlHealth(ctypes.Structure):
+    """How a controller outside does. Counts are since the process started; percentiles too."""
+
+    #: Commands that were taken.
+    taken: int
+    #: Of these, commands that came after their deadline.
+    late: int
+    #: Samples whose command was not there at its deadline.
+    missed: int
+    #: Commands that were not taken, because they were not finite.
+    refused: int
+    #: How often commands from outside came to act.
+    took_over: int
+    #: How often the law of the bench had to take over.
+    lost: int
+    #: How long after its readings a command was sent, by its own time stamp, microseconds: median; 0 where
+    #: none has one.
+    age_p50_us: float
+    #: The same, 99th percentile.
+    age_p99_us: float
+    #: 1 if commands from outside act, 0 while the law of the bench does.
+    acting: int
+    #: Always 0.
+    reserved: int
+    _fields_: ClassVar = [
+        ("taken", ctypes.c_uint64),
+        ("late", ctypes.c_uint64),
+        ("missed", ctypes.c_uint64),
+        ("refused", ctypes.c_uint64),
+        ("took_over", ctypes.c_uint64),
+        ("lost", ctypes.c_uint64),
+        ("age_p50_us", ctypes.c_double),
+        ("age_p99_us", ctypes.c_double),
+        ("acting", ctypes.c_uint32),
+        ("reserved", ctypes.c_uint32),
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        """Its name on the wire."""
+        return "whirl.ControlHealth"
+
+
+assert ctypes.sizeof(ControlHealth) == 72
+
+
 class Trip(ctypes.Structure):
     """What tripped the machine; all zero while it runs."""
 
@@ -247,6 +293,8 @@ class BenchStatus(ctypes.Structure):
     analysis: Analysis
     #: How well the process keeps its pace.
     health: Health
+    #: How a controller outside does; all zero where there was none.
+    control: ControlHealth
     #: What tripped the machine.
     trip: Trip
     _fields_: ClassVar = [
@@ -270,6 +318,7 @@ class BenchStatus(ctypes.Structure):
         ("changed_by", ctypes.c_char * 32),
         ("analysis", Analysis),
         ("health", Health),
+        ("control", ControlHealth),
         ("trip", Trip),
     ]
 
@@ -279,7 +328,7 @@ class BenchStatus(ctypes.Structure):
         return "whirl.BenchStatus"
 
 
-assert ctypes.sizeof(BenchStatus) == 888
+assert ctypes.sizeof(BenchStatus) == 960
 
 
 class Event(ctypes.Structure):

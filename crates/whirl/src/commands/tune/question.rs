@@ -179,7 +179,19 @@ impl Asked {
 
 /// Settings of a search: numbers of the loop that its poles know.
 fn parts_alone(set: &[String]) -> Result<(), Failure> {
-    const NO_PART: [&str; 7] = ["noise", "quantum", "seed", "limit", "slew", "external", "external_trip"];
+    const NO_PART: [&str; 11] = [
+        "noise",
+        "quantum",
+        "seed",
+        "limit",
+        "slew",
+        "external",
+        "external_trip",
+        "sensor_gain",
+        "sensor_at",
+        "amplifier_y",
+        "amplifier_z",
+    ];
     let names = || PARTS.iter().map(|part| part.name).filter(|name| !NO_PART.contains(name));
     for typed in set {
         let key = pair(typed).map_or(typed.as_str(), |(key, _)| key);
