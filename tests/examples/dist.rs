@@ -20,13 +20,9 @@ type Done<T> = Result<T, Box<dyn Error>>;
 fn main() -> Done<()> {
     let further: Vec<String> = std::env::args().skip(1).collect();
     let build = ["build", "--release", "--locked", "-p", "whirl"];
-    run(Command::new(env!("CARGO")).args(build).args(&further).current_dir(top()))?;
-    let metadata: Value = serde_json::from_str(&run(Command::new(env!("CARGO")).args([
-        "metadata",
-        "--locked",
-        "--format-version",
-        "1",
-    ]))?)?;
+    run(Command::new("cargo").args(build).args(&further).current_dir(top()))?;
+    let metadata: Value =
+        serde_json::from_str(&run(Command::new("cargo").args(["metadata", "--locked", "--format-version", "1"]))?)?;
     let target =
         PathBuf::from(metadata["target_directory"].as_str().ok_or("cargo metadata without a target directory")?);
     let name = format!("whirl-{}-{}", env!("CARGO_PKG_VERSION"), host()?);
@@ -101,7 +97,7 @@ fn licences(metadata: &Value, further: &[String]) -> Done<(String, usize, usize)
             features.push(word.clone());
         }
     }
-    let listed = run(Command::new(env!("CARGO")).args(tree).args(&features).current_dir(top()))?;
+    let listed = run(Command::new("cargo").args(tree).args(&features).current_dir(top()))?;
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let (mut out, mut crates, mut without) =
         (String::from("Whirl is made of these crates, under these licences. Their texts follow.\n\n"), 0, 0);

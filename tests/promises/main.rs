@@ -10,6 +10,7 @@ mod endings;
 mod events;
 mod examples;
 mod files;
+mod help;
 mod join;
 mod kept;
 mod linear;

@@ -2,7 +2,7 @@
 
 use std::io::{IsTerminal, stdout};
 
-use clap::builder::StyledStr;
+use clap::error::ErrorKind;
 use manual::Look;
 
 use crate::failure::Failure;
@@ -52,15 +52,14 @@ fn has_styles() -> bool {
     stdout().is_terminal() && !is_refused("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
-/// What `--help` of a command prints; of the program if no words are given.
+/// What `--help` of a command prints, by the very same way; of the program if no words are given.
 fn of_command(words: &[String]) -> Option<String> {
-    let mut command = crate::command();
-    command.build();
-    let mut at = &mut command;
-    for word in words {
-        at = at.find_subcommand_mut(word)?;
-    }
-    let help: StyledStr = at.render_long_help();
+    let program = crate::command();
+    words.iter().try_fold(&program, |command, word| command.find_subcommand(word))?;
+    let line = ["whirl"].into_iter().chain(words.iter().map(String::as_str)).chain(["--help"]);
+    let shown =
+        crate::command().try_get_matches_from(line).err().filter(|shown| shown.kind() == ErrorKind::DisplayHelp)?;
+    let help = shown.render();
     Some(if has_styles() { help.ansi().to_string() } else { help.to_string() })
 }
 
