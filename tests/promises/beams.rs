@@ -103,3 +103,95 @@ fn the_rig_runs_live_tells_the_force_of_each_bearing_and_takes_settings_by_their
     assert!(which.stderr.contains("left.kd, right.kd"), "{}", which.stderr);
     assert_eq!(bench.end().code, Some(0));
 }
+
+#[test]
+fn the_smallest_damping_is_that_of_the_modes_below_a_frequency_in_every_command() {
+    let machine = ["rig", "--speed", "6000"];
+    let all = run(&["poles", "rig", "--speed", "6000", "--json"]).json();
+    let w0 = all["scales"]["w0"].as_f64().expect("SI");
+    let modes: Vec<(f64, f64)> = (all["modes"].as_array().expect("modes").iter())
+        .map(|mode| {
+            let of = |key: &str| mode[key].as_f64().expect("a number");
+            (of("re").hypot(of("im")), of("damping"))
+        })
+        .collect();
+    let mut told = Vec::new();
+    for hertz in [30.0, 150.0, 1000.0, 2500.0] {
+        let below = hertz * std::f64::consts::TAU / w0;
+        let least =
+            modes.iter().filter(|(size, _)| *size <= below).map(|(_, zeta)| *zeta).fold(f64::INFINITY, f64::min);
+        let word = hertz.to_string();
+        let found = run(&[&["poles"][..], &machine, &["--below", &word, "--json"]].concat()).json();
+        let number =
+            |document: &Value, key: &str| document[key].as_f64().unwrap_or_else(|| panic!("{key}: {document}"));
+        assert!((number(&found, "below") - below).abs() < 1e-9 * below, "{hertz}");
+        assert!((number(&found, "min_damping") - least).abs() < 1e-9, "{hertz}: {least} {found}");
+        assert_eq!(found["modes"].as_array().map(Vec::len), Some(modes.len()), "all are listed");
+        if hertz < 2000.0 {
+            let margin = run(&[&["margin"][..], &machine, &["--below", &word, "--json"]].concat()).json();
+            assert!((number(&margin, "min_damping") - least).abs() < 1e-6, "{hertz}: {least} {margin}");
+            let traced =
+                run(&["trace", "rig", "--over", "0..6000", "--points", "3", "--below", &word, "--json"]).json();
+            let last = traced["min_damping"][2].as_f64().expect("one a speed");
+            assert!((last - least).abs() < 1e-6, "{hertz}: {least} {last}");
+        }
+        told.push(least);
+    }
+    assert!(told.windows(2).all(|pair| pair[1] <= pair[0]) && told[0] > told[3], "more modes, less damping: {told:?}");
+    // What counts is said, and what does not is not judged.
+    let words = run(&[&["poles"][..], &machine, &["--below", "150"]].concat());
+    assert!(words.stdout.contains("modes up to 150 Hz count"), "{}", words.stdout);
+    let judged = |hertz: &str| {
+        let arguments = ["assess", "rig", "--over", "0..6000", "--below", hertz, "--json"];
+        let document = run(&arguments).json();
+        let lines = document["lines"].as_array().unwrap_or_else(|| panic!("{document}")).clone();
+        let is_judged = |line: &&Value| {
+            line["what"].as_str().is_some_and(|what| what.starts_with("log decrement")) && line["passed"].is_boolean()
+        };
+        lines.iter().filter(is_judged).count()
+    };
+    assert!(judged("60") < judged("1000"), "fewer modes are judged");
+    for (arguments, why) in [
+        (&["poles", "rig", "--speed", "1", "--below", "0"][..], "--below 0: expected a frequency in Hz above 0"),
+        (&["poles", "three-mass", "--speed", "1", "--below", "5"], "every mode of a chain of masses counts"),
+    ] {
+        let refused = run(arguments);
+        assert!(refused.code == Some(2) && refused.stderr.contains(why), "{refused:?}");
+    }
+}
+
+#[test]
+fn a_rotor_that_nothing_holds_has_its_free_modes() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("free.toml");
+    let steel = "units = 'si'\n[material.steel]\ndensity = 7810.0\nyoungs_modulus = 211e9\npoisson = 0.3\n";
+    let text = format!(
+        "{steel}{}[[unbalance]]\nstation = 2\ngrade = 'G2.5'\n",
+        "[[section]]\nlength = 0.5\nouter = 0.06\nelements = 6\n".repeat(2)
+    );
+    std::fs::write(&file, &text).expect("can be written");
+    let free = file.to_str().expect("text");
+    let checked = run(&["rotor", "check", free]);
+    assert_eq!(checked.code, Some(0), "{}", checked.stderr);
+    assert!(checked.stdout.contains("the speed that a grade without one is for"), "{}", checked.stdout);
+
+    let found = run(&["poles", free, "--speed", "0", "--json"]).json();
+    let modes = found["modes"].as_array().expect("modes");
+    let still = modes.iter().filter(|mode| mode["re"] == 0.0 && mode["im"] == 0.0).count();
+    assert_eq!((still, &found["marginal"]), (4, &Value::Bool(true)), "{found}");
+    // Timoshenko's free beam of this size, first bending: 22.373 sqrt(E I / m L^4) less 2 % for shear and rotary inertia.
+    let hertz = found["scales"]["w0"].as_f64().expect("SI") / std::f64::consts::TAU;
+    let slender = 22.373 * (211e9_f64 * 0.06 * 0.06 / 16.0 / 7810.0).sqrt() / std::f64::consts::TAU;
+    assert!(hertz < slender && hertz > 0.95 * slender, "{hertz} and {slender}");
+
+    for arguments in [
+        &["modes", free, "--speed", "3000"][..],
+        &["poles", free, "--speed", "3000", "--full"],
+        &["trace", free, "--over", "0..30000", "--campbell"],
+        &["thresholds", free, "--over", "0..6000"],
+        &["rotor", "reduce", free, "--over", "0..6000"],
+    ] {
+        let ran = run(arguments);
+        assert_eq!((ran.code, ran.stderr.as_str()), (Some(0), ""), "{arguments:?}");
+    }
+}

@@ -52,6 +52,7 @@ mod coefficient;
 mod drawing;
 mod element;
 mod file;
+mod free;
 mod lost;
 mod matrices;
 mod model;

@@ -92,6 +92,20 @@ pub enum FilterError {
         "transfer: expected finite coefficients, the first of the denominator not 0, and no more of them above than below"
     )]
     Improper,
+    /// Matrices of a state space that do not fit each other.
+    #[error(
+        "state-space with a of {rows} x {columns}, b of {inputs} and c of {outputs}: expected a square a, and as many numbers in b and c as it has rows"
+    )]
+    Matrices {
+        /// Rows of `A`.
+        rows: usize,
+        /// Columns of `A`.
+        columns: usize,
+        /// Numbers of `B`.
+        inputs: usize,
+        /// Numbers of `C`.
+        outputs: usize,
+    },
 }
 
 impl Filter {

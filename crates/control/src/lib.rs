@@ -40,6 +40,7 @@ mod law;
 mod law_over_speed;
 mod linear;
 mod parts;
+mod state_space;
 mod words;
 
 pub use block::MAX_ORDER;

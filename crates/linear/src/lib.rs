@@ -44,6 +44,7 @@ mod inverse;
 mod loop_gain;
 mod margin;
 mod margins;
+mod motions;
 pub mod peak;
 mod roots;
 mod sensitivity;

@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::inverse::invert;
+use crate::motions::unit;
 use crate::system::Balanced;
 use crate::{C64, DelaySystem};
 
@@ -87,15 +88,4 @@ impl DelaySystem {
         let give = left.dot(&right) + through * late * self.delay();
         Some(Sensitivity { right, left, give })
     }
-}
-
-/// Norm 1; inverse iteration ends on numbers whose squares may overflow.
-fn unit(vector: DVector<C64>) -> Option<DVector<C64>> {
-    let largest = vector.iter().map(|z| z.re.abs().max(z.im.abs())).fold(0.0, f64::max);
-    if !(largest.is_finite() && largest > 0.0) {
-        return None;
-    }
-    let vector = vector / C64::from(largest);
-    let norm = vector.norm();
-    Some(vector / C64::from(norm))
 }

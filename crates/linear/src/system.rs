@@ -180,6 +180,11 @@ impl Balanced {
         self.a.nrows()
     }
 
+    /// What a coordinate is divided by in these.
+    pub(crate) fn scale(&self, coordinate: usize) -> f64 {
+        self.scales[coordinate]
+    }
+
     /// A matrix on the states, in these coordinates.
     pub(crate) fn scaled(&self, a: &DMatrix<C64>) -> DMatrix<C64> {
         DMatrix::from_fn(a.nrows(), a.ncols(), |i, j| a[(i, j)] * (self.scales[j] / self.scales[i]))

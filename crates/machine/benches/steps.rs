@@ -1,4 +1,4 @@
-//! A step of three masses: the fused path alone, the same in a machine, and with every part of the loop on. What a changing speed costs
+//! A step of three masses: the fused path alone, the same in a machine, and with every part of the loop on; and one of a shaft on two magnetic bearings. What a changing speed costs
 //! is measured by `ramps`.
 
 use control::{Filter, Parts};
@@ -121,4 +121,17 @@ fn every_continuous_part(bencher: Bencher) {
             f.bearings[0].filters = vec![Filter::SynchronousNotch { width: 0.1 }];
         }),
     );
+}
+
+/// The built-in rotor on two magnetic bearings in so many coordinates, its own controllers closed.
+#[divan::bench(args = [12, 16])]
+fn shaft_on_two_bearings(bencher: Bencher, coordinates: usize) {
+    let text = include_str!("../../rotor/src/rig.toml");
+    let text = text.replace("coordinates = 12", &format!("coordinates = {coordinates}"));
+    let rotor = rotor::file::read_rotor(&text, "rig").expect("a rotor");
+    assert_eq!(rotor.len(), coordinates);
+    let settings = Settings::new(&rotor, 3.0, builtin::feedback(&rotor, "own").expect("its own"));
+    // As fine as its fastest mode asks for, one to a step.
+    let dtau = machine::default_step(&rotor, &settings).expect("one that follows it");
+    thousand(bencher, Machine::new(Program::in_substeps(&rotor, &settings, dtau, 1).expect("can be stepped")));
 }

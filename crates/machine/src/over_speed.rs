@@ -70,12 +70,25 @@ impl Over<'_> {
         value: impl Fn(f64, C64) -> f64,
     ) -> Result<(f64, CharacteristicRoot), PolesError> {
         let (mut low, mut high) = ((a.speed, start), (b.speed, end));
+        let (mut at_low, mut at_high) = (value(low.0, start.pole), value(high.0, end.pole));
+        let whole = high.0 - low.0;
+        let mut most = 0.5 * whole;
         for _ in 0..HALVINGS {
-            let speed = 0.5 * (low.0 + high.0);
-            if speed <= low.0 || speed >= high.0 {
+            let (middle, half) = (0.5 * (low.0 + high.0), 0.5 * (high.0 - low.0));
+            if middle <= low.0 || middle >= high.0 {
                 break;
             }
-            let expected = (low.1.root + high.1.root) * 0.5;
+            // Where the chord meets zero, a little nearer to the middle so that either end moves, and never so far from it that halving
+            // would have been ahead (ITP; Oliveira and Takahashi, 2020): the speed of the secant with the certainty of halving.
+            let chord = (low.0 * at_high - high.0 * at_low) / (at_high - at_low);
+            let aside = middle - chord;
+            let nearer = chord + aside.signum() * aside.abs().min(0.2 / whole * (2.0 * half).powi(2));
+            most *= 0.5;
+            let room = (4.0 * most - half).max(0.0);
+            let speed = middle + (nearer - middle).clamp(-room, room);
+            let speed = if speed.is_finite() && low.0 < speed && speed < high.0 { speed } else { middle };
+            let part = (speed - low.0) / (high.0 - low.0);
+            let expected = low.1.root * (1.0 - part) + high.1.root * part;
             let node = self.at(speed)?;
             let Some(here) = node
                 .roots
@@ -84,8 +97,12 @@ impl Over<'_> {
             else {
                 break;
             };
-            let is_as_low = (value(speed, here.pole) > 0.0) == (value(low.0, low.1.pole) > 0.0);
-            if is_as_low { low = (speed, here) } else { high = (speed, here) }
+            let at_here = value(speed, here.pole);
+            if (at_here > 0.0) == (at_low > 0.0) {
+                (low, at_low) = ((speed, here), at_here);
+            } else {
+                (high, at_high) = ((speed, here), at_here);
+            }
         }
         Ok((0.5 * (low.0 + high.0), high.1))
     }

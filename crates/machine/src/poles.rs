@@ -6,6 +6,7 @@
 //! * A sampled loop has poles `z` of the step from one sample to the next; `s = ln(z) / h` says how fast they decay and turn.
 
 use linear::DelayError;
+use nalgebra::DVector;
 use rotor::{
     C64, Characteristic, ClosedLoop, LinearForm, Mode, Modes, OperatingPoint, Plant, PoleError, Rotor, Settings,
     damping_ratio,
@@ -62,15 +63,27 @@ impl MachinePoles {
         let form = LinearForm::of(&plant, feedback, &OperatingPoint::at(speed))?;
         let machine = Characteristic::of(&form)?;
         let n = form.coordinates;
-        let mode = |pole: C64, root: C64| {
-            let state = machine.system().sensitivity(root).map(|vectors| vectors.right);
+        // At a double pole there is no telling one motion as a whole from another: each gets its own, at rest and in drift.
+        let mut free = plant.free().iter().cycle();
+        let mut mode = |pole: C64, root: C64, motion: Option<DVector<C64>>| {
             let read = |state: &[C64]| plant.stations().iter().map(|station| station.row.read(&state[..n])).collect();
-            let mut shape: Vec<C64> = state.map_or_else(Vec::new, |state| read(state.as_slice()));
+            let as_a_whole = if pole == C64::ZERO { free.next() } else { None };
+            let mut shape: Vec<C64> = match as_a_whole {
+                Some(motion) => read(motion),
+                None => {
+                    let state = motion.or_else(|| Some(machine.system().sensitivity(root)?.right));
+                    state.map_or_else(Vec::new, |state| read(state.as_slice()))
+                }
+            };
             rotor::scale_to_largest(&mut shape);
             Mode { pole, shape }
         };
         let roots = machine.roots()?;
-        let mut modes: Vec<(Mode, C64)> = roots.iter().map(|root| (mode(root.pole, root.root), root.root)).collect();
+        let motions = machine.system().motions(&roots.iter().map(|root| root.root).collect::<Vec<_>>());
+        let motions = motions.unwrap_or_else(|| vec![None; roots.len()]);
+        let both = roots.iter().zip(motions);
+        let mut modes: Vec<(Mode, C64)> =
+            both.map(|(root, motion)| (mode(root.pole, root.root, motion), root.root)).collect();
         modes.sort_by(|(a, _), (b, _)| {
             a.damping().total_cmp(&b.damping()).then_with(|| b.pole.im.total_cmp(&a.pole.im))
         });

@@ -2,7 +2,8 @@
 
 use linear::SeveralLoops;
 use machine::{Machine, MachineLoop, MachinePoles, Program, margins};
-use rotor::{C64, Rotor, Settings, builtin};
+use nalgebra::DVector;
+use rotor::{C64, LinearForm, OperatingPoint, Plant, Rotor, Settings, builtin};
 use serde_json::Value;
 
 fn case(name: &str) -> Value {
@@ -97,6 +98,46 @@ fn what_is_proven_of_the_rig_is_not_below_what_is_found() {
         let machine = MachineLoop::at(&rotor, &settings, speed).expect("fits");
         if let Ok(Some(proven)) = machine.certified_peak() {
             assert!(proven.below >= peak * (1.0 - 1e-9), "{} at {speed}, but {peak} is found", proven.below);
+        }
+    }
+}
+
+/// Sampled, in the steps that it is compiled for, with samples on steps and between them: it moves by the powers of its matrix, whose
+/// eigenvalues its poles are.
+#[test]
+fn val_sampled_it_moves_by_the_powers_of_its_step() {
+    let text = include_str!("../../rotor/src/rig.toml").split("[[unbalance]]").next().expect("some").to_owned();
+    let rotor = rotor::file::read_rotor(&text, "balanced").expect("a rotor");
+    let scales = *rotor.scales().expect("SI");
+    for (rate, late, parts) in [(20e3, 1.3, 7.3), (5e3, 0.3, 4.0)] {
+        let mut settings = rig().1;
+        settings.speed = scales.speed(6000.0);
+        let sample = scales.tau(1.0 / rate);
+        for bearing in &mut settings.feedback.bearings {
+            (bearing.parts.sample, bearing.parts.delay) = (sample, late * sample);
+        }
+        let at = OperatingPoint::at(settings.speed);
+        let form = LinearForm::of(&Plant::of(&rotor), &settings.feedback, &at).expect("fits");
+        let step = form.sampled().expect("sampled");
+        let pace = machine::Pace { dtau: sample / parts, rate_hz: 0.0 };
+        let mut machine = Machine::new(Program::compile(&rotor, &settings, settings.speed, pace).expect("can be"));
+        let kick: Vec<C64> = (0..rotor.len()).map(|k| C64::new(0.1 * k as f64, 0.3)).collect();
+        machine.place(&kick, &vec![C64::ZERO; rotor.len()]);
+        let mut x: DVector<C64> = DVector::zeros(step.a.nrows());
+        x.rows_mut(0, kick.len()).copy_from_slice(&kick);
+        for _ in 0..20 {
+            // Ten samples are a whole number of steps.
+            (0..(10.0 * parts) as usize).for_each(|_| assert!(machine.step().is_none()));
+            (0..10).for_each(|_| x = &step.a * &x);
+            for (q, exact) in machine.sample().displacement.iter().zip(x.iter()) {
+                assert!((q - exact).norm() < 2e-6, "{q} and {exact} at {rate} Hz");
+            }
+        }
+        for z in MachinePoles::of(&rotor, &settings).expect("found").z.expect("sampled") {
+            let mut m = -step.a.clone();
+            (0..m.nrows()).for_each(|k| m[(k, k)] += z);
+            let least = m.singular_values().min();
+            assert!(least < 1e-9, "{z} is no eigenvalue of the step: {least}");
         }
     }
 }

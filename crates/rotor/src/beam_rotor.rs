@@ -2,6 +2,7 @@
 //!
 //! ```text
 //! tau = w0 t,  R = w / w0,  w0 = sqrt(K_t / M_t),  K_t = sum of the stiffness of what holds it,  M_t its mass,  e_t = sum of |U| / M_t
+//!     K_t = M_t w0^2 with w0 the first bending frequency, where nothing holds it
 //! (M / M_t) q'' = -(C + Cr) / (M_t w0) q' + j R (G / M_t) q' - (K - j Kc) / K_t q + j R Cr / (M_t w0) q + forces / (K_t e_t)
 //! ```
 //!
@@ -10,7 +11,7 @@
 
 use beam::{Drawing, FullModel, Place, Reduced, Spring};
 use control::{ControlBearing, Feedback, Filter, Signal};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector, RowDVector};
 use units::Scales;
 
 use crate::parameters::is_setting;
@@ -22,6 +23,8 @@ use crate::{C64, MAX_BEARINGS, MAX_MASSES};
 const MICROMETRE: f64 = 1e-6;
 /// What places cost in digits may not be more than this: the condition of their displacements.
 const WORST_CONDITION: f64 = 1e7;
+/// How exactly few coordinates make a motion as a whole, which is among the shapes that they are made of.
+const SAME_MOTION: f64 = 1e-6;
 
 /// A rotor of shaft elements, reduced.
 #[derive(Clone, Debug)]
@@ -179,7 +182,7 @@ impl BeamRotor {
                 unbalance: self.unbalance(order, |node| Direction::Unit(self.full.displacements[node])),
             },
         )
-        .map(|(plant, _)| plant)
+        .map(|(plant, _)| plant.free_in(self.full.free_motions().iter().map(complex).collect()))
     }
 
     fn stations(&self, rows: Vec<Direction>) -> Vec<Station> {
@@ -268,9 +271,10 @@ fn scales_of(drawing: &Drawing, full: &FullModel) -> Result<Scales, RotorError> 
     };
     let m_t = positive("the sum of mass", drawing.mass(), "a finite number of kg greater than 0")?;
     let held = full.springs.iter().filter(|spring| !spring.is_touchdown());
+    let held = held.map(|spring| spring.stiffness.at(0.0).abs()).sum::<f64>();
     let k_t = positive(
         "the sum of the stiffness of bearings, seals and magnetic bearings",
-        held.map(|spring| spring.stiffness.at(0.0).abs()).sum::<f64>() + 0.0,
+        if held == 0.0 { m_t * full.bending_frequency().powi(2) } else { held },
         "a finite number of N/m greater than 0, because w0 = sqrt(K_t / M_t)",
     )?;
     let w0 = positive("w0 = sqrt(K_t / M_t)", (k_t / m_t).sqrt(), "a finite number of rad/s greater than 0")?;
@@ -373,6 +377,7 @@ fn plant_of(full: &FullModel, reduced: &Reduced, scales: &Scales) -> Result<(Pla
         .collect();
     let columns = (0..n).map(Direction::Unit).collect();
     let unbalance = unbalance_of(full, scales, n, row);
+    let free = free_motions(full, reduced);
     matrices(
         [&reduced.mass, &reduced.damping, &reduced.gyroscopic],
         [&reduced.stiffness, &reduced.cross_stiffness, &reduced.internal],
@@ -380,6 +385,22 @@ fn plant_of(full: &FullModel, reduced: &Reduced, scales: &Scales) -> Result<(Pla
         holds,
         Places { stations, columns, unbalance },
     )
+    .map(|(plant, clearances)| (plant.free_in(free), clearances))
+}
+
+/// The free motions of the rotor that its coordinates can make, in those.
+fn free_motions(full: &FullModel, reduced: &Reduced) -> Vec<Vec<C64>> {
+    let rows: Vec<RowDVector<f64>> = reduced.stations.iter().map(|place| full.row(place)).collect();
+    let motions = full.free_motions().into_iter().filter_map(|motion| {
+        let own = DVector::from_iterator(rows.len(), rows.iter().map(|row| (row * &motion)[0]));
+        let is_kept = (&reduced.shape * &own - &motion).amax() <= SAME_MOTION * motion.amax();
+        is_kept.then(|| complex(&own))
+    });
+    motions.collect()
+}
+
+fn complex(vector: &DVector<f64>) -> Vec<C64> {
+    vector.iter().map(|x| C64::from(*x)).collect()
 }
 
 /// Mass times eccentricity of every coordinate, in `M_t e_t`; grades without a speed are for `w0`.

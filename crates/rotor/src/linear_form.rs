@@ -31,6 +31,8 @@ pub struct LinearForm {
     pub delay: f64,
     /// Sampling period; 0 is a continuous law.
     pub sample: f64,
+    /// Displacements, of the coordinates, that the plant is known not to resist: poles at exactly 0 unless the loop does.
+    pub free: Vec<Vec<C64>>,
 }
 
 /// The step from one sample to the next, `x <- a x`, and the same with the loop open at the command, `x <- open x + b w`,
@@ -127,7 +129,7 @@ impl LinearForm {
             law.d.view_mut((k, first_reading), (1, 2 * m)).copy_from(&own.d);
             (first, first_reading, first_law) = (actuator + order, first_reading + 2 * m, first_law + s);
         }
-        Some(Self { coordinates: n, a, b, readings, law, delay, sample })
+        Some(Self { coordinates: n, a, b, readings, law, delay, sample, free: plant.free().to_vec() })
     }
 
     /// `A`, `B` and `C` of `x' = A x + B C x(t - delay)`, the states of a continuous law among `x`; `None` if it is sampled.

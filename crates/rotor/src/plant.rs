@@ -205,6 +205,7 @@ pub struct Plant {
     columns: Vec<Direction>,
     tabulated: Vec<Tabulated>,
     is_unit: bool,
+    free: Vec<Vec<C64>>,
 }
 
 impl Plant {
@@ -247,6 +248,7 @@ impl Plant {
             columns: (0..count).map(Direction::Unit).collect(),
             tabulated: vec![],
             is_unit: true,
+            free: vec![],
         }
     }
 
@@ -306,7 +308,21 @@ impl Plant {
             moment: given.unbalance.clone(),
             unbalance: (&inverse * DVector::from_vec(given.unbalance)).iter().copied().collect(),
             columns: given.columns.iter().map(through).collect(),
+            free: vec![],
         })
+    }
+
+    /// The same with displacements, of every coordinate, that are known to meet no restoring force: the two ways in which a rotor that
+    /// nothing holds moves as a whole. Arithmetic leaves rounding where their force should be, and this says that it is none.
+    #[must_use]
+    pub(crate) fn free_in(self, shapes: Vec<Vec<C64>>) -> Self {
+        Self { free: shapes, ..self }
+    }
+
+    /// Displacements that meet no restoring force at any speed: see [`LinearForm::free`](crate::LinearForm::free). None of a rotor that is held.
+    #[must_use]
+    pub fn free(&self) -> &[Vec<C64>] {
+        &self.free
     }
 
     /// How many coordinates it has.

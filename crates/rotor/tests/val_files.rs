@@ -371,7 +371,7 @@ fn what_is_wrong_with_a_loop_is_named_with_its_line() {
         ("filter = [{ kind = \"lowpass\", corner = 1, order = 9 }]", "an order, 1 to 8"),
         (
             "filter = [{ kind = \"notsch\" }]",
-            "one of lowpass, lead, notch, synchronous-notch, integrator, derivative, transfer",
+            "one of lowpass, lead, notch, synchronous-notch, integrator, derivative, transfer, state-space",
         ),
         ("filter = [{ corner = 1 }]", "a filter without kind"),
         ("filter = [{ kind = \"notch\", frequency = 1, width = 1, depth = 3 }]", "unknown key 'depth'"),
@@ -379,6 +379,14 @@ fn what_is_wrong_with_a_loop_is_named_with_its_line() {
             "filter = [{ kind = \"transfer\", numerator = [1, 0], denominator = [1] }]",
             "no more of them above than below",
         ),
+        ("filter = [{ kind = \"state-space\", b = [1], c = [1] }]", "state-space without a"),
+        ("filter = [{ kind = \"state-space\", a = [[1, 2], [3]], b = [1, 2], c = [1, 2] }]", "a, row 2, of 1 numbers"),
+        (
+            "filter = [{ kind = \"state-space\", a = [[1, 2], [3, 4]], b = [1], c = [1, 2] }]",
+            "b of 1 and c of 2: expected a square a",
+        ),
+        ("filter = [{ kind = \"state-space\", a = [[inf]], b = [1], c = [1] }]", "a: inf: expected a finite number"),
+        ("filter = [{ kind = \"state-space\", a = 1, b = [1], c = [1] }]", "rows of finite numbers"),
         ("units = \"si\"", "needs a rotor in SI units"),
     ] {
         let found = told(lines);
@@ -404,7 +412,8 @@ fn val_a_loop_in_si_units_is_the_dimensionless_one() {
     let rotor = read_rotor(SI, "x").expect("valid");
     let scales = *rotor.scales().expect("in SI units");
     let text = "units = \"si\"\nbearing = 1\n[[signal]]\nmass = 1\n\
-                filter = [{ kind = \"lowpass\", corner = 100.0, order = 2 }, { kind = \"transfer\", numerator = [2.0, 3.0], denominator = [5.0, 7.0] }]\n\
+                filter = [{ kind = \"lowpass\", corner = 100.0, order = 2 }, { kind = \"transfer\", numerator = [2.0, 3.0], denominator = [5.0, 7.0] }, \
+                { kind = \"state-space\", a = [[0.0, 1.0], [-9e4, -120.0]], b = [0.0, 9e4], c = [1.0, 2e-3], d = 0.25 }]\n\
                 [loop]\ndelay = 1e-4\nlimit = 20.0\nslew = 3000.0\nquantum = 1e-7\n";
     let feedback = read_feedback_for(text, &rotor).expect("valid");
     let (parts, mass) = (feedback.bearings[0].parts, rotor.masses()[0].mass);
@@ -418,6 +427,9 @@ fn val_a_loop_in_si_units_is_the_dimensionless_one() {
     let through = |k: usize| feedback.bearings[0].signals[0].filters[k].at(s / scales.w0, 0.0);
     close(through(0).norm(), (1.0 + 0.4f64.powi(4)).powf(-0.5));
     close(((s * 2.0 + 3.0) / (s * 5.0 + 7.0) / through(1)).norm(), 1.0);
+    // x1'' = -9e4 x1 - 120 x1' + 9e4 y, u = x1 + 2e-3 x1' + y / 4.
+    let exact = (s * 2e-3 + 1.0) * 9e4 / (s * s + s * 120.0 + 9e4) + 0.25;
+    assert!((through(2) - exact).norm() < 1e-12 * exact.norm(), "{} for {exact}", through(2));
 }
 
 #[test]
@@ -438,4 +450,67 @@ fn a_magnetic_bearing_is_not_called_as_a_setting_is() {
     }
     let named = text.replacen("name = \"left\"", "name = \"speedy\"", 1);
     read_rotor(&named, "rig").expect("a name like others");
+}
+
+/// ISO 21940-11: a grade is eccentricity times speed, of all of the rotor; without a speed of its own, the rotor's own `w0`.
+#[test]
+fn val_a_grade_without_a_speed_is_for_the_rotors_own_scale() {
+    let with = |unbalance: &str| {
+        let text = format!(
+            "units = 'si'\nreference_length = 1e-6\n[plant]\nstations = [1, 2]\nmass = [[5.0, 0.0], [0.0, 3.0]]\nstiffness = [[4e5, -4e5], [-4e5, 4e5]]\n\
+             [[bearing]]\nstation = 1\nstiffness = 7e5\n[[bearing]]\nstation = 2\nstiffness = 1e5\n{unbalance}"
+        );
+        read_rotor(&text, "graded").expect("a rotor")
+    };
+    let graded = |speed: &str| {
+        format!(
+            "[[unbalance]]\nstation = 1\ngrade = 'G6.3'\n{speed}[[unbalance]]\nstation = 2\ngrade = 'G6.3'\n{speed}"
+        )
+    };
+    let w0 = (8e5_f64 / 8.0).sqrt();
+    // g mm: half of G / w0 times 8 kg at each of the two.
+    let gmm = 0.5 * 6.3e-3 / w0 * 8.0 * 1e6;
+    let plain = format!("[[unbalance]]\nstation = 1\ngmm = {gmm:?}\n[[unbalance]]\nstation = 2\ngmm = {gmm:?}\n");
+    let rpm = w0 * 30.0 / std::f64::consts::PI;
+    let moments = |text: &str| {
+        let rotor = with(text);
+        let unbalance = rotor::Plant::of(&rotor).unbalance().to_vec();
+        assert!(unbalance.iter().all(|u| u.norm() > 0.0), "{text}");
+        unbalance
+    };
+    let expected = moments(&plain);
+    for text in [graded(""), graded(&format!("speed = {rpm:?}\n"))] {
+        for (ours, exact) in moments(&text).iter().zip(&expected) {
+            assert!((ours - exact).norm() < 1e-12 * exact.norm(), "{ours} and {exact}");
+        }
+    }
+}
+
+/// Sum and difference of the two ends, as laws that hold translation and tilt apart have them.
+#[test]
+fn weights_may_be_called_by_their_places_and_a_bearing_senses_where_its_sensor_is() {
+    let text = include_str!("../src/rig.toml")
+        .replace("name = \"left\"\nstation = 10", "name = \"left\"\nstation = 10\nsensor = 8");
+    let rig = read_rotor(&text, "rig").expect("a rotor");
+    let beam = rig.beam().expect("a shaft");
+    let [sensor, right] = [7, 25].map(|station| beam.coordinate(station).expect("simulated"));
+    let law = "[[bearing]]\nname = 'left'\n[[bearing.signal]]\ndisplacement = { left = 0.5, right = 0.5 }\nvelocity = { left = 0.5, 26 = 0.5 }\nkd = 2.0\n\
+               [[bearing.signal]]\nstation = 'left'\nkd = 1.0\n";
+    let feedback = read_feedback_for(&law, &rig).expect("valid");
+    let [sum, own] = &feedback.bearings[0].signals[..] else { panic!("two signals") };
+    for weights in [&sum.displacement, &sum.velocity] {
+        let expected: Vec<f64> =
+            (0..rig.len()).map(|place| if place == sensor || place == right { 0.5 } else { 0.0 }).collect();
+        assert_eq!(*weights, expected);
+    }
+    assert_eq!(own.displacement[sensor], 1.0);
+    assert_eq!(Some(feedback.bearings[0].station), beam.coordinate(9), "it pulls where it stands");
+    for (wrong, told) in [
+        ("displacement = { middle = 1.0 }\nvelocity = { left = 1.0 }", "displacement of middle"),
+        ("displacement = { left = 'all' }\nvelocity = { left = 1.0 }", "left = 'all'"),
+    ] {
+        let law = format!("[[bearing]]\nname = 'left'\n[[bearing.signal]]\n{wrong}\nkd = 2.0\n");
+        let found = read_feedback_for(&law, &rig).expect_err(wrong).to_string();
+        assert!(found.contains(told), "{wrong}\n{found}");
+    }
 }

@@ -156,3 +156,33 @@ fn a_bench_on_file_is_gone_on_with_to_the_last_bit_whatever_its_loop_holds() {
         goes_on(&path);
     }
 }
+
+/// The head of a recording holds the rotor's own file, of which the very same rotor is made again, matrices and all.
+#[test]
+fn rotors_of_a_shaft_and_of_matrices_are_opened_again_and_gone_on_with_to_the_last_bit() {
+    let root = Root::new();
+    let given = "name = 'given'\nunits = 'si'\n[plant]\nstations = [1, 3]\npositions = [0.0, 0.5]\n\
+        mass = [[3.0, 0.1, 0.0], [0.1, 0.05, 0.0], [0.0, 0.0, 2.0]]\n\
+        gyroscopic = [[0.0, 0.0, 0.0], [0.0, 0.08, 0.0], [0.0, 0.0, 0.0]]\n\
+        stiffness = [[9e4, 2e3, -4e4], [2e3, 4e3, 1e3], [-4e4, 1e3, 7e4]]\n\
+        [[bearing]]\nstation = 1\nstiffness = 2e5\ndamping = 150.0\n\
+        [[seal]]\nstation = 2\ndamping = 40.0\n[[unbalance]]\nstation = 2\ngmm = 50.0\n";
+    let file = root.path().join("given.toml");
+    std::fs::write(&file, given).unwrap();
+    for (name, rotor) in [("shaft", "rig"), ("matrices", text(&file))] {
+        let path = root.path().join(format!("{name}.rrd"));
+        let ran = run(&["run", rotor, "--speed", "1500", "--duration", "30", "--out", text(&path)]);
+        assert_eq!(ran.code, Some(0), "{name}: {ran:?}");
+        let recording = Recording::open(&path).unwrap();
+        let expected = match name {
+            "shaft" => rotor::builtin::rotor("rig").unwrap(),
+            _ => rotor::file::read_rotor(given, "given").unwrap(),
+        };
+        assert_eq!(recording.rotor(), &expected, "{name}");
+        assert!(info(&path)["snapshots"].as_u64().unwrap() >= 1, "{name}");
+        goes_on(&path);
+        let told = run(&["export", text(&path), "--csv"]);
+        assert_eq!(told.code, Some(0), "{name}: {}", told.stderr);
+        assert_eq!(told.stdout.lines().count(), steps(&path).len() + 1, "{name}");
+    }
+}

@@ -50,12 +50,13 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
             let one = |(i, (table, at)): (usize, (&Table<'_>, Span<usize>))| {
                 reader.only(table, &["name", place.key(), "filter", "signal", "loop"]);
                 let name = reader.string(table, "name", "a name in quotes").map(str::to_owned);
-                let own = || place.named(name.as_deref()?);
-                let station = station(&mut reader, table, place.key(), &place).or_else(own).unwrap_or_else(|| {
-                    let expected = format!("{} that carries it", place.words());
-                    reader.fault(at, format!("[[bearing]] {} without {}", i + 1, place.key()), expected);
-                    0
-                });
+                let own = || place.named(name.as_deref()?, false);
+                let station =
+                    station(&mut reader, table, place.key(), &place, false).or_else(own).unwrap_or_else(|| {
+                        let expected = format!("{} that carries it", place.words());
+                        reader.fault(at, format!("[[bearing]] {} without {}", i + 1, place.key()), expected);
+                        0
+                    });
                 if let (Some(name), Some(value)) = (&name, table.get("name"))
                     && !is_label(name)
                 {
@@ -71,7 +72,7 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
         }
         _ => {
             reader.only(&file, &["units", "gains", "bearing", "filter", "signal", "loop"]);
-            let station = station(&mut reader, &file, "bearing", &place).unwrap_or_else(|| {
+            let station = station(&mut reader, &file, "bearing", &place, false).unwrap_or_else(|| {
                 let expected = format!("bearing = {of} that carries the control bearing, 1 to {}", place.most());
                 reader.fault(0..0, "no bearing", expected);
                 0
@@ -112,10 +113,11 @@ impl Place<'_> {
         }
     }
 
-    /// The place of a magnetic bearing or sensor of that name.
-    fn named(&self, name: &str) -> Option<usize> {
+    /// The place of a magnetic bearing or sensor of that name: of a bearing where it pulls, or where it `senses`.
+    fn named(&self, name: &str, senses: bool) -> Option<usize> {
         let beam = self.beam()?;
-        let magnetic = beam.drawing().magnetics.iter().find(|of| of.name == name).map(|of| of.station);
+        let magnetic = beam.drawing().magnetics.iter().find(|of| of.name == name);
+        let magnetic = magnetic.map(|of| if senses { of.sensor } else { of.station });
         let sensor = || beam.drawing().sensors.iter().find(|of| of.name == name).map(|of| of.station);
         beam.coordinate(magnetic.or_else(sensor)?)
     }
@@ -123,11 +125,11 @@ impl Place<'_> {
 
 /// The place under a key, counted from 0: of a chain its mass; of shaft elements a station of the drawing, by its number or by the name of
 /// what is there.
-fn station(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, place: &Place<'_>) -> Option<usize> {
+fn station(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, place: &Place<'_>, senses: bool) -> Option<usize> {
     let Some(beam) = place.beam() else { return reader.counted(table, key, place.masses, place.of) };
     let value = table.get(key)?;
     let found = match value.get_ref() {
-        DeValue::String(name) => place.named(name),
+        DeValue::String(name) => place.named(name, senses),
         DeValue::Integer(i) => {
             let station = usize::from_str_radix(i.as_str(), i.radix()).ok().and_then(|i| i.checked_sub(1));
             station.and_then(|station| beam.coordinate(station))
@@ -246,6 +248,9 @@ fn signal(
     let masses = place.masses;
     reader.only(table, &[place.key(), "displacement", "velocity", "kd", "cd", "kc", "cc", "filter"]);
     let mut weights = |key: &str| {
+        if let Some(DeValue::Table(named)) = table.get(key).map(|value| value.get_ref()) {
+            return Some(weights_by_place(reader, key, named, place));
+        }
         let list = reader.numbers(table, key, "weights, one a mass")?;
         for (weight, at) in &list {
             // What is not finite has been told already.
@@ -263,7 +268,7 @@ fn signal(
         Some(list.into_iter().map(|(weight, _)| weight).collect::<Vec<_>>())
     };
     let listed = (weights("displacement"), weights("velocity"));
-    let mass = station(reader, table, place.key(), place);
+    let mass = station(reader, table, place.key(), place, true);
     let mut signal = match (mass, listed) {
         (Some(mass), (None, None)) => Signal::at_mass(mass, masses, [0.0; 4]),
         (None, (Some(displacement), Some(velocity))) => {
@@ -288,6 +293,25 @@ fn signal(
         }
     }
     signal
+}
+
+/// Weights that are called by their places, `{ left = 0.5, right = -0.5 }`: all others are 0.
+fn weights_by_place(reader: &mut Reader<'_>, key: &str, named: &Table<'_>, place: &Place<'_>) -> Vec<f64> {
+    let mut weights = vec![0.0; place.masses];
+    for (name, value) in named.iter() {
+        let name_text: &str = name.get_ref().as_ref();
+        let number = name_text.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
+        let found = match place.beam() {
+            Some(beam) => place.named(name_text, true).or_else(|| beam.coordinate(number?)),
+            None => number.filter(|mass| *mass < place.masses),
+        };
+        match (found, as_number(value)) {
+            (Some(at), Some(weight)) if weight.abs() <= MOST_WEIGHT => weights[at] = weight,
+            (None, _) => reader.fault(name.span(), format!("{key} of {name_text}"), place.words()),
+            _ => reader.wrong(name_text, value, format!("a weight from -{MOST_WEIGHT} to {MOST_WEIGHT}")),
+        }
+    }
+    weights
 }
 
 /// A gain, of which one typed is `per_unit`.

@@ -1,15 +1,21 @@
 //! The loop in feedback files: `[loop]` and `filter = [..]`, dimensionless or in SI units.
 //!
 //! In SI files times are seconds, displacements metres, forces newtons, and the frequencies of filters hertz; what is read is
-//! always dimensionless. A transfer function is then one in `s` of 1/s.
+//! always dimensionless. A transfer function is then one in `s` of 1/s, and a state space moves in seconds.
+
+use std::ops::Range;
 
 use control::{FILTERS, Filter, PARTS, Part, Parts};
+use nalgebra::{DMatrix, DVector, RowDVector};
 use text::{Domain, Reader, Table, Value, as_number};
 use toml::de::DeValue;
 use units::{Dimension, Units};
 
 use super::write::{Lines, number, numbers};
 use crate::Rotor;
+
+/// What a controller as matrices is called; it is kept as [`Filter::Transfer`].
+const STATE_SPACE: &str = "state-space";
 
 /// What an SI file for `rotor` counts in: seconds, metres, newtons on the mass that carries the bearing, and hertz; `None` for
 /// a rotor without scales.
@@ -82,11 +88,14 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &Units) -> Option<Fi
         reader.wrong("filter", item, "a filter: { kind = .. }");
         return None;
     };
-    let kinds = FILTERS.map(|(kind, _)| kind);
+    let kinds: Vec<&str> = FILTERS.iter().map(|(kind, _)| *kind).chain([STATE_SPACE]).collect();
     if !table.contains_key("kind") {
         reader.fault(item.span(), "a filter without kind", format!("kind = one of {}", kinds.join(", ")));
     }
     let chosen = reader.choice(table, "kind", &kinds)?;
+    if chosen == STATE_SPACE {
+        return state_space(reader, table, item.span(), units);
+    }
     let (kind, keys) = FILTERS.iter().find(|(kind, _)| *kind == chosen)?;
     let known: Vec<&str> = std::iter::once("kind").chain(keys.iter().copied()).collect();
     reader.only(table, &known);
@@ -133,6 +142,67 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &Units) -> Option<Fi
             None
         }
     }
+}
+
+/// Reads a controller as matrices, which is its transfer function from then on.
+fn state_space(reader: &mut Reader<'_>, table: &Table<'_>, at: Range<usize>, units: &Units) -> Option<Filter> {
+    reader.only(table, &["kind", "a", "b", "c", "d"]);
+    for key in ["a", "b", "c"] {
+        if !table.contains_key(key) {
+            let expected = format!("{key} = [..]: x' = a x + b y, u = c x + d y");
+            reader.fault(at.clone(), format!("{STATE_SPACE} without {key}"), expected);
+        }
+    }
+    let rows: Vec<Vec<f64>> = match table.get("a").map(|value| value.get_ref()) {
+        Some(DeValue::Array(rows)) => rows.iter().map(|row| row_of(reader, row)).collect(),
+        _ => {
+            if let Some(value) = table.get("a") {
+                reader.wrong("a", value, "rows of finite numbers, [[..], ..]");
+            }
+            return None;
+        }
+    };
+    let columns = rows.first().map_or(0, Vec::len);
+    if let Some((i, row)) = rows.iter().enumerate().find(|(_, row)| row.len() != columns) {
+        let found = format!("a, row {}, of {} numbers", i + 1, row.len());
+        reader.fault(at, found, format!("{columns}, as in the first row"));
+        return None;
+    }
+    let mut list = |key: &str| -> Option<Vec<f64>> {
+        Some(reader.numbers(table, key, "finite numbers, one a state")?.into_iter().map(|(number, _)| number).collect())
+    };
+    let (b, c) = (list("b")?, list("c")?);
+    let d = reader.number(table, "d", Domain::Finite).unwrap_or(0.0);
+    // A rate of the file is so many of ours: `x' = a x + b y` runs in its time.
+    let rate = units.typed(Dimension::Rate, 1.0);
+    let a = DMatrix::from_fn(rows.len(), columns, |i, k| rows[i][k] * rate);
+    let b = DVector::from_vec(b) * rate;
+    match Filter::of_state_space(&a, &b, &RowDVector::from_vec(c), d) {
+        Ok(made) => Some(made),
+        // What is not a number has been told already.
+        Err(control::FilterError::Improper) => None,
+        Err(why) => {
+            let told = why.to_string();
+            let (found, expected) = told.split_once(": expected ").unwrap_or((&told, "a controller in order"));
+            reader.fault(at, found, expected);
+            None
+        }
+    }
+}
+
+fn row_of(reader: &mut Reader<'_>, row: &Value<'_>) -> Vec<f64> {
+    let DeValue::Array(row) = row.get_ref() else {
+        reader.wrong("a", row, "rows of finite numbers, [[..], ..]");
+        return vec![];
+    };
+    let mut number = |item: &Value<'_>| {
+        as_number(item).filter(|number| number.is_finite()).unwrap_or_else(|| {
+            let written = reader.written(item.span());
+            reader.fault(item.span(), format!("a: {written}"), "a finite number");
+            f64::NAN
+        })
+    };
+    row.iter().map(|item| number(item)).collect()
 }
 
 /// Writes `filter = [..]`, unless there is none.
