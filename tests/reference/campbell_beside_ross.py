@@ -5,15 +5,20 @@
 The rotors are files that ROSS saved, which `whirl rotor import` reads: a small one (`crates/beam/tests/cases/overhung_gyroscopic.toml`: ten
 shaft elements, one disc, bearings) and one of sixty elements. Both compute 100 speeds up to 6000 rpm: ROSS by `run_campbell` on a rotor that is read already, Whirl by
 `whirl trace --campbell`, once as a whole command with its start, reading and reduction, and once without, as the difference of two
-commands. Exits with 1 if a damped frequency differs by more than 1e-4, relative, which is what a reduction to 16 coordinates keeps.
+commands; processor time of one thread each. Exits with 1 if a damped frequency differs by more than 1e-4, relative, which is what a reduction to 16 coordinates keeps.
 """
 
 import json
+import os
+import resource
 import subprocess
 import sys
 import tempfile
 import time
 from pathlib import Path
+
+# One thread each.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import ross
@@ -23,14 +28,20 @@ CASE = Path(__file__).resolve().parents[2] / "crates/beam/tests/cases/overhung_g
 TOP_RPM, SPEEDS, FREQUENCIES, TIMES = 6000.0, 100, 8, 5
 
 
+def spent():
+    """Processor time of the commands so far: what else the machine does is not counted."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def trace(rotor, speeds):
-    """What a command prints, and how long it took, the fastest of some."""
+    """What a command prints, and the processor time that it took, the least of some."""
     arguments = [WHIRL, "trace", rotor, "--over", f"0..{TOP_RPM}", "--points", str(speeds), "--campbell", "--json"]
     times = []
     for _ in range(TIMES):
-        begin = time.perf_counter()
+        begin = spent()
         ran = subprocess.run(arguments, check=True, capture_output=True)
-        times.append(time.perf_counter() - begin)
+        times.append(spent() - begin)
     return json.loads(ran.stdout), min(times)
 
 
@@ -59,23 +70,25 @@ def compare(folder, case, times):
     speeds = np.linspace(0.0, TOP_RPM * np.pi / 30.0, SPEEDS)
     took = []
     for _ in range(times):
-        begin = time.perf_counter()
+        begin = time.process_time()
         campbell = model.run_campbell(speeds, frequencies=FREQUENCIES)
-        took.append(time.perf_counter() - begin)
+        took.append(time.process_time() - begin)
     theirs = min(took)
 
-    # Every damped frequency of theirs beside the nearest of ours: they have no sign there.
+    # Every frequency of ours that is as slow as theirs, which are the slowest so many, beside the nearest of those: they have no sign there,
+    # and axial and torsional motion among them.
     w0 = found["scales"]["w0"]
-    worst = 0.0
+    worst, compared = 0.0, 0
     for k in range(SPEEDS):
+        theirs_here = np.sort(np.asarray(campbell.wd)[k])
         ours = np.array([abs(branch[k]["frequency"]) * w0 for branch in found["modes"] if branch[k]])
-        for frequency in np.asarray(campbell.wd)[k]:
-            # What is critically damped, and axial or torsional motion, is no lateral whirl.
-            if frequency > 1.0:
-                worst = max(worst, min(abs(ours - frequency)) / frequency)
+        # What does not turn to speak of is critically damped, or rigid.
+        for frequency in ours[(ours > 1.0) & (ours < 0.999 * theirs_here[-1])]:
+            worst = max(worst, min(abs(theirs_here - frequency)) / frequency)
+            compared += 1
     elements = len(model.shaft_elements)
     print(f"{elements} shaft elements, {SPEEDS} speeds to {TOP_RPM:g} rpm, {FREQUENCIES} frequencies of ROSS {ross.__version__}")
-    print(f"largest difference of a damped frequency: {worst:.1e}")
+    print(f"largest difference of {compared} damped frequencies: {worst:.1e}")
     print(f"ROSS {1e3 * theirs:.1f} ms; whirl: the whole command {1e3 * whole:.1f} ms, 100 speeds alone {1e3 * mine:.2f} ms")
     print(f"ratio ROSS / whirl: {theirs / whole:.0f} with its start, {theirs / mine:.0f} without")
     return worst

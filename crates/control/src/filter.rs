@@ -66,6 +66,10 @@ pub const FILTERS: [(&str, &[&str]); 7] = [
     ("transfer", &["numerator", "denominator"]),
 ];
 
+/// A kind more that files have, with its keys: a controller as matrices, which is read as [`Filter::Transfer`]
+/// (see [`Filter::of_state_space`]).
+pub const STATE_SPACE: (&str, &[&str]) = ("state-space", &["a", "b", "c", "d"]);
+
 /// Why a filter is refused.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum FilterError {

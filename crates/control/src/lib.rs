@@ -48,7 +48,7 @@ pub use controller::{Controller, LoopError, Output, Stage};
 pub use corners::Corners;
 pub use excitation::{Excitation, ExcitationError, Multisine, Tone};
 pub use feedback::Feedback;
-pub use filter::{FILTERS, Filter, FilterError};
+pub use filter::{FILTERS, Filter, FilterError, STATE_SPACE};
 pub use law::{ControlBearing, ControlRow, FeedbackError, Gain, GainKind, Signal};
 pub use law_over_speed::{LawOverSpeed, LawPiece};
 pub use linear::{Law, LinearLoop};

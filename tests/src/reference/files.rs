@@ -1,6 +1,6 @@
 //! The keys of files. Which ones a table knows is asked of the readers themselves: an unknown key is answered with all that are known.
 
-use control::{FILTERS, PARTS};
+use control::{FILTERS, PARTS, STATE_SPACE};
 use rotor::{FIELDS, builtin, file};
 use text::Faults;
 
@@ -85,7 +85,7 @@ pub(super) fn page() -> String {
     out += "\nA gain is a number, `{ at_zero = A, slope = B }` or `{ speed = [..], value = [..] }`. Filters, in `filter = [{ kind = .. }]` of a signal or of the sum:\n";
     let row =
         |(kind, keys): &(&str, &[&str])| [code(kind), keys.iter().map(|key| code(key)).collect::<Vec<_>>().join(", ")];
-    table(&mut out, ["kind", "keys"], FILTERS.iter().map(row));
+    table(&mut out, ["kind", "keys"], FILTERS.iter().chain([&STATE_SPACE]).map(row));
     out += "\nThe parts of a loop, in files and as [settings](settings.md):\n";
     let absent = |value: f64| if value.is_finite() { number(value) } else { "none".to_owned() };
     let row = |part: &control::Part| {

@@ -5,7 +5,7 @@
 
 use std::ops::Range;
 
-use control::{FILTERS, Filter, PARTS, Part, Parts};
+use control::{FILTERS, Filter, PARTS, Part, Parts, STATE_SPACE};
 use nalgebra::{DMatrix, DVector, RowDVector};
 use text::{Domain, Reader, Table, Value, as_number};
 use toml::de::DeValue;
@@ -13,9 +13,6 @@ use units::{Dimension, Units};
 
 use super::write::{Lines, number, numbers};
 use crate::Rotor;
-
-/// What a controller as matrices is called; it is kept as [`Filter::Transfer`].
-const STATE_SPACE: &str = "state-space";
 
 /// What an SI file for `rotor` counts in: seconds, metres, newtons on the mass that carries the bearing, and hertz; `None` for
 /// a rotor without scales.
@@ -88,12 +85,12 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &Units) -> Option<Fi
         reader.wrong("filter", item, "a filter: { kind = .. }");
         return None;
     };
-    let kinds: Vec<&str> = FILTERS.iter().map(|(kind, _)| *kind).chain([STATE_SPACE]).collect();
+    let kinds: Vec<&str> = FILTERS.iter().map(|(kind, _)| *kind).chain([STATE_SPACE.0]).collect();
     if !table.contains_key("kind") {
         reader.fault(item.span(), "a filter without kind", format!("kind = one of {}", kinds.join(", ")));
     }
     let chosen = reader.choice(table, "kind", &kinds)?;
-    if chosen == STATE_SPACE {
+    if chosen == STATE_SPACE.0 {
         return state_space(reader, table, item.span(), units);
     }
     let (kind, keys) = FILTERS.iter().find(|(kind, _)| *kind == chosen)?;
@@ -146,11 +143,13 @@ fn filter(reader: &mut Reader<'_>, item: &Value<'_>, units: &Units) -> Option<Fi
 
 /// Reads a controller as matrices, which is its transfer function from then on.
 fn state_space(reader: &mut Reader<'_>, table: &Table<'_>, at: Range<usize>, units: &Units) -> Option<Filter> {
-    reader.only(table, &["kind", "a", "b", "c", "d"]);
+    let (kind, keys) = STATE_SPACE;
+    let known: Vec<&str> = std::iter::once("kind").chain(keys.iter().copied()).collect();
+    reader.only(table, &known);
     for key in ["a", "b", "c"] {
         if !table.contains_key(key) {
             let expected = format!("{key} = [..]: x' = a x + b y, u = c x + d y");
-            reader.fault(at.clone(), format!("{STATE_SPACE} without {key}"), expected);
+            reader.fault(at.clone(), format!("{kind} without {key}"), expected);
         }
     }
     let rows: Vec<Vec<f64>> = match table.get("a").map(|value| value.get_ref()) {
