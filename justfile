@@ -138,6 +138,17 @@ header:
 python-messages:
     cargo run -p wire --example python -- crates/wire/python/whirl/messages.py
 
+# What a controller outside and a reader in Python cost and keep up with (`just check-python` makes the virtual environment)
+measure-open-bench:
+    cargo build --release
+    cargo build --release -p wire --example controller
+    python3 tests/reference/open_bench.py target/release target/python-bench/bin/python
+
+# What a dashboard sends, and how long a key takes over a line that is far away or slow
+measure-far-away:
+    cargo build --release
+    python3 tests/reference/far_away.py target/release/whirl
+
 # The Python package against a real bench (sets up numpy, iceoryx2 and pytest in target/)
 check-python:
     cargo build --release
