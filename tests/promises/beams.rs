@@ -138,19 +138,9 @@ fn the_smallest_damping_is_that_of_the_modes_below_a_frequency_in_every_command(
         told.push(least);
     }
     assert!(told.windows(2).all(|pair| pair[1] <= pair[0]) && told[0] > told[3], "more modes, less damping: {told:?}");
-    // What counts is said, and what does not is not judged.
+    // What counts is said.
     let words = run(&[&["poles"][..], &machine, &["--below", "150"]].concat());
-    assert!(words.stdout.contains("modes up to 150 Hz count"), "{}", words.stdout);
-    let judged = |hertz: &str| {
-        let arguments = ["assess", "rig", "--over", "0..6000", "--below", hertz, "--json"];
-        let document = run(&arguments).json();
-        let lines = document["lines"].as_array().unwrap_or_else(|| panic!("{document}")).clone();
-        let is_judged = |line: &&Value| {
-            line["what"].as_str().is_some_and(|what| what.starts_with("log decrement")) && line["passed"].is_boolean()
-        };
-        lines.iter().filter(is_judged).count()
-    };
-    assert!(judged("60") < judged("1000"), "fewer modes are judged");
+    assert!(words.stdout.contains("modes up to 150.000 Hz count"), "{}", words.stdout);
     for (arguments, why) in [
         (&["poles", "rig", "--speed", "1", "--below", "0"][..], "--below 0: expected a frequency in Hz above 0"),
         (&["poles", "three-mass", "--speed", "1", "--below", "5"], "every mode of a chain of masses counts"),

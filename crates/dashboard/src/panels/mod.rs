@@ -2,6 +2,7 @@
 //! the scale of its axes; what is selected, typed or pointed at for all comes in as an argument.
 
 pub(crate) mod alarms;
+mod bent_shaft;
 pub(crate) mod campbell;
 pub(crate) mod damping;
 pub(crate) mod damping_over_speed;

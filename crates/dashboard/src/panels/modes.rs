@@ -7,16 +7,20 @@
 //! │ ▼  0.0812   0.5117     1.0330   0.413  backward  0.61 -12°  │
 //! └────────────────────────────────────────────────────────────┘
 //! ```
+//!
+//! Of a shaft, where there is room, the mode that is pointed at stands below, bent and turning slowly; without one, the least damped of those
+//! that count.
 
 use std::sync::Arc;
 
-use machine::MachinePoles;
+use machine::{CountedModes, MachinePoles};
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{C64, Mode, Whirl};
 
+use super::bent_shaft;
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
 use crate::input::Mouse;
@@ -34,6 +38,8 @@ const COLUMNS: [(&str, u16); 5] = [("damping", 9), ("log dec", 9), ("frequency",
 const SIGNS: u16 = 2;
 /// Width of one mass's part of a shape.
 const PART: u16 = 12;
+/// Rows below the heading, half of which a bent shaft may have.
+const ROOM_FOR_SHAFT: u16 = 14;
 
 /// The table; it keeps the modes of the settings that it last drew. A click points at a mode.
 #[derive(Debug, Default)]
@@ -63,13 +69,30 @@ impl Panel for Modes {
             format!(" modes at {} {}", units.speed_told(speed), filter_title(view.filter, shown.len(), modes.len()));
         let inner = framed(Line::from(title), area, buffer);
         heading(&units, inner, buffer);
-        let below = Rect { y: inner.y + 1, height: inner.height.saturating_sub(1), ..inner };
+        let mut below = Rect { y: inner.y + 1, height: inner.height.saturating_sub(1), ..inner };
+        if let Some(beam) = era.rotor.as_ref().and_then(|rotor| rotor.beam()).filter(|_| below.height >= ROOM_FOR_SHAFT)
+        {
+            let rows = below.height / 2;
+            let shaft = Rect { y: below.bottom() - rows, height: rows, ..below };
+            below.height -= rows;
+            if let Some(mode) = pointed_at(view, modes, speed) {
+                let words = format!(
+                    "{} at {} {}",
+                    mode.whirl(),
+                    units.frequency.short(mode.frequency(), 4),
+                    units.frequency.name
+                );
+                write(buffer, shaft, shaft.x, shaft.y, &words, theme::quiet());
+                let step = view.data.now.map_or(0, |now| view.data.track.index_of(now));
+                let drawn = Rect { y: shaft.y + 1, height: shaft.height - 1, ..shaft };
+                bent_shaft::draw(beam, mode, step as f64 * view.data.seconds, drawn, buffer);
+            }
+        }
         let rows = self.list.rows(shown.len(), below.height, 0);
         for (y, (rank, mode)) in (below.y..).zip(&shown[rows.clone()]) {
             let place = Rect { y, height: 1, ..below };
             row(mode, *rank == 0, (speed, &units), place, buffer);
-            // The analysis here and that of the simulation differ in their last digits.
-            if view.selection.mode.is_some_and(|pole| (pole - mode.pole).norm() <= 1e-9 * (1.0 + pole.norm())) {
+            if view.selection.mode.is_some_and(|pole| is_same(pole, mode)) {
                 write(buffer, place, place.x, y, "◈", theme::loud(theme::CURSOR));
                 buffer.set_style(place, Style::new().add_modifier(Modifier::UNDERLINED));
             }
@@ -91,6 +114,18 @@ impl Panel for Modes {
     fn scroll(&mut self, rows: isize) {
         self.list.scroll(rows);
     }
+}
+
+/// The analysis here and that of the simulation differ in their last digits.
+fn is_same(pole: C64, mode: &Mode) -> bool {
+    (pole - mode.pole).norm() <= 1e-9 * (1.0 + pole.norm())
+}
+
+/// The mode that is selected; without one the least damped of those that whirl and count.
+fn pointed_at<'a>(view: &View<'_>, modes: &'a [Mode], speed: f64) -> Option<&'a Mode> {
+    let selected = view.selection.mode.and_then(|pole| modes.iter().find(|mode| is_same(pole, mode)));
+    let counted = CountedModes::usual_among(modes.iter().map(|mode| mode.pole), speed);
+    selected.or_else(|| modes.iter().find(|mode| mode.frequency() > 0.0 && counted.counts(mode.pole)))
 }
 
 /// The modes of some settings; only the poles that the simulation sent if their shapes cannot be had.

@@ -34,6 +34,9 @@ const FRESH: f64 = 2.0;
 /// Steps that an orbit shows at low speed, where that many turns take too long.
 const MOST_STEPS: usize = 10_000;
 
+/// The least width and height of a cell that is worth looking at, where there are more places than room.
+const LEAST: [u16; 2] = [10, 5];
+
 /// Width of a cell in which y and z have room beside the radius, and height of one in which they have room above it.
 const ROOM_FOR_PLACE: u16 = 26;
 const ROWS_FOR_PLACE: u16 = 12;
@@ -74,13 +77,48 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let unit = data.units().length;
     let shown_scale = axis.reach(if unit.factor == 1.0 { scale } else { nice_ceiling(scale * unit.factor) });
     let scale = shown_scale / unit.factor;
-    let title = format!(" orbits  ±{} {}{}  ◉ now ● once a turn ", short(shown_scale, 2), unit.name, axis.word());
+    let within = Rect::new(0, 0, area.width.saturating_sub(2), area.height.saturating_sub(2));
+    let chosen = chosen(data, room(within), furthest);
+    let of =
+        if chosen.len() < data.masses() { format!("  {} of {}", chosen.len(), data.masses()) } else { String::new() };
+    let title = format!(" orbits{of}  ±{} {}{}  ◉ now ● once a turn ", short(shown_scale, 2), unit.name, axis.word());
     let inner = framed(Line::from(title), area, buffer);
     let turns = Turns::of(track, shown.clone());
-    let cells = grid(inner, data.masses());
-    for (mass, cell) in cells.into_iter().enumerate() {
+    let cells = grid(inner, chosen.len());
+    for (mass, cell) in chosen.into_iter().zip(cells) {
         draw_one(data, beside, mass, &turns, (scale, unit), cell, buffer);
     }
+}
+
+/// How many orbits of the least size that tells something have room.
+fn room(area: Rect) -> usize {
+    usize::from(area.width / LEAST[0]) * usize::from(area.height / LEAST[1])
+}
+
+/// The places whose orbits are drawn, from left to right. Of a chain all masses; of a shaft as many places as there is `room` for: those
+/// that carry control bearings, those that are sensed, those that touch something, and the rest by how far they go.
+fn chosen(data: &FrameData, room: usize, furthest: impl Fn(usize) -> f64) -> Vec<usize> {
+    let all: Vec<usize> = (0..data.masses()).collect();
+    let shaft = data.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref().filter(|rotor| !rotor.is_chain())?)));
+    let Some((era, rotor)) = shaft.filter(|_| all.len() > room) else { return all };
+    let bearings = &era.settings.feedback.bearings;
+    let rank = |place: usize| {
+        let weighs = |weights: &[f64]| weights.get(place).is_some_and(|weight| *weight != 0.0);
+        let mut signals = bearings.iter().flat_map(|bearing| &bearing.signals);
+        let mut is_sensed = || signals.any(|signal| weighs(&signal.displacement) || weighs(&signal.velocity));
+        match place {
+            _ if bearings.iter().any(|bearing| bearing.station == place) => 0,
+            _ if is_sensed() => 1,
+            _ if rotor.has_contact(place) => 2,
+            _ => 3,
+        }
+    };
+    let mut ranked: Vec<(i32, f64, usize)> =
+        all.into_iter().map(|place| (rank(place), -furthest(place), place)).collect();
+    ranked.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut chosen: Vec<usize> = ranked.into_iter().take(room.max(1)).map(|(.., place)| place).collect();
+    chosen.sort_unstable();
+    chosen
 }
 
 fn draw_one(
@@ -126,7 +164,11 @@ fn draw_one(
     }
     let mut bearings = data.era.iter().flat_map(|era| &era.settings.feedback.bearings);
     let carries = bearings.any(|bearing| bearing.station == mass);
-    let name = format!("{}{}", mass + 1, if carries { " ⊕" } else { "" });
+    let place = data.era.as_ref().and_then(|era| era.rotor.as_ref()?.beam().map(|beam| beam.place_name(mass)));
+    // Beside its number, if half of the cell has room for it.
+    let place =
+        place.map(|name| format!(" {name}")).filter(|name| name.chars().count() + 4 <= usize::from(cell.width / 2));
+    let name = format!("{}{}{}", mass + 1, place.unwrap_or_default(), if carries { " ⊕" } else { "" });
     // What is told of one mass must not touch what is told of the next.
     let cell = Rect { width: cell.width.saturating_sub(1), ..cell };
     let behind = write(buffer, cell, cell.left(), cell.top(), &name, theme::loud(color)) + 1;
@@ -280,6 +322,30 @@ mod tests {
         let data = feed.frame_data(&ViewTime::LIVE, now);
         assert_eq!(shown_steps(&data.track, data.now), 500..600);
         assert_eq!(shown_steps(&data.track, Some(499)), 0..500, "the motion before, with the cursor there");
+    }
+
+    #[test]
+    fn of_a_shaft_the_places_that_matter_are_chosen() {
+        let rotor = rotor::builtin::rotor("rig").expect("built in");
+        let feedback = rotor::builtin::feedback(&rotor, "own").expect("its own");
+        let carriers: Vec<usize> = feedback.bearings.iter().map(|bearing| bearing.station).collect();
+        let mut status = tests::bench_status("jeffcott", "off");
+        status.set_rotor(&rotor);
+        status.settings = wire::SettingsDocument::of(&rotor::Settings::new(&rotor, 1.0, feedback));
+        let now = std::time::Instant::now();
+        let mut feed = telemetry::feed::Feed::new("");
+        feed.push_bench_status(status);
+        (0..200).for_each(|seq| feed.push_step(&tests::state(rotor.len(), seq), now));
+        let data = feed.frame_data(&ViewTime::default(), now);
+        let chosen = |room: usize| chosen(&data, room, |place| place as f64);
+        assert_eq!(chosen(rotor.len()), (0..rotor.len()).collect::<Vec<_>>());
+        assert_eq!(chosen(2), carriers);
+        let mut three = carriers.clone();
+        three.push(rotor.len() - 1);
+        assert_eq!(chosen(3), three, "the largest comes next");
+        assert_eq!(chosen(0).len(), 1);
+        let frame = drawn(40, 12, |area, buffer| Orbits::default().draw(&view(&data), area, buffer));
+        assert!(frame.contains(&format!("{} of 12", room(Rect::new(0, 0, 38, 10)))), "{frame}");
     }
 
     #[test]
