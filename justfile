@@ -130,6 +130,11 @@ book:
     cargo install mdbook --version 0.5.4 --locked --no-default-features --features search --root target/tools
     target/tools/bin/mdbook build docs/book
 
+# The spelling of the documents (sets up typos in target/tools: two minutes, once); words of the field go into docs/book/typos.toml
+spelling:
+    cargo install typos-cli --version 1.52.0 --locked --no-default-features --features dict --root target/tools
+    target/tools/bin/typos --config docs/book/typos.toml README.md ARCHITECTURE.md CONTRIBUTING.md CHANGELOG.md recordings/README.md docs/book/src
+
 # The C header of the messages, made from their tables (a test compares)
 header:
     cargo run -p wire --example header -- crates/wire/whirl.h
