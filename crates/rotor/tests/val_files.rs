@@ -496,7 +496,7 @@ fn weights_may_be_called_by_their_places_and_a_bearing_senses_where_its_sensor_i
     let [sensor, right] = [7, 25].map(|station| beam.coordinate(station).expect("simulated"));
     let law = "[[bearing]]\nname = 'left'\n[[bearing.signal]]\ndisplacement = { left = 0.5, right = 0.5 }\nvelocity = { left = 0.5, 26 = 0.5 }\nkd = 2.0\n\
                [[bearing.signal]]\nstation = 'left'\nkd = 1.0\n";
-    let feedback = read_feedback_for(&law, &rig).expect("valid");
+    let feedback = read_feedback_for(law, &rig).expect("valid");
     let [sum, own] = &feedback.bearings[0].signals[..] else { panic!("two signals") };
     for weights in [&sum.displacement, &sum.velocity] {
         let expected: Vec<f64> =

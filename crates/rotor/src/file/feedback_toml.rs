@@ -298,7 +298,7 @@ fn signal(
 /// Weights that are called by their places, `{ left = 0.5, right = -0.5 }`: all others are 0.
 fn weights_by_place(reader: &mut Reader<'_>, key: &str, named: &Table<'_>, place: &Place<'_>) -> Vec<f64> {
     let mut weights = vec![0.0; place.masses];
-    for (name, value) in named.iter() {
+    for (name, value) in named {
         let name_text: &str = name.get_ref().as_ref();
         let number = name_text.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
         let found = match place.beam() {

@@ -194,14 +194,14 @@ fn row_of(reader: &mut Reader<'_>, row: &Value<'_>) -> Vec<f64> {
         reader.wrong("a", row, "rows of finite numbers, [[..], ..]");
         return vec![];
     };
-    let mut number = |item: &Value<'_>| {
+    let number = |item: &Value<'_>| {
         as_number(item).filter(|number| number.is_finite()).unwrap_or_else(|| {
             let written = reader.written(item.span());
             reader.fault(item.span(), format!("a: {written}"), "a finite number");
             f64::NAN
         })
     };
-    row.iter().map(|item| number(item)).collect()
+    row.iter().map(number).collect()
 }
 
 /// Writes `filter = [..]`, unless there is none.
