@@ -404,7 +404,7 @@ mod with {
         let simulation = root.simulate(&["rig", "--speed", "3000"]);
         let mut screen = Screen::start_in(root.path(), root.path(), &["dash"], (120, 40));
         screen.wait_words("RUNNING");
-        assert_eq!(root.run(&["set", "left.kd=21000", "--why", "stiffer"]).code, Some(0));
+        assert_eq!(root.run(&["set", "left.kd=21000w0^2", "--why", "stiffer"]).code, Some(0));
         screen.wait_words("rev 2");
         screen.press_for(":record last 10min\r", "steps from before");
         screen.press_for("r", "the recording ends");

@@ -333,7 +333,8 @@ impl<'a> App<'a> {
         let present = data.settings.as_ref()?;
         let settings = match self.layers.last()? {
             Layer::Value(typed) => {
-                let typed = [(self.selected()?, typed.text().parse().ok()?)];
+                let key = self.selected()?;
+                let typed = [(key, key.parameter.read(typed.text()).ok()?)];
                 let values = data.units().settings_of_typed(data.rotor.as_deref(), present, &typed).ok()?;
                 Edit::Set(values).applied(present)?
             }

@@ -49,6 +49,21 @@ pub(crate) fn write_free(buffer: &mut Buffer, area: Rect, x: u16, y: u16, text: 
     }
 }
 
+/// Writes `text` in the uppermost row of a plot where nothing at all is in its way or beside it, at the right edge or else at the left one;
+/// nowhere if there is no such row.
+pub(crate) fn write_beside_lines(buffer: &mut Buffer, area: Rect, text: &str, style: Style) {
+    let wide = width(text) as u16;
+    let Some(right) = area.right().checked_sub(wide).filter(|x| *x >= area.left()) else { return };
+    let is_free = |(x, y): &(u16, u16)| {
+        let mut cells = (x.saturating_sub(1).max(area.left())..(x + wide + 1).min(area.right())).map(|x| (x, *y));
+        cells.all(|at| buffer.cell(at).is_some_and(|cell| matches!(cell.symbol(), " " | "\u{2800}")))
+    };
+    let places = (area.top()..area.bottom()).flat_map(|y| [(right, y), (area.left(), y)]);
+    if let Some((x, y)) = { places }.find(is_free) {
+        write(buffer, area, x, y, text, style);
+    }
+}
+
 /// Writes `text` so that it ends at the right edge of `area`.
 pub(crate) fn write_right(buffer: &mut Buffer, area: Rect, y: u16, text: &str, style: Style) {
     let width = width(text) as u16;

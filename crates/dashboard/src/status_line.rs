@@ -24,7 +24,6 @@ use crate::view::{Message, View};
 use telemetry::connection::Connection;
 use telemetry::frame_data::FrameData;
 use telemetry::units::Units;
-use text::number::short;
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color) {
@@ -62,8 +61,8 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     if !view.time.is_live()
         && let Some(now) = data.now
     {
-        let (ago, tau) = (data.ago().as_secs_f64(), data.track.tau(now));
-        add(1, format!("-{ago:.3} s  tau {}", short(tau, 6)), theme::loud(theme::WARN));
+        let (ago, moment) = (data.ago().as_secs_f64(), data.units().moment_told(data.track.tau(now), 6));
+        add(1, format!("-{ago:.3} s  {moment}"), theme::loud(theme::WARN));
     }
     if view.read_only {
         add(4, "read-only".to_owned(), theme::loud(theme::CURSOR));
@@ -120,11 +119,13 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             add(12, format!("age {} ms", age.as_millis()), plain);
         }
     }
-    // Alarms have their place whatever else is told.
-    let told = alarms_line(view.alarms).width() as u16;
-    let room = area.width.saturating_sub(told);
+    // Alarms have their place whatever else is told, but their names make room for how the machine stands: other panels tell them.
+    let needed: usize = line.iter().filter(|(soon, _)| *soon <= 1).map(|(_, part)| part.width()).sum();
+    let alarms = alarms_within(view.alarms, usize::from(area.width).saturating_sub(needed));
+    let told = (alarms.width() as u16).min(area.width);
+    let room = area.width - told;
     write_line(buffer, Rect { width: room, ..area }, fitted(line, usize::from(room)));
-    draw_alarms(view.alarms, area, buffer);
+    write_line(buffer, Rect { x: area.right() - told, width: told, ..area }, alarms);
 }
 
 /// How fast the speed changes, and how long it still does: that is known of a ramp, not of a profile with legs to come.
@@ -155,20 +156,23 @@ fn fitted(mut parts: Vec<(u8, Span<'_>)>, room: usize) -> Line<'_> {
     Line::from(parts.into_iter().map(|(_, part)| part).collect::<Vec<_>>())
 }
 
-fn alarms_line(alarms: &Alarms) -> Line<'static> {
-    Line::from(alarms_told(alarms).collect::<Vec<_>>())
+/// The alarms with the names of as many levels as `room` has, the worst first; of the others how many there are.
+fn alarms_within(alarms: &Alarms, room: usize) -> Line<'static> {
+    let told = |named: &[Level]| Line::from(alarms_told(alarms, named).collect::<Vec<_>>());
+    let named: [&[Level]; 2] = [&[Level::Alarm, Level::Warning], &[Level::Alarm]];
+    named.into_iter().map(told).find(|line| line.width() <= room).unwrap_or_else(|| told(&[]))
 }
 
 /// Alarms at the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
 pub(crate) fn draw_alarms(alarms: &Alarms, area: Rect, buffer: &mut Buffer) {
-    let told = alarms_line(alarms);
+    let told = alarms_within(alarms, usize::from(area.width));
     let width = (told.width() as u16).min(area.width);
     write_line(buffer, Rect { x: area.right() - width, width, ..area }, told);
 }
 
-/// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit. On a bar
-/// until they are acknowledged.
-fn alarms_told(alarms: &Alarms) -> impl Iterator<Item = Span<'static>> {
+/// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit, or for levels that are not
+/// among `named` how many. On a bar until they are acknowledged.
+fn alarms_told(alarms: &Alarms, named: &[Level]) -> impl Iterator<Item = Span<'static>> {
     [Level::Alarm, Level::Warning].into_iter().flat_map(move |level| {
         [true, false].into_iter().filter_map(move |unseen| {
             let here = alarms.standings().filter(|(_, standing, _)| standing.shown() == level);
@@ -176,7 +180,8 @@ fn alarms_told(alarms: &Alarms) -> impl Iterator<Item = Span<'static>> {
                 .filter(|(_, standing, _)| (standing.unseen == level) == unseen)
                 .map(|(watch, ..)| watch.name())
                 .collect();
-            let text = format!(" {} {} ", theme::level_words(level), names.join(", "));
+            let what = if named.contains(&level) { names.join(", ") } else { names.len().to_string() };
+            let text = format!(" {} {what} ", theme::level_words(level));
             let color = theme::level_color(level);
             let style = if unseen { theme::badge(color) } else { theme::loud(color) };
             (!names.is_empty()).then(|| Span::styled(text, style))
@@ -370,6 +375,9 @@ mod tests {
         assert!(told(&alarms).ends_with("age 0 ms"), "{}", told(&alarms));
         alarms.read(&damping(4, 0.01));
         assert!(told(&alarms).ends_with(" ! WARNING damping"), "{}", told(&alarms));
+        // The speed is never cut for their names.
+        let frame = drawn(32, 1, |area, buffer| draw_top(&View { alarms: &alarms, ..view(&data) }, area, buffer));
+        assert!(frame.contains("RUNNING   R 2.5 ") && frame.trim_end().ends_with(" ! WARNING 1"), "{frame}");
     }
 
     #[test]

@@ -47,7 +47,7 @@ pub(crate) fn draw_top(show: &ReplayStatus<'_>, view: &View<'_>, area: Rect, buf
     let at = |seq: u64| clock((seq - show.ends[0].min(seq)) as f64 / show.rate);
     add(format!("  {} of {}", at(show.seq), at(show.ends[1])), plain);
     if let Some(now) = data.now {
-        add(format!("  tau {}", short(data.track.tau(now), 6)), plain);
+        add(format!("  {}", data.units().moment_told(data.track.tau(now), 6)), plain);
     }
     add(format!("  step {}", show.seq), plain);
     match show.repeat {

@@ -9,7 +9,11 @@ use crate::{Feedback, Key, MAX_BEARINGS, Rotor, Scope};
 
 /// The mass ratio `Rm` of what carries each control bearing of a machine; 1 of shaft elements.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ControlMasses([f64; MAX_BEARINGS]);
+pub struct ControlMasses {
+    ratios: [f64; MAX_BEARINGS],
+    /// How many signals drive each.
+    signals: [usize; MAX_BEARINGS],
+}
 
 impl Default for ControlMasses {
     /// Where control is a force already, or where no machine is known.
@@ -20,14 +24,15 @@ impl Default for ControlMasses {
 
 impl ControlMasses {
     /// All 1.
-    pub const ONES: Self = Self([1.0; MAX_BEARINGS]);
+    pub const ONES: Self = Self { ratios: [1.0; MAX_BEARINGS], signals: [0; MAX_BEARINGS] };
 
     /// Those of a machine.
     #[must_use]
     pub fn of(rotor: &Rotor, feedback: &Feedback) -> Self {
         let mut masses = Self::default();
-        for (ratio, bearing) in masses.0.iter_mut().zip(&feedback.bearings) {
-            *ratio = rotor.control_mass(bearing.station);
+        for (place, bearing) in feedback.bearings.iter().enumerate().take(MAX_BEARINGS) {
+            masses.ratios[place] = rotor.control_mass(bearing.station);
+            masses.signals[place] = bearing.signals.len();
         }
         masses
     }
@@ -35,16 +40,28 @@ impl ControlMasses {
     /// `Rm` of a control bearing, counted from 0; 1 where there is none.
     #[must_use]
     pub fn ratio(&self, bearing: usize) -> f64 {
-        self.0.get(bearing).copied().unwrap_or(1.0)
+        self.ratios.get(bearing).copied().unwrap_or(1.0)
     }
 
-    /// `Rm` by which a setting is a force, if it is one: that of its control bearing, or of the first where it is of all.
+    /// `Rm` by which a setting is a force or a gain, if it is one: that of its control bearing, or of the first where it is of all.
     #[must_use]
     pub fn of_key(&self, key: Key) -> f64 {
-        match key.parameter.scope {
-            Scope::Bearing => self.ratio(key.index.unwrap_or(0)),
-            Scope::Machine | Scope::Mass | Scope::Signal => self.ratio(0),
-        }
+        let place = key.index.unwrap_or(0);
+        self.ratio(match key.parameter.scope {
+            Scope::Bearing => place,
+            Scope::Signal => self.bearing_of_signal(place),
+            Scope::Machine | Scope::Mass => 0,
+        })
+    }
+
+    /// The control bearing that a signal drives, both counted from 0; the first where there is no such signal.
+    fn bearing_of_signal(&self, signal: usize) -> usize {
+        let mut before = 0;
+        let is_past = |count: &usize| {
+            before += count;
+            signal < before
+        };
+        self.signals.iter().position(is_past).unwrap_or(0)
     }
 
     /// The control of a bearing as that of the first one which is as large a force: `u Rm / Rm_first`.
@@ -65,7 +82,7 @@ impl ControlMasses {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{ControlBearing, PhysicalMass, Settings, builtin};
+    use crate::{ControlBearing, PhysicalMass, Settings, Signal, builtin};
 
     /// 30 kg and 10 kg with a bearing each, the second one first.
     fn unequal() -> (Rotor, Feedback) {
@@ -92,12 +109,19 @@ mod tests {
         let settings = Settings::new(&rotor, 0.0, feedback);
         let of = |key: &str| masses.of_key(settings.key(key).expect("a key"));
         assert_eq!(["limit.1", "2.limit", "slew.2", "limit", "speed"].map(of), [0.25, 0.75, 0.75, 0.25, 0.25]);
+        let mut feedback = settings.feedback;
+        feedback.bearings[0].signals = vec![Signal::at_mass(0, 2, [0.0; 4]), Signal::at_mass(1, 2, [0.0; 4])];
+        feedback.bearings[1].signals = vec![Signal::at_mass(0, 2, [0.0; 4])];
+        let masses = ControlMasses::of(&rotor, &feedback);
+        let of = |key: &str| masses.of_key(key.parse().expect("a key"));
+        assert_eq!(["kd", "kd.2", "cc.3", "kd.4"].map(of), [0.25, 0.25, 0.75, 0.25], "a gain likewise");
     }
 
     #[test]
     fn control_of_shaft_elements_is_a_force_already() {
         let rotor = builtin::rotor("rig").expect("built in");
         let feedback = builtin::feedback(&rotor, "own").expect("built in");
-        assert_eq!(ControlMasses::of(&rotor, &feedback), ControlMasses::default());
+        let masses = ControlMasses::of(&rotor, &feedback);
+        assert_eq!([0, 1].map(|bearing| masses.ratio(bearing)), [1.0; 2]);
     }
 }

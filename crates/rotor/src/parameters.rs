@@ -6,7 +6,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use control::{PARTS, Part};
-use units::Dimension;
+use units::{Dimension, Typed, TypedError, Units};
 
 use crate::{Gain, GainKind, Settings, SettingsError};
 
@@ -74,16 +74,21 @@ impl Parameter {
     pub const fn unit(&self) -> &'static str {
         match self.dimension {
             Dimension::Time => "tau",
+            // Gains are known by their numbers.
+            Dimension::Stiffness | Dimension::Damping => "",
             dimension => dimension.unit(),
         }
     }
 
-    /// A number as typed; `off` is one where that means something.
-    #[must_use]
-    pub fn parse(&self, typed: &str) -> Option<f64> {
+    /// A value as typed, with a unit or without; `off` is one where that means something.
+    ///
+    /// # Errors
+    /// What is neither.
+    pub fn read(&self, typed: &str) -> Result<Typed, TypedError> {
         match (typed.trim(), self.off) {
-            ("off", Some(off)) => Some(off),
-            (typed, _) => typed.parse().ok(),
+            // Nothing and without end are so in any unit.
+            ("off", Some(off)) => Ok(off.into()),
+            (typed, _) => Typed::read(self.dimension, typed),
         }
     }
 }
@@ -98,7 +103,10 @@ const fn gain(
     Parameter {
         name,
         meaning,
-        dimension: Dimension::Number,
+        dimension: match kind {
+            GainKind::Kd | GainKind::Kc => Dimension::Stiffness,
+            GainKind::Cd | GainKind::Cc => Dimension::Damping,
+        },
         min: -1e6,
         max: 1e6,
         step: 0.01,
@@ -261,6 +269,29 @@ pub struct Key {
     pub parameter: &'static Parameter,
     /// Mass, signal or control bearing, counted from 0. `None` is every mass, every control bearing, or the first signal.
     pub index: Option<usize>,
+}
+
+impl Key {
+    /// The dimensionless value of what was typed for it, as `name`; `alone` is that of a number that does not say what it is counted in.
+    ///
+    /// # Errors
+    /// What is no value of it, or says an SI unit where there are no scales.
+    pub fn value_of(
+        self,
+        name: &str,
+        typed: &str,
+        units: &Units,
+        alone: impl FnOnce(f64) -> f64,
+    ) -> Result<f64, SettingsError> {
+        let read = self.parameter.read(typed);
+        let value = read.and_then(|read| read.value(units, self.parameter.dimension, alone));
+        value.map_err(|expected| SettingsError::NoValue {
+            key: name.to_owned(),
+            found: typed.to_owned(),
+            expected,
+            or_off: self.parameter.off.is_some(),
+        })
+    }
 }
 
 impl fmt::Display for Key {

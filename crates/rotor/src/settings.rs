@@ -4,6 +4,8 @@
 
 use std::borrow::Cow;
 
+use units::{TypedError, Units};
+
 use crate::{ClosedLoop, Feedback, FeedbackError, Gain, Key, PARAMETERS, Parameter, Rotor, Scope};
 
 /// Why a change of settings is refused. Nothing has changed then.
@@ -40,13 +42,15 @@ pub enum SettingsError {
         /// The keys it may be.
         known: Vec<String>,
     },
-    /// The value is not a number.
-    #[error("{key} = '{found}': expected a number{}", or_off_words(*or_off))]
-    NotANumber {
+    /// What was typed is no value of this setting.
+    #[error("{key} = '{found}': {expected}{}", or_off_words(*or_off))]
+    NoValue {
         /// The key.
         key: String,
         /// What was typed.
         found: String,
+        /// What was expected.
+        expected: TypedError,
         /// Whether it can be off.
         or_off: bool,
     },
@@ -348,12 +352,8 @@ impl Settings {
     /// An unknown key, a value that is not a number, or what [`Settings::set`] refuses; nothing changes then.
     pub fn assign(&mut self, key: &str, value: &str) -> Result<(), SettingsError> {
         let parsed = self.key(key)?;
-        let number = parsed.parameter.parse(value).ok_or_else(|| SettingsError::NotANumber {
-            key: key.to_owned(),
-            found: value.to_owned(),
-            or_off: parsed.parameter.off.is_some(),
-        })?;
-        self.set(parsed, number)
+        let value = parsed.value_of(key, value, &Units::DIMENSIONLESS, |alone| alone)?;
+        self.set(parsed, value)
     }
 
     /// The equations of motion under these settings, which must have passed [`Settings::check`].

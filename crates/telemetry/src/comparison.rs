@@ -167,7 +167,12 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
                 1 => kind.name().to_owned(),
                 _ => format!("{}.{}", kind.name(), i + 1),
             };
-            let at = |signal: &rotor::Signal| significant(signal.gain(kind).at(now.settings.speed), 4).to_string();
+            let key: Option<rotor::Key> = format!("{}.{}", kind.name(), i + 1).parse().ok();
+            let unit = key.map_or(Units::DIMENSIONLESS.speed, |key| units.setting(key));
+            let at = |signal: &rotor::Signal| {
+                let value = significant(signal.gain(kind).at(now.settings.speed) * unit.factor, 4);
+                if units.scales.is_some() { format!("{value} {}", unit.name) } else { value.to_string() }
+            };
             rows.push(row(&name, [at(before), at(after)]));
         }
     }

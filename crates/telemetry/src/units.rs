@@ -2,8 +2,8 @@
 //! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
 
 use rotor::{ChangedValue, ControlMasses, Difference, Feedback, Key, Rotor, Scales, Settings, SettingsError};
-use text::number::{nice_ceiling, significant};
-use units::Dimension;
+use text::number::{nice_ceiling, short, significant};
+use units::{Dimension, Typed};
 
 pub use units::Unit;
 
@@ -102,15 +102,56 @@ impl Units {
             },
             Dimension::Frequency => self.frequency,
             Dimension::Rate => self.rate,
+            Dimension::Stiffness | Dimension::Damping => match self.scales {
+                Some(scales) => dimension.si(&scales, self.masses.ratio(0)),
+                None => Unit { factor: 1.0, name: "" },
+            },
         }
     }
 
-    /// What a setting is counted in where it is typed and shown: the same as for `whirl set`, so in metres, not micrometres.
+    /// What a setting is counted in where it is shown, and typed without a unit: clearances in what radii are in.
     pub fn setting(&self, key: Key) -> Unit {
-        match self.scales {
-            None => Unit { factor: 1.0, name: key.parameter.unit() },
-            Some(scales) => key.parameter.dimension.si(&scales, self.masses.of_key(key)),
+        match (self.scales, key.parameter.dimension) {
+            (None, _) => Unit { factor: 1.0, name: key.parameter.unit() },
+            (Some(_), Dimension::Length) => self.length,
+            (Some(scales), dimension) => dimension.si(&scales, self.masses.of_key(key)),
         }
+    }
+
+    /// The same on the command line and in files, which count lengths in metres.
+    pub fn setting_in_files(&self, key: Key) -> Unit {
+        match self.scales {
+            None => self.setting(key),
+            Some(_) => self.table(key).unit(key.parameter.dimension),
+        }
+    }
+
+    /// The table of units for a setting.
+    fn table(&self, key: Key) -> units::Units {
+        units::Units::of(self.scales, self.masses.of_key(key))
+    }
+
+    /// A time as people read it: `30.0 tau`, of a rotor in SI units `30.0 tau = 100 ms`.
+    pub fn time_told(&self, tau: f64, digits: usize) -> String {
+        format!("{} tau{}", short(tau, digits), self.seconds_told(tau, digits))
+    }
+
+    /// The moment of a step as people read it: `tau 30.0`, or `tau 30.0 = 100 ms`.
+    pub fn moment_told(&self, tau: f64, digits: usize) -> String {
+        format!("tau {}{}", short(tau, digits), self.seconds_told(tau, digits))
+    }
+
+    fn seconds_told(&self, tau: f64, digits: usize) -> String {
+        let told = |seconds: f64| {
+            let (per_second, unit) = match seconds.abs() {
+                // Of nothing too.
+                0.0 | 1.0.. => (1.0, "s"),
+                1e-3.. => (1e3, "ms"),
+                _ => (1e6, "μs"),
+            };
+            format!(" = {} {unit}", short(seconds * per_second, digits))
+        };
+        self.scales.map_or_else(String::new, |scales| told(scales.seconds(tau)))
     }
 
     /// What one key press adds to a setting, as it is shown: a round number.
@@ -125,17 +166,27 @@ impl Units {
     /// Changes of `settings` as they were typed, dimensionless: what is typed for all control bearings is that for each.
     ///
     /// # Errors
-    /// A clearance where nothing of `rotor`, if that is known, has play.
+    /// A clearance where nothing of `rotor`, if that is known, has play; an SI unit where there are no scales.
     pub fn settings_of_typed(
         &self,
         rotor: Option<&Rotor>,
         settings: &Settings,
-        typed: &[(Key, f64)],
+        typed: &[(Key, Typed)],
     ) -> Result<Vec<(Key, f64)>, SettingsError> {
         let mut values = Vec::with_capacity(typed.len());
-        for &(key, value) in typed {
+        for &(key, typed) in typed {
             let each = rotor.map_or_else(|| Ok(settings.each_bearing(key)), |rotor| settings.each(rotor, key))?;
-            values.extend(each.into_iter().map(|key| (key, value / self.setting(key).factor)));
+            for key in each {
+                let alone = |number: f64| number / self.setting(key).factor;
+                let value = typed.value(&self.table(key), key.parameter.dimension, alone);
+                let no_value = |expected| SettingsError::NoValue {
+                    key: key.to_string(),
+                    found: typed.to_string(),
+                    expected,
+                    or_off: key.parameter.off.is_some(),
+                };
+                values.push((key, value.map_err(no_value)?));
+            }
         }
         Ok(values)
     }
@@ -223,12 +274,25 @@ mod tests {
     }
 
     #[test]
+    fn val_seconds_stand_beside_tau() {
+        let units = Units::of(Some(SI), ControlMasses::default());
+        // w0 = 1000 rad/s.
+        assert_eq!(
+            (units.time_told(30.0, 3), units.moment_told(-2.5, 4)),
+            ("30.0 tau = 30.0 ms".into(), "tau -2.500 = -2.500 ms".into())
+        );
+        assert_eq!(Units::DIMENSIONLESS.time_told(30.0, 3), "30.0 tau");
+    }
+
+    #[test]
     fn changes_are_told_in_what_they_were_typed_in() {
         let units = Units::of(Some(SI), ControlMasses::default());
         let rotor = rotor::builtin::rotor("three-mass").unwrap();
         let mut before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
         let speed: Key = "speed".parse().unwrap();
-        let [typed] = units.settings_of_typed(None, &before, &[(speed, 30_000.0)]).unwrap()[..] else { panic!("one") };
+        let [typed] = units.settings_of_typed(None, &before, &[(speed, 30_000.0.into())]).unwrap()[..] else {
+            panic!("one")
+        };
         let after = Settings { speed: typed.1, ..before.clone() };
         assert_eq!(units.value(speed, typed.1), "30000 rpm");
         assert_eq!(units.difference(&before, &after), "speed 0 rpm -> 30000 rpm");
@@ -236,7 +300,8 @@ mod tests {
         before.speed = 1.0;
         let kd: Key = "kd".parse().unwrap();
         let nudged = crate::edits::Edit::Nudge(kd, 0.01).applied(&before).unwrap();
-        assert_eq!(units.difference(&before, &nudged), "kd.1 -0.5879 -> -0.5779");
+        // m_b w0^2 = 2 kg (1000/s)^2.
+        assert_eq!(units.difference(&before, &nudged), "kd.1 -1175800 N/m -> -1155800 N/m");
     }
 
     #[test]
@@ -261,11 +326,21 @@ mod tests {
         let units = Units::of(Some(SI), ControlMasses::default());
         let rotor = rotor::builtin::rotor("three-mass").unwrap();
         let settings = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
-        let typed = [(speed, 9_549.296_585_513_72), (deadband, 1e-5), (kd, 0.1)];
-        let typed = units.settings_of_typed(Some(&rotor), &settings, &typed).unwrap();
-        assert!((typed[0].1 - 1.0).abs() < 1e-12 && (typed[1].1 - 2.0).abs() < 1e-12 && typed[2].1 == 0.1, "{typed:?}");
-        assert_eq!([speed, deadband, kd].map(|key| units.step(key)), [500.0, 5e-7, 0.01]);
-        assert_eq!(units.setting(deadband).name, "m");
+        let typed = |typed: [f64; 3]| [speed, deadband, kd].into_iter().zip(typed.map(Typed::from)).collect::<Vec<_>>();
+        let said = ["159.154943091895 Hz", "1e-5m", "0.2 N/um"];
+        let said =
+            [speed, deadband, kd].into_iter().zip(said).map(|(key, said)| (key, key.parameter.read(said).unwrap()));
+        // 1000 rad/s; 10 of 5 um; 2 kg (1000/s)^2 = 2e6 N/m.
+        for typed in [typed([9_549.296_585_513_72, 10.0, 2e5]), said.collect()] {
+            let typed = units.settings_of_typed(Some(&rotor), &settings, &typed).unwrap();
+            let near = |(at, value): (usize, f64)| (typed[at].1 / value - 1.0).abs() < 1e-12;
+            assert!([1.0, 2.0, 0.1].into_iter().enumerate().all(near), "{typed:?}");
+        }
+        assert_eq!([speed, deadband, kd].map(|key| units.step(key)), [500.0, 0.5, 20_000.0]);
+        assert_eq!([deadband, kd].map(|key| units.setting(key).name), ["μm", "N/m"]);
+        let refused =
+            Units::DIMENSIONLESS.settings_of_typed(None, &settings, &[(kd, kd.parameter.read("2N/m").unwrap())]);
+        assert!(refused.unwrap_err().to_string().starts_with("kd = '2 N/m': expected a number without a unit"));
         assert_eq!([speed, deadband].map(|key| Units::DIMENSIONLESS.step(key)), [0.05, 0.1]);
     }
 
@@ -280,7 +355,7 @@ mod tests {
         let near =
             |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} and {expected}");
         let key = |typed: &str| before.key(typed).unwrap();
-        let typed = [(key("limit"), 54.0), (key("slew.2"), 16_200.0)];
+        let typed = [(key("limit"), Typed::from(54.0)), (key("slew.2"), 16_200.0.into())];
         let typed = units.settings_of_typed(Some(&rotor), &before, &typed).unwrap();
         let told: Vec<String> = typed.iter().map(|(key, _)| key.to_string()).collect();
         assert_eq!(told, ["limit.1", "limit.2", "slew.2"], "what is typed for all is that for each");

@@ -26,6 +26,10 @@ pub enum Dimension {
     Force,
     /// Its rate of change.
     ForceRate,
+    /// Control for a displacement: a gain `kd` or `kc`.
+    Stiffness,
+    /// Control for a velocity: a gain `cd` or `cc`.
+    Damping,
     /// A spin speed `R = w / w0`.
     Speed,
     /// Its rate of change.
@@ -77,8 +81,8 @@ impl Dimension {
             Self::Velocity => "w0 e_t",
             Self::Force => "w0^2 e_t",
             Self::ForceRate => "w0^3 e_t",
-            Self::Speed | Self::Frequency | Self::Rate => "w0",
-            Self::SpeedRate => "w0^2",
+            Self::Speed | Self::Frequency | Self::Rate | Self::Damping => "w0",
+            Self::SpeedRate | Self::Stiffness => "w0^2",
         }
     }
 
@@ -93,6 +97,8 @@ impl Dimension {
             Self::Velocity => (scales.metres(1.0) * scales.w0, "m/s"),
             Self::Force => (scales.newtons(1.0, mass_ratio), "N"),
             Self::ForceRate => (scales.newtons(1.0, mass_ratio) * scales.w0, "N/s"),
+            Self::Stiffness => (mass_ratio * scales.k_t, "N/m"),
+            Self::Damping => (mass_ratio * scales.k_t / scales.w0, "N s/m"),
             Self::Speed => (scales.rpm(1.0), "rpm"),
             Self::SpeedRate => (scales.rpm(1.0) * scales.w0, "rpm/s"),
             Self::Frequency => (scales.w0 / TAU, "Hz"),
@@ -167,12 +173,12 @@ impl Units {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use proptest::prelude::*;
 
     use super::*;
 
-    const ALL: [Dimension; 12] = [
+    pub(crate) const ALL: [Dimension; 14] = [
         Dimension::Whole,
         Dimension::Number,
         Dimension::Angle,
@@ -181,6 +187,8 @@ mod tests {
         Dimension::Velocity,
         Dimension::Force,
         Dimension::ForceRate,
+        Dimension::Stiffness,
+        Dimension::Damping,
         Dimension::Speed,
         Dimension::SpeedRate,
         Dimension::Frequency,
@@ -201,6 +209,9 @@ mod tests {
             // An acceleration of w0^2 e_t = 1.8 m/s^2 on 10 kg.
             (Dimension::Force, 18.0, "N"),
             (Dimension::ForceRate, 5400.0, "N/s"),
+            // 10 kg (300/s)^2, and 10 kg 300/s.
+            (Dimension::Stiffness, 9e5, "N/m"),
+            (Dimension::Damping, 3000.0, "N s/m"),
             // 300 rad/s are 300 / (2 pi) turns a second.
             (Dimension::Speed, 2_864.788_975_654_116, "rpm"),
             (Dimension::SpeedRate, 859_436.692_696_234_8, "rpm/s"),

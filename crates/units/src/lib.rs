@@ -17,6 +17,8 @@
 
 mod dimension;
 mod scales;
+mod typed;
 
 pub use dimension::{Dimension, Unit, Units};
 pub use scales::Scales;
+pub use typed::{Typed, TypedError};

@@ -7,7 +7,7 @@ use std::path::Path;
 use rotor::file;
 use rotor::profile::Profile;
 use rotor::typed::{Assigned, PairError, Undone, pair};
-use rotor::{Feedback, Key, Rotor, Settings, SettingsError, builtin};
+use rotor::{Feedback, Key, Rotor, Settings, builtin};
 use text::{Faults, MAX_BYTES};
 
 use crate::failure::Failure;
@@ -311,7 +311,7 @@ pub(crate) fn assign_all(
 }
 
 /// Applies one `KEY=VALUE` to `settings`, and returns the key; `feedback` takes a name or a file, every other key a
-/// number, which is in rpm or m where `units` are SI.
+/// number, which says its unit or is in rpm, m, N/m and N s/m where `units` are SI.
 ///
 /// # Errors
 /// No `=`, or whatever the key or the value has wrong.
@@ -327,12 +327,7 @@ pub(crate) fn assign<'t>(
         return Ok(key);
     }
     let parsed: Key = settings.key(key)?;
-    let number = parsed.parameter.parse(value).ok_or_else(|| SettingsError::NotANumber {
-        key: key.to_owned(),
-        found: value.to_owned(),
-        or_off: parsed.parameter.off.is_some(),
-    })?;
-    units.set(rotor, settings, parsed, number).map(|()| key)
+    units.assign(rotor, settings, parsed, (key, value)).map(|()| key)
 }
 
 impl From<PairError> for Failure {
@@ -373,7 +368,8 @@ mod tests {
         set("speed=6000").expect("in range");
         set("deadband=50e-6").expect("in range");
         set("trip=1e-3").expect("in range");
-        set("kd=0.5").expect("in range");
+        set("kd=1.8e6").expect("in range");
+        set("cd=-6 kN.s/m").expect("in range");
         assert_eq!(
             set("trip=1e-9").expect_err("too small"),
             "trip = 0.000000001 m: expected a number from 2.00000e-8 to 20000.0 m"
@@ -383,7 +379,30 @@ mod tests {
         assert!((settings.speed - 200.0 * std::f64::consts::PI / 300.0).abs() < 1e-12);
         assert!((settings.deadband[0] - 2.5).abs() < 1e-12);
         assert!((settings.trip - 50.0).abs() < 1e-12);
-        assert_eq!(settings.get("kd".parse().expect("a key")).expect("exists"), 0.5);
+        // 40 kg (300/s)^2 = 3.6e6 N/m, and 40 kg 300/s = 12 000 N s/m.
+        assert!((settings.get("kd".parse().expect("a key")).expect("exists") - 0.5).abs() < 1e-12);
+        assert!((settings.get("cd".parse().expect("a key")).expect("exists") + 0.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_assignment_may_say_what_it_is_counted_in() {
+        let (rotor, mut settings) = rig();
+        let mut set = |rotor: &Rotor, assignment: &str, value: f64| {
+            let key = assign(rotor, Units::of(rotor), &mut settings, assignment).map_err(|error| error.to_string())?;
+            let found = settings.get(key.parse().expect("a key")).expect("exists");
+            assert!((found / value - 1.0).abs() < 1e-12, "{assignment}: {found} for {value}");
+            Ok::<_, String>(())
+        };
+        // 50 Hz are 100 pi rad/s.
+        set(&rotor, "speed=50Hz", std::f64::consts::PI / 3.0).expect("in range");
+        set(&rotor, "deadband=50um", 2.5).expect("in range");
+        set(&rotor, "kd=0.25w0^2", 0.25).expect("in range");
+        set(&rotor, "delay=1ms", 0.3).expect("in range");
+        let wrong = set(&rotor, "kd=3N", 0.0).expect_err("a force");
+        assert_eq!(wrong, "kd = '3N': expected a number, alone or in N/m, kN/m, MN/m, N/mm, N/um");
+        let plain = rotor.dimensionless();
+        let wrong = set(&plain, "speed=50Hz", 0.0).expect_err("no scales");
+        assert_eq!(wrong, "speed = '50Hz': expected a number without a unit: the rotor is not one in SI units");
     }
 
     /// 30 kg and 10 kg with a control bearing each, `left` on the second.

@@ -4,6 +4,7 @@
 
 use rotor::{ControlMasses, Key, Rotor, Scales, Settings, SettingsError};
 use serde::Serialize;
+use text::number::significant;
 use units::Dimension;
 
 use crate::failure::Failure;
@@ -217,23 +218,57 @@ impl Units {
         self.table(masses.of_key(key)).shown(key.parameter.dimension, value)
     }
 
-    /// Sets `key` to a number as typed: rpm and m for an SI rotor, newtons by the mass that carries each control bearing, gains as they
-    /// are.
+    /// What a setting is shown in, behind a blank; nothing for a pure number, or where a machine has no units.
+    #[must_use]
+    pub(crate) fn name_of(self, masses: ControlMasses, key: Key) -> String {
+        match self.table(masses.of_key(key)).unit(key.parameter.dimension).name {
+            unit if self.0.is_some() && !unit.is_empty() => format!(" {unit}"),
+            _ => String::new(),
+        }
+    }
+
+    /// Sets `key` to a number as typed: rpm and m for an SI rotor, forces and gains by the mass that carries their control bearing.
     ///
     /// # Errors
     /// Out of range, told in the units it was typed in; a mass or signal that does not exist; a clearance where nothing has play. Nothing
     /// is set then.
     pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
+        self.set_each(rotor, settings, key, |units, key| Ok(units.typed(key.parameter.dimension, typed)))
+    }
+
+    /// The same of a key and a value as typed, which may say its unit.
+    ///
+    /// # Errors
+    /// The same, or what is no value of the setting.
+    pub(crate) fn assign(
+        self,
+        rotor: &Rotor,
+        settings: &mut Settings,
+        key: Key,
+        (name, typed): (&str, &str),
+    ) -> Result<(), Failure> {
+        self.set_each(rotor, settings, key, |units, key| {
+            key.value_of(name, typed, units, |alone| units.typed(key.parameter.dimension, alone))
+        })
+    }
+
+    fn set_each(
+        self,
+        rotor: &Rotor,
+        settings: &mut Settings,
+        key: Key,
+        value: impl Fn(&units::Units, Key) -> Result<f64, SettingsError>,
+    ) -> Result<(), Failure> {
         let masses = ControlMasses::of(rotor, &settings.feedback);
         let mut changed = settings.clone();
         for key in settings.each(rotor, key)? {
             let (units, dimension) = (self.table(masses.of_key(key)), key.parameter.dimension);
-            let value = units.typed(dimension, typed);
-            changed.set(key, value).map_err(|error| match error {
-                SettingsError::OutOfRange { min, max, or_off, .. }
+            changed.set(key, value(&units, key)?).map_err(|error| match error {
+                SettingsError::OutOfRange { found, min, max, or_off, .. }
                     if self.0.is_some() && dimension != Dimension::Number =>
                 {
                     let (unit, key) = (units.unit(dimension), settings.label(key));
+                    let typed = significant(units.shown(dimension, found), 12);
                     let [min, max] = [min, max].map(|end| rounded(units.shown(dimension, end)));
                     let or_off = if or_off { ", or off" } else { "" };
                     Failure::Usage(format!(

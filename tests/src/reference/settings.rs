@@ -36,7 +36,8 @@ pub(super) fn page() -> String {
             * **Each signal**: `kd` is of the first, `kd.2` of the second; of several control bearings `left.kd`, `left.kd.2`, by the bearing's name. A gain is one \
             number where it is set; schedules over speed stand in [feedback files](files.md#feedback).\n\
             * **Each control bearing**: `limit` is that of all, `left.limit` of one; `sample` and `delay` are the same at each.\n\
-            * Gains of a rotor in SI units are dimensionless too, unless a feedback file counts otherwise.\n\
+            * A value of a rotor in SI units may say what it is counted in, `speed=50Hz`, `kd=2e5N/m`; alone it is in the unit of the table, in the console in \
+            micrometres where that shows them. Feedback files count gains as they say.\n\
             * Offline a number of the loop may be of any command: `whirl poles three-mass --set delay=0.05`. `ramp`, `trip` and the controller outside are of a \
             live bench alone, and refused where they would do nothing.\n";
     out

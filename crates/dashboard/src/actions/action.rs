@@ -3,6 +3,7 @@
 use alarms::{AskedLimit, Watch};
 use rotor::Key;
 use telemetry::edits::Edit;
+use units::Typed;
 
 use crate::axis::Scaling;
 use crate::selection::ReadoutMove;
@@ -20,7 +21,7 @@ pub(crate) enum Action {
     /// Start to type a value; enter takes it, esc drops it.
     Type,
     /// Set these, all at once, as they were typed: in the units of the bench.
-    SetTyped(Vec<(Key, f64)>),
+    SetTyped(Vec<(Key, Typed)>),
     /// The speed goes from one (the present one if there is none) to another at a rate, all as typed.
     RunUp {
         /// The speed that it is to have now.

@@ -124,22 +124,24 @@ pub(super) fn recording(text: &str) -> Result<Action, String> {
     text::amount::seconds(duration).map(Action::RecordLast).map_err(|error| error.to_string())
 }
 
-/// `kd=0.1 speed=3`, or `speed 3`.
+/// `kd=0.1 speed=3`, or `speed 3`; a value may say its unit, behind a blank too: `cd = 120 N s/m`.
 pub(super) fn assignments(text: &str) -> Result<Action, String> {
     let spaced = text.replace('=', " = ");
-    let words: Vec<&str> = spaced.split_whitespace().filter(|word| *word != "=").collect();
+    let mut words = spaced.split_whitespace().filter(|word| *word != "=").peekable();
     let mut set = Vec::new();
     // How many masses there are is not known here: as many as there can be.
     let mut assigned = Assigned::new(MAX_MASSES);
-    for pair in words.chunks(2) {
-        let key: Key = pair[0].parse().map_err(|error: rotor::SettingsError| error.to_string())?;
-        let value = pair.get(1).ok_or_else(|| format!("{key}: expected {key}=VALUE"))?;
-        assigned.key(key, &pair.join("=")).map_err(|error| error.to_string())?;
-        let number = match (*value, key.parameter.off) {
-            ("off", Some(off)) => Ok(off),
-            (value, _) => number(value),
-        };
-        set.push((key, number.map_err(|error| format!("{key} = {error}"))?));
+    while let Some(name) = words.next() {
+        let key: Key = name.parse().map_err(|error: rotor::SettingsError| error.to_string())?;
+        let mut value = words.next().ok_or_else(|| format!("{key}: expected {key}=VALUE"))?.to_owned();
+        assigned.key(key, &format!("{name}={value}")).map_err(|error| error.to_string())?;
+        // What follows and is no setting belongs to the value.
+        while let Some(unit) = words.next_if(|word| word.parse::<Key>().is_err() && word.parse::<f64>().is_err()) {
+            value = format!("{value} {unit}");
+        }
+        let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
+        let typed = key.parameter.read(&value);
+        set.push((key, typed.map_err(|expected| format!("{key} = '{value}': {expected}{or_off}"))?));
     }
     Ok(Action::SetTyped(set))
 }

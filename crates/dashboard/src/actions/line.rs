@@ -94,9 +94,15 @@ mod tests {
         let key = |name: &str| name.parse::<Key>().unwrap();
         assert_eq!(parse("seek -30"), Ok(Action::Seek(-30.0)));
         assert_eq!(parse("  note two words "), Ok(Action::Edit(Edit::Note("two words".into()))));
-        assert_eq!(parse("speed 6"), Ok(Action::SetTyped(vec![(key("speed"), 6.0)])));
-        assert_eq!(parse("kd.2=-1e-3"), Ok(Action::SetTyped(vec![(key("kd.2"), -1e-3)])));
-        assert_eq!(parse("set kd=1 speed = 3"), Ok(Action::SetTyped(vec![(key("kd"), 1.0), (key("speed"), 3.0)])));
+        assert_eq!(parse("speed 6"), Ok(Action::SetTyped(vec![(key("speed"), 6.0.into())])));
+        assert_eq!(parse("kd.2=-1e-3"), Ok(Action::SetTyped(vec![(key("kd.2"), (-1e-3).into())])));
+        assert_eq!(
+            parse("set kd=1 speed = 3"),
+            Ok(Action::SetTyped(vec![(key("kd"), 1.0.into()), (key("speed"), 3.0.into())]))
+        );
+        let read = |name: &str, typed| (key(name), key(name).parameter.read(typed).unwrap());
+        let units = vec![read("kd", "2e5N/m"), read("cd", "-120N s/m"), read("speed", "50Hz"), read("delay", "off")];
+        assert_eq!(parse("set kd=2e5N/m cd = -120 N s/m speed 50 Hz delay off"), Ok(Action::SetTyped(units)));
         assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
         assert_eq!((parse("q"), parse("w good")), (Ok(Action::Quit), Ok(Action::Save("good".into()))));
         assert!(parse("layuot").unwrap_err().starts_with("no command 'layuot': did you mean 'layout'?"));

@@ -147,8 +147,10 @@ impl App<'_> {
             Some(if key.parameter.off == Some(value) && key.parameter.name != "seed" {
                 format!("{}=off", settings.label(*key))
             } else {
-                let name = settings.label(*key);
-                format!("{name}={}", text::number::significant(value * units.setting(*key).factor, 15))
+                // With its unit, as a number alone is in micrometres here and in metres there; in one word.
+                let (name, unit) = (settings.label(*key), units.setting(*key));
+                let said = if units.scales.is_some() { unit.name.replace(' ', ".") } else { String::new() };
+                format!("{name}={}{said}", text::number::significant(value * unit.factor, 15))
             })
         };
         let keys = if all { every_row(&settings, rotor.as_deref()) } else { self.selected().into_iter().collect() };

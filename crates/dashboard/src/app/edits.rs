@@ -4,6 +4,7 @@ use rotor::{C64, Key, Settings};
 use telemetry::drill::{self, FaultOrder};
 use telemetry::edits::Edit;
 use telemetry::reader::lock;
+use units::Typed;
 
 use super::{App, LOCKED};
 use crate::actions::Action;
@@ -16,23 +17,23 @@ impl App<'_> {
     /// Sets the selected setting to what was typed.
     pub(super) fn take_value(&mut self, text: &str) {
         let Some(key) = self.selected() else { return };
-        match key.parameter.parse(text) {
-            Some(value) => {
+        match key.parameter.read(text) {
+            Ok(value) => {
                 let present = self.settings().ok_or_else(|| "no settings are known yet".to_owned());
                 match present.and_then(|present| self.typed(&present, &[(key, value)])) {
                     Ok(edit) => self.send(edit),
                     Err(why) => self.tell(Message::Bad(why)),
                 }
             }
-            None => {
+            Err(expected) => {
                 let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
-                self.tell(Message::Bad(format!("{key} = '{text}': expected a number{or_off}")));
+                self.tell(Message::Bad(format!("{key} = '{text}': {expected}{or_off}")));
             }
         }
     }
 
     /// The change that sets what was typed.
-    fn typed(&self, present: &Settings, values: &[(Key, f64)]) -> Result<Edit, String> {
+    fn typed(&self, present: &Settings, values: &[(Key, Typed)]) -> Result<Edit, String> {
         let rotor = lock(&self.feed).rotor();
         let typed = self.units().settings_of_typed(rotor.as_deref(), present, values);
         typed.map(Edit::Set).map_err(|error| error.to_string())
@@ -54,7 +55,7 @@ impl App<'_> {
     fn run_up(&self, present: &Settings, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
         let keys = ["speed", "ramp"].map(|key| key.parse().map_err(|error: rotor::SettingsError| error.to_string()));
         let [speed, ramp] = keys;
-        let change = self.typed(present, &[(speed?, to), (ramp?, rate)])?;
+        let change = self.typed(present, &[(speed?, to.into()), (ramp?, rate.into())])?;
         let units = self.units();
         if let (Some(from), Some(now)) = (from, self.present_speed()) {
             let typed = now * units.speed.factor;
@@ -88,7 +89,7 @@ impl App<'_> {
     }
 
     /// Says of a row of settings which of them nothing is left of, on a rotor with so many masses.
-    fn overridden(&self, values: &[(rotor::Key, f64)]) -> Option<String> {
+    fn overridden(&self, values: &[(Key, Typed)]) -> Option<String> {
         let masses = lock(&self.feed).rotor().map_or(rotor::MAX_MASSES, |rotor| rotor.len());
         let mut assigned = rotor::typed::Assigned::new(masses);
         let noted = values.iter().try_for_each(|(key, value)| assigned.key(*key, &format!("{key}={value}")));

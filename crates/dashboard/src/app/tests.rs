@@ -458,18 +458,27 @@ fn settings_of_a_rotor_in_si_units_are_typed_and_nudged_in_them() {
     let shown = frame(&mut app);
     assert!(shown.contains("23873 rpm") && !shown.contains("R 2.5") && shown.contains("23873.24"), "{shown}");
     press(&mut app, &[Right]);
-    command(&mut app, "deadband 1e-5");
+    command(&mut app, "deadband 10");
+    command(&mut app, "deadband=1e-5m kd = 2 N/um");
     press(&mut app, &[Enter]);
     type_in(&mut app, "9549.296585513721");
     press(&mut app, &[Enter]);
     let edits: Vec<Edit> = taken.try_iter().collect();
     let near = |a: f64, b: f64| (a - b).abs() < 1e-9;
-    let [Edit::Nudge(_, nudge), Edit::Set(deadband), Edit::Set(speed)] = &edits[..] else { panic!("{edits:?}") };
-    // 500 rpm; 10 um are 2 e_t; 9549.3 rpm are 1000 rad/s.
+    let [Edit::Nudge(_, nudge), Edit::Set(shown), Edit::Set(said), Edit::Set(speed)] = &edits[..] else {
+        panic!("{edits:?}")
+    };
+    // 500 rpm; 10 um are 2 e_t; 2e6 N/m on a quarter of 2 kg (1000/s)^2 are 4; 9549.3 rpm are 1000 rad/s.
+    assert!(near(*nudge, 500.0 / 9_549.296_585_513_72) && near(speed[0].1, 1.0), "{edits:?}");
+    assert!(near(shown[0].1, 2.0) && near(said[0].1, 2.0) && near(said[1].1, 4.0), "{edits:?}");
+    // What is copied can be typed here and on the command line, whose lengths are in metres.
+    command(&mut app, "copy settings");
+    let copied = app.copies.take().unwrap();
     assert!(
-        near(*nudge, 500.0 / 9_549.296_585_513_72) && near(deadband[0].1, 2.0) && near(speed[0].1, 1.0),
-        "{edits:?}"
+        copied.contains("speed=23873.24") && copied.contains("rpm trip=5000μm") && copied.contains("N.s/m"),
+        "{copied}"
     );
+    assert!(actions::parse(&format!("set {copied}")).is_ok(), "{copied}");
 }
 
 #[test]

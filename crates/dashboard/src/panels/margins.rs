@@ -56,8 +56,6 @@ fn rows(found: &MachineMargins, units: &Units) -> [MarginRow; 5] {
     let margins = &found.margins;
     // No such crossing: any delay, any gain will do.
     let any = || ["any".to_owned(), "any".to_owned()];
-    let seconds =
-        |tau: f64| units.scales.map_or_else(String::new, |scales| format!(" = {} s", short(tau / scales.w0, 3)));
     let row = |name, caption, [number, value]: [String; 2], frequency| MarginRow {
         name,
         caption,
@@ -67,9 +65,7 @@ fn rows(found: &MachineMargins, units: &Units) -> [MarginRow; 5] {
         color: None,
     };
     let times = |factor: f64| [short(factor, 4), format!("x {}", short(factor, 4))];
-    let delay = margins
-        .delay
-        .map_or_else(any, |d| [short(d.delay, 4), format!("{} tau{}", short(d.delay, 4), seconds(d.delay))]);
+    let delay = margins.delay.map_or_else(any, |d| [short(d.delay, 4), units.time_told(d.delay, 4)]);
     let peak = margins.sensitivity();
     let zone = sensitivity_zone(peak.amplitude, ISO_14839_3);
     let told = [short(peak.amplitude, 4), format!("{} {zone}", short(peak.amplitude, 4))];

@@ -106,8 +106,11 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     lines.retain(|(line, _)| passes(view.filter, line));
     let names = [units.length, units.velocity, units.force].map(|unit| unit.name).join("  ");
     let names = if units.scales.is_some() { format!(" {names} ") } else { String::new() };
-    let title =
-        format!(" step at tau {} {names}{}", short(track.tau(now), 8), filter_title(view.filter, lines.len(), all));
+    let title = format!(
+        " step at {} {names}{}",
+        units.moment_told(track.tau(now), 8),
+        filter_title(view.filter, lines.len(), all)
+    );
     let inner = framed(Line::from(title), area, buffer);
     let rows = list.rows(lines.len(), inner.height, 0);
     for (y, (line, style)) in (inner.top()..inner.bottom()).zip(&lines[rows.clone()]) {

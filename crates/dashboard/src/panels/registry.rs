@@ -374,7 +374,7 @@ mod tests {
                 "modes" => &["at 23873 rpm", "freq. Hz"],
                 "spectrum" => &["μm²/Hz", "7.500 μm"],
                 "raw" => &["23873.2 rpm", "μm/s"],
-                "settings" => &["rpm", " m "],
+                "settings" => &["rpm", " μm ", " N/m ", " N s/m"],
                 "poles" => &["1/s", "Hz"],
                 _ => &[],
             };

@@ -22,7 +22,7 @@ use text::number::{nice_ceiling, short};
 use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
 use crate::axis::PlotAxis;
-use crate::drawing::{framed, write, write_free, write_right};
+use crate::drawing::{framed, write, write_beside_lines, write_free, write_right};
 use crate::input::Mouse;
 use crate::plot::{Plot, Window};
 use crate::theme;
@@ -196,8 +196,7 @@ fn draw(view: &View<'_>, legs: &SpeedLegs, panel: &mut RunUp, (frame, area): (Re
     if let Some(peak) = legs.highest() {
         let size = units.length.told(peak.first_order.norm(), 4);
         let text = format!("peak {size} at {}", units.speed_told(peak.speed));
-        let x = upper.right().saturating_sub(crate::fit_text::width(&text) as u16);
-        write_free(buffer, upper, x.max(upper.left()), upper.top(), &text, theme::quiet());
+        write_beside_lines(buffer, upper, &text, theme::quiet());
     }
     write_free(buffer, lower, lower.left(), lower.top(), "180 deg", theme::quiet());
     let foot = Rect { y: plotted.bottom(), height: 1, ..area };
@@ -271,6 +270,15 @@ pub(crate) mod tests {
         // A turn is read as a whole, over which the speed changes by a third of the peak's width: it is that much lower.
         assert!((0.95..1.0).contains(&(peak / expected)), "{peak} {expected}\n{frame}");
         assert!(frame.contains("at R 1.0") && frame.contains("─ up") && frame.contains('◉'), "{frame}");
+        // What tells the peak lies on no line, however narrow the plot is.
+        for width in [34, 40, 50, 70] {
+            let frame = drawn(width, 20, |area, buffer| RunUp::default().draw(&view(&data), area, buffer));
+            let Some(row) = frame.lines().find(|line| line.contains("peak ")) else { continue };
+            let (before, after) = row.split_once("peak ").unwrap();
+            let after =
+                after.split_once(" at R ").unwrap().1.trim_start_matches(|c: char| c == '.' || c.is_ascii_digit());
+            assert!(before.ends_with([' ', '│']) && after.starts_with([' ', '│']), "{frame}");
+        }
         insta::assert_snapshot!("run_up", frame);
     }
 

@@ -15,6 +15,7 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Rotor, Scope, Settings};
+use text::number::significant;
 
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write, write_line};
@@ -166,12 +167,14 @@ fn draw_row(
         Some((number, _)) if value.width() > usize::from(room) => Line::styled(number.to_owned(), style),
         _ => value,
     };
-    // As much of the step as there is room for; the value always is.
+    // As much of the step as there is room for; the value always is. What a number counts in matters more than its step.
     let (step, unit) = (units.step(key), units.setting(key).name);
-    let step = match row.width {
-        0..26 => String::new(),
-        26..34 => format!("±{}", compact(step)),
-        _ => format!("±{:<4} {unit:<3}", compact(step)),
+    let step = match (row.width, units.scales) {
+        (0..26, _) => String::new(),
+        (26..34, None) => format!("±{}", compact(step)),
+        (26..34, Some(_)) => format!("{unit:<5}"),
+        (_, None) => format!("±{:<4} {unit:<3}", compact(step)),
+        (_, Some(_)) => format!("±{:<5} {unit:<5}", compact(step)),
     };
     // What it may become stands in place of the step.
     let (step, color) = match other {
@@ -196,9 +199,8 @@ fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
         return "off".into();
     }
     let value = value * unit.factor;
-    // Micrometres count where metres are shown.
-    let digits = if unit.name == "m" { 1e9 } else { 1e6 };
-    let rounded = (value * digits).round() / digits;
+    // What the product of a few digits leaves behind them is not part of it.
+    let rounded = if units.scales.is_some() { significant(value, 7) } else { (value * 1e6).round() / 1e6 };
     match settings.gain(key) {
         Some(Gain::Linear { .. }) => format!("{} linear", compact(rounded)),
         Some(Gain::Table(_)) => format!("{} table", compact(rounded)),
@@ -310,6 +312,19 @@ mod tests {
         let units = data.units();
         let told = keys.map(|key| value_of(data.settings.as_ref().unwrap(), &units, key));
         assert_eq!(told, ["36", "108"]);
+        // Gains likewise, and clearances in what radii are in: K_t = 3.6e6 N/m, a quarter and three of it, and e_t = 20 um.
+        let frame = drawn(36, 30, |area, buffer| draw(&view(&data), area, buffer));
+        for row in [
+            ["speed", "2864.789", "rpm"],
+            ["trip", "20000", "μm"],
+            ["left.kd", "450000", "N/m"],
+            ["right.kd", "1350000", "N/m"],
+            ["left.cd", "1500", "N s/m"],
+        ] {
+            assert!(frame.lines().any(|line| row.iter().all(|word| line.contains(word))), "{row:?}\n{frame}");
+        }
+        let narrow = drawn(30, 30, |area, buffer| draw(&view(&data), area, buffer));
+        assert!(narrow.lines().any(|line| line.contains("left.kd") && line.contains(" N/m")), "{narrow}");
     }
 
     #[test]

@@ -25,7 +25,6 @@ use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::{OrbitSpectrum, SpectrumRequest};
 use telemetry::units::Units;
-use text::number::short;
 
 /// Orders that are marked, on both sides, the most important first.
 const ORDERS: [(f64, &str); 3] = [(1.0, "1X"), (0.5, ".5X"), (2.0, "2X")];
@@ -52,7 +51,7 @@ fn draw(view: &View<'_>, axes: &mut Spectral, area: Rect, buffer: &mut Buffer) {
         framed(title(""), area, buffer);
         return;
     };
-    let inner = framed(title(&format!("  {} tau", short(answer.tau, 3))), area, buffer);
+    let inner = framed(title(&format!("  {}", data.units().time_told(answer.tau, 3))), area, buffer);
     match &answer.spectrum {
         Ok(spectrum) => draw_spectrum(spectrum, &answer, view, axes, (area, inner), buffer),
         // Standing still, or just begun.

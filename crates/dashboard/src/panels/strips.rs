@@ -114,8 +114,8 @@ impl Panel for Strips {
         let value = |trace: &Trace| Some(format!("{} {}", trace.label, unit.short(trace.value(data, step)?, 5)));
         let values: Vec<String> = strip.traces(data.track.layout()).iter().filter_map(value).collect();
         let ago = (window.end - 1 - step) as f64 * data.seconds;
-        let (ago, tau) = (short(-ago, 4), short(data.track.tau(step), 6));
-        Some(format!("{ago} s  tau {tau}  {} {}", values.join("  "), unit.name))
+        let (ago, moment) = (short(-ago, 4), data.units().moment_told(data.track.tau(step), 6));
+        Some(format!("{ago} s  {moment}  {} {}", values.join("  "), unit.name))
     }
 
     fn command(&mut self, command: &PanelCommand<'_>) -> Option<Result<(), String>> {
@@ -148,9 +148,9 @@ fn draw(view: &View<'_>, strips: &mut Strips, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
     let window = data.window.clone();
     let dtau = data.bench_status.as_ref().map_or(0.0, |bench_status| bench_status.dtau);
-    let tau = short(window.len() as f64 * dtau, 3);
+    let lasts = data.units().time_told(window.len() as f64 * dtau, 3);
     let which = if view.time.is_live() { "last " } else { "" };
-    let mut title = vec![Span::raw(format!(" {which}{tau} tau "))];
+    let mut title = vec![Span::raw(format!(" {which}{lasts} "))];
     let shown = strips.shown().to_vec();
     if shown.iter().any(Strip::is_of_every_mass) {
         title.push(Span::raw(" mass "));

@@ -295,7 +295,8 @@ impl FaultOrder {
 
     fn onto(&self, rotor: &Rotor, settings: &Settings, units: &Units) -> Result<Vec<(Key, f64)>, DrillError> {
         let feedback = &settings.feedback;
-        let sized = |key: Key, by_itself: f64| self.size.map_or(by_itself, |size| size / units.setting(key).factor);
+        let sized =
+            |key: Key, by_itself: f64| self.size.map_or(by_itself, |size| size / units.setting_in_files(key).factor);
         Ok(match self.fault {
             Fault::SensorGain | Fault::SensorLost => {
                 let gain = if self.fault == Fault::SensorLost { 0.0 } else { self.size.unwrap_or(0.5) };

@@ -20,7 +20,7 @@ const TRIES: usize = 5;
 #[derive(Debug, clap::Args)]
 pub(crate) struct SetArgs {
     /// What to change: speed, deadband, deadband.2 (mass 2), kd cd kc cc (first signal), kd.2 (second signal), trip,
-    /// feedback=NAME or FILE; for an SI rotor speeds are in rpm, lengths in m
+    /// feedback=NAME or FILE; for an SI rotor in rpm, m, N/m and N s/m, or as they say, such as speed=50Hz and kd=2e5N/m
     #[arg(required = true, value_name = "KEY=VALUE")]
     assignments: Vec<String>,
     #[command(flatten)]

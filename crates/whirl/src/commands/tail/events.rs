@@ -83,7 +83,8 @@ fn words(difference: &Difference, (units, masses): (Units, ControlMasses)) -> Ve
     let values = difference.values.iter();
     let values = values.map(|ChangedValue { key, label, was, is }| {
         let [was, is] = [*was, *is].map(|value| units.value(masses, *key, value));
-        format!("{label} {} -> {}", plain(was), plain(is))
+        let unit = units.name_of(masses, *key);
+        format!("{label} {} -> {}{unit}", plain(was), plain(is))
     });
     values.chain(difference.law.then(|| "another feedback".to_owned())).collect()
 }

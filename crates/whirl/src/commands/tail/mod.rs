@@ -11,15 +11,15 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde_json::{Map, Value};
+use telemetry::units::{Unit, Units};
 use wire::Channel;
 use wire::message::Flags;
-use wire::{HostState, Listener, SharedListener, Step, WireError};
+use wire::{BenchName, HostState, Listener, SharedListener, Step, WireError};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::output::rounded;
-use crate::units::Units;
 
 /// Silence after which we look whether the simulation still lives.
 const SILENCE: Duration = Duration::from_millis(300);
@@ -118,21 +118,37 @@ pub(super) fn gap(lost: u64, what: &str) -> String {
     if lost == 0 { String::new() } else { format!("  ... {lost} {what} lost: this was read too slowly ...\n") }
 }
 
-/// The same for people: step, time, where the masses are, control, and what is special.
-fn for_people(state: &impl Step, lost: u64) -> String {
+/// The same for people, in the units of the machine: step, time, where the masses are, control, and what is special.
+fn for_people(state: &impl Step, lost: u64, units: &Units) -> String {
     let mut line = gap(lost, "steps");
-    let _ = write!(line, "{:>9}  tau {:>10.3}", state.seq(), state.tau());
+    let is_si = units.scales.is_some();
+    let _ = match units.scales {
+        Some(scales) => write!(line, "{:>9}  {:>11.6} s", state.seq(), scales.seconds(state.tau())),
+        None => write!(line, "{:>9}  tau {:>10.3}", state.seq(), state.tau()),
+    };
+    let mut pair = |what: &str, pair: [f64; 2], unit: Unit| {
+        let [y, z] = pair.map(|value| rounded(value * unit.factor));
+        let name = if is_si { format!(" {unit}") } else { String::new() };
+        let _ = write!(line, "  {what}: {y:>10} {z:>10}{name}");
+    };
     for (i, p) in state.points().enumerate() {
-        let _ = write!(line, "  {}: {:>10} {:>10}", i + 1, rounded(p.y), rounded(p.z));
+        pair(&(i + 1).to_string(), [p.y, p.z], units.length);
     }
-    let [y, z] = state.force_delivered();
-    let _ = write!(line, "  u: {:>10} {:>10}", rounded(y), rounded(z));
+    pair("u", state.force_delivered(), units.force);
     for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE, Flags::EXTERNAL, Flags::HELD] {
         if state.flags().has(flag) {
             let _ = write!(line, "  {}", flag.names().concat());
         }
     }
     line
+}
+
+/// The units of the machine on a bench.
+fn units_of(listener: &mut SharedListener, bench: &BenchName) -> Result<Units, Failure> {
+    let bench_status = attach::first_bench_status(listener, bench)?;
+    let rotor = bench_status.rotor().ok();
+    let units = rotor.map(|rotor| Units::of_machine(&rotor, &bench_status.settings.get().feedback));
+    Ok(units.unwrap_or(Units::DIMENSIONLESS))
 }
 
 /// Prints until the count is reached, a signal comes, or the simulation ends.
@@ -146,10 +162,11 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
     let mut printer: Box<dyn Printer> = if args.events {
         let bench_status = attach::first_bench_status(&mut listener, &bench)?;
         let (units, teller) =
-            (Units::with(bench_status.scales()), events::Teller::of(bench_status.rotor().ok().as_ref()));
+            (crate::units::Units::with(bench_status.scales()), events::Teller::of(bench_status.rotor().ok().as_ref()));
         Box::new(Happenings { teller, units, json: args.json })
     } else {
-        Box::new(Steps { every: args.every, json: args.json, last: None, untold: 0, lost: 0 })
+        let units = if args.json { Units::DIMENSIONLESS } else { units_of(&mut listener, &bench)? };
+        Box::new(Steps { every: args.every, json: args.json, units, last: None, untold: 0, lost: 0 })
     };
     let mut left = args.count.unwrap_or(u64::MAX);
     let mut lines = String::new();
@@ -191,6 +208,8 @@ trait Printer {
 struct Steps {
     every: u64,
     json: bool,
+    /// Those in which people are told; scripts read dimensionless numbers.
+    units: Units,
     last: Option<(u64, u64)>,
     /// Lost since the last line.
     untold: u64,
@@ -215,7 +234,7 @@ impl Printer for Steps {
                     // A line of plain numbers and words always serialises.
                     *lines += &serde_json::to_string(&Line::new(&state, untold)).unwrap_or_default();
                 } else {
-                    *lines += &for_people(&state, untold);
+                    *lines += &for_people(&state, untold, &self.units);
                 }
                 lines.push('\n');
             }
@@ -230,7 +249,7 @@ impl Printer for Steps {
 
 struct Happenings {
     teller: events::Teller,
-    units: Units,
+    units: crate::units::Units,
     json: bool,
 }
 
