@@ -46,7 +46,10 @@ fn main() -> Done<()> {
     let archive = format!("{name}.tar.gz");
     // The same files make the same archive: in order, of nobody, at one time.
     let same = ["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=2020-01-01 00:00Z"];
-    run(Command::new("tar").args(same).args(["-czf", &archive, &name]).current_dir(&dist).env("GZIP", "-n"))?;
+    run(Command::new("tar")
+        .args(same)
+        .args(["--use-compress-program=gzip -n", "-cf", &archive, &name])
+        .current_dir(&dist))?;
     let sum = run(Command::new("sha256sum").arg(&archive).current_dir(&dist))?;
     fs::write(dist.join(format!("{archive}.sha256")), &sum)?;
     println!("{}", dist.join(&archive).display());
