@@ -56,7 +56,7 @@ pub use covered::{AffineTerm, CoveredPeak};
 pub use eigenvalues::{EigenvalueError, eigenvalues, eigenvalues_in_place};
 pub use loop_gain::{FrequencyGain, GainMatrix, LoopGain};
 pub use margin::DelayMargin;
-pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin};
+pub use margins::{AmplitudePeak, GainMargin, Margins, PhaseMargin, STRONGEST, STRONGEST_LATE};
 pub use peak::least;
 pub use roots::Roots;
 pub use sensitivity::{Sensitivity, SharpRoot};

@@ -9,10 +9,10 @@ use std::f64::consts::TAU;
 use crate::curve::{changes, growth};
 use crate::{C64, DelayMargin, FrequencyGain, LoopGain};
 
-/// Gains below this are not looked at: a loop that would have to be ten thousand times as strong has no gain margin.
-const FAINT: f64 = 1e-4;
+/// The largest factor on the loop's gain that is looked at: a loop that would have to be stronger has no gain margin.
+pub const STRONGEST: f64 = 1e4;
 /// The same with a delay, where there is no end of crossings.
-const FAINT_LATE: f64 = 1e-2;
+pub const STRONGEST_LATE: f64 = 1e2;
 
 /// A factor on the loop's gain that puts a root on the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -47,7 +47,7 @@ pub struct Margins {
     /// What delay more it takes; `None` if no delay does. Of a sampled loop, the phase at the crossing as time: what a delay
     /// does to it depends on the hold.
     pub delay: Option<DelayMargin>,
-    /// The nearest factor above 1.
+    /// The nearest factor above 1; `None` where there is none up to [`STRONGEST`], of a loop with a delay up to [`STRONGEST_LATE`].
     pub gain_up: Option<GainMargin>,
     /// The nearest factor below 1.
     pub gain_down: Option<GainMargin>,
@@ -77,7 +77,8 @@ impl LoopGain {
     /// All margins. The loop must be stable: margins of one that is not mean nothing.
     #[must_use]
     pub fn margins(&self) -> Margins {
-        let end = self.beyond(if self.delay() > 0.0 { FAINT_LATE } else { FAINT });
+        let strongest = if self.delay() > 0.0 { STRONGEST_LATE } else { STRONGEST };
+        let end = self.beyond(strongest.recip());
         let curve = self.curve(-end, end, &[0.0]);
         let mut margins = Margins {
             delay: None,
@@ -112,7 +113,7 @@ impl LoopGain {
                 let factor = -1.0 / value.re;
                 let place = if factor > 1.0 { &mut margins.gain_up } else { &mut margins.gain_down };
                 let is_nearer = |known: GainMargin| (factor - 1.0).abs() < (known.factor - 1.0).abs();
-                if factor != 1.0 && factor < FAINT.recip() && place.is_none_or(is_nearer) {
+                if factor != 1.0 && factor < strongest && place.is_none_or(is_nearer) {
                     *place = Some(GainMargin { factor, frequency });
                 }
             }

@@ -47,6 +47,7 @@ pub use forced::forced_response;
 pub use frequency::{
     FrequencyPoint, TransferFunction, UnbalancePeak, UnbalancePoint, UnbalanceResponse, unbalance_response,
 };
+pub use linear::STRONGEST_LATE;
 pub use machine::{ClockOrigin, Machine, Sample, Sensed};
 pub use margins::{BearingMargins, MachineLoop, MachineMargins, MarginsError, margins};
 pub use margins_over::{WORST, in_hand, margins_at, worst_among, worst_margins};

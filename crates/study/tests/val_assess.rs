@@ -271,7 +271,7 @@ fn val_cross_coupling_of_shaft_elements_is_that_of_a_seal_in_their_place() {
     let at = rotor.beam().and_then(|beam| beam.coordinate(1)).expect("a place");
     let limits = Limits::default();
     let over = [0.0, scales.speed(4000.0)];
-    let asked = Question { cross_at: at, ..question(&rotor, &settings, over, &limits) };
+    let asked = AssessmentCase { cross_at: at, ..question(&rotor, &settings, over, &limits) };
     let answer = assess(&asked).expect("assessed");
     let borne = answer.cross_coupling.borne.expect("some") * scales.k_t;
     let least = |cross: f64| {
@@ -292,7 +292,7 @@ fn modes_that_do_not_count_are_summed_up_and_nothing_is_asked_of_them() {
     let over = [0.0, scales.speed(4000.0)];
     let modes = machine::CountedModes::usual(&rotor, &settings, over[1]).expect("found");
     let lines = |modes| {
-        let asked = Question { modes, ..question(&rotor, &settings, over, &limits) };
+        let asked = AssessmentCase { modes, ..question(&rotor, &settings, over, &limits) };
         let lines = assess(&asked).expect("assessed").lines;
         lines.into_iter().filter(|line| line.what.starts_with("log decrement")).collect::<Vec<_>>()
     };

@@ -20,6 +20,8 @@ const FINEST: usize = 4000;
 /// Of the last scan where the loop is more than gains: its poles take ten to a thousand times as long, and what lies between
 /// two points is walked down to.
 const FINEST_AROUND: usize = 600;
+/// Of what a stopped search still looks at: whoever stopped it waits.
+const HASTY: usize = 48;
 /// How near the worst, relative to it, a value counts as active.
 const ACTIVE: f64 = 1e-6;
 
@@ -101,12 +103,15 @@ pub(crate) fn prove(
         .map(|r| Active { point: evaluator.conditions[r.condition].point.clone(), pole: r.pole, value: r.value })
         .collect();
     active.sort_by(|a, b| a.value.total_cmp(&b.value));
-    let hardest = hardest_places(problem, &gains, &finest, 1, stop).into_iter().next();
-    let (force, force_at) = hardest.unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
-    let margins = match problem.asks_margins() {
-        true => worst_margins(problem, &gains, &counts(family, problem.points(FINE)), stop),
-        false => None,
+    // What is told of gains that a stopped search leaves holds for the whole range too, if looked at less closely.
+    let (of_force, of_margins, until) = match stop.is_set() {
+        true => (counts(family, HASTY), counts(family, HASTY), &Stop::NEVER),
+        false => (finest, counts(family, problem.points(FINE)), stop),
     };
+    let hardest = hardest_places(problem, &gains, &of_force, 1, until).into_iter().next();
+    let (force, force_at) = hardest.unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
+    let looks = problem.asks_margins() && !(stop.is_set() && Family::points(&of_margins) > 4 * HASTY);
+    let margins = looks.then(|| worst_margins(problem, &gains, &of_margins, until)).flatten();
     let peak_below = match (&margins, problem.max_sensitivity) {
         (Some([(highest, _), _]), Some(_)) if options.prove && worst.value > 0.0 => {
             peak_below(problem, &gains, highest.sensitivity.0, stop)

@@ -69,7 +69,7 @@ pub use measure::Measure;
 pub use minimax::Stationarity;
 pub use opened::LoopMargins;
 pub use options::{Method, Options};
-pub use pareto::{ParetoPoint, Price, pareto};
+pub use pareto::{ParetoPoint, Price, WIDEST_PEAK, pareto};
 pub use placement::{Placement, PlacementProblem, choices, rank};
 pub use problem::{Problem, ProblemError};
 pub use search::{bound, evaluate, tune};

@@ -44,7 +44,7 @@ impl Price {
 }
 
 /// A front of the sensitivity begins no further out: beyond, damping gains nothing that anybody would buy.
-const WIDEST_PEAK: f64 = 10.0;
+pub const WIDEST_PEAK: f64 = 10.0;
 /// Below this no peak of the sensitivity can be.
 const LOWEST_PEAK: f64 = 1.0 + 1e-6;
 /// How far below the cost of the best gains limits are tried.

@@ -1,5 +1,7 @@
 //! Margins in the search, against those that crate `machine` finds on another way.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use machine::{margins, worst_margins};
 use rotor::{Feedback, Settings, builtin};
 use tuner::{Family, Options, Price, Problem, ProblemError, Schedule, Stop, Structure, evaluate, pareto, tune};
@@ -91,4 +93,25 @@ fn limits_that_no_loop_keeps_and_sampled_loops_are_refused() {
     template.bearings[0].parts.sample = 0.05;
     let sampled = Problem { min_delay: Some(0.1), ..problem(0.0, 6.0, &template) };
     assert_eq!(sampled.check(), Err(ProblemError::Sampled));
+}
+
+/// Whoever stops a search is told of the gains that it leaves what holds for the whole range, not for the one place that came last.
+#[test]
+fn a_search_that_was_stopped_tells_force_and_margins_of_the_whole_range() {
+    let free = problem(0.0, 6.0, &Structure::individual(3, 0, &[0, 1]));
+    let asked = Problem { max_sensitivity: Some(5.0), min_delay: Some(0.1), ..free };
+    let options = Options { starts: 1, ..Options::for_problem(&asked) };
+    let stopped = AtomicBool::new(false);
+    // Some way up, and not there.
+    let say = |_: &tuner::Progress| stopped.store(true, Ordering::Relaxed);
+    let found = tune(&asked, &options, &say, Stop::when(&stopped)).expect("makes sense");
+    assert!(found.interrupted);
+    let whole = evaluate(&asked, &options, &found.gains, Stop::NEVER).expect("makes sense");
+    let told = |tuned: &tuner::Tuned| {
+        let [(peak, _), (late, _)] = tuned.margins.clone().expect("asked for");
+        [tuned.force, peak.sensitivity.0, late.delay.map_or(f64::INFINITY, |(delay, _)| delay)]
+    };
+    for (hasty, whole) in told(&found).into_iter().zip(told(&whole)) {
+        assert!(hasty == whole || (hasty / whole - 1.0).abs() < 0.01, "{hasty} {whole}");
+    }
 }

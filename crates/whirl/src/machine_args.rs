@@ -77,6 +77,13 @@ pub(crate) fn counted(modes: &CountedModes, units: Units) -> Option<String> {
 }
 
 impl MachineArgs {
+    /// The feedback and the settings that were typed, as the end of a title: pictures of one rotor under several are told apart by it.
+    pub(crate) fn subtitle(&self) -> String {
+        let feedback = self.feedback.iter().map(|name| format!("feedback {name}"));
+        let typed: Vec<String> = feedback.chain(self.set.iter().cloned()).collect();
+        if typed.is_empty() { String::new() } else { format!("; {}", typed.join(", ")) }
+    }
+
     /// Refuses settings of the speed beside what sets it all along.
     ///
     /// # Errors

@@ -7,16 +7,16 @@
 //! │ ▙▄▌▗ ▐▌ ▐▌  ▐     ▐▌▗ ▐▌ ▐▌           │
 //! │             now          would be     │
 //! │ delay       0.1128 tau   0.2322 tau   │   what delay more it bears
-//! │ gain up     x 1.119      any          │   factors on the gain at which it is unstable
+//! │ gain up     x 1.119      any to x 100 │   factors on the gain at which it is unstable
 //! │ gain down   x 0.8159     x 0.3804     │
 //! │ phase       7.463 deg    49.64 deg    │
 //! │ |S| peak    10.35 D      1.192 A      │   with its zone by ISO 14839-3
 //! └───────────────────────────────────────┘
 //! ```
 
-use machine::MachineMargins;
+use machine::{MachineMargins, STRONGEST_LATE};
 use ratatui::buffer::Buffer;
-use ratatui::layout::Rect;
+use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Style};
 use ratatui::text::Line;
 use ratatui::widgets::Widget;
@@ -54,8 +54,10 @@ struct MarginRow {
 
 fn rows(found: &MachineMargins, units: &Units) -> [MarginRow; 5] {
     let margins = &found.margins;
-    // No such crossing: any delay, any gain will do.
+    // No such crossing: any delay will do, or any gain that is smaller.
     let any = || ["any".to_owned(), "any".to_owned()];
+    // A larger one, as far as is looked.
+    let far = || [format!(">{STRONGEST_LATE}"), format!("any to x {STRONGEST_LATE}")];
     let row = |name, caption, [number, value]: [String; 2], frequency| MarginRow {
         name,
         caption,
@@ -78,7 +80,7 @@ fn rows(found: &MachineMargins, units: &Units) -> [MarginRow; 5] {
         row(
             "gain up",
             "gain up to x",
-            margins.gain_up.map_or_else(any, |g| times(g.factor)),
+            margins.gain_up.map_or_else(far, |g| times(g.factor)),
             margins.gain_up.map(|g| g.frequency),
         ),
         row(
@@ -117,16 +119,33 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
             return;
         }
     };
-    let large = if inner.height >= LARGE.0 + ROWS { LARGE.0 } else { 0 };
-    if large > 0 {
-        draw_large(&now, Rect { height: large, ..inner }, buffer);
-    }
-    let table = Rect { y: inner.y + large, height: inner.height - large, ..inner };
+    let longest = now.iter().map(|row| width(&row.value) as u16 + 2).fold(COLUMNS[1], u16::max);
+    let table = match place_of_large(inner, COLUMNS[0] + 2 * longest) {
+        Some((large, table)) => {
+            draw_large(&now, large, buffer);
+            table
+        }
+        None => inner,
+    };
     let beside = facts.candidate.as_ref().map(|candidate| match &candidate.margins {
         Ok(found) => rows(found, &units).map(|row| (row.value, row.color)).to_vec(),
         Err(_) => vec![("UNSTABLE".to_owned(), Some(theme::BAD))],
     });
     draw_table(&now, beside.as_deref(), &units, table, buffer);
+}
+
+/// Where the large numbers go, and the table then: above it, or right of it where there is no room above; nowhere in a small panel.
+fn place_of_large(area: Rect, table: u16) -> Option<(Rect, Rect)> {
+    let (height, width) = LARGE;
+    if area.height >= height + ROWS {
+        let [large, below] = Layout::vertical([Constraint::Length(height), Constraint::Fill(1)]).areas(area);
+        Some((large, below))
+    } else if area.height >= height && area.width >= table + width {
+        let [left, right] = Layout::horizontal([Constraint::Length(table), Constraint::Fill(1)]).areas(area);
+        Some((Rect { height, ..right }, left))
+    } else {
+        None
+    }
 }
 
 /// The margins of what would be, where what is has none.
@@ -227,6 +246,9 @@ mod tests {
         }
         insta::assert_snapshot!("margins", frame);
         insta::assert_snapshot!("margins_large", drawn(110, 13, |area, buffer| draw(&view(&data), area, buffer)));
+        // As wide and as low as the layout `loop` has it at 200 x 60 and 120 x 40.
+        insta::assert_snapshot!("margins_beside", drawn(152, 12, |area, buffer| draw(&view(&data), area, buffer)));
+        insta::assert_snapshot!("margins_beside_narrow", drawn(90, 9, |area, buffer| draw(&view(&data), area, buffer)));
     }
 
     #[test]

@@ -120,27 +120,25 @@ impl Edit {
 
 /// Makes in `settings` the changes that lead from `from` to `to`, and no others.
 pub fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
-    if from.speed != to.speed {
-        settings.speed = to.speed;
-    }
-    if from.trip != to.trip {
-        settings.trip = to.trip;
-    }
-    if from.ramp != to.ramp {
-        settings.ramp = to.ramp;
-    }
-    if from.feedback != to.feedback {
-        settings.feedback = to.feedback.clone();
-    }
+    // Whole, so that a field that is added is not forgotten here.
+    let Settings { speed, deadband, trip, ramp, feedback, unbalance_added } = to;
+    carry(&from.speed, speed, &mut settings.speed);
+    carry(&from.trip, trip, &mut settings.trip);
+    carry(&from.ramp, ramp, &mut settings.ramp);
+    carry(&from.feedback, feedback, &mut settings.feedback);
     let lists = [
-        (&mut settings.deadband, &from.deadband, &to.deadband),
-        (&mut settings.unbalance_added, &from.unbalance_added, &to.unbalance_added),
+        (&from.deadband, deadband, &mut settings.deadband),
+        (&from.unbalance_added, unbalance_added, &mut settings.unbalance_added),
     ];
-    for (places, from, to) in lists {
+    for (from, to, places) in lists {
         for (place, (from, to)) in places.iter_mut().zip(from.iter().zip(to)) {
-            if from != to {
-                *place = *to;
-            }
+            carry(from, to, place);
         }
+    }
+}
+
+fn carry<T: Clone + PartialEq>(from: &T, to: &T, into: &mut T) {
+    if from != to {
+        into.clone_from(to);
     }
 }

@@ -99,7 +99,7 @@ fn slopes_agree(problem: &Problem, gains: &[f64], point: &[f64], h: f64) -> Resu
                 slope[i]
             );
         }
-        let mut force_difference = |h: f64| {
+        let force_difference = |h: f64| {
             let [after, before] = [h, -h].map(|by| evaluator.relative_force(0, &shifted(by), &mut []));
             (after - before) / (2.0 * h)
         };

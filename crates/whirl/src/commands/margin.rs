@@ -177,7 +177,16 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         format!("no frequency has {what} above {} ({how})\n", rounded(peak.below))
     });
     let which = counted(&modes, units).map_or(String::new(), |told| format!("{told}\n"));
-    let footer = format!("minimum damping {}\n{which}{above}{}", rounded(min_damping), told.remarks(&machine));
+    let mixed = found.together.as_ref().map_or(String::new(), |together| {
+        let AmplitudePeak { amplitude, frequency } = together.largest_sensitivity;
+        let at = frequency
+            .map_or("far out".to_owned(), |w| format!("at {}{}", rounded(units.frequency(w)), units.pick("", " Hz")));
+        let zone = sensitivity_zone(amplitude, zones);
+        format!("all commands opened at once: largest singular value of S {}, zone {zone}, {at}\n", rounded(amplitude))
+    });
+    let none = if is_open(&machine) { "there is no feedback: the loop has no gain, and nothing to lose\n" } else { "" };
+    let footer =
+        format!("minimum damping {}\n{none}{which}{mixed}{above}{}", rounded(min_damping), told.remarks(&machine));
     let footer = footer + "\n" + &unsure.text;
     args.format.print(&document, &heading, &table, &footer)
 }
@@ -191,13 +200,18 @@ pub(crate) fn task(args: &MarginArgs) -> Result<study::sweep::Task, Failure> {
     args.unsure.task(&machine)
 }
 
+/// Whether no control bearing has a gain.
+fn is_open(machine: &Machine) -> bool {
+    machine.settings.feedback.is_off()
+}
+
 /// What no frequency exceeds; nothing of a sampled loop, or where there is no bound.
 fn certified(machine: &Machine, speed: f64) -> Option<CertifiedPeak> {
     MachineLoop::at(&machine.rotor, &machine.settings, speed).ok()?.certified_peak().ok()?
 }
 
 /// Why there is no bound of the sensitivity.
-const NO_BOUND: &str = "a bound is told of loops that are not sampled and of at most 100 states, where rounding, and a delay of several bearings, leave it sure";
+const NO_BOUND: &str = "no bound is known of a loop that is sampled or has more than 100 states, nor where rounding, or a delay of several bearings, leaves it unsure";
 
 /// Writes it beside the peak of the sensitivity: `below`, or why there is none.
 fn put_certified(fields: &mut Map<String, Value>, name: &str, certified: Option<&CertifiedPeak>) {
@@ -224,6 +238,7 @@ fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failu
     for (kind, (name, found)) in WORST.iter().zip(&worst).enumerate() {
         let key = name.replace(' ', "_");
         let Some(found) = found else {
+            table.row([Cell::from(name), Cell::Without("none"), Cell::from(&""), Cell::Without(""), Cell::Without("")]);
             fields.insert(key.clone(), Value::Null);
             fields.insert(format!("{key}_null"), json!(WITHOUT[kind]));
             continue;
@@ -277,10 +292,10 @@ fn zones(typed: Option<&[f64]>) -> Result<[f64; 3], Failure> {
 const COLUMNS: [&str; 4] = ["margin", "value", "unit", "frequency"];
 const COLUMNS_SI: [&str; 4] = ["margin", "value", "unit", "frequency (Hz)"];
 
-/// Why there is none of each of [`WORST`].
+/// Why there is none of each of [`WORST`]; of gains, as far as [`linear::STRONGEST`] looks.
 const WITHOUT: [&str; WORST.len()] = [
     "no delay makes it unstable: the loop gain is 1 nowhere",
-    "no larger gain makes it unstable",
+    "no gain up to 100 times as large makes it unstable, nor up to 10 000 times where nothing is late",
     "no smaller gain makes it unstable",
     "the loop gain is 1 nowhere",
     "",
@@ -341,7 +356,14 @@ impl<'a> Told<'a> {
     /// Every margin as scripts read it.
     fn fields(&self) -> Map<String, Value> {
         let margins = self.margins;
-        let peak = |peak: AmplitudePeak| json!({"peak": peak.amplitude, "frequency": peak.frequency});
+        let peak = |AmplitudePeak { amplitude, frequency }: AmplitudePeak| {
+            // A peak at 0 has no sign.
+            let mut made = json!({"peak": amplitude, "frequency": frequency.map(|frequency| frequency + 0.0)});
+            if frequency.is_none() {
+                made["frequency_null"] = json!("it is approached as the frequency grows without bound");
+            }
+            made
+        };
         let delay = |DelayMargin { delay, frequency }: DelayMargin| {
             let turns = delay * self.speed / std::f64::consts::TAU;
             let seconds = self.units.scales().map(|scales| scales.seconds(delay));
@@ -380,7 +402,7 @@ impl<'a> Told<'a> {
             json!({
                 "peak": worst.amplitude,
                 "decibels": 20.0 * worst.amplitude.log10(),
-                "frequency": worst.frequency,
+                "frequency": worst.frequency.map(|frequency| frequency + 0.0),
                 "zone": self.zone(worst.amplitude),
                 "zones": self.zones,
                 "forward": peak(margins.forward),

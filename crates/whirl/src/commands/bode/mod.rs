@@ -202,7 +202,8 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
         TransferFunction::Station(_) => units.pick(" (1 / w0^2)", " (m/N)"),
         _ => "",
     };
-    let title = format!("{}, {} at {}", rotor.name(), name(of, rotor), units.speed_text(speed));
+    let (what, at, typed) = (name(of, rotor), units.speed_text(speed), args.machine.subtitle());
+    let title = format!("{}, {what} at {at}{typed}", rotor.name());
     let charts = || chart::of(&points, &title, args.show, units, scale, unit, of == TransferFunction::Loop);
     if let Some(path) = &args.out {
         picture::draw(path, args.force, &charts())?;
@@ -226,6 +227,10 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
             units.pick("", " Hz")
         )
     });
+    let most = match of {
+        TransferFunction::Loop => format!("{most}\n{}", crossing(&points)),
+        _ => most,
+    };
     let rest = if every > 1 { "\n--csv and --json have every point" } else { "" };
     let document = Document {
         rotor: rotor.name(),
@@ -250,6 +255,20 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
 impl PointDocument {
     fn of(frequency: f64, z: C64) -> Self {
         Self { frequency, re: z.re, im: z.im, amplitude: z.norm(), phase: degrees(z) }
+    }
+}
+
+/// Whether the loop's gain comes to 1 among these frequencies, where delay and phase margins are.
+fn crossing(points: &[FrequencyPoint]) -> &'static str {
+    let is_large = |point: &FrequencyPoint| point.value.norm_sqr() > 1.0;
+    if points.iter().all(|point| point.value == C64::ZERO) {
+        "no crossing: there is no gain at all"
+    } else if points.iter().all(is_large) {
+        "no crossing: the gain is above 1 at all of these frequencies"
+    } else if points.iter().any(is_large) {
+        "the gain crosses 1 among these frequencies: whirl margin tells where"
+    } else {
+        "no crossing: the gain is below 1 at all of these frequencies"
     }
 }
 

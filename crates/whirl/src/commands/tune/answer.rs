@@ -217,7 +217,12 @@ fn margins(problem: &Problem, tuned: &Tuned) -> Map<String, Value> {
 fn short(problem: &Problem, tuned: &Tuned) -> Option<String> {
     /// A limit is kept within this part of it between the conditions that are looked at.
     const NEAR: f64 = 1e-3;
-    let [(peak, _), (least, _)] = tuned.margins.as_ref()?;
+    if problem.max_sensitivity.is_none() && problem.min_delay.is_none() {
+        return None;
+    }
+    let Some([(peak, _), (least, _)]) = tuned.margins.as_ref() else {
+        return Some("margins were not looked at".to_owned());
+    };
     let (size, delay) = (peak.sensitivity.0, least.delay.map_or(f64::INFINITY, |(delay, _)| delay));
     if let Some(limit) = problem.max_sensitivity.filter(|limit| size > limit * (1.0 + NEAR)) {
         return Some(format!("the peak of the sensitivity is {}, more than {limit}", rounded(size)));

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use plot::{Axis, Chart, Color, Look, Series};
 use rotor::file::FeedbackDocument;
 use serde::Serialize;
-use tuner::{ParetoPoint, Price, Stop, pareto};
+use tuner::{ParetoPoint, Price, Stop, WIDEST_PEAK, pareto};
 
 use super::question::Asked;
 use super::{TuneArgs, Watch, write_file};
@@ -32,13 +32,16 @@ struct Document<'a> {
 
 #[derive(Debug, Serialize)]
 struct PointDocument<'a> {
-    /// The limit on force, in `w0^2 e_t`, or on gains.
+    /// The limit on force, in `w0^2 e_t`, on gains, or on the peak of the sensitivity.
     limit: f64,
     min_damping: f64,
     worst_speed: f64,
     proven: bool,
     max_force: f64,
     max_gain: f64,
+    /// The peak of the sensitivity that is reached, where that is the price.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    peak: Option<f64>,
     feedback: FeedbackDocument<'a>,
     #[serde(skip_serializing_if = "Option::is_none")]
     file: Option<String>,
@@ -58,19 +61,22 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     super::answer::known(asked, &front[0].tuned)?;
     let units = asked.units();
     let mass = asked.rotor().control_mass(*bearing);
-    let mut table = Table::new(units.pick(
+    let columns = units.pick(
         &["limit", "min damping", "worst speed", "max force", "max gain"],
         &["limit", "min damping", "worst speed (rpm)", "max force (N)", "max gain"],
-    ));
+    );
+    let of_peak: &[&str] = if price == Price::Sensitivity { &["peak"] } else { &[] };
+    let mut table = Table::new(&[&columns[..], of_peak].concat());
     let mut points = Vec::new();
     for (k, point) in front.iter().enumerate() {
         let tuned = &point.tuned;
         let limit = if price == Price::Force { units.force(point.limit, mass) } else { point.limit };
         let force = units.force(tuned.force, mass);
-        table.row(
-            [limit, tuned.worst.value, units.speed(tuned.worst.point[0]), force, point.tuned.largest_gain()]
-                .map(Cell::from),
-        );
+        let peak = tuned.peak_sensitivity().filter(|_| price == Price::Sensitivity);
+        let values = [limit, tuned.worst.value, units.speed(tuned.worst.point[0]), force, tuned.largest_gain()];
+        let mut row: Vec<Cell> = values.map(Cell::from).into();
+        row.extend((price == Price::Sensitivity).then(|| peak.map_or(Cell::Without("not known"), Cell::from)));
+        table.row(row);
         let mut file = None;
         if let Some(folder) = &args.out
             && (tuned.worst.stable() == Some(true) || args.write_unstable)
@@ -96,7 +102,8 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
             worst_speed: tuned.worst.point[0],
             proven: tuned.worst.proven,
             max_force: tuned.force,
-            max_gain: point.tuned.largest_gain(),
+            max_gain: tuned.largest_gain(),
+            peak,
             feedback: FeedbackDocument(&tuned.feedback),
             file,
         });
@@ -119,13 +126,13 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
         Price::Gain => "gain",
         Price::Sensitivity => "peak of the sensitivity",
     };
+    let footer = match (price, interrupted) {
+        (_, true) => "interrupted: what was found until then".to_owned(),
+        (Price::Sensitivity, _) => format!("peaks up to {WIDEST_PEAK}: larger ones are no machine's"),
+        _ => String::new(),
+    };
     let heading = format!("{}, {}: min damping against {word}", asked.rotor().name(), asked.range_text);
-    args.format.print(
-        &document,
-        &heading,
-        &table,
-        if interrupted { "interrupted: what was found until then" } else { "" },
-    )?;
+    args.format.print(&document, &heading, &table, &footer)?;
     let best = &front[0].tuned;
     if interrupted {
         return Err(Failure::Interrupted);
