@@ -9,6 +9,8 @@ mod parts;
 mod recorder;
 #[cfg(feature = "rerun")]
 mod snapshots;
+#[cfg(feature = "rerun")]
+mod viewer;
 
 use promises::run;
 

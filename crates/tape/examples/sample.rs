@@ -35,7 +35,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut limits = Limits::default();
     limits.set(Watch::Orbit, Some([5.0, 15.0]))?;
     limits.set(Watch::Lateness, None)?;
-    let order = Order { bench: bench.clone(), path, keep, follow: false, limits };
+    let order = Order { bench: bench.clone(), path: Some(path), viewer: None, keep, follow: false, limits };
     let (stop_sim, stop_tape) = (AtomicBool::new(false), AtomicBool::new(false));
     let (ready, is_ready) = std::sync::mpsc::channel();
     std::thread::scope(|scope| {

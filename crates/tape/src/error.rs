@@ -49,6 +49,14 @@ pub enum TapeError {
     /// The file is there already, or no file can be there.
     #[error(transparent)]
     File(#[from] files::FileError),
+    /// No address of a viewer.
+    #[error("viewer '{address}': {problem}: expected HOST:PORT, such as 127.0.0.1:9876")]
+    Viewer {
+        /// As given.
+        address: String,
+        /// What is wrong with it.
+        problem: String,
+    },
     /// The bench failed.
     #[error(transparent)]
     Wire(#[from] wire::WireError),
@@ -59,7 +67,7 @@ impl TapeError {
     #[must_use]
     pub fn is_usage(&self) -> bool {
         match self {
-            Self::NoRerun | Self::Place { .. } | Self::NotOurs { .. } => true,
+            Self::NoRerun | Self::Place { .. } | Self::NotOurs { .. } | Self::Viewer { .. } => true,
             Self::File(error) => error.is_usage(),
             Self::Stopped { .. } | Self::Read { .. } | Self::Wire(_) => false,
         }

@@ -48,6 +48,7 @@ mod snapshot;
 // Files are the business of the feature; that they are gone through rightly is tested without it.
 #[cfg(any(feature = "rerun", test))]
 mod stream;
+mod viewer;
 
 pub use batch::Batch;
 pub use damage::{Damage, DamageKind, LostSteps};
@@ -61,3 +62,4 @@ pub use rotation::{FileRotation, Keep};
 pub use session::{Gap, Revision, Session, Source, Span};
 pub use sink::{Head, Sink, available, create, join};
 pub use snapshot::Snapshot;
+pub use viewer::{ViewerState, ViewerStatus};

@@ -18,8 +18,9 @@ use crate::error::TapeError;
 use crate::event::{Remark, What};
 use crate::gather::Gatherer;
 use crate::rotation::{FileRotation, Keep};
-use crate::sink::Item;
+use crate::sink::{self, Item, Open};
 use crate::snapshot::Snapshot;
+use crate::viewer::{AskViewer, ViewerStatus};
 
 /// Items that wait for the writing thread; what is beyond waits with the listening thread.
 const QUEUE: usize = 64;
@@ -35,8 +36,10 @@ const SILENCE: Duration = Duration::from_millis(300);
 pub struct Order {
     /// The bench.
     pub bench: BenchName,
-    /// The file.
-    pub path: PathBuf,
+    /// The file; without one it is only shown.
+    pub path: Option<PathBuf>,
+    /// The running viewer that it is shown in too, as `HOST:PORT`.
+    pub viewer: Option<String>,
     /// What is kept.
     pub keep: Keep,
     /// Goes on with the next simulation of the same name when one ends.
@@ -46,8 +49,25 @@ pub struct Order {
 }
 
 impl Order {
-    fn rotation(&self) -> Result<FileRotation, TapeError> {
-        FileRotation::new(&self.path, self.bench.as_str(), self.keep.clone(), self.limits.clone())
+    fn rotation(&self) -> Result<(FileRotation, Option<AskViewer>), TapeError> {
+        let (path, bench) = (self.path.as_deref(), self.bench.as_str());
+        let (open, ask): (Open, _) = match &self.viewer {
+            Some(address) => {
+                let (open, ask) = sink::shown(address, path.is_some())?;
+                (open, Some(ask))
+            }
+            None => (Box::new(sink::create), None),
+        };
+        sink::available()?;
+        Ok((FileRotation::into_sinks(path, bench, self.keep.clone(), self.limits.clone(), open)?, ask))
+    }
+
+    /// Where it goes, in words.
+    fn place(&self) -> String {
+        match (&self.path, &self.viewer) {
+            (Some(path), _) => absolute(path).to_string_lossy().into_owned(),
+            (None, viewer) => format!("the viewer at {}", viewer.as_deref().unwrap_or("nowhere")),
+        }
     }
 }
 
@@ -66,6 +86,8 @@ pub struct Summary {
     pub elapsed: Duration,
     /// Why it ended.
     pub why: &'static str,
+    /// How the viewer stood at the end, if there was to be one.
+    pub viewer: Option<ViewerStatus>,
 }
 
 /// How a recording stands.
@@ -81,6 +103,8 @@ pub struct Progress {
     pub first: Option<u64>,
     /// How long it has taken.
     pub elapsed: Duration,
+    /// How the viewer stands, if there is to be one.
+    pub viewer: Option<ViewerStatus>,
 }
 
 /// What the writing thread tells the listening one.
@@ -101,9 +125,9 @@ pub fn record<C: Carrier>(
     mut listener: C::Listener,
     order: &Order,
     stop: &AtomicBool,
-    progress: impl FnMut(Progress),
+    mut progress: impl FnMut(Progress),
 ) -> Result<Summary, TapeError> {
-    let rotation = order.rotation()?;
+    let (rotation, ask) = order.rotation()?;
     let mut voice = Voice::new(carrier.recorder(&order.bench)?, order);
     let tally = Tally::default();
     let (sender, receiver) = bounded(QUEUE);
@@ -113,16 +137,20 @@ pub fn record<C: Carrier>(
             .name("tape".into())
             .spawn_scoped(scope, || write(rotation, receiver, &tally))
             .map_err(|error| WireError::Internal(format!("no thread for writing: {error}")))?;
-        let heard = listen(&mut listener, &sender, order, stop, &tally, &mut voice, progress);
+        let status = || ask.as_ref().map(AskViewer::status);
+        let heard = listen(&mut listener, &sender, order, stop, &tally, &mut voice, |told| {
+            progress(Progress { viewer: status(), ..told });
+        });
         // The writer ends when there is nobody left to send it anything.
         drop(sender);
         let written = writer.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
         // If writing has failed, that is why listening ended.
-        let files = written?;
+        let files = if order.path.is_some() { written? } else { written.map(|_| Vec::new())? };
+        let viewer = ask.as_ref().map(AskViewer::farewell);
         let (lost, why) = heard?;
         let bytes = files.iter().filter_map(|file| file.metadata().ok()).map(|found| found.len()).sum();
         let rows = tally.rows.load(Ordering::Relaxed);
-        Ok(Summary { files, rows, bytes, lost, elapsed: began.elapsed(), why })
+        Ok(Summary { files, rows, bytes, lost, elapsed: began.elapsed(), why, viewer })
     });
     voice.end(&tally, result.as_ref());
     result
@@ -170,7 +198,7 @@ fn listen(
             voice.tell(tally, &gatherer)?;
             let [rows, bytes] = [&tally.rows, &tally.bytes].map(|count| count.load(Ordering::Relaxed));
             let (lost, first) = (gatherer.lost(), gatherer.first());
-            progress(Progress { rows, bytes, lost, first, elapsed: began.elapsed() });
+            progress(Progress { rows, bytes, lost, first, elapsed: began.elapsed(), viewer: None });
         }
         if stop.load(Ordering::Relaxed) {
             break "asked to stop";
@@ -253,7 +281,7 @@ impl<S: RecorderSender> Voice<S> {
         let mut status = Box::new(RecorderStatus { started_ns, pid: std::process::id(), ..RecorderStatus::default() });
         status.set_state(RecorderState::Recording);
         status.set_keeping(order.keep.keeping);
-        status.path = Text::new(&absolute(&order.path).to_string_lossy());
+        status.path = Text::new(&order.place());
         Self { sender, status }
     }
 
@@ -287,12 +315,15 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// Whether an order can be carried out as far as that can be told without a bench.
+/// Whether an order can be carried out as far as that can be told without a bench, and without a viewer.
 ///
 /// # Errors
 /// The path is taken or no place for a file, or this build cannot record.
 pub fn check(order: &Order) -> Result<(), TapeError> {
-    order.rotation().map(drop)
+    sink::available()?;
+    let (path, bench) = (order.path.as_deref(), order.bench.as_str());
+    let open = Box::new(sink::create);
+    FileRotation::into_sinks(path, bench, order.keep.clone(), order.limits.clone(), open).map(drop)
 }
 
 /// Why what is kept cannot be kept.

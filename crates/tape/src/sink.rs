@@ -13,6 +13,7 @@ use crate::event::{Event, Remark, What};
 use crate::schema;
 use crate::session::{Revision, Session, Source};
 use crate::snapshot::Snapshot;
+use crate::viewer::AskViewer;
 
 /// One thing to be put on tape, in the order in which it came.
 #[derive(Clone, Debug)]
@@ -102,6 +103,29 @@ pub fn create(path: &Path, head: &Head) -> Result<Box<dyn Sink>, TapeError> {
     #[cfg(not(feature = "rerun"))]
     {
         let _ = (path, head);
+        Err(TapeError::NoRerun)
+    }
+}
+
+/// Makes the sink at a path.
+pub(crate) type Open = Box<dyn FnMut(&Path, &Head) -> Result<Box<dyn Sink>, TapeError> + Send>;
+
+/// What makes sinks that are shown in the viewer at an address too, as files or without, and how that viewer stands.
+///
+/// # Errors
+/// No such address, or this build has no encoder.
+pub(crate) fn shown(address: &str, as_files: bool) -> Result<(Open, AskViewer), TapeError> {
+    #[cfg(feature = "rerun")]
+    {
+        let (viewer, ask) = crate::rrd::Viewer::at(address)?;
+        let open = move |path: &Path, head: &Head| -> Result<Box<dyn Sink>, TapeError> {
+            Ok(Box::new(crate::rrd::Writer::open(path, head, as_files, Some(viewer.clone()))?))
+        };
+        Ok((Box::new(open), ask))
+    }
+    #[cfg(not(feature = "rerun"))]
+    {
+        let _ = (address, as_files);
         Err(TapeError::NoRerun)
     }
 }

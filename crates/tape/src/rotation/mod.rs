@@ -15,14 +15,11 @@ use wire::{BenchStatus, Happening, Keeping, Moment};
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
 use crate::session::Revision;
-use crate::sink::{self, Head, Item, Sink};
+use crate::sink::{self, Head, Item, Open, Sink};
 
 pub use keep::Keep;
 use place::{check, clear, free_bytes, name};
 use wait::Wait;
-
-/// Makes the file at a path.
-type Open = Box<dyn FnMut(&Path, &Head) -> Result<Box<dyn Sink>, TapeError> + Send>;
 
 /// Puts what is recorded into files.
 pub struct FileRotation {
@@ -79,9 +76,32 @@ impl FileRotation {
         Self::with(path, Subject { bench: bench.to_owned(), limits }, keep, Box::new(sink::create))
     }
 
+    /// The same into sinks that `open` makes; without a path they are no files, and everything goes into one.
+    ///
+    /// # Errors
+    /// As [`FileRotation::new`].
+    pub(crate) fn into_sinks(
+        path: Option<&Path>,
+        bench: &str,
+        keep: Keep,
+        limits: Limits,
+        open: Open,
+    ) -> Result<Self, TapeError> {
+        let subject = Subject { bench: bench.to_owned(), limits };
+        match path {
+            Some(path) => Self::with(path, subject, keep, open),
+            // A name for messages alone; where there is no file no disk can be full.
+            None => Ok(Self::unchecked(Path::new("/dev/null"), subject, Keep { min_free: 0, ..Keep::default() }, open)),
+        }
+    }
+
     fn with(path: &Path, subject: Subject, keep: Keep, open: Open) -> Result<Self, TapeError> {
         check(path, &keep)?;
-        Ok(Self {
+        Ok(Self::unchecked(path, subject, keep, open))
+    }
+
+    fn unchecked(path: &Path, subject: Subject, keep: Keep, open: Open) -> Self {
+        Self {
             open,
             path: path.to_owned(),
             subject,
@@ -94,7 +114,7 @@ impl FileRotation {
             bytes: 0,
             last: Moment::default(),
             wait: Wait::default(),
-        })
+        }
     }
 
     /// Steps in the files.

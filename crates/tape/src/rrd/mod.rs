@@ -9,8 +9,10 @@ mod ledger;
 mod read;
 mod scene;
 mod view;
+mod viewer;
 mod write;
 
 pub(crate) use join::join;
 pub(crate) use read::{open, run_of};
+pub(crate) use viewer::Viewer;
 pub(crate) use write::Writer;

@@ -26,6 +26,7 @@ use crate::snapshot::Snapshot;
 
 use super::encode::Encoder;
 use super::ledger::Ledger;
+use super::viewer::Viewer;
 
 /// Numbers of [`Health`] that are recorded, by the names of their series.
 pub(super) const HEALTH: [&str; 9] = [
@@ -46,6 +47,10 @@ pub(crate) struct Writer {
     store: StoreId,
     /// None once a write has failed: what is on disk then stays as it is.
     encoder: Option<Encoder>,
+    /// Whether there is a file at all; else it is only shown.
+    is_file: bool,
+    /// Where it is shown too.
+    viewer: Option<Viewer>,
     rotor: Rotor,
     health: Vec<(Moment, Health)>,
     snapshots: Vec<(Moment, Snapshot)>,
@@ -58,27 +63,38 @@ impl Writer {
     /// # Errors
     /// It is there, or cannot be made, or not even its head can be written.
     pub(crate) fn create(path: &Path, head: &Head) -> Result<Self, TapeError> {
+        Self::open(path, head, true, None)
+    }
+
+    /// The same, shown in a viewer too; or there alone, if there is no file to be.
+    ///
+    /// # Errors
+    /// As [`Writer::create`].
+    pub(crate) fn open(path: &Path, head: &Head, is_file: bool, viewer: Option<Viewer>) -> Result<Self, TapeError> {
         let rotor = head
             .bench_status
             .rotor()
             .map_err(|error| TapeError::place(path, format!("no rotor to record: {error}")))?;
-        let ledger = Ledger::create(path).map_err(|error| TapeError::unfit(path, &error))?;
         let run = format!("{:016x}", head.session.run_id);
         // Parts of one run share the id: a viewer that is given several puts them together.
         let store = StoreId::new(StoreKind::Recording, ApplicationId::from(schema::APPLICATION), run);
-        let encoder = Encoder::begin(ledger);
         let mut writer = Self {
             path: path.to_owned(),
             store,
             encoder: None,
+            is_file,
+            viewer,
             scene: scene::Scene::new(&rotor),
             rotor,
             health: Vec::new(),
             snapshots: Vec::new(),
         };
-        writer.encoder = Some(encoder.map_err(|error| writer.stopped(plain(&error)))?);
+        if is_file {
+            let ledger = Ledger::create(path).map_err(|error| TapeError::unfit(path, &error))?;
+            writer.encoder = Some(Encoder::begin(ledger).map_err(|error| writer.stopped(plain(&error)))?);
+        }
         let begun = writer.begin(head);
-        if begun.is_err() {
+        if begun.is_err() && is_file {
             // A file of which not even the head is whole is worth nothing to anybody.
             let _ = std::fs::remove_file(path);
         }
@@ -122,6 +138,12 @@ impl Writer {
     }
 
     fn append(&mut self, message: &LogMsg) -> Result<(), TapeError> {
+        if let Some(viewer) = &self.viewer {
+            viewer.show(message);
+        }
+        if !self.is_file {
+            return Ok(());
+        }
         let Some(encoder) = &mut self.encoder else { return Err(self.stopped("writing has failed before".into())) };
         encoder.append(message).map_err(|error| {
             self.encoder = None;
@@ -260,6 +282,9 @@ impl Sink for Writer {
 
     fn finish(mut self: Box<Self>) -> Result<u64, TapeError> {
         self.flush()?;
+        if !self.is_file {
+            return Ok(0);
+        }
         let Some(encoder) = self.encoder.take() else {
             return Err(self.stopped("writing has failed before".into()));
         };

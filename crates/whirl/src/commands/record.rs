@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use files::Existing;
-use tape::Keep;
 use tape::recorder::{self, Order, Progress, Summary};
+use tape::{Keep, ViewerState, ViewerStatus};
 use text::amount;
 use wire::{BenchName, Keeping};
 
@@ -22,6 +22,9 @@ use crate::{interrupt, output};
 /// How long a recorder may take to write what it has heard before it is killed.
 const FAREWELL: Duration = Duration::from_secs(30);
 
+/// How long a viewer that is there may take to answer.
+const ANSWER: Duration = Duration::from_secs(2);
+
 /// A bench that has sent nothing for so long sends nothing.
 const SILENT: Duration = Duration::from_millis(400);
 
@@ -29,20 +32,23 @@ const SILENT: Duration = Duration::from_millis(400);
 #[derive(Debug, clap::Args)]
 pub(crate) struct RecordArgs {
     /// The file; it must not be there yet, nor parts of it
-    #[arg(value_name = "FILE.rrd", group = "written")]
-    file: PathBuf,
+    #[arg(value_name = "FILE.rrd", group = "written", required_unless_present = "connect")]
+    file: Option<PathBuf>,
+    /// Show it in a running Rerun viewer as it comes, beside the file or without; never waits for it
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, default_missing_value = "127.0.0.1:9876")]
+    connect: Option<String>,
     #[command(flatten)]
     force: Force,
     #[command(flatten)]
     bench: BenchArgs,
     /// Keep the last so long only, such as 10min; in several files while it runs, joined at the end
-    #[arg(long, value_name = "DURATION", value_parser = amount::seconds)]
+    #[arg(long, value_name = "DURATION", value_parser = amount::seconds, requires = "file")]
     keep: Option<f64>,
     /// Write nothing until the machine trips; then the last so long before it, and as long after it but at most 10 s
-    #[arg(long, value_name = "DURATION", value_parser = amount::seconds, conflicts_with = "keep")]
+    #[arg(long, value_name = "DURATION", value_parser = amount::seconds, conflicts_with = "keep", requires = "file")]
     pretrigger: Option<f64>,
     /// Go on in FILE-2.rrd, FILE-3.rrd ... whenever a file is this large, such as 1GB
-    #[arg(long, value_name = "SIZE", value_parser = amount::bytes, conflicts_with_all = ["keep", "pretrigger"])]
+    #[arg(long, value_name = "SIZE", value_parser = amount::bytes, conflicts_with_all = ["keep", "pretrigger"], requires = "file")]
     split: Option<u64>,
     /// End in good order when the disk has less room left than this
     #[arg(long, value_name = "SIZE", value_parser = amount::bytes, default_value = "200MB")]
@@ -73,7 +79,8 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     let keep = Keep { keeping, split: args.split, min_free: args.min_free, existing: args.force.existing() };
     // The same limits as the dashboard's.
     let limits = config::read()?.limits;
-    let order = Order { bench, path: args.file.clone(), keep, follow: args.follow, limits };
+    let (path, viewer) = (args.file.clone(), args.connect.clone());
+    let order = Order { bench, path, viewer, keep, follow: args.follow, limits };
     // What is wrong with the command line is said before anything is waited for.
     recorder::check(&order)?;
     let stop = interrupt::flag()?;
@@ -88,6 +95,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
     }
     let mut line = Line::new();
     let mut waited_for = args.as_child;
+    let mut viewer = Viewer::default();
     let summary = recorder::record(&carrier, listener, &order, &stop, |progress| {
         // A bench that is held sends no step: its recorder is ready all the same.
         let first = progress.first.map(|seq| format!(" {seq}"));
@@ -97,10 +105,16 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
             // A parent that does not listen will close our input too.
             let _ = output::print_text(&format!("{READY}{first}\n"));
         }
+        if let (Some(status), Some(address)) = (progress.viewer, &args.connect)
+            && let Some(news) = viewer.news(status, progress.elapsed)
+        {
+            line.clear_to_go_on();
+            output::warn(&format!("the viewer at {address} {news}"));
+        }
         line.show(progress);
     });
     line.clear();
-    output::print_text(&(in_words(&summary?) + "\n"))
+    output::print_text(&(in_words(&summary?, args.connect.as_deref()) + "\n"))
 }
 
 /// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped; `from_the_start` of one that makes no
@@ -128,14 +142,49 @@ pub(crate) fn launch(
     ChildProcess::launch("recorder", FAREWELL, arguments.into_iter().map(str::to_owned).collect())
 }
 
-fn in_words(summary: &Summary) -> String {
-    let Summary { files, rows, bytes, lost, elapsed, why } = summary;
+/// How a viewer stands, told when that changes.
+#[derive(Default)]
+struct Viewer {
+    last: Option<ViewerState>,
+}
+
+impl Viewer {
+    fn news(&mut self, status: ViewerStatus, elapsed: Duration) -> Option<&'static str> {
+        // One that is there answers within a moment.
+        if self.last == Some(status.state) || status.state == ViewerState::Waiting && elapsed < ANSWER {
+            return None;
+        }
+        let is_first = self.last.replace(status.state).is_none();
+        match status.state {
+            ViewerState::Waiting => Some("does not answer: it is looked for on and on"),
+            ViewerState::Showing if is_first => None,
+            ViewerState::Showing => Some("shows what comes"),
+            ViewerState::Behind => Some("does not keep up: what is too much for it is left out there"),
+            ViewerState::Gone => Some("has gone: nothing more is shown"),
+        }
+    }
+}
+
+fn in_words(summary: &Summary, address: Option<&str>) -> String {
+    let Summary { files, rows, bytes, lost, elapsed, why, viewer } = summary;
     let (seconds, megabytes) = (elapsed.as_secs_f64(), *bytes as f64 / 1e6);
+    let shown = match (viewer, address) {
+        (Some(ViewerStatus { state: ViewerState::Waiting, .. }), Some(at)) => format!("no viewer answered at {at}"),
+        (Some(ViewerStatus { shown, left_out, .. }), Some(at)) => {
+            format!("{shown} messages shown at {at}, {left_out} left out")
+        }
+        _ => String::new(),
+    };
+    let beside = if shown.is_empty() { String::new() } else { format!("; {shown}") };
     match files.as_slice() {
+        [] if !shown.is_empty() => format!("{rows} steps in {seconds:.1} s, {lost} lost; {why}; {shown}"),
         [] => format!("nothing was written in {seconds:.1} s: {why}"),
         files => {
             let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
-            format!("{}: {rows} steps in {seconds:.1} s, {megabytes:.1} MB, {lost} lost; {why}", names.join(", "))
+            format!(
+                "{}: {rows} steps in {seconds:.1} s, {megabytes:.1} MB, {lost} lost; {why}{beside}",
+                names.join(", ")
+            )
         }
     }
 }
@@ -156,6 +205,13 @@ impl Line {
             let (minutes, seconds) = (seconds / 60, seconds % 60);
             let line = format!("\r\x1b[K● {minutes:02}:{seconds:02}  {rows} steps  {megabytes:.1} MB  {lost} lost");
             let _ = std::io::stderr().write_all(line.as_bytes());
+        }
+    }
+
+    /// Empties the line for words that stand on their own.
+    fn clear_to_go_on(&self) {
+        if self.shown {
+            let _ = std::io::stderr().write_all(b"\r\x1b[K");
         }
     }
 
