@@ -98,6 +98,10 @@ check-eigenvalues:
 bench *ARGS:
     cargo bench --workspace --exclude promises {{ARGS}}
 
+# Steps a second beside plain C at -O3 -march=native -ffast-math on the same equations: one trajectory, and many at once (needs cc)
+check-steps:
+    cargo bench -p study --bench beside_c
+
 # The NASA report again, into ./out, and its committed page renewed
 report:
     cargo run --release -- report --force --out out --page docs/book/src/nasa-report.md

@@ -195,6 +195,21 @@ impl Program {
         self.dtau
     }
 
+    /// The equations of motion that hold from the first step to the last: of a chain under an ideal loop that spins at one speed, in steps
+    /// of one part. `None` for every other.
+    #[must_use]
+    pub fn steady_loop(&self) -> Option<&ClosedLoop> {
+        let goes_nowhere = |at: f64| matches!(self.legs.as_slice(), [Leg::To { speed, .. }] if *speed == at);
+        let steady = self.closed_loop()?;
+        (self.begins.is_none() && self.substeps == 1 && goes_nowhere(steady.speed())).then_some(steady)
+    }
+
+    /// The same in steps of `dtau`, no longer than its own.
+    #[must_use]
+    pub fn paced(self, dtau: f64) -> Self {
+        Self { dtau, ..self }
+    }
+
     /// The equations of motion of the fused path, at the speed at which it ends; `None` where the loop is not ideal.
     #[must_use]
     pub fn closed_loop(&self) -> Option<&ClosedLoop> {

@@ -30,13 +30,14 @@
 //! * [`LinearForm`]: plant and any loop as matrices, the delay kept apart. [`Characteristic`]: its roots.
 //! * [`ClosedLoop`]: rotor and feedback at one operating point, as coefficients.
 //! * [`Stepper`]: time integration with the deadband; [`step`]: which steps follow it. [`Modes`]: poles without it.
-//!   [`Stability`]: what they say.
+//!   [`Stability`]: what they say. [`batch`]: many trajectories at once, the same to the last bit. [`Peaks`]: maxima between samples.
 //! * [`assign_poles`], [`cancelling`]: feedback for chosen poles. [`influence()`]: which bearing and sensor reach which mode.
 //! * [`trace()`], [`thresholds()`], [`critical_speeds`]: poles followed over speed.
 //! * [`typed`]: ranges, `KEY=VALUE` and rows of settings as a person types them.
 //! * [`circular`]: exact circular orbits with the deadband, forced and self-excited, with their stability.
 
 mod assign;
+pub mod batch;
 mod beam_rotor;
 pub mod builtin;
 mod characteristic;
@@ -55,6 +56,7 @@ mod marginal;
 mod modes;
 mod parameters;
 mod params;
+mod peak;
 mod plant;
 pub mod profile;
 mod quadratic;
@@ -85,6 +87,7 @@ pub use marginal::{Stability, stability};
 pub use modes::{Mode, Modes, PoleError, Whirl, damping_ratio, poles, scale_to_largest};
 pub use parameters::{Key, PARAMETERS, Parameter, Scope};
 pub use params::{BeamError, FIELDS, Field, Mass, Rotor, RotorError};
+pub use peak::Peaks;
 pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, PlantError, Spin, Station, Tabulated};
 pub use quadratic::Quadratic;
 pub use settings::{Settings, SettingsError};

@@ -9,6 +9,7 @@ mod clock;
 mod lanes;
 
 use clock::Clock;
+pub(crate) use clock::TURNS_BETWEEN;
 use lanes::Lanes;
 
 use control::LawPiece;

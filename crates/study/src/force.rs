@@ -1,13 +1,14 @@
 //! The largest steady control force over spin speed and clearance (Figs. 3.7 and 4.16), by simulation, on all cores.
 
+use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
 
-use machine::ProgramError;
-use rayon::prelude::*;
+use machine::{ClockOrigin, Machine, ProgramError};
 use rotor::{Feedback, Rotor};
 
-use crate::disturbance::DisturbanceGrowth;
-use crate::run::{Outcome, Plan, RunError, Settle, Settled, run};
+use crate::disturbance::{self, DisturbanceGrowth};
+use crate::many::{Ended, many};
+use crate::run::{self, Extent, Outcome, Plan, RunError, Settle, Settled, run};
 
 /// A point that has not settled by then, in `tau`, is given up and says so.
 pub const LONGEST: f64 = 2_000.0;
@@ -55,16 +56,25 @@ pub fn sweep(
 ) -> Result<Vec<Vec<ForcePoint>>, ForceError> {
     let places: Vec<(&[f64], f64)> =
         clearances.iter().flat_map(|of_all| speeds.iter().map(move |&speed| (of_all.as_slice(), speed))).collect();
-    // One point a task: their lengths differ by a hundred.
-    let points = places
-        .par_iter()
-        .with_max_len(1)
-        .map(|&(clearances, speed)| {
-            let point = steady(rotor, feedback, speed, clearances, stop);
+    let points: Vec<OnceLock<ForcePoint>> = places.iter().map(|_| OnceLock::new()).collect();
+    let plan = |k: usize| -> Result<Option<Plan>, ForceError> {
+        let (clearances, speed) = places[k];
+        let plan = Plan::steady(rotor, feedback, speed, clearances, LONGEST, Settle::DetectAndStop)?;
+        if plan.program.steady_loop().is_none() {
+            // One by one, with all that is asked of its end.
+            let _ = points[k].set(point(&run(&plan, &mut [], stop)?));
             done();
-            point
-        })
-        .collect::<Result<Vec<ForcePoint>, ForceError>>()?;
+            return Ok(None);
+        }
+        Ok(Some(plan))
+    };
+    let take = |k: usize, plan: &Plan, ended: Ended| -> Result<(), ForceError> {
+        let _ = points[k].set(ended_point(plan, &ended, stop)?);
+        done();
+        Ok(())
+    };
+    many(places.len(), &plan, &take, stop)?;
+    let points: Vec<ForcePoint> = points.into_iter().filter_map(OnceLock::into_inner).collect();
     Ok(if speeds.is_empty() {
         vec![Vec::new(); clearances.len()]
     } else {
@@ -84,7 +94,26 @@ pub fn steady(
     stop: &AtomicBool,
 ) -> Result<ForcePoint, ForceError> {
     let outcome = until_settled(rotor, feedback, speed, clearances, LONGEST, stop)?;
-    let Outcome { max_force, settled, stability, centre, diverged_at, .. } = outcome;
+    Ok(point(&outcome))
+}
+
+fn point(outcome: &Outcome) -> ForcePoint {
+    let Outcome { max_force, settled, stability, centre, diverged_at, .. } = *outcome;
+    ForcePoint { max_force, settled, stability, centre, diverged_at }
+}
+
+/// What [`run`] says of a run that was in a batch.
+fn ended_point(plan: &Plan, ended: &Ended, stop: &AtomicBool) -> Result<ForcePoint, RunError> {
+    let Extent { settled, diverged_at, max_force, .. } = ended.extent;
+    let centre = disturbance::of_centre(&plan.program, plan.program.speed())?;
+    let mut stability = None;
+    if let (Some(last), None) = (&ended.last, diverged_at) {
+        let line = ClockOrigin { tau: 0.0, angle: 0.0, steps: last.steps };
+        let program = plan.program.clone().paced(last.dtau);
+        let motion = [&last.displacement[..], &last.velocity[..]];
+        let mut machine = Machine::resumed(program, line, plan.program.speed(), motion, &[]);
+        stability = run::stability(&plan.program, &mut machine, settled, last.dtau, stop)?;
+    }
     Ok(ForcePoint { max_force, settled, stability, centre, diverged_at })
 }
 

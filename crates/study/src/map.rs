@@ -4,7 +4,9 @@
 //! settled. A start in one place is a basin: which starts lead to the small orbit and which to the large. The cycles that separate them are
 //! exact ([`rotor::circular`]).
 
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::ops::Range;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use machine::{MarginsError, Program, ProgramError, default_step};
 use rayon::prelude::*;
@@ -13,6 +15,7 @@ use rotor::circular;
 use variation::{Model, Parameter, VariationError};
 
 use crate::contour::{halve, trace};
+use crate::many::{Ended, many};
 use crate::run::{Extent, Plan, RunError, Settle, extent};
 
 /// More cells than this are refused: their values would take gigabytes, and their pictures more.
@@ -226,9 +229,8 @@ impl MapPlan {
         if self.x.key == self.y.key {
             return Err(MapError::Twice(self.x.key.name()));
         }
-        let cells = self.x.values.len() as u64 * self.y.values.len() as u64;
-        if cells > MOST_CELLS {
-            return Err(MapError::Cells(cells));
+        if self.cells() > MOST_CELLS {
+            return Err(MapError::Cells(self.cells()));
         }
         for x in [0, self.x.values.len() - 1] {
             for y in [0, self.y.values.len() - 1] {
@@ -266,14 +268,7 @@ impl MapPlan {
             MapQuantity::Stability => f64::from(u8::from(model.min_damping()? > 0.0)),
             MapQuantity::Delay => margins()?.and_then(|found| found.margins.delay).map_or(f64::NAN, |d| d.delay),
             MapQuantity::Sensitivity => margins()?.map_or(f64::NAN, |found| found.margins.sensitivity().amplitude),
-            MapQuantity::Orbit => {
-                let found = self.motion(&model, x, y, stop)?;
-                bounded(&found, found.max_displacement)
-            }
-            MapQuantity::Force => {
-                let found = self.motion(&model, x, y, stop)?;
-                bounded(&found, found.max_force)
-            }
+            MapQuantity::Orbit | MapQuantity::Force => self.size(&extent(&self.run(&model, x, y)?, stop)?),
             MapQuantity::Cycle | MapQuantity::CycleFrequency => {
                 let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &[settings.speed])?;
                 let stable = found.orbits.iter().flatten().filter(|orbit| orbit.stability().is_stable() == Some(true));
@@ -288,8 +283,8 @@ impl MapPlan {
         })
     }
 
-    /// The motion from its start until it has settled.
-    fn motion(&self, model: &Model, x: f64, y: f64, stop: &AtomicBool) -> Result<Extent, MapError> {
+    /// The run from its start until it has settled.
+    fn run(&self, model: &Model, x: f64, y: f64) -> Result<Plan, MapError> {
         let (rotor, settings) = (&model.rotor, &model.settings);
         let dtau = default_step(rotor, settings)?;
         let program = Program::in_substeps(rotor, settings, dtau, 1)?;
@@ -300,20 +295,76 @@ impl MapPlan {
                 if part % 2 == 0 { to.re = value } else { to.im = value }
             }
         }
-        let plan = Plan {
+        Ok(Plan {
             program,
             start: Some(start),
             impulses: vec![],
             dtau,
             duration: self.longest,
             settle: Settle::DetectAndStop,
-        };
-        Ok(extent(&plan, stop)?)
+        })
     }
-}
 
-fn bounded(found: &Extent, value: f64) -> f64 {
-    if found.diverged_at.is_some() { f64::NAN } else { value }
+    /// How large a motion is, in what is mapped.
+    fn size(&self, found: &Extent) -> f64 {
+        match self.quantity {
+            _ if found.diverged_at.is_some() => f64::NAN,
+            MapQuantity::Force => found.max_force,
+            _ => found.max_displacement,
+        }
+    }
+
+    /// How many cells there are.
+    #[must_use]
+    pub fn cells(&self) -> u64 {
+        self.x.values.len() as u64 * self.y.values.len() as u64
+    }
+
+    /// Where a cell is, numbered with x slowest.
+    #[must_use]
+    pub fn place(&self, cell: u64) -> [f64; 2] {
+        let up = self.y.values.len() as u64;
+        [self.x.values[(cell / up) as usize], self.y.values[(cell % up) as usize]]
+    }
+
+    /// The quantity in some cells, numbered with x slowest; each as [`MapPlan::at`] has it. `done` is told each as it is known, from any
+    /// thread and in any order.
+    ///
+    /// # Errors
+    /// A cell that cannot be had, or `stop`.
+    pub fn values(
+        &self,
+        cells: Range<u64>,
+        stop: &AtomicBool,
+        done: &(dyn Fn(u64, f64) + Sync),
+    ) -> Result<Vec<f64>, MapError> {
+        if !self.quantity.row().is_simulated {
+            let value = |cell: u64| match stop.load(Ordering::Relaxed) {
+                true => Err(MapError::Interrupted),
+                false => {
+                    let [x, y] = self.place(cell);
+                    self.at(x, y, stop).inspect(|value| done(cell, *value))
+                }
+            };
+            return cells.into_par_iter().map(value).collect();
+        }
+        let found: Vec<OnceLock<f64>> = cells.clone().map(|_| OnceLock::new()).collect();
+        let plan = |k: usize| {
+            let [x, y] = self.place(cells.start + k as u64);
+            self.run(&self.machine(x, y)?, x, y).map(Some)
+        };
+        let take = |k: usize, _: &Plan, ended: Ended| {
+            let value = self.size(&ended.extent);
+            let _ = found[k].set(value);
+            done(cells.start + k as u64, value);
+            Ok(())
+        };
+        match many(found.len(), &plan, &take, stop) {
+            Err(MapError::Run(RunError::Interrupted)) => Err(MapError::Interrupted),
+            Err(error) => Err(error),
+            Ok(()) => Ok(found.into_iter().map(|value| value.into_inner().unwrap_or(f64::NAN)).collect()),
+        }
+    }
 }
 
 /// Maps. `done` is called after every column, from any thread.
@@ -322,20 +373,16 @@ fn bounded(found: &Extent, value: f64) -> f64 {
 /// What [`MapPlan::check`] refuses, a cell that cannot be had, or `stop`.
 pub fn map(plan: &MapPlan, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<Map, MapError> {
     plan.check()?;
-    let columns = plan.x.values.par_iter().with_max_len(1).map(|x| {
-        let each: Result<Vec<f64>, MapError> = plan
-            .y
-            .values
-            .iter()
-            .map(|y| match stop.load(Ordering::Relaxed) {
-                true => Err(MapError::Interrupted),
-                false => plan.at(*x, *y, stop),
-            })
-            .collect();
-        done();
-        each
-    });
-    let values: Vec<Vec<f64>> = columns.collect::<Result<_, MapError>>()?;
+    let up = plan.y.values.len();
+    let known: Vec<AtomicUsize> = plan.x.values.iter().map(|_| AtomicUsize::new(0)).collect();
+    let took = |cell: u64, _: f64| {
+        let column = known[(cell / up as u64) as usize].fetch_add(1, Ordering::Relaxed);
+        if column + 1 == up {
+            done();
+        }
+    };
+    let all = plan.values(0..plan.cells(), stop, &took)?;
+    let values: Vec<Vec<f64>> = all.chunks(up).map(<[f64]>::to_vec).collect();
     let boundary = if plan.quantity.has_clearance() { vec![] } else { boundary(plan, &values)? };
     Ok(Map { values, boundary })
 }

@@ -3,10 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{Machine, PolesError, Program, ProgramError, default_step};
-use rotor::{C64, ControlMasses, Feedback, PoleError, Rotor, Settings};
+use rotor::{C64, ControlMasses, Feedback, Peaks, PoleError, Rotor, Settings};
 
 use crate::disturbance::{self, DisturbanceGrowth};
-use crate::peak::Peaks;
 use crate::settle::{Detector, Stretch};
 
 pub use crate::settle::Settled;
@@ -152,14 +151,28 @@ pub fn run(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) 
     let (mut rotor, watch) = simulate(plan, observers, stop)?;
     let centre = disturbance::of_centre(&plan.program, rotor.sample().speed)?;
     let mut outcome = watch.outcome(&rotor, centre);
-    if outcome.diverged_at.is_none() && rotor.motion().is_finite() {
-        outcome.stability = disturbance::of_orbit(&plan.program, &rotor)?;
-        if outcome.stability.is_none() && matches!(outcome.settled, Settled::Steady | Settled::Beating) {
-            let evaluated = disturbance::of_beat(&mut rotor, outcome.step.0, stop);
-            outcome.stability = Some(evaluated.ok_or(RunError::Interrupted)?);
-        }
+    if outcome.diverged_at.is_none() {
+        outcome.stability = stability(&plan.program, &mut rotor, outcome.settled, outcome.step.0, stop)?;
     }
     Ok(outcome)
+}
+
+/// Whether the motion that a run has ended in would stay, if it is steady.
+pub(crate) fn stability(
+    program: &Program,
+    rotor: &mut Machine,
+    settled: Settled,
+    dtau: f64,
+    stop: &AtomicBool,
+) -> Result<Option<DisturbanceGrowth>, RunError> {
+    if !rotor.motion().is_finite() {
+        return Ok(None);
+    }
+    let on_circle = disturbance::of_orbit(program, rotor)?;
+    if on_circle.is_some() || !matches!(settled, Settled::Steady | Settled::Beating) {
+        return Ok(on_circle);
+    }
+    Ok(Some(disturbance::of_beat(rotor, dtau, stop).ok_or(RunError::Interrupted)?))
 }
 
 /// How large a motion gets: what a map has of a run, without asking whether it would stay.
@@ -183,12 +196,43 @@ pub fn extent(plan: &Plan, stop: &AtomicBool) -> Result<Extent, RunError> {
     let (_, watch) = simulate(plan, &mut [], stop)?;
     let (diverged_at, masses) = (watch.diverged_at, watch.masses);
     let (settled, kept) = watch.kept();
-    Ok(Extent {
-        settled,
-        diverged_at,
-        max_force: kept.maxima[0].sqrt(),
-        max_displacement: kept.maxima[3..3 + masses].iter().copied().fold(0.0, f64::max).sqrt(),
-    })
+    Ok(Extent::of(settled, diverged_at, &kept, masses))
+}
+
+impl Extent {
+    pub(crate) fn of(settled: Settled, diverged_at: Option<f64>, kept: &Stretch, masses: usize) -> Self {
+        Self {
+            settled,
+            diverged_at,
+            max_force: kept.maxima[0].sqrt(),
+            max_displacement: kept.maxima[3..3 + masses].iter().copied().fold(0.0, f64::max).sqrt(),
+        }
+    }
+}
+
+/// The radius beyond which a run has diverged, in `e_t`.
+pub(crate) fn orbit_limit(plan: &Plan) -> f64 {
+    DIVERGED + 1e3 * plan.program.clearances().iter().copied().fold(0.0, f64::max)
+}
+
+/// How long the windows are in which a run is looked at: whole turns.
+pub(crate) fn window_of(plan: &Plan) -> f64 {
+    let turn = std::f64::consts::TAU / plan.program.speed().abs();
+    // Rest needs no turns; a crawling spin is cut off.
+    let window = if turn.is_finite() { (turn * (8.0 / turn).ceil()).min(200.0) } else { 8.0 };
+    window.max(8.0)
+}
+
+/// Whether transients had died, and the stretch that maxima are of, which `rest` ends.
+pub(crate) fn kept(settle: Settle, detector: &Detector, rest: Stretch, has_diverged: bool) -> (Settled, Stretch) {
+    let (settled, kept) = match settle {
+        Settle::From(from) => (Settled::Given, Stretch { from, ..rest }),
+        Settle::Detect | Settle::DetectAndStop => {
+            let (settled, windows) = detector.result();
+            (settled, windows.map_or(rest, |windows| windows.joined(&rest)))
+        }
+    };
+    (if has_diverged && settled != Settled::Given { Settled::No } else { settled }, kept)
 }
 
 fn simulate(plan: &Plan, observers: &mut [&mut dyn Observer], stop: &AtomicBool) -> Result<(Machine, Watch), RunError> {
@@ -267,7 +311,7 @@ impl Plan {
     }
 
     /// How many even steps of at most [`Plan::dtau`] make up a stretch of time, and how long each is.
-    fn even_steps(&self, stretch: f64) -> (f64, f64) {
+    pub(crate) fn even_steps(&self, stretch: f64) -> (f64, f64) {
         let count = (stretch / self.dtau - 1e-9).ceil().max(1.0);
         (count, stretch / count)
     }
@@ -310,15 +354,12 @@ struct Watch {
 impl Watch {
     fn new(plan: &Plan) -> Self {
         let masses = plan.program.order();
-        let turn = std::f64::consts::TAU / plan.program.speed().abs();
-        // Rest needs no turns; a crawling spin is cut off.
-        let window = if turn.is_finite() { (turn * (8.0 / turn).ceil()).min(200.0) } else { 8.0 };
         Self {
             masses,
             control_masses: *plan.program.control_masses(),
             settle: plan.settle,
-            window: window.max(8.0),
-            limit_squared: (DIVERGED + 1e3 * plan.program.clearances().iter().copied().fold(0.0, f64::max)).powi(2),
+            window: window_of(plan),
+            limit_squared: orbit_limit(plan).powi(2),
             stretch: Stretch::new(0.0),
             peaks: Peaks::new(3 + masses),
             detector: Detector::new(masses),
@@ -373,21 +414,11 @@ impl Watch {
     }
 
     /// Whether transients had died, and the stretch that maxima are of.
-    fn kept(mut self) -> (Settled, Stretch) {
-        let (settled, kept) = match self.settle {
-            Settle::From(from) => {
-                self.stretch.from = from;
-                (Settled::Given, self.stretch)
-            }
-            Settle::Detect | Settle::DetectAndStop => {
-                let (settled, windows) = self.detector.result();
-                (settled, windows.map_or(self.stretch, |windows| windows.joined(&self.stretch)))
-            }
-        };
-        (if self.diverged_at.is_some() && settled != Settled::Given { Settled::No } else { settled }, kept)
+    fn kept(&self) -> (Settled, Stretch) {
+        kept(self.settle, &self.detector, self.stretch, self.diverged_at.is_some())
     }
 
-    fn outcome(self, rotor: &Machine, centre: DisturbanceGrowth) -> Outcome {
+    fn outcome(&self, rotor: &Machine, centre: DisturbanceGrowth) -> Outcome {
         let motion = rotor.motion();
         let (steps, saturated_steps, step) = (self.steps, self.saturated_steps, self.step);
         let (masses, diverged_at) = (self.masses, self.diverged_at);

@@ -50,7 +50,7 @@ pub enum Task {
 pub enum SweepError {
     /// A row of a map.
     #[error(transparent)]
-    Map(#[from] MapError),
+    Map(MapError),
     /// A sample.
     #[error(transparent)]
     Samples(#[from] SamplesError),
@@ -72,12 +72,21 @@ pub fn rows_of(shard: u64, shards: u64, rows: u64) -> Range<u64> {
     at(shard)..at(shard + 1)
 }
 
+impl From<MapError> for SweepError {
+    fn from(error: MapError) -> Self {
+        match error {
+            MapError::Interrupted => Self::Interrupted,
+            error => Self::Map(error),
+        }
+    }
+}
+
 impl Task {
     /// How many rows there are.
     #[must_use]
     pub fn rows(&self) -> u64 {
         match self {
-            Self::Map { plan, .. } => plan.x.values.len() as u64 * plan.y.values.len() as u64,
+            Self::Map { plan, .. } => plan.cells(),
             Self::Samples { count, .. } => *count,
         }
     }
@@ -96,20 +105,28 @@ impl Task {
         }
     }
 
-    /// One row.
-    fn row(&self, index: u64, stop: &AtomicBool) -> Result<Vec<f64>, SweepError> {
+    /// Some rows.
+    fn some(&self, rows: Range<u64>, stop: &AtomicBool) -> Result<Vec<Vec<f64>>, SweepError> {
         match self {
             Self::Map { plan, units } => {
-                let up = plan.y.values.len() as u64;
-                let (x, y) = (plan.x.values[(index / up) as usize], plan.y.values[(index % up) as usize]);
-                let value = plan.at(x, y, stop)?;
-                Ok([x, y, value].iter().zip(units).map(|(value, unit)| value * unit).collect())
+                let values = plan.values(rows.clone(), stop, &|_, _| ())?;
+                let row = |(cell, value): (u64, &f64)| {
+                    let [x, y] = plan.place(cell);
+                    [x, y, *value].iter().zip(units).map(|(value, unit)| value * unit).collect()
+                };
+                Ok(rows.zip(&values).map(row).collect())
             }
             Self::Samples { model, ranges, distribution, seed, units, .. } => {
-                let damping = variation::samples(model, ranges, *distribution, *seed, [index, 1], &|_| ())?;
-                let values = variation::values(ranges, *distribution, *seed, index);
-                let values = values.iter().zip(units).map(|(value, unit)| value * unit);
-                Ok(values.chain(damping).collect())
+                let row = |index: u64| {
+                    if stop.load(Ordering::Relaxed) {
+                        return Err(SweepError::Interrupted);
+                    }
+                    let damping = variation::samples(model, ranges, *distribution, *seed, [index, 1], &|_| ())?;
+                    let values = variation::values(ranges, *distribution, *seed, index);
+                    let values = values.iter().zip(units).map(|(value, unit)| value * unit);
+                    Ok(values.chain(damping).collect())
+                };
+                rows.into_par_iter().map(row).collect()
             }
         }
     }
@@ -125,14 +142,7 @@ impl Task {
         let mut from = rows.start;
         while from < rows.end {
             let to = rows.end.min(from + AT_ONCE);
-            let each: Result<Vec<Vec<f64>>, SweepError> = (from..to)
-                .into_par_iter()
-                .map(|index| match stop.load(Ordering::Relaxed) {
-                    true => Err(SweepError::Interrupted),
-                    false => self.row(index, stop),
-                })
-                .collect();
-            for (row, index) in each?.iter().zip(from..) {
+            for (row, index) in self.some(from..to, stop)?.iter().zip(from..) {
                 table.row(row, &[index])?;
             }
             from = to;

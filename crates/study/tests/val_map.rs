@@ -142,6 +142,42 @@ fn val_a_start_is_where_a_run_begins() {
 }
 
 #[test]
+fn cells_side_by_side_are_those_of_single_runs_to_the_last_bit() {
+    let rotor = three_mass();
+    let model = model(&rotor, "composite", 6.0, 0.0);
+    // Orbits that settle, that beat, that have not settled yet, and that leave all bounds.
+    let (x, y) = (axis(&model, "deadband", 0.0, 2.0, 3), axis(&model, "kd", -1.0, 5.0, 7));
+    for quantity in [MapQuantity::Force, MapQuantity::Orbit] {
+        let plan = MapPlan { model: model.clone(), x: x.clone(), y: y.clone(), quantity, longest: 400.0 };
+        let found = mapped(&plan);
+        let stop = AtomicBool::new(false);
+        for cell in 0..plan.cells() {
+            let [x, y] = plan.place(cell);
+            let own = found.values[(cell / 7) as usize][(cell % 7) as usize];
+            let alone = plan.at(x, y, &stop).expect("a value");
+            assert_eq!(own.to_bits(), alone.to_bits(), "{own} {alone} at {x}, {y}");
+        }
+        let numbers = found.values.iter().flatten();
+        assert!(numbers.clone().any(|value| value.is_finite()) && numbers.clone().any(|value| value.is_nan()));
+    }
+}
+
+#[test]
+fn forces_side_by_side_are_those_of_single_runs_to_the_last_bit() {
+    let rotor = three_mass();
+    let feedback = builtin::feedback(&rotor, "individual").expect("built in");
+    let (speeds, stop) = ([0.0, 1.0, 2.5], AtomicBool::new(false));
+    let clearances = vec![vec![0.0; 3], vec![1.0; 3]];
+    let found = study::force::sweep(&rotor, &feedback, &speeds, &clearances, &stop, &|| ()).expect("forces");
+    for (row, clearances) in found.iter().zip(&clearances) {
+        for (point, speed) in row.iter().zip(speeds) {
+            let alone = study::force::steady(&rotor, &feedback, speed, clearances, &stop).expect("a force");
+            assert_eq!(*point, alone, "{speed} {clearances:?}");
+        }
+    }
+}
+
+#[test]
 fn what_makes_no_map_is_refused() {
     let rotor = three_mass();
     let model = model(&rotor, "composite", 6.0, 0.0);

@@ -4,7 +4,7 @@ use crate::C64;
 
 /// Steps between two evaluations of the sine and cosine of the spin angle; in between the unbalance is turned by a
 /// constant factor, which costs a fifth and is off by less than 1e-14 at the end.
-const TURNS_BETWEEN: u64 = 32;
+pub(crate) const TURNS_BETWEEN: u64 = 32;
 
 /// Point on a line in time: value `at` at step count zero, and a rate per unit of `tau`.
 ///

@@ -5,7 +5,7 @@
 
 /// Follows several signals that are sampled together at even steps.
 #[derive(Clone, Debug)]
-pub(crate) struct Peaks {
+pub struct Peaks {
     /// The last four samples of each signal, newest last, signal by signal.
     history: Vec<[f64; 4]>,
     /// How many samples there are since the last break, up to 4.
@@ -14,24 +14,24 @@ pub(crate) struct Peaks {
 
 impl Peaks {
     /// Follows `signals` signals.
-    pub(crate) fn new(signals: usize) -> Self {
+    #[must_use]
+    pub fn new(signals: usize) -> Self {
         Self { history: vec![[0.0; 4]; signals], depth: 0 }
     }
 
     /// Forgets the past: the signals jump here, or the step changes.
-    pub(crate) fn break_off(&mut self) {
+    pub fn break_off(&mut self) {
         self.depth = 0;
     }
 
     /// Takes the next sample of every signal and raises `maxima` to any peak that this completes.
     #[inline]
-    pub(crate) fn push(&mut self, samples: &[f64], maxima: &mut [f64]) {
+    pub fn push(&mut self, samples: &[f64], maxima: &mut [f64]) {
         let full = self.depth == 4;
         for ((past, &new), max) in self.history.iter_mut().zip(samples).zip(maxima) {
             *max = max.max(new);
             let [a, b, c, d] = *past;
-            // A peak a little below the largest sample so far may still be the largest between samples.
-            if full && c >= b && c > d && c > 0.98 * *max {
+            if full && is_peak([b, c, d], *max) {
                 *max = max.max(summit([a, b, c, d, new]));
             }
             *past = [b, c, d, new];
@@ -42,8 +42,16 @@ impl Peaks {
     }
 }
 
+/// Whether the middle of three samples is a peak that may be as large as `largest`, which is the largest sample so far at least.
+///
+/// A peak a little below the largest sample may still be the largest between samples.
+#[inline]
+pub(crate) fn is_peak([b, c, d]: [f64; 3], largest: f64) -> bool {
+    c >= b && c > d && c > 0.98 * largest
+}
+
 /// The maximum near the middle of the quartic through five even samples, the middle one the largest of the inner three.
-fn summit([a, b, c, d, e]: [f64; 5]) -> f64 {
+pub(crate) fn summit([a, b, c, d, e]: [f64; 5]) -> f64 {
     let c1 = (a - 8.0 * b + 8.0 * d - e) / 12.0;
     let c2 = (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / 24.0;
     let c3 = (-a + 2.0 * b - 2.0 * d + e) / 12.0;
