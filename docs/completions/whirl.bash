@@ -955,12 +955,16 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__record)
-            opts="-h --force --bench --keep --pretrigger --split --min-free --follow --as-child --from-the-start --help"
+            opts="-h --connect --force --bench --keep --pretrigger --split --min-free --follow --as-child --from-the-start --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
             fi
             case "${prev}" in
+                --connect)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
                 --bench)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0

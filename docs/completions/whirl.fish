@@ -109,6 +109,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand dash" -l read-only -d 'Only 
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l locked -d 'Begin with the machine locked against keys: ctrl-l unlocks it'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -l force -d 'Replace a file that is there already'
 complete -c whirl -n "__fish_whirl_using_subcommand dash" -s h -l help -d 'Print help'
+complete -c whirl -n "__fish_whirl_using_subcommand record" -l connect -d 'Show it in a running Rerun viewer as it comes, beside the file or without; never waits for it' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l keep -d 'Keep the last so long only, such as 10min; in several files while it runs, joined at the end' -r
 complete -c whirl -n "__fish_whirl_using_subcommand record" -l pretrigger -d 'Write nothing until the machine trips; then the last so long before it, and as long after it but at most 10 s' -r

@@ -96,7 +96,7 @@ fn the_rig_runs_live_tells_the_force_of_each_bearing_and_takes_settings_by_their
         assert_eq!(step["masses"].as_array().expect("places").len(), 12);
         assert!(step["bearing_uy2"].is_number() && step["force"]["y"].is_number(), "{line}");
     }
-    let set = root.run(&["set", "right.kd=3.2e5N/m", "delay=20us", "--json"]);
+    let set = root.run(&["set", "right.kd=8.77e8N/m", "delay=20us", "--json"]);
     assert_eq!(set.code, Some(0), "{}", set.stderr);
     let which = root.run(&["set", "kd=3400"]);
     assert_eq!(which.code, Some(1));

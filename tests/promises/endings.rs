@@ -70,7 +70,7 @@ fn a_stop_that_cannot_be_caught_does_no_harm_once_it_is_continued() {
     }
     send(pid, Signal::CONT);
     screen.press("?");
-    screen.wait_words("record the bench");
+    screen.wait_words("esc closes it");
     assert!(screen.is_taken() && screen.has_mouse() && !screen.is_cooked());
     screen.press("\u{1b}");
     screen.wait("the panels", |text| text.contains("poles").then_some(()));

@@ -38,6 +38,8 @@ const NEAR_THE_TOP: f64 = 1e-2;
 const LEVELS: usize = 60;
 /// Stretches of the axis looked at, at most, where there is a delay.
 const STRETCHES: u64 = 400_000;
+/// The same times the cube of the states, some second of computing.
+const MOST_WORK: u64 = 100_000_000;
 
 /// Why nothing exceeds a peak.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,11 +73,17 @@ impl DelaySystem {
     /// Eigenvalues that cannot be had; or a root so near the axis that there is no bound.
     pub fn certified_peak(&self, tolerance: f64) -> Result<CertifiedPeak, DelayError> {
         if self.delay() > 0.0 {
-            let found = self.covered_peak(&[], 1.0, tolerance, STRETCHES, &|| false)?;
+            let found = self.covered_peak(&[], 1.0, tolerance, self.stretches(), &|| false)?;
             let Some((amplitude, at, below)) = found else { return Err(DelayError::NoBound) };
             return Ok(CertifiedPeak { amplitude, frequency: at.map(|at| at[0]), below, proof: PeakProof::Covered });
         }
         level_sets(&self.balanced)
+    }
+
+    /// How many stretches are looked at. Each takes the cube of the states: a bound of a large loop is not waited for.
+    fn stretches(&self) -> u64 {
+        let states = self.balanced.size().max(1) as u64;
+        STRETCHES.min(MOST_WORK / states.pow(3))
     }
 }
 
