@@ -99,8 +99,13 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     if places.len() > 1 {
         footer += &ranking(&places);
     }
+    let short = short(&problem, &best.tuned);
+    let would_be_written = best.tuned.interrupted && args.out.is_some() && !args.write_unstable;
+    if let Some(short) = short.as_ref().filter(|_| would_be_written) {
+        footer += &format!("\nnot written: {short}");
+    }
     if let Some(path) = &args.out
-        && (document.stable == Some(true) && short(&problem, &best.tuned).is_none() || args.write_unstable)
+        && (document.stable == Some(true) && short.is_none() || args.write_unstable)
     {
         write_file(path, args.force, (&best.tuned.feedback, asked.rotor()), &summary(asked, &problem, &document))?;
     }
@@ -111,7 +116,7 @@ pub(super) fn run(args: &TuneArgs, asked: &Asked, flag: &AtomicBool) -> Result<(
     corners::add(&mut table, &problem.structure, &best.tuned, asked.units(), args.format.csv);
     args.format.print(&document, &heading(asked, best), &table, &footer)?;
     verdict(asked, &best.tuned)?;
-    match short(&problem, &best.tuned) {
+    match short {
         None => Ok(()),
         Some(short) => Err(Failure::Work(format!("no gains were found that keep the margins: with the best {short}"))),
     }
