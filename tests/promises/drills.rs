@@ -120,6 +120,8 @@ fn the_console_lists_faults_and_puts_them_back_with_one_key() {
     let root = Root::new();
     let mut screen = Screen::start(root.path(), &["up", "three-mass", "--feedback", "individual"], (140, 45));
     screen.wait_words("RUNNING");
+    // What is asked before the settings are known changes nothing.
+    screen.wait_words("rev 1");
     screen.press_for("F", "an amplifier gives nothing along one axis");
     screen.press_for("unbalance-added\r", "unbalance_added.1 = 1");
     screen.press_for("X", "drill over");

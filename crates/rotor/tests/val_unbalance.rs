@@ -38,8 +38,9 @@ fn val_added_to_shaft_elements_it_is_a_mass_drawn_there() {
         let drawn = Plant::of(&rotor.redrawn(beam::Drawing::new(sketch).unwrap()).unwrap());
         let added = with(&rotor, place, 0.3);
         let largest = drawn.unbalance().iter().map(|u| u.norm()).fold(0.0, f64::max);
+        // What is drawn anew is reduced anew: its coordinates are the same but for the rounding of an eigenvalue problem.
         for (ours, theirs) in added.unbalance().iter().zip(drawn.unbalance()) {
-            assert!((ours - theirs).norm() < 1e-12 * largest, "station {}: {ours} {theirs}", station + 1);
+            assert!((ours - theirs).norm() < 1e-8 * largest, "station {}: {ours} {theirs}", station + 1);
         }
     }
 }
