@@ -78,21 +78,19 @@ check-campbell:
     target/ross/bin/pip install --quiet ross-rotordynamics==2.3.0 "plotly<6"
     target/ross/bin/python tests/reference/campbell_beside_ross.py target/release/whirl
 
-<<<<<<< HEAD
 # A job array of `whirl sweep plan --slurm` on a real Slurm of one node, one task killed half way (as root on Debian; installs slurm-wlm and munge)
 check-slurm *ARGS:
     cargo build --release --features parquet
     python3 -m venv target/slurm
     target/slurm/bin/pip install --quiet duckdb polars pyarrow
     target/slurm/bin/python tests/slurm target/release/whirl {{ARGS}}
-=======
+
 # All poles of a rotor of 60 elements beside LAPACK's zgeev (sets up Python's scipy in target/)
 check-eigenvalues:
     cargo build --release
     python3 -m venv target/scipy
     target/scipy/bin/pip install --quiet scipy
     target/scipy/bin/python tests/reference/eigenvalues_beside_lapack.py target/release/whirl
->>>>>>> bceb567 (Let a rotor be free, a law be matrices, and a signal weigh places by name)
 
 # Benchmarks of the numerics and of drawing, each beside a peer in the same process
 bench *ARGS:

@@ -1,6 +1,6 @@
 //! A release in one file: `cargo run -p promises --example dist` builds the program optimised and makes, in `target/dist`,
 //! `whirl-VERSION-TARGET.tar.gz` (program, man pages, completions, the C header, licences of it and of all that is in it) and its SHA-256
-//! beside it, as `sha256sum --check` reads it. What is behind `--` goes to `cargo build`, as `--features rerun`.
+//! beside it, as `sha256sum --check` reads it. Behind `--` may be features of the program, as `--features rerun`.
 //!
 //! It needs `tar` and `sha256sum`, as every Linux has them.
 
@@ -18,11 +18,11 @@ use serde_json::Value;
 type Done<T> = Result<T, Box<dyn Error>>;
 
 fn main() -> Done<()> {
-    let further: Vec<String> = std::env::args().skip(1).collect();
+    let features = features(std::env::args().skip(1))?;
     let build = ["build", "--release", "--locked", "-p", "whirl"];
-    run(Command::new("cargo").args(build).args(&further).current_dir(top()))?;
-    let metadata: Value =
-        serde_json::from_str(&run(Command::new("cargo").args(["metadata", "--locked", "--format-version", "1"]))?)?;
+    run(Command::new("cargo").args(build).args(&features).current_dir(top()))?;
+    let asked = ["metadata", "--locked", "--format-version", "1"];
+    let metadata: Value = serde_json::from_str(&run(Command::new("cargo").args(asked).current_dir(top()))?)?;
     let target =
         PathBuf::from(metadata["target_directory"].as_str().ok_or("cargo metadata without a target directory")?);
     let name = format!("whirl-{}-{}", env!("CARGO_PKG_VERSION"), host()?);
@@ -41,7 +41,7 @@ fn main() -> Done<()> {
     for paper in ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"] {
         fs::copy(top().join(paper), folder.join(paper))?;
     }
-    let (licences, crates, without) = licences(&metadata, &further)?;
+    let (licences, crates, without) = licences(&metadata, &features)?;
     fs::write(folder.join("LICENCES-OF-DEPENDENCIES"), licences)?;
     let archive = format!("{name}.tar.gz");
     // The same files make the same archive: in order, of nobody, at one time.
@@ -60,6 +60,23 @@ fn main() -> Done<()> {
     );
     println!("licences of {crates} crates, of which {without} bring no text and are named with their licence alone");
     Ok(())
+}
+
+/// What was asked for, which decides which crates are in the program; anything else would make another program than the one that is packed.
+fn features(asked: impl Iterator<Item = String>) -> Done<Vec<String>> {
+    let mut features = Vec::new();
+    let mut is_list = false;
+    for word in asked {
+        let is_known = is_list
+            || ["--features", "--all-features", "--no-default-features"].contains(&word.as_str())
+            || word.starts_with("--features=");
+        if !is_known {
+            return Err(format!("{word}: expected --features LIST, --all-features or --no-default-features").into());
+        }
+        is_list = word == "--features";
+        features.push(word);
+    }
+    Ok(features)
 }
 
 /// Runs a command, and gives what it prints.
@@ -88,19 +105,9 @@ fn copy_all(from: &Path, to: &Path) -> Done<()> {
 }
 
 /// The licences of every crate that is in the program, each text once; how many crates there are, and how many bring no text.
-fn licences(metadata: &Value, further: &[String]) -> Done<(String, usize, usize)> {
+fn licences(metadata: &Value, features: &[String]) -> Done<(String, usize, usize)> {
     let tree = ["tree", "--locked", "-p", "whirl", "--edges", "normal", "--prefix", "none", "--format", "{p}"];
-    // What decides which crates are in it.
-    let mut features = Vec::new();
-    let mut words = further.iter();
-    while let Some(word) = words.next() {
-        if word == "--features" {
-            features.extend([word.clone(), words.next().cloned().unwrap_or_default()]);
-        } else if word.starts_with("--features=") || word == "--all-features" {
-            features.push(word.clone());
-        }
-    }
-    let listed = run(Command::new("cargo").args(tree).args(&features).current_dir(top()))?;
+    let listed = run(Command::new("cargo").args(tree).args(features).current_dir(top()))?;
     let mut texts: BTreeMap<String, Vec<String>> = BTreeMap::new();
     let (mut out, mut crates, mut without) =
         (String::from("Whirl is made of these crates, under these licences. Their texts follow.\n\n"), 0, 0);

@@ -132,3 +132,23 @@ fn the_manual_and_the_completions_are_those_of_the_program() {
     }
     assert!(compared > 20, "only {compared} files");
 }
+
+/// What a merge leaves behind where it does not know better made the justfile unreadable, and nobody noticed: no test reads it.
+#[test]
+fn regress_no_file_has_the_marks_of_a_merge() {
+    let marks = ["<", ">"].map(|sign| format!("\n{} ", sign.repeat(7)));
+    let mut folders = vec![top().to_owned()];
+    let mut read = 0;
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
+            let (path, name) = (entry.path(), entry.file_name());
+            if path.is_dir() && !["target", ".git"].contains(&&*name.to_string_lossy()) {
+                folders.push(path);
+            } else if let Ok(text) = std::fs::read_to_string(&path) {
+                read += 1;
+                assert!(!marks.iter().any(|mark| text.contains(mark)), "{}", path.display());
+            }
+        }
+    }
+    assert!(read > 500, "{read} files");
+}

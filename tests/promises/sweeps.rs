@@ -82,3 +82,21 @@ fn samples_are_cut_like_maps_and_what_makes_no_sense_is_refused() {
         assert!(stderr.contains(words), "{text}: {stderr}");
     }
 }
+
+/// A plan is of the files that its line reads as they were, whichever way the option is written.
+#[test]
+fn regress_a_file_that_is_changed_makes_another_plan() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = folder.path();
+    let gains = run_in(at, &["rotor", "show", "three-mass", "--feedback", "individual"]).1;
+    for option in ["--feedback gains.toml", "--feedback=gains.toml"] {
+        std::fs::write(at.join("gains.toml"), &gains).expect("written");
+        let line = format!("run = \"map three-mass {option} --x speed=0..8 --y kd.1=0..8 --points 3x3\"\n");
+        std::fs::write(at.join("sweep.toml"), line).expect("written");
+        let (code, _, stderr) = run_in(at, &["sweep", "plan", "sweep.toml", "--shards", "2", "--force"]);
+        assert_eq!(code, Some(0), "{stderr}");
+        std::fs::write(at.join("gains.toml"), gains.replace("kd = ", "kd = 1")).expect("written");
+        let (code, _, stderr) = run_in(at, &["sweep", "run", "out/plan.toml", "--shard", "0"]);
+        assert!(code == Some(2) && stderr.contains("plan it anew"), "{option}: {stderr}");
+    }
+}

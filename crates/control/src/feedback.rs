@@ -180,6 +180,10 @@ impl Feedback {
                     return Err(FeedbackError::Twice(format!("called '{}'", self.label(k))));
                 }
             }
+            let at = bearing.parts.sensor_at as usize;
+            if at > 0 && !self.bearings.iter().any(|bearing| bearing.senses(at - 1)) {
+                return Err(of_this(FeedbackError::Unread(at)));
+            }
             let (own, first) = (bearing.parts, self.first().parts);
             for (key, found, first) in [
                 ("sample", own.sample, first.sample),
@@ -240,6 +244,11 @@ mod tests {
             feedback.check(3).expect_err("refused").to_string()
         };
         assert_eq!(told(&|f| f.bearings.clear()), "feedback has 1 to 8 control bearings, found 0");
+        // Signals read masses 1 and 2.
+        let lost = |f: &mut Feedback| {
+            (f.bearings[0].parts.sensor_gain, f.bearings[0].parts.sensor_at) = (0.0, 3.0);
+        };
+        assert!(told(&lost).ends_with("sensor_at = 3: expected a place whose sensor a control bearing reads"));
         assert_eq!(told(&|f| f.bearings[1].station = 0), "two control bearings in one place: left and right");
         assert_eq!(told(&|f| f.bearings[1].name = Some("left".into())), "two control bearings called 'left'");
         assert_eq!(

@@ -96,6 +96,11 @@ pub enum FilterError {
         "transfer: expected finite coefficients, the first of the denominator not 0, and no more of them above than below"
     )]
     Improper,
+    /// Matrices of a state space whose slowest poles are lost beside the fastest.
+    #[error(
+        "state-space whose poles lie too far apart for one transfer function: expected them nearer, or slow and fast ones in filters of their own"
+    )]
+    FarApart,
     /// Matrices of a state space that do not fit each other.
     #[error(
         "state-space with a of {rows} x {columns}, b of {inputs} and c of {outputs}: expected a square a, and as many numbers in b and c as it has rows"

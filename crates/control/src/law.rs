@@ -257,6 +257,9 @@ pub enum FeedbackError {
         /// How many masses there are.
         masses: usize,
     },
+    /// A sensor that nobody reads.
+    #[error("sensor_at = {0}: expected a place whose sensor a control bearing reads")]
+    Unread(usize),
     /// A sensor of which nothing is said.
     #[error(
         "sensor_at = {0} without sensor_gain: expected sensor_gain = G beside it, what that sensor reads of what is there"
@@ -368,6 +371,14 @@ impl ControlBearing {
             signal.gains = [const { Gain::Constant(0.0) }; 4];
         }
         off
+    }
+
+    /// Whether the sensor at `station`, counted from 0, is read: by a signal, or, where a controller outside acts, by that one, which is
+    /// given all that can be read.
+    #[must_use]
+    pub fn senses(&self, station: usize) -> bool {
+        let weighs = |weights: &[f64]| weights.get(station).is_some_and(|weight| *weight != 0.0);
+        self.parts.external > 0.0 || self.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
     }
 
     /// Whether every gain is zero at every speed.

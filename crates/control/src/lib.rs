@@ -52,7 +52,7 @@ pub use filter::{FILTERS, Filter, FilterError, STATE_SPACE};
 pub use law::{ControlBearing, ControlRow, FeedbackError, Gain, GainKind, Signal};
 pub use law_over_speed::{LawOverSpeed, LawPiece};
 pub use linear::{Law, LinearLoop};
-pub use parts::{PARTS, Part, PartError, Parts};
+pub use parts::{FAULTS, PARTS, Part, PartError, Parts};
 pub use words::Words;
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.

@@ -62,7 +62,7 @@ pub struct Parts {
     /// What the sensors read of what is there, `r = sensor_gain (p + noise)`; 0 is a sensor that is lost.
     #[serde(skip_serializing_if = "is_whole")]
     pub sensor_gain: f64,
-    /// The station whose sensor that is, counted from 1; 0 is every sensor of the bearing.
+    /// The place whose sensor that is, counted from 1 as in `deadband.N`; 0 is every sensor of the bearing.
     #[serde(skip_serializing_if = "is_absent")]
     pub sensor_at: f64,
     /// Gain of the amplifier along y, behind the actuator's lag and before its limits; 0 is an axis that is lost.
@@ -153,10 +153,13 @@ pub const PARTS: [Part; 16] = [
     part!(external, "samples that a controller outside may miss", Number, 1.0, 1e6, 1.0, 0.0),
     part!(external_trip, "samples missed by it that trip the machine", Number, 1.0, 1e6, 1.0, 0.0),
     part!(sensor_gain, "gain of the sensors, 1 as designed, 0 lost", Number, 0.0, 100.0, 0.1, 1.0),
-    part!(sensor_at, "station of the one sensor with that gain", Number, 1.0, 16.0, 1.0, 0.0),
+    part!(sensor_at, "place of the one sensor with that gain, as in deadband.N", Number, 1.0, 16.0, 1.0, 0.0),
     part!(amplifier_y, "gain of the amplifier along y, 1 as designed, 0 lost", Number, 0.0, 100.0, 0.1, 1.0),
     part!(amplifier_z, "gain of the amplifier along z", Number, 0.0, 100.0, 0.1, 1.0),
 ];
+
+/// Those that are faults while they are there, and no part of a loop as it was designed.
+pub const FAULTS: [&str; 4] = ["sensor_gain", "sensor_at", "amplifier_y", "amplifier_z"];
 
 /// Numbers that do nothing by themselves.
 const ALONE: [&str; 4] = ["seed", "lag_damping", "external_trip", "sensor_at"];
@@ -203,7 +206,7 @@ impl Parts {
         if is_meant { self.sensor_gain } else { 1.0 }
     }
 
-    /// The same without faults of sensors and amplifiers.
+    /// The same without [`FAULTS`].
     #[must_use]
     pub fn sound(self) -> Self {
         let Self { sensor_gain, sensor_at, amplifier_y, amplifier_z, .. } = Self::default();

@@ -39,12 +39,18 @@ pub(crate) fn write_line(buffer: &mut Buffer, area: Rect, line: Line<'_>) {
     cut_line(line, usize::from(area.width)).render(area, buffer);
 }
 
+/// Whether in the row of a text that is `wide`, and beside it, stands only what `may` be there.
+fn is_clear(buffer: &Buffer, area: Rect, [x, y]: [u16; 2], wide: u16, may: impl Fn(&str) -> bool) -> bool {
+    let end = x.saturating_add(wide).saturating_add(1).min(area.right());
+    let mut cells = (x.saturating_sub(1).max(area.left())..end).map(|x| (x, y));
+    cells.all(|at| buffer.cell(at).is_some_and(|cell| may(cell.symbol())))
+}
+
 /// Writes `text` whole where nothing but a plot's lines is in its way and beside it; else not at all.
 pub(crate) fn write_free(buffer: &mut Buffer, area: Rect, x: u16, y: u16, text: &str, style: Style) {
-    let end = x.saturating_add(width(text) as u16);
+    let wide = width(text) as u16;
     let is_line = |symbol: &str| symbol.chars().all(|glyph| matches!(glyph, ' ' | '\u{2800}'..='\u{28ff}'));
-    let mut cells = (x.saturating_sub(1).max(area.left())..(end + 1).min(area.right())).map(|x| (x, y));
-    if end <= area.right() && cells.all(|at| buffer.cell(at).is_some_and(|cell| is_line(cell.symbol()))) {
+    if x.saturating_add(wide) <= area.right() && is_clear(buffer, area, [x, y], wide, is_line) {
         write(buffer, area, x, y, text, style);
     }
 }
@@ -54,12 +60,9 @@ pub(crate) fn write_free(buffer: &mut Buffer, area: Rect, x: u16, y: u16, text: 
 pub(crate) fn write_beside_lines(buffer: &mut Buffer, area: Rect, text: &str, style: Style) {
     let wide = width(text) as u16;
     let Some(right) = area.right().checked_sub(wide).filter(|x| *x >= area.left()) else { return };
-    let is_free = |(x, y): &(u16, u16)| {
-        let mut cells = (x.saturating_sub(1).max(area.left())..(x + wide + 1).min(area.right())).map(|x| (x, *y));
-        cells.all(|at| buffer.cell(at).is_some_and(|cell| matches!(cell.symbol(), " " | "\u{2800}")))
-    };
-    let places = (area.top()..area.bottom()).flat_map(|y| [(right, y), (area.left(), y)]);
-    if let Some((x, y)) = { places }.find(is_free) {
+    let mut places = (area.top()..area.bottom()).flat_map(|y| [[right, y], [area.left(), y]]);
+    let is_blank = |symbol: &str| matches!(symbol, " " | "\u{2800}");
+    if let Some([x, y]) = places.find(|place| is_clear(buffer, area, *place, wide, is_blank)) {
         write(buffer, area, x, y, text, style);
     }
 }

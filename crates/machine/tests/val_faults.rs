@@ -110,3 +110,13 @@ fn sensors_that_are_not_there_are_refused() {
     assert!(told(&[("sensor_gain", "0.5"), ("sensor_at", "1.5")]).starts_with("sensor_at = 1.5: expected a mass"));
     assert!(told(&[("sensor_at", "2")]).starts_with("sensor_at = 2 without sensor_gain"));
 }
+
+/// Circular whirl has no meaning where the axes differ: it is refused, and not worked out without control.
+#[test]
+fn regress_circular_whirl_of_a_lost_axis_is_refused() {
+    let (rotor, settings) = linear(&[("amplifier_y", "0")]);
+    let told = rotor::circular::synchronous(&rotor, &settings.feedback, &settings.deadband, &[1.0]).unwrap_err();
+    assert!(told.to_string().contains("acts along its axes differently"), "{told}");
+    let told = rotor::circular::cycles(&rotor, &settings.feedback, &[1.0; 3], &[1.0]).unwrap_err();
+    assert!(told.to_string().contains("acts along its axes differently"), "{told}");
+}

@@ -12,6 +12,7 @@
 use control::{Feedback, FeedbackError, Law, LinearLoop};
 use nalgebra::DMatrix;
 
+use crate::plant::Contact;
 use crate::{C64, OperatingPoint, Plant};
 
 /// A machine at one operating point as matrices.
@@ -129,7 +130,12 @@ impl LinearForm {
             law.d.view_mut((k, first_reading), (1, 2 * m)).copy_from(&own.d);
             (first, first_reading, first_law) = (actuator + order, first_reading + 2 * m, first_law + s);
         }
-        Some(Self { coordinates: n, a, b, readings, law, delay, sample, free: plant.free().to_vec() })
+        // Motions that nothing holds while touchdown bearings are open are held where these are closed.
+        let is_touched = |(k, contact): (usize, &Contact)| {
+            contact.is_touchdown && contact.stiffness != 0.0 && at.contact_factors.get(k).is_some_and(|f| *f != 0.0)
+        };
+        let free = if plant.contacts().iter().enumerate().any(is_touched) { vec![] } else { plant.free().to_vec() };
+        Some(Self { coordinates: n, a, b, readings, law, delay, sample, free })
     }
 
     /// `A`, `B` and `C` of `x' = A x + B C x(t - delay)`, the states of a continuous law among `x`; `None` if it is sampled.

@@ -5,7 +5,7 @@
 use std::fmt;
 use std::str::FromStr;
 
-use control::{PARTS, Part};
+use control::{FAULTS, PARTS, Part};
 use units::{Dimension, Typed, TypedError, Units};
 
 use crate::{Gain, GainKind, Settings, SettingsError};
@@ -66,7 +66,7 @@ impl Parameter {
     /// Whether it is a fault where it is there: no part of a machine as it was designed.
     #[must_use]
     pub fn is_fault(&self) -> bool {
-        FAULTS.contains(&self.name)
+        FAULTS.contains(&self.name) || self.name == "unbalance_added"
     }
 
     /// The name of its unit where a rotor has no scales; empty if it is a ratio. Times are told by their symbol, `tau`.
@@ -249,9 +249,6 @@ pub const PARAMETERS: [Parameter; 25] = [
         )
     },
 ];
-
-/// What of a machine is a fault while it is there, and is not told of where it is not.
-const FAULTS: [&str; 5] = ["sensor_gain", "sensor_at", "amplifier_y", "amplifier_z", "unbalance_added"];
 
 /// Whether a name is that of a setting, so that nothing in front of a key can be called so.
 #[must_use]

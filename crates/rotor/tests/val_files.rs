@@ -241,7 +241,13 @@ fn joined(bearings: Vec<Made>) -> Feedback {
         filters,
         parts: Parts { sample, delay, external, external_trip, ..parts },
     };
-    Feedback { bearings: bearings.into_iter().enumerate().map(one).collect() }
+    let mut feedback = Feedback { bearings: bearings.into_iter().enumerate().map(one).collect() };
+    // A sensor that nobody reads has no gain of its own.
+    let first_is_read = feedback.bearings.iter().any(|bearing| bearing.senses(0));
+    for bearing in &mut feedback.bearings {
+        bearing.parts.sensor_at *= f64::from(u8::from(first_is_read));
+    }
+    feedback
 }
 
 proptest! {

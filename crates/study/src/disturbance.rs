@@ -8,7 +8,7 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{Machine, PolesError, Program};
-use rotor::{C64, Stability, circular};
+use rotor::{C64, FeedbackError, Stability, circular};
 
 /// How small a disturbance is, as a part of the motion.
 const PART: f64 = 1e-7;
@@ -63,16 +63,20 @@ impl From<circular::Orbit> for DisturbanceGrowth {
     }
 }
 
-/// The rotor at rest in its centre at a speed, bearings with clearance out of action.
+/// The rotor at rest in its centre at a speed, bearings with clearance out of action. `None` of a machine whose amplifiers differ along the
+/// axes: it is stepped as it is, and has no complex poles that would tell.
 ///
 /// # Errors
 /// Eigenvalues that do not converge.
-pub(crate) fn of_centre(program: &Program, speed: f64) -> Result<DisturbanceGrowth, PolesError> {
+pub(crate) fn of_centre(program: &Program, speed: f64) -> Result<Option<DisturbanceGrowth>, PolesError> {
     if let Some(closed_loop) = program.closed_loop().filter(|closed_loop| closed_loop.speed() == speed) {
-        return Ok(circular::centre(closed_loop)?.into());
+        return Ok(Some(circular::centre(closed_loop)?.into()));
     }
-    let growth = program.growth_at_centre(speed)?;
-    Ok(DisturbanceGrowth { stability: Stability::of(C64::from(growth)), growth, by: Means::Eigenvalues })
+    let growth = match program.growth_at_centre(speed) {
+        Err(PolesError::Feedback(FeedbackError::Anisotropic { .. })) => return Ok(None),
+        growth => growth?,
+    };
+    Ok(Some(DisturbanceGrowth { stability: Stability::of(C64::from(growth)), growth, by: Means::Eigenvalues }))
 }
 
 /// The circular orbit that the rotor is on, if it is on one. Under a loop with states of its own, or at a speed that a drive left it at, orbits are not known

@@ -23,7 +23,7 @@ pub struct ForcePoint {
     /// Whether the motion would stay, if it is steady.
     pub stability: Option<DisturbanceGrowth>,
     /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action.
-    pub centre: DisturbanceGrowth,
+    pub centre: Option<DisturbanceGrowth>,
     /// When it left all bounds, if it did: there is no steady force then.
     pub diverged_at: Option<f64>,
 }

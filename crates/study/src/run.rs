@@ -82,8 +82,9 @@ pub struct Outcome {
     pub settled: Settled,
     /// Whether the motion at the end would stay, if it is steady: settled, or on a circular orbit.
     pub stability: Option<DisturbanceGrowth>,
-    /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action.
-    pub centre: DisturbanceGrowth,
+    /// Whether the rotor at rest in its centre would stay, support bearings with clearance out of action; `None` where amplifiers differ along
+    /// the axes.
+    pub centre: Option<DisturbanceGrowth>,
     /// From where on maxima and means are taken. If nothing settled, from the middle of the run.
     pub maxima_from: f64,
     /// Largest `|u|`, in `w0^2 e_t`; of several control bearings as that of the first ([`rotor::ControlMasses`]).
@@ -418,7 +419,7 @@ impl Watch {
         kept(self.settle, &self.detector, self.stretch, self.diverged_at.is_some())
     }
 
-    fn outcome(&self, rotor: &Machine, centre: DisturbanceGrowth) -> Outcome {
+    fn outcome(&self, rotor: &Machine, centre: Option<DisturbanceGrowth>) -> Outcome {
         let motion = rotor.motion();
         let (steps, saturated_steps, step) = (self.steps, self.saturated_steps, self.step);
         let (masses, diverged_at) = (self.masses, self.diverged_at);

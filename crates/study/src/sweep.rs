@@ -82,6 +82,15 @@ impl From<MapError> for SweepError {
 }
 
 impl Task {
+    /// The machine.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        match self {
+            Self::Map { plan, .. } => &plan.model,
+            Self::Samples { model, .. } => model,
+        }
+    }
+
     /// How many rows there are.
     #[must_use]
     pub fn rows(&self) -> u64 {
@@ -154,8 +163,7 @@ impl Task {
 /// The name of a shard's file: it says of how many it is, and of which question.
 #[must_use]
 pub fn file_name(shard: u64, shards: u64, question: &str, form: Form) -> String {
-    let ending = if form == Form::Csv { "csv" } else { "parquet" };
-    format!("shard-{shard:05}-of-{shards:05}-{question}.{ending}")
+    format!("shard-{shard:05}-of-{shards:05}-{question}.{}", form.name())
 }
 
 /// The files of shards in a folder: those of this question by number, and the names of all others.

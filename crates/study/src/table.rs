@@ -43,6 +43,15 @@ impl Form {
         }
     }
 
+    /// How its files end, and what it is called.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Csv => "csv",
+            Self::Parquet => "parquet",
+        }
+    }
+
     /// This form, if it is built in.
     ///
     /// # Errors

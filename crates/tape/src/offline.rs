@@ -52,12 +52,12 @@ impl Drop for Unfinished {
     }
 }
 
-/// One unit of `tau` on the made-up clock, which begins at 1970 so that the same run is the same file.
 /// How the steps of a machine under these settings are laid out.
 fn layout(settings: &Settings) -> StepLayout {
     StepLayout::new(settings.deadband.len()).with_bearings(settings.feedback.bearings.len())
 }
 
+/// One unit of `tau` on the made-up clock, which begins at 1970 so that the same run is the same file.
 fn wall_ns(tau: f64) -> u64 {
     (tau * 1e9) as u64
 }

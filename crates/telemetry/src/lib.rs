@@ -34,6 +34,7 @@ pub mod presets;
 pub mod processes;
 pub mod reader;
 pub mod replay;
+mod settings_trail;
 #[cfg(any(test, feature = "test-support"))]
 pub mod test_support;
 pub mod units;

@@ -1,9 +1,9 @@
 //! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
-//! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, and gains have no unit.
+//! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, with seconds beside it where there is room.
 
 use rotor::{ChangedValue, ControlMasses, Difference, Feedback, Key, Rotor, Scales, Settings, SettingsError};
 use text::number::{nice_ceiling, short, significant};
-use units::{Dimension, Typed};
+use units::{Dimension, Typed, TypedError};
 
 pub use units::Unit;
 
@@ -177,8 +177,7 @@ impl Units {
         for &(key, typed) in typed {
             let each = rotor.map_or_else(|| Ok(settings.each_bearing(key)), |rotor| settings.each(rotor, key))?;
             for key in each {
-                let alone = |number: f64| number / self.setting(key).factor;
-                let value = typed.value(&self.table(key), key.parameter.dimension, alone);
+                let value = self.value_of(key, typed, |number| number / self.setting(key).factor);
                 let no_value = |expected| SettingsError::NoValue {
                     key: key.to_string(),
                     found: typed.to_string(),
@@ -189,6 +188,14 @@ impl Units {
             }
         }
         Ok(values)
+    }
+
+    /// The dimensionless value that was typed for a setting; `alone` is that of a number without a unit.
+    ///
+    /// # Errors
+    /// An SI unit where there are no scales.
+    pub fn value_of(&self, key: Key, typed: Typed, alone: impl FnOnce(f64) -> f64) -> Result<f64, TypedError> {
+        typed.value(&self.table(key), key.parameter.dimension, alone)
     }
 
     /// A value of a setting as people read it: with its unit where that is none of the machine's own.

@@ -25,6 +25,13 @@ const HASTY: usize = 48;
 /// How near the worst, relative to it, a value counts as active.
 const ACTIVE: f64 = 1e-6;
 
+/// What `look` sees over the whole range: as closely as `closely` says, and once stopped, at whatever moment, as `hastily` says. What a look
+/// that was broken off has seen is of a part of the range, and not told.
+fn over_the_range<T>(closely: &[usize], hastily: &[usize], stop: &Stop, look: impl Fn(&[usize], &Stop) -> T) -> T {
+    let seen = look(closely, stop);
+    if stop.is_set() { look(hastily, &Stop::NEVER) } else { seen }
+}
+
 /// Gains with the conditions that a climb has looked at.
 pub(crate) struct Candidate {
     pub(crate) gains: Vec<f64>,
@@ -44,6 +51,7 @@ pub(crate) fn prove(
     let mut evaluator = Evaluator::new(problem, &points).until(*stop);
     let family = &problem.family;
     let varies = family.varying().next().is_some();
+    let hasty = counts(family, HASTY);
     let finest = counts(family, if problem.is_ideal() { FINEST } else { problem.points(FINEST_AROUND) });
     if improving && varies && !stop.is_set() {
         exchange(&mut evaluator, &mut points, &mut gains, &finest, options.method, stop);
@@ -103,15 +111,17 @@ pub(crate) fn prove(
         .map(|r| Active { point: evaluator.conditions[r.condition].point.clone(), pole: r.pole, value: r.value })
         .collect();
     active.sort_by(|a, b| a.value.total_cmp(&b.value));
-    // What is told of gains that a stopped search leaves holds for the whole range too, if looked at less closely.
-    let (of_force, of_margins, until) = match stop.is_set() {
-        true => (counts(family, HASTY), counts(family, HASTY), &Stop::NEVER),
-        false => (finest, counts(family, problem.points(FINE)), stop),
+    let hardest =
+        over_the_range(&finest, &hasty, stop, |counts, stop| hardest_places(problem, &gains, counts, 1, stop));
+    let (force, force_at) =
+        (hardest.into_iter().next()).unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
+    let margins_over = |counts: &[usize], until: &Stop| {
+        // Each takes a hundred times as long as a force.
+        let is_too_long = stop.is_set() && Family::points(counts) > 4 * HASTY;
+        if is_too_long { None } else { worst_margins(problem, &gains, counts, until) }
     };
-    let hardest = hardest_places(problem, &gains, &of_force, 1, until).into_iter().next();
-    let (force, force_at) = hardest.unwrap_or_else(|| (force_at(problem, &gains, &worst.point), worst.point.clone()));
-    let looks = problem.asks_margins() && !(stop.is_set() && Family::points(&of_margins) > 4 * HASTY);
-    let margins = looks.then(|| worst_margins(problem, &gains, &of_margins, until)).flatten();
+    let finely = counts(family, problem.points(FINE));
+    let margins = problem.asks_margins().then(|| over_the_range(&finely, &hasty, stop, margins_over)).flatten();
     let peak_below = match (&margins, problem.max_sensitivity) {
         (Some([(highest, _), _]), Some(_)) if options.prove && worst.value > 0.0 => {
             peak_below(problem, &gains, highest.sensitivity.0, stop)

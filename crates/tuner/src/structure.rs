@@ -96,12 +96,14 @@ impl Structure {
     /// behind the filters at the frequency 1.
     ///
     /// # Errors
-    /// A template that does not fit the rotor.
+    /// A template that does not fit the rotor, or amplifiers that differ along the axes.
     pub fn new(rotor: &Rotor, template: &Feedback, schedule: Schedule) -> Result<Self, FeedbackError> {
         template.check(rotor.len())?;
         let (masses, is_chain) = (rotor.len(), rotor.is_chain());
         let (mut scales, mut own) = (Vec::new(), Vec::new());
         for bearing in &template.bearings {
+            // What has no complex form has no poles to search for.
+            LinearLoop::new(bearing, masses, 0.0)?;
             for signal in &bearing.signals {
                 let scale = if is_chain { 1.0 } else { scale_of(bearing, signal, masses)? };
                 scales.extend([scale; 4]);
@@ -223,12 +225,12 @@ impl Structure {
         gains.chain(self.corners_in(feedback)).collect()
     }
 
-    /// Whether the loop is more than gains and a delay: filters, lags, samples.
+    /// Whether the loop is more than gains and a delay: filters, lags, samples, faults of sensors and amplifiers.
     pub(crate) fn has_loop(&self) -> bool {
         self.template.bearings.iter().any(|bearing| {
             let parts = &bearing.parts;
             let has_filter = !bearing.filters.is_empty() || bearing.signals.iter().any(|s| !s.filters.is_empty());
-            has_filter || parts.sensor_lag > 0.0 || parts.lag > 0.0 || parts.sample > 0.0
+            has_filter || parts.sensor_lag > 0.0 || parts.lag > 0.0 || parts.sample > 0.0 || *parts != parts.sound()
         })
     }
 

@@ -92,3 +92,18 @@ fn a_limit_on_force_is_kept_through_the_loop() {
     let most = exact.orbits.iter().flatten().map(|orbit| orbit.force).fold(0.0, f64::max);
     assert!((most - found.force).abs() < 0.01 * found.force, "{most} {}", found.force);
 }
+
+/// A search on a bench with a fault is of the machine as it is; where that has no poles it is refused.
+#[test]
+fn regress_faults_of_sensors_and_amplifiers_are_a_part_of_what_is_searched() {
+    let rotor = three_mass();
+    let mut faulty = builtin::feedback(&rotor, "individual").expect("built in");
+    faulty.bearings[0].parts.sensor_gain = 0.5;
+    let asked = problem(&faulty);
+    let gains = asked.structure.variables_of(&faulty);
+    let found = evaluate(&asked, &Options::for_problem(&asked), &gains, Stop::NEVER).expect("makes sense");
+    let there = machine::min_damping(&rotor, &Settings::new(&rotor, 0.0, faulty.clone()), found.worst.point[0]);
+    assert!((found.worst.value - there.expect("poles")).abs() < 1e-9, "{:?}", found.worst);
+    faulty.bearings[0].parts.amplifier_y = 0.0;
+    assert!(Structure::new(&rotor, &faulty, Schedule::Fixed).is_err());
+}

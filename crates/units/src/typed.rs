@@ -91,6 +91,12 @@ impl Typed {
         }
     }
 
+    /// The number that was typed, whatever it is counted in.
+    #[must_use]
+    pub fn number(self) -> f64 {
+        self.number
+    }
+
     /// The dimensionless value; `alone` is that of a number that does not say what it is counted in.
     ///
     /// # Errors

@@ -72,8 +72,19 @@ impl Parameter {
     /// Whether linear analysis knows it: clearance, unbalance, noise and limits play no part there.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        const NOT: [&str; 10] =
-            ["ramp", "deadband", "trip", "noise", "quantum", "seed", "limit", "slew", "external", "external_trip"];
+        const NOT: [&str; 11] = [
+            "ramp",
+            "deadband",
+            "trip",
+            "noise",
+            "quantum",
+            "seed",
+            "limit",
+            "slew",
+            "external",
+            "external_trip",
+            "unbalance_added",
+        ];
         match &self.quantity {
             Quantity::Setting(key) => !NOT.contains(&key.parameter.name),
             Quantity::Field { field, .. } => FIELDS[*field].name != "unbalance",

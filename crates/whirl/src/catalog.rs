@@ -256,8 +256,9 @@ impl Machine {
             ("unbalance_added", "is unbalanced further while it turns: offline the rotor's own file says how much"),
         ];
         for typed in assignments {
-            let live =
-                |(key, _): (&str, &str)| LIVE.into_iter().find(|(name, _)| Some(*name) == key.trim().split('.').next());
+            // Whichever mass or bearing it is of.
+            let name = |typed: &str| self.settings.key(typed).ok().map(|key| key.parameter.name);
+            let live = |(key, _): (&str, &str)| LIVE.into_iter().find(|(live, _)| Some(*live) == name(key.trim()));
             if let Some((_, does)) = pair(typed).ok().and_then(live) {
                 return Err(Failure::Usage(format!("'{typed}' does nothing here: only a live bench {does}")));
             }

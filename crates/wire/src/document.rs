@@ -208,8 +208,10 @@ impl Content for Settings {
     }
 }
 
-/// FNV-1a, 64 bits: stable over versions and machines, unlike the standard hasher, and a few lines in any language.
-pub(crate) fn hash_of(bytes: &[u8]) -> u64 {
+/// FNV-1a, 64 bits: stable over versions and machines, unlike the standard hasher, and a few lines in any language. To tell things apart, not
+/// to keep secrets.
+#[must_use]
+pub fn hash_of(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
 
@@ -239,7 +241,9 @@ mod tests {
                 settings.feedback.first_mut().signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 1e-17)]);
                 settings.ramp = 0.25;
                 settings.unbalance_added[0] = 1.0 / 7.0;
-                let faults = Parts { sensor_gain: 0.1, sensor_at: 1.0, amplifier_y: 0.0, ..Parts::default() };
+                let read = (0..settings.deadband.len()).find(|at| settings.feedback.first().senses(*at));
+                let sensor_at = read.map_or(0.0, |at| (at + 1) as f64);
+                let faults = Parts { sensor_gain: 0.1, sensor_at, amplifier_y: 0.0, ..Parts::default() };
                 let parts = Parts { delay: 0.02, limit: 20.0, seed: 3.0, ..faults };
                 settings.feedback = settings.feedback.with_parts(parts);
                 settings.feedback.first_mut().filters = vec![Filter::SynchronousNotch { width: 0.1 }];

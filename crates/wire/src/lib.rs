@@ -78,6 +78,7 @@ pub use channels::{CHANNELS, Channel, ChannelRow, PAIRS, Pair, Scope, Substitute
 pub use control::{ControlCommand, Readings};
 pub use document::{
     Content, DOCUMENTS_KEPT, Document, DocumentError, DocumentHead, MAX_DOCUMENT, RotorDocument, SettingsDocument,
+    hash_of,
 };
 pub use error::WireError;
 pub use event::{EVENTS_KEPT, Event, EventMessage, Happening};

@@ -151,16 +151,7 @@ impl Controller {
     ) -> Self {
         let parts = bearing.parts;
         let is_sampled = parts.sample > 0.0;
-        let is_external = parts.external > 0.0;
-        // Who is outside is given all that can be read.
-        let sensed = |station: &usize| {
-            if is_external {
-                return true;
-            }
-            let weighs = |weights: &[f64]| weights.get(*station).is_some_and(|w| *w != 0.0);
-            bearing.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
-        };
-        let sensors: Vec<usize> = (0..stations).filter(sensed).collect();
+        let sensors: Vec<usize> = (0..stations).filter(|station| bearing.senses(*station)).collect();
         let count = sensors.len();
         let mut filter_states = 0;
         let mut chain = |filters: &[crate::Filter]| {

@@ -127,17 +127,22 @@ pub(super) fn recording(text: &str) -> Result<Action, String> {
 /// `kd=0.1 speed=3`, or `speed 3`; a value may say its unit, behind a blank too: `cd = 120 N s/m`.
 pub(super) fn assignments(text: &str) -> Result<Action, String> {
     let spaced = text.replace('=', " = ");
-    let mut words = spaced.split_whitespace().filter(|word| *word != "=").peekable();
+    let words: Vec<&str> = spaced.split_whitespace().collect();
+    let (mut at, is_sign) = (0, |at: usize| words.get(at) == Some(&"="));
     let mut set = Vec::new();
     // How many masses there are is not known here: as many as there can be.
     let mut assigned = Assigned::new(MAX_MASSES);
-    while let Some(name) = words.next() {
+    while let Some(name) = words.get(at) {
         let key: Key = name.parse().map_err(|error: rotor::SettingsError| error.to_string())?;
-        let mut value = words.next().ok_or_else(|| format!("{key}: expected {key}=VALUE"))?.to_owned();
+        at += if is_sign(at + 1) { 2 } else { 1 };
+        let mut value = (*words.get(at).ok_or_else(|| format!("{key}: expected {key}=VALUE"))?).to_owned();
+        at += 1;
         assigned.key(key, &format!("{name}={value}")).map_err(|error| error.to_string())?;
-        // What follows and is no setting belongs to the value.
-        while let Some(unit) = words.next_if(|word| word.parse::<Key>().is_err() && word.parse::<f64>().is_err()) {
+        // What follows and is no setting, nor meant as one, belongs to the value.
+        let is_unit = |word: &&&str| word.parse::<Key>().is_err() && word.parse::<f64>().is_err();
+        while let Some(unit) = words.get(at).filter(is_unit).filter(|_| !is_sign(at) && !is_sign(at + 1)) {
             value = format!("{value} {unit}");
+            at += 1;
         }
         let or_off = if key.parameter.off.is_some() { ", or off" } else { "" };
         let typed = key.parameter.read(&value);

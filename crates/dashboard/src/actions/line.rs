@@ -103,6 +103,7 @@ mod tests {
         let read = |name: &str, typed| (key(name), key(name).parameter.read(typed).unwrap());
         let units = vec![read("kd", "2e5N/m"), read("cd", "-120N s/m"), read("speed", "50Hz"), read("delay", "off")];
         assert_eq!(parse("set kd=2e5N/m cd = -120 N s/m speed 50 Hz delay off"), Ok(Action::SetTyped(units)));
+        assert!(parse("set kd=1 sped=3").unwrap_err().starts_with("set no setting 'sped'"), "and no unit of kd");
         assert_eq!(parse("zoom"), Ok(Action::ZoomReset));
         assert_eq!((parse("q"), parse("w good")), (Ok(Action::Quit), Ok(Action::Save("good".into()))));
         assert!(parse("layuot").unwrap_err().starts_with("no command 'layuot': did you mean 'layout'?"));

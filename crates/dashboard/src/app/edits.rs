@@ -1,9 +1,10 @@
 //! Changes of the machine: what an action stands for as an edit, and who gets it.
 
 use rotor::{C64, Key, Settings};
-use telemetry::drill::{self, FaultOrder};
+use telemetry::drill::{self, DrillError, FaultOrder};
 use telemetry::edits::Edit;
 use telemetry::reader::lock;
+use telemetry::units::Units;
 use units::Typed;
 
 use super::{App, LOCKED};
@@ -76,6 +77,13 @@ impl App<'_> {
 
     /// The change that makes a fault, or puts it back.
     fn drill(&self, words: &str, present: &Settings) -> Result<Edit, String> {
+        if self.player.is_some() {
+            // What was done on the way is in the recording; which of it was a fault, nobody keeps here.
+            return Err(
+                "a drill is for a machine that runs: here type the settings that a fault changes, and u undoes them"
+                    .into(),
+            );
+        }
         let feed = lock(&self.feed);
         let active = feed.active_fault();
         if words == "off" {
@@ -83,8 +91,12 @@ impl App<'_> {
             return Ok(Edit::Drill(active.back.clone(), drill::OVER.to_owned()));
         }
         let rotor = feed.rotor().ok_or("no rotor is known yet")?;
-        let order = FaultOrder::read(words).map_err(|why| why.to_string())?;
-        let changes = order.changes(&rotor, present, &feed.units(), active).map_err(|why| why.to_string())?;
+        let (order, units) = (FaultOrder::read(words).map_err(|why| why.to_string())?, feed.units());
+        let changes = order.changes(&rotor, present, (&units, Units::setting), active);
+        let changes = changes.map_err(|why| match why {
+            DrillError::Settings(error) => units.fault(&error),
+            other => other.to_string(),
+        })?;
         Ok(Edit::Drill(changes, order.cause()))
     }
 

@@ -11,6 +11,8 @@ use std::time::{Duration, Instant};
 const FREE: u32 = 3;
 /// What is left of a wait in mind after every frame that went at once: it is forgotten within some hundred frames.
 const FORGOTTEN: f64 = 0.98;
+/// A longer wait than this was no slow line but one that had stopped: it says nothing of the next frame.
+const LONGEST: Duration = Duration::from_millis(250);
 /// Time between two frames at least, whatever asks for one: 60 a second.
 const SHORTEST: Duration = Duration::from_millis(16);
 /// Time between two looks while the view is paused.
@@ -66,7 +68,7 @@ impl Pacing {
 
     /// A frame of the feed's `changes` has been drawn; the terminal took so long to take it.
     pub(super) fn drawn(&mut self, changes: u64, now: Instant, taken: Duration) {
-        let line = taken.max(self.line.mul_f64(FORGOTTEN));
+        let line = taken.min(LONGEST).max(self.line.mul_f64(FORGOTTEN));
         *self = Self { drawn: Some((now, changes)), asked: false, line, ..*self };
     }
 
@@ -148,6 +150,10 @@ mod tests {
         let (every, taken) = (Duration::from_millis(1), Duration::from_millis(50));
         let (steps, keys) = (frames(Pacing::new(30), every, false, taken), frames(Pacing::new(30), every, true, taken));
         assert!((4..=6).contains(&steps) && (9..=21).contains(&keys), "{steps}, {keys}");
+        // One that had stopped altogether is not waited for again.
+        let mut stopped = Pacing::new(30);
+        stopped.drawn(0, Instant::now(), Duration::from_secs(20));
+        assert!(stopped.interval() <= Duration::from_secs(1) && stopped.shortest() <= LONGEST, "{stopped:?}");
         // And when it is fast again, as many as before.
         let (mut pacing, now) = (Pacing::new(30), Instant::now());
         pacing.drawn(0, now, taken);

@@ -67,7 +67,7 @@ mod tests {
     use super::*;
     use crate::drawing::tests::drawn;
 
-    /// Where a curve stands in each column of a picture: the mean row of what is drawn there.
+    /// A picture of the first bending mode of the rig, forward or backward.
     fn frame(seconds: f64, forward: bool) -> String {
         let rotor = builtin::rotor("rig").expect("built in");
         let settings = Settings::new(&rotor, 3.0, builtin::feedback(&rotor, "own").expect("its own"));

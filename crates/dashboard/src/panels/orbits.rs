@@ -102,16 +102,11 @@ fn chosen(data: &FrameData, room: usize, furthest: impl Fn(usize) -> f64) -> Vec
     let shaft = data.era.as_ref().and_then(|era| Some((era, era.rotor.as_ref().filter(|rotor| !rotor.is_chain())?)));
     let Some((era, rotor)) = shaft.filter(|_| all.len() > room) else { return all };
     let bearings = &era.settings.feedback.bearings;
-    let rank = |place: usize| {
-        let weighs = |weights: &[f64]| weights.get(place).is_some_and(|weight| *weight != 0.0);
-        let mut signals = bearings.iter().flat_map(|bearing| &bearing.signals);
-        let mut is_sensed = || signals.any(|signal| weighs(&signal.displacement) || weighs(&signal.velocity));
-        match place {
-            _ if bearings.iter().any(|bearing| bearing.station == place) => 0,
-            _ if is_sensed() => 1,
-            _ if rotor.has_contact(place) => 2,
-            _ => 3,
-        }
+    let rank = |place: usize| match place {
+        _ if bearings.iter().any(|bearing| bearing.station == place) => 0,
+        _ if bearings.iter().any(|bearing| bearing.senses(place)) => 1,
+        _ if rotor.has_contact(place) => 2,
+        _ => 3,
     };
     let mut ranked: Vec<(i32, f64, usize)> =
         all.into_iter().map(|place| (rank(place), -furthest(place), place)).collect();

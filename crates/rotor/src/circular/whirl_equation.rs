@@ -64,6 +64,10 @@ impl<'a> Problem<'a> {
             return Err(CircularError::Sampled);
         }
         let around = (!ClosedLoop::describes(rotor, feedback)).then(|| (Rc::new(Plant::of(rotor)), feedback));
+        if let Some((plant, feedback)) = &around {
+            // What has no complex form has no circular whirl.
+            Around::new(plant, feedback, 0.0)?;
+        }
         let gains = if around.is_some() {
             let first = feedback.first();
             std::borrow::Cow::Owned(Feedback::new(first.station, first.off().signals))

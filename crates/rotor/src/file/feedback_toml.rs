@@ -297,7 +297,7 @@ fn signal(
 
 /// Weights that are called by their places, `{ left = 0.5, right = -0.5 }`: all others are 0.
 fn weights_by_place(reader: &mut Reader<'_>, key: &str, named: &Table<'_>, place: &Place<'_>) -> Vec<f64> {
-    let mut weights = vec![0.0; place.masses];
+    let mut weights = vec![None; place.masses];
     for (name, value) in named {
         let name_text: &str = name.get_ref().as_ref();
         let number = name_text.parse::<usize>().ok().and_then(|number| number.checked_sub(1));
@@ -306,12 +306,19 @@ fn weights_by_place(reader: &mut Reader<'_>, key: &str, named: &Table<'_>, place
             None => number.filter(|mass| *mass < place.masses),
         };
         match (found, as_number(value)) {
-            (Some(at), Some(weight)) if weight.abs() <= MOST_WEIGHT => weights[at] = weight,
+            (Some(at), Some(_)) if weights[at].is_some() => {
+                reader.fault(
+                    name.span(),
+                    format!("{key} of {name_text}, a place that has one already"),
+                    "each place once",
+                );
+            }
+            (Some(at), Some(weight)) if weight.abs() <= MOST_WEIGHT => weights[at] = Some(weight),
             (None, _) => reader.fault(name.span(), format!("{key} of {name_text}"), place.words()),
             _ => reader.wrong(name_text, value, format!("a weight from -{MOST_WEIGHT} to {MOST_WEIGHT}")),
         }
     }
-    weights
+    weights.into_iter().map(|weight| weight.unwrap_or(0.0)).collect()
 }
 
 /// A gain, of which one typed is `per_unit`.

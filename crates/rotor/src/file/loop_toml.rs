@@ -176,10 +176,12 @@ fn state_space(reader: &mut Reader<'_>, table: &Table<'_>, at: Range<usize>, uni
     let rate = units.typed(Dimension::Rate, 1.0);
     let a = DMatrix::from_fn(rows.len(), columns, |i, k| rows[i][k] * rate);
     let b = DVector::from_vec(b) * rate;
-    match Filter::of_state_space(&a, &b, &RowDVector::from_vec(c), d) {
+    let c = RowDVector::from_vec(c);
+    let are_numbers = a.iter().chain(b.iter()).chain(c.iter()).all(|number| number.is_finite());
+    match Filter::of_state_space(&a, &b, &c, d) {
         Ok(made) => Some(made),
         // What is not a number has been told already.
-        Err(control::FilterError::Improper) => None,
+        Err(control::FilterError::Improper) if !are_numbers => None,
         Err(why) => {
             let told = why.to_string();
             let (found, expected) = told.split_once(": expected ").unwrap_or((&told, "a controller in order"));

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::time::Duration;
 
-use crossbeam::channel::{Receiver, Sender, TrySendError, bounded};
+use crossbeam::channel::{Receiver, Sender, bounded};
 use rerun::external::re_uri::ProxyUri;
 use rerun::log::LogMsg;
 use rerun::sink::{GrpcSink, GrpcSinkConnectionState, LogSink};
@@ -40,6 +40,11 @@ impl Viewer {
     pub(crate) fn at(address: &str) -> Result<(Self, AskViewer), TapeError> {
         let url = if address.contains("://") { address.to_owned() } else { format!("rerun+http://{address}/proxy") };
         let refused = |problem: String| TapeError::Viewer { address: address.to_owned(), problem };
+        // Without a port it would be looked for where the web is.
+        let has_port = address.rsplit_once(':').is_some_and(|(_, port)| port.parse::<u16>().is_ok());
+        if !address.contains("://") && !has_port {
+            return Err(refused("there is no port in it".to_owned()));
+        }
         let uri: ProxyUri = url.parse().map_err(|error| refused(format!("{error}")))?;
         let sink = Arc::new(GrpcSink::new(uri));
         // When rerun's sink is dropped it waits for its viewer, for ever if need be: it ends with the process.
@@ -60,7 +65,7 @@ impl Viewer {
 
     /// Shows a message, if it can wait.
     pub(crate) fn show(&self, message: &LogMsg) {
-        if let Err(TrySendError::Full(_) | TrySendError::Disconnected(_)) = self.messages.try_send(message.clone()) {
+        if self.messages.try_send(message.clone()).is_err() {
             self.told.left_out.fetch_add(1, Ordering::Relaxed);
         }
     }

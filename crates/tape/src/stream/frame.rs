@@ -25,7 +25,7 @@ pub(crate) enum Kind {
     /// Rows.
     Chunk,
     /// Which layout is shown.
-    StepLayout,
+    Layout,
 }
 
 /// Four bytes of a slice as a number; 0 where there are fewer.
@@ -39,7 +39,7 @@ pub(crate) fn header(bytes: &[u8]) -> Option<(Kind, u64)> {
         0 => Kind::End,
         1 => Kind::Store,
         2 => Kind::Chunk,
-        3 => Kind::StepLayout,
+        3 => Kind::Layout,
         _ => return None,
     };
     let length = u64::from_le_bytes(number(bytes, 8));

@@ -1,9 +1,13 @@
 //! Which fault is there, and what it was put in place of: a pure function of the events of a run, so that all who look have the same.
 
 use rotor::{Key, Settings};
-use wire::{Event, Happening};
+use wire::Event;
 
 use super::CAUSE;
+use crate::settings_trail::{SettingsTrail, Told, reason};
+
+/// Faults that are remembered: as many as changes can be undone.
+const REMEMBERED: usize = 256;
 
 /// A fault that is there.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,10 +21,10 @@ pub struct ActiveFault {
 /// See the module.
 #[derive(Clone, Debug, Default)]
 pub struct DrillLog {
-    run: u64,
-    revision: u64,
-    settings: Option<Settings>,
+    trail: SettingsTrail,
     active: Option<ActiveFault>,
+    /// Under which settings which fault was there: who comes back to them, by undo or redo, has it again.
+    known: Vec<(Settings, ActiveFault)>,
 }
 
 impl DrillLog {
@@ -33,30 +37,23 @@ impl DrillLog {
     /// Run and revision up to which changes are known.
     #[must_use]
     pub fn known_up_to(&self) -> (u64, u64) {
-        (self.run, self.revision)
+        self.trail.known_up_to()
     }
 
     /// Takes in an event. Of events that come twice the second says nothing.
     pub fn push(&mut self, event: &Event) {
-        let why = match event.happening() {
-            Some(Happening::Settings) => event.why.as_str(),
-            _ => "",
-        };
-        self.note((event.run_id, event.revision), why, event.settings.get());
+        self.note((event.run_id, event.revision), reason(event), event.settings.get());
     }
 
-    pub(super) fn note(&mut self, (run, revision): (u64, u64), why: &str, settings: &Settings) {
-        let before = self.settings.take().filter(|_| run == self.run);
-        let Some(before) = before else {
-            // What came before another run, or before the first event that has come, is not known.
-            *self = Self { run, revision, settings: Some(settings.clone()), active: None };
-            return;
+    pub(super) fn note(&mut self, at: (u64, u64), why: &str, settings: &Settings) {
+        let before = match self.trail.take_in(at, settings) {
+            Told::First => {
+                (self.active, self.known) = (None, Vec::new());
+                return;
+            }
+            Told::Again => return,
+            Told::After(before) => before,
         };
-        if revision <= self.revision {
-            self.settings = Some(before);
-            return;
-        }
-        self.revision = revision;
         if let Some(told) = why.strip_prefix(CAUSE) {
             let mut back = self.active.take().map_or_else(Vec::new, |active| active.back);
             for key in settings.keys() {
@@ -66,12 +63,19 @@ impl DrillLog {
                 }
             }
             self.active = Some(ActiveFault { told: told.to_owned(), back });
+        } else if let Some((_, fault)) = self.known.iter().rev().find(|(known, _)| known == settings) {
+            self.active = Some(fault.clone());
         }
         // What stands as it did before is put back, by whomever.
         if let Some(active) = &mut self.active {
             active.back.retain(|(key, was)| settings.get(*key) != Ok(*was));
         }
         self.active = self.active.take().filter(|active| !active.back.is_empty());
-        self.settings = Some(settings.clone());
+        if let Some(active) = &self.active {
+            if self.known.len() == REMEMBERED {
+                self.known.remove(0);
+            }
+            self.known.push((settings.clone(), active.clone()));
+        }
     }
 }

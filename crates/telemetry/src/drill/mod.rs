@@ -10,9 +10,10 @@ mod log;
 
 use std::fmt;
 
-use rotor::{ControlBearing, Key, PARAMETERS, Rotor, Settings, SettingsError};
+use rotor::{Key, Rotor, Settings, SettingsError};
+use units::{Dimension, Typed, TypedError};
 
-use crate::units::Units;
+use crate::units::{Unit, Units};
 pub use file::{BUILTIN, Drill, DrillStep, builtin, read_drill};
 pub use log::{ActiveFault, DrillLog};
 
@@ -201,6 +202,9 @@ pub enum DrillError {
         /// What there is.
         expected: &'static str,
     },
+    /// A size in a unit that this machine does not have.
+    #[error("{0}: size = {1}: {2}")]
+    Unit(Fault, Typed, TypedError),
     /// It is like that already.
     #[error("{0} would change nothing: the machine is like that already")]
     Nothing(Fault),
@@ -209,6 +213,9 @@ pub enum DrillError {
     Settings(#[from] SettingsError),
 }
 
+/// What a size without a unit is counted in.
+pub type CountedAlone = fn(&Units, Key) -> Unit;
+
 /// A fault as it is asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaultOrder {
@@ -216,8 +223,8 @@ pub struct FaultOrder {
     pub fault: Fault,
     /// Where: the number of a mass or control bearing counted from 1, or its name; nothing for where it is by itself.
     pub at: Option<String>,
-    /// How large, in the units of the bench; nothing for the size that it has by itself. Of [`Fault::AxisLost`] 1 is y, and 2 is z.
-    pub size: Option<f64>,
+    /// How large; nothing for the size that it has by itself. Of [`Fault::AxisLost`] 1 is y, and 2 is z.
+    pub size: Option<Typed>,
 }
 
 impl FaultOrder {
@@ -243,21 +250,27 @@ impl FaultOrder {
     ///
     /// # Errors
     /// One that it cannot have.
-    pub fn read_size(&self, typed: &str) -> Result<f64, DrillError> {
+    pub fn read_size(&self, typed: &str) -> Result<Typed, DrillError> {
         let expected = match self.fault.size() {
             "" => "none: it has no size",
             size => size,
         };
         let refused = || DrillError::Size { fault: self.fault, found: typed.to_owned(), expected };
-        let number = typed.parse::<f64>().ok().filter(|size| size.is_finite());
+        let dimension = match self.fault {
+            Fault::AmplifierSlew => Dimension::ForceRate,
+            Fault::DelayJump => Dimension::Time,
+            Fault::UnbalanceAdded => Dimension::Length,
+            _ => Dimension::Number,
+        };
+        let size = Typed::read(dimension, typed).ok().filter(|size| size.number().is_finite());
         match (self.fault, typed) {
             (Fault::SensorLost | Fault::StiffnessLost, _) => Err(refused()),
-            (Fault::AxisLost, "y") => Ok(1.0),
-            (Fault::AxisLost, "z") => Ok(2.0),
+            (Fault::AxisLost, "y") => Ok(1.0.into()),
+            (Fault::AxisLost, "z") => Ok(2.0.into()),
             (Fault::AxisLost, _) => Err(refused()),
-            (Fault::SensorGain | Fault::AmplifierGain, _) => number.filter(|share| *share >= 0.0).ok_or_else(refused),
-            (Fault::AmplifierSlew | Fault::DelayJump, _) => number.filter(|size| *size > 0.0).ok_or_else(refused),
-            (Fault::UnbalanceAdded, _) => number.filter(|size| *size != 0.0).ok_or_else(refused),
+            (Fault::SensorGain | Fault::AmplifierGain, _) => size.filter(|s| s.number() >= 0.0).ok_or_else(refused),
+            (Fault::AmplifierSlew | Fault::DelayJump, _) => size.filter(|s| s.number() > 0.0).ok_or_else(refused),
+            (Fault::UnbalanceAdded, _) => size.filter(|s| s.number() != 0.0).ok_or_else(refused),
         }
     }
 
@@ -267,8 +280,9 @@ impl FaultOrder {
         format!("{CAUSE}{self}")
     }
 
-    /// What it changes under settings of `rotor` told in `units`, where `active` is the fault that is there already and goes for it: values by
-    /// key, dimensionless.
+    /// What it changes under settings of `rotor`, where `active` is the fault that is there already and goes for it: values by key,
+    /// dimensionless. A size without a unit is counted in what `alone` says of `units`: [`Units::setting`] where people look at a screen,
+    /// [`Units::setting_in_files`] elsewhere.
     ///
     /// # Errors
     /// A place or size that this machine has not, or nothing to change.
@@ -276,13 +290,13 @@ impl FaultOrder {
         &self,
         rotor: &Rotor,
         settings: &Settings,
-        units: &Units,
+        (units, alone): (&Units, CountedAlone),
         active: Option<&ActiveFault>,
     ) -> Result<Vec<(Key, f64)>, DrillError> {
         let back = active.map_or(&[][..], |active| &active.back);
         let mut sound = settings.clone();
         back.iter().try_for_each(|(key, value)| sound.set(*key, *value))?;
-        let changes = self.onto(rotor, &sound, units)?;
+        let changes = self.onto(rotor, &sound, (units, alone))?;
         let mut then = sound.clone();
         changes.iter().try_for_each(|(key, value)| then.set(*key, *value))?;
         if then == sound {
@@ -293,44 +307,59 @@ impl FaultOrder {
         Ok(back.iter().filter(stays).copied().chain(changes.iter().copied()).collect())
     }
 
-    fn onto(&self, rotor: &Rotor, settings: &Settings, units: &Units) -> Result<Vec<(Key, f64)>, DrillError> {
+    fn onto(
+        &self,
+        rotor: &Rotor,
+        settings: &Settings,
+        (units, alone): (&Units, CountedAlone),
+    ) -> Result<Vec<(Key, f64)>, DrillError> {
         let feedback = &settings.feedback;
-        let sized =
-            |key: Key, by_itself: f64| self.size.map_or(by_itself, |size| size / units.setting_in_files(key).factor);
+        let sized = |key: Key, by_itself: f64| {
+            let Some(size) = self.size else { return Ok(by_itself) };
+            let value = units.value_of(key, size, |number| number / alone(units, key).factor);
+            value.map_err(|expected| DrillError::Unit(self.fault, size, expected))
+        };
+        let share = self.size.map_or(0.5, Typed::number);
         Ok(match self.fault {
+            // Whichever sensor it would be of.
+            Fault::SensorGain if share == 1.0 => return Err(DrillError::Nothing(self.fault)),
             Fault::SensorGain | Fault::SensorLost => {
-                let gain = if self.fault == Fault::SensorLost { 0.0 } else { self.size.unwrap_or(0.5) };
+                let gain = if self.fault == Fault::SensorLost { 0.0 } else { share };
                 let station = self.at.as_deref().map(|at| self.sensor(at, rotor, settings)).transpose()?;
                 let meant = feedback.bearings.iter().enumerate();
-                let meant = meant.filter(|(_, bearing)| station.is_none_or(|station| senses(bearing, station)));
+                let meant = meant.filter(|(_, bearing)| station.is_none_or(|station| bearing.senses(station)));
                 let number = station.map_or(0.0, |station| (station + 1) as f64);
-                meant.flat_map(|(k, _)| [(key("sensor_gain", k), gain), (key("sensor_at", k), number)]).collect()
+                let mut changes = Vec::new();
+                for (k, _) in meant {
+                    changes.extend([(key("sensor_gain", k)?, gain), (key("sensor_at", k)?, number)]);
+                }
+                changes
             }
             Fault::AmplifierGain => {
-                let (bearing, gain) = (self.bearing(settings)?, self.size.unwrap_or(0.5));
-                ["amplifier_y", "amplifier_z"].map(|name| (key(name, bearing), gain)).to_vec()
+                let bearing = self.bearing(settings)?;
+                vec![(key("amplifier_y", bearing)?, share), (key("amplifier_z", bearing)?, share)]
             }
             Fault::AmplifierSlew => {
-                let slew = key("slew", self.bearing(settings)?);
-                vec![(slew, sized(slew, 1.0))]
+                let slew = key("slew", self.bearing(settings)?)?;
+                vec![(slew, sized(slew, 1.0)?)]
             }
             Fault::AxisLost => {
-                let axis = if self.size == Some(2.0) { "amplifier_z" } else { "amplifier_y" };
-                vec![(key(axis, self.bearing(settings)?), 0.0)]
+                let axis = if self.size == Some(2.0.into()) { "amplifier_z" } else { "amplifier_y" };
+                vec![(key(axis, self.bearing(settings)?)?, 0.0)]
             }
-            Fault::StiffnessLost => vec![(key("deadband", self.support(rotor)?), OPEN)],
+            Fault::StiffnessLost => vec![(key("deadband", self.support(rotor)?)?, OPEN)],
             Fault::DelayJump => {
-                let delay = Key { index: None, ..key("delay", 0) };
+                let delay: Key = "delay".parse()?;
                 let by_itself = if feedback.sample() > 0.0 { 2.0 * feedback.sample() } else { JUMP };
-                vec![(delay, feedback.delay() + sized(delay, by_itself))]
+                vec![(delay, feedback.delay() + sized(delay, by_itself)?)]
             }
             Fault::UnbalanceAdded => {
                 let place = match self.at.as_deref() {
                     Some(at) => self.place_of(at, rotor)?,
                     None => feedback.first().station,
                 };
-                let added = key("unbalance_added", place);
-                vec![(added, sized(added, 1.0))]
+                let added = key("unbalance_added", place)?;
+                vec![(added, sized(added, 1.0)?)]
             }
         })
     }
@@ -348,7 +377,7 @@ impl FaultOrder {
 
     fn sensor(&self, at: &str, rotor: &Rotor, settings: &Settings) -> Result<usize, DrillError> {
         let place = self.place_of(at, rotor)?;
-        let is_sensed = |place: &usize| settings.feedback.bearings.iter().any(|bearing| senses(bearing, *place));
+        let is_sensed = |place: &usize| settings.feedback.bearings.iter().any(|bearing| bearing.senses(*place));
         if is_sensed(&place) {
             return Ok(place);
         }
@@ -387,23 +416,16 @@ impl fmt::Display for FaultOrder {
         }
         match (self.fault, self.size) {
             (_, None) => Ok(()),
-            (Fault::AxisLost, Some(axis)) => write!(f, " size={}", if axis == 2.0 { "z" } else { "y" }),
-            (_, Some(size)) => write!(f, " size={size}"),
+            (Fault::AxisLost, Some(axis)) => write!(f, " size={}", if axis == 2.0.into() { "z" } else { "y" }),
+            // In one word, as it is typed.
+            (_, Some(size)) => write!(f, " size={}", size.to_string().replace(' ', "")),
         }
     }
 }
 
-/// Whether a control bearing reads the sensor at a place.
-fn senses(bearing: &ControlBearing, place: usize) -> bool {
-    let weighs = |weights: &[f64]| weights.get(place).is_some_and(|weight| *weight != 0.0);
-    bearing.parts.external > 0.0
-        || bearing.signals.iter().any(|signal| weighs(&signal.displacement) || weighs(&signal.velocity))
-}
-
 /// The key of a setting of this place.
-fn key(name: &'static str, place: usize) -> Key {
-    let parameter = PARAMETERS.iter().find(|parameter| parameter.name == name).unwrap_or(&PARAMETERS[0]);
-    Key { parameter, index: Some(place) }
+fn key(name: &str, place: usize) -> Result<Key, SettingsError> {
+    format!("{name}.{}", place + 1).parse()
 }
 
 #[cfg(test)]

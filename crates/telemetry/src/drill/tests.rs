@@ -9,20 +9,23 @@ fn three_mass() -> (Rotor, Settings) {
     (rotor, settings)
 }
 
+/// A rotor that is not one in SI units.
+const IN_ITS_OWN: (&Units, CountedAlone) = (&Units::DIMENSIONLESS, Units::setting);
+
 fn order(words: &str) -> FaultOrder {
     FaultOrder::read(words).unwrap()
 }
 
 fn changed(words: &str) -> Vec<(String, f64)> {
     let (rotor, settings) = three_mass();
-    let changes = order(words).changes(&rotor, &settings, &Units::DIMENSIONLESS, None).unwrap();
+    let changes = order(words).changes(&rotor, &settings, IN_ITS_OWN, None).unwrap();
     changes.into_iter().map(|(key, value)| (key.to_string(), value)).collect()
 }
 
 fn refused(words: &str) -> String {
     let (rotor, settings) = three_mass();
     let order = FaultOrder::read(words);
-    order.and_then(|order| order.changes(&rotor, &settings, &Units::DIMENSIONLESS, None)).unwrap_err().to_string()
+    order.and_then(|order| order.changes(&rotor, &settings, IN_ITS_OWN, None)).unwrap_err().to_string()
 }
 
 #[test]
@@ -61,7 +64,7 @@ fn one_fault_goes_for_the_next_and_the_log_knows_what_was_there_before() {
     log.note((7, 1), "", &start);
     let mut inject = |words: &str, log: &mut DrillLog, settings: &mut Settings| {
         let order = order(words);
-        let changes = order.changes(&rotor, settings, &Units::DIMENSIONLESS, log.active()).unwrap();
+        let changes = order.changes(&rotor, settings, IN_ITS_OWN, log.active()).unwrap();
         changes.iter().try_for_each(|(key, value)| settings.set(*key, *value)).unwrap();
         revision += 1;
         log.note((7, revision), &order.cause(), settings);
@@ -91,7 +94,7 @@ fn undoing_a_fault_ends_it_too() {
     log.note((7, 1), "", &start);
     let order = order("stiffness-lost");
     let mut settings = start.clone();
-    for (key, value) in order.changes(&rotor, &start, &Units::DIMENSIONLESS, None).unwrap() {
+    for (key, value) in order.changes(&rotor, &start, IN_ITS_OWN, None).unwrap() {
         settings.set(key, value).unwrap();
     }
     log.note((7, 2), &order.cause(), &settings);
@@ -102,6 +105,61 @@ fn undoing_a_fault_ends_it_too() {
     assert_eq!(log.active(), None, "another run knows nothing of it");
 }
 
+/// The changes of one fault after the other, with undo and redo between them, as a bench makes them.
+#[test]
+fn regress_undo_and_redo_bring_a_fault_back_that_can_be_put_back() {
+    let (rotor, start) = three_mass();
+    let (mut log, mut revision) = (DrillLog::default(), 1);
+    log.note((7, 1), "", &start);
+    let mut to = |log: &mut DrillLog, why: &str, settings: &Settings| {
+        revision += 1;
+        log.note((7, revision), why, settings);
+    };
+    let inject = |words: &str, log: &DrillLog, settings: &Settings| {
+        let mut then = settings.clone();
+        let changes = order(words).changes(&rotor, settings, IN_ITS_OWN, log.active()).unwrap();
+        changes.iter().for_each(|(key, value)| then.set(*key, *value).unwrap());
+        then
+    };
+    let late = inject("delay-jump", &log, &start);
+    to(&mut log, &order("delay-jump").cause(), &late);
+    let lost = inject("sensor-lost", &log, &late);
+    to(&mut log, &order("sensor-lost").cause(), &lost);
+    to(&mut log, "undo", &late);
+    assert_eq!(log.active().map(|active| &*active.told), Some("delay-jump"));
+    to(&mut log, "redo", &lost);
+    assert_eq!(log.active().map(|active| &*active.told), Some("sensor-lost"));
+    to(&mut log, "undo", &late);
+    to(&mut log, "undo", &start);
+    assert_eq!(log.active(), None);
+    to(&mut log, "redo", &late);
+    let mut sound = late.clone();
+    log.active().unwrap().back.iter().for_each(|(key, value)| sound.set(*key, *value).unwrap());
+    assert_eq!(sound, start);
+}
+
+/// A length alone is in what the one who typed it counts in; with its unit it is the same everywhere.
+#[test]
+fn sizes_are_in_what_they_say_or_in_what_is_counted_in_there() {
+    let rotor = builtin::rotor("rig").unwrap();
+    let settings = Settings::new(&rotor, 1.0, builtin::feedback(&rotor, "own").unwrap());
+    let units = Units::of_machine(&rotor, &settings.feedback);
+    let added = |words: &str, alone: CountedAlone| {
+        let order = order(words);
+        order.changes(&rotor, &settings, (&units, alone), None).unwrap().first().unwrap().1
+    };
+    let by_unit = added("unbalance-added size=5um", Units::setting);
+    assert_eq!(by_unit, added("unbalance-added size=5um", Units::setting_in_files));
+    assert!((added("unbalance-added size=5e-6", Units::setting_in_files) / by_unit - 1.0).abs() < 1e-12);
+    let shown = units.length;
+    assert!(
+        (added(&format!("unbalance-added size={}", by_unit * shown.factor), Units::setting) / by_unit - 1.0).abs()
+            < 1e-12
+    );
+    assert!(refused("unbalance-added size=5um").contains("not one in SI units"));
+    assert!(refused("sensor-gain size=1 at=2").ends_with("the machine is like that already"));
+}
+
 #[test]
 fn built_in_drills_are_in_order() {
     for (name, _) in BUILTIN {
@@ -110,7 +168,7 @@ fn built_in_drills_are_in_order() {
         assert!(!drill.about.is_empty() && drill.steps.len() > 1 && drill.end > drill.steps[0].at);
         let (rotor, settings) = three_mass();
         for order in drill.steps.iter().filter_map(|step| step.fault.as_ref()) {
-            order.changes(&rotor, &settings, &Units::DIMENSIONLESS, None).unwrap();
+            order.changes(&rotor, &settings, IN_ITS_OWN, None).unwrap();
         }
     }
 }

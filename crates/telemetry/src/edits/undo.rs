@@ -5,9 +5,10 @@
 //! tells undo and redo from changes.
 
 use rotor::{Difference, Key, Settings};
-use wire::{Event, Happening};
+use wire::Event;
 
 use super::{NUDGED, REDO, UNDO};
+use crate::settings_trail::{SettingsTrail, Told, reason};
 
 /// Nudges of one key by the same hand that follow each other within these nanoseconds are undone together.
 const ONE_GESTURE: u64 = 700_000_000;
@@ -30,9 +31,7 @@ pub(crate) struct UndoableChange {
 /// See the module.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct UndoHistory {
-    run: u64,
-    revision: u64,
-    settings: Option<Settings>,
+    trail: SettingsTrail,
     done: Vec<UndoableChange>,
     undone: Vec<UndoableChange>,
 }
@@ -40,7 +39,7 @@ pub(crate) struct UndoHistory {
 impl UndoHistory {
     /// Run and revision up to which changes are known.
     pub(crate) fn known_up_to(&self) -> (u64, u64) {
-        (self.run, self.revision)
+        self.trail.known_up_to()
     }
 
     /// The change that undo takes back.
@@ -55,12 +54,8 @@ impl UndoHistory {
 
     /// Takes in an event.
     pub(crate) fn push_event(&mut self, event: &Event) {
-        let why = match event.happening() {
-            Some(Happening::Settings) => event.why.as_str(),
-            _ => "",
-        };
         let told = (event.run_id, event.revision, event.wall_ns);
-        self.note(told, event.who.as_str(), why, &event.settings.get().clone());
+        self.note(told, event.who.as_str(), reason(event), event.settings.get());
     }
 
     /// Takes in settings whose events did not come: what led to them counts as one change.
@@ -69,17 +64,15 @@ impl UndoHistory {
     }
 
     fn note(&mut self, (run, revision, wall_ns): (u64, u64, u64), who: &str, why: &str, settings: &Settings) {
-        let before = self.settings.take().filter(|_| run == self.run);
-        let Some(before) = before else {
-            // What came before another run, or before the first event that has come, cannot be taken back.
-            *self = Self { run, revision, settings: Some(settings.clone()), ..Self::default() };
-            return;
+        let before = match self.trail.take_in((run, revision), settings) {
+            // What came before cannot be taken back.
+            Told::First => {
+                (self.done, self.undone) = (Vec::new(), Vec::new());
+                return;
+            }
+            Told::Again => return,
+            Told::After(before) => before,
         };
-        if revision <= self.revision {
-            self.settings = Some(before);
-            return;
-        }
-        (self.revision, self.settings) = (revision, Some(settings.clone()));
         let leads = |from: &Settings, to: &Settings| *from == before && to == settings;
         if why == UNDO && self.done.last().is_some_and(|step| leads(&step.after, &step.before)) {
             self.undone.extend(self.done.pop());
@@ -121,7 +114,7 @@ fn nudged_key(before: &Settings, after: &Settings) -> Option<Key> {
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
-    use wire::{SettingsDocument, Text};
+    use wire::{Happening, SettingsDocument, Text};
 
     use super::*;
     use crate::test_support::bench_status;
@@ -201,7 +194,7 @@ mod tests {
         for (revision, who, key, at) in
             [(2, "a", "kd", 0), (3, "a", "kd", 600), (4, "b", "kd", 700), (5, "b", "cd", 800), (6, "b", "cd", 2800)]
         {
-            let settings = with(key, revision as f64, undo_history.settings.as_ref().unwrap());
+            let settings = with(key, revision as f64, undo_history.trail.latest().unwrap());
             let mut event = event(revision, who, NUDGED, &settings);
             event.wall_ns = at * 1_000_000;
             undo_history.push_event(&event);

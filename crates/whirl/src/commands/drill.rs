@@ -1,6 +1,5 @@
 //! `whirl drill`: faults on a running bench, one at a time, and a row of them over time.
 
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -12,6 +11,7 @@ use telemetry::units::Units;
 use wire::{BenchName, BenchStatus, Change, Commander, Glance, HostState, Listener, WireError};
 
 use crate::attach::{self, BenchArgs};
+use crate::catalog::{self, FileError};
 use crate::failure::Failure;
 use crate::output::{Cell, Table};
 use crate::{interrupt, output};
@@ -40,7 +40,7 @@ pub(crate) struct DrillArgs {
     #[command(flatten)]
     bench: BenchArgs,
     /// Make the fault even if a stable machine becomes unstable by it
-    #[arg(long)]
+    #[arg(long, requires = "name")]
     force: bool,
     /// Print JSON, one object a change
     #[arg(long)]
@@ -121,10 +121,9 @@ impl Wanted {
         if let Some(drill) = builtin(name) {
             return drill.map(Self::Drill).map_err(|faults| Failure::Work(faults.in_file(name)));
         }
-        if Path::new(name).extension().is_some() || name.contains('/') {
-            let read = std::fs::read(name).map_err(|error| Failure::Usage(format!("{name}: {error}")))?;
-            let drill = text::utf8(&read, "a drill").and_then(read_drill);
-            return drill.map(Self::Drill).map_err(|faults| Failure::Usage(faults.in_file(name)));
+        if catalog::is_file(name) {
+            let text = catalog::text(name)?;
+            return read_drill(&text).map(Self::Drill).map_err(|faults| FileError::wrong(name, &text, faults).into());
         }
         let fault = Fault::named(name).map_err(|error| {
             let drills: Vec<&str> = BUILTIN.iter().map(|(name, _)| *name).collect();
@@ -166,8 +165,7 @@ fn list(args: &DrillArgs) -> Result<(), Failure> {
 
 fn tell(made: &Made, json: bool) -> Result<(), Failure> {
     if json {
-        let line = serde_json::to_string(made).map_err(|error| Failure::Work(error.to_string()))?;
-        return output::print_text(&(line + "\n"));
+        return output::print_json(made);
     }
     let Made { step, fault, told, revision, applied_at_step, .. } = made;
     let what = step.as_deref().or(fault.as_deref()).unwrap_or(OVER);
@@ -259,7 +257,7 @@ impl Bench {
     fn inject(&mut self, order: &FaultOrder, step: Option<&str>) -> Result<Made, Failure> {
         let made = self.change(&order.cause(), |bench, rotor, units| {
             let settings = bench.status.settings.get();
-            Ok(order.changes(rotor, settings, units, bench.log.active())?)
+            Ok(order.changes(rotor, settings, (units, Units::setting_in_files), bench.log.active())?)
         })?;
         Ok(Made { step: step.map(str::to_owned), fault: Some(order.to_string()), ..made })
     }

@@ -60,8 +60,8 @@ struct Document<'a> {
     stability_by: Vec<Vec<Option<Means>>>,
     growth_seen: f64,
     /// The same for the rotor at rest in its centre, support bearings with clearance out of action.
-    centre_stability: Vec<Vec<Stability>>,
-    centre_growth: Vec<Vec<f64>>,
+    centre_stability: Vec<Vec<Option<Stability>>>,
+    centre_growth: Vec<Vec<Option<f64>>>,
     diverged_at: Vec<Vec<Option<f64>>>,
     #[serde(flatten)]
     units: UnitsDocument,
@@ -121,7 +121,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
             let force = steady_force(&points[i])
                 .map_or_else(|| Cell::from(&""), |u| units.force(u, machine.bearing_mass()).into());
             let growth = points[i].stability.map_or("", |growth| growth.word());
-            let words = [word, growth, points[i].centre.word()];
+            let words = [word, growth, points[i].centre.map_or("", |growth| growth.word())];
             let numbers = [units.speed(*speed).into(), units.length(*deadband).into(), force];
             table.row(numbers.into_iter().chain(words.iter().map(Cell::from)));
         }
@@ -139,8 +139,8 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
         growth: of(&points, |p| p.stability.map(|growth| growth.growth)),
         stability_by: of(&points, |p| p.stability.map(|growth| growth.by)),
         growth_seen: disturbance::slowest_seen(),
-        centre_stability: of(&points, |p| p.centre.stability),
-        centre_growth: of(&points, |p| p.centre.growth),
+        centre_stability: of(&points, |p| p.centre.map(|growth| growth.stability)),
+        centre_growth: of(&points, |p| p.centre.map(|growth| growth.growth)),
         diverged_at: of(&points, |point| point.diverged_at),
         units: units.document(),
     };

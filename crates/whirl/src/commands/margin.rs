@@ -184,7 +184,8 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
         let zone = sensitivity_zone(amplitude, zones);
         format!("all commands opened at once: largest singular value of S {}, zone {zone}, {at}\n", rounded(amplitude))
     });
-    let none = if is_open(&machine) { "there is no feedback: the loop has no gain, and nothing to lose\n" } else { "" };
+    let is_open = machine.settings.feedback.is_off();
+    let none = if is_open { "there is no feedback: the loop has no gain, and nothing to lose\n" } else { "" };
     let footer =
         format!("minimum damping {}\n{none}{which}{mixed}{above}{}", rounded(min_damping), told.remarks(&machine));
     let footer = footer + "\n" + &unsure.text;
@@ -196,13 +197,11 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
 /// # Errors
 /// A machine that cannot be made, or no samples.
 pub(crate) fn task(args: &MarginArgs) -> Result<study::sweep::Task, Failure> {
+    if args.format.json || args.format.csv {
+        return Err(Failure::Usage("--json and --csv are of no use in a sweep: its shards are the result".into()));
+    }
     let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?.whole(args.whole)?;
     args.unsure.task(&machine)
-}
-
-/// Whether no control bearing has a gain.
-fn is_open(machine: &Machine) -> bool {
-    machine.settings.feedback.is_off()
 }
 
 /// What no frequency exceeds; nothing of a sampled loop, or where there is no bound.

@@ -114,7 +114,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
         line.show(progress);
     });
     line.clear();
-    output::print_text(&(in_words(&summary?, args.connect.as_deref()) + "\n"))
+    output::print_text(&(in_words(&summary?, args.connect.as_deref(), args.file.is_none()) + "\n"))
 }
 
 /// Starts a recorder of a bench as a process of its own, which ends in good order when it is dropped; `from_the_start` of one that makes no
@@ -165,7 +165,7 @@ impl Viewer {
     }
 }
 
-fn in_words(summary: &Summary, address: Option<&str>) -> String {
+fn in_words(summary: &Summary, address: Option<&str>, is_shown_alone: bool) -> String {
     let Summary { files, rows, bytes, lost, elapsed, why, viewer } = summary;
     let (seconds, megabytes) = (elapsed.as_secs_f64(), *bytes as f64 / 1e6);
     let shown = match (viewer, address) {
@@ -177,8 +177,8 @@ fn in_words(summary: &Summary, address: Option<&str>) -> String {
     };
     let beside = if shown.is_empty() { String::new() } else { format!("; {shown}") };
     match files.as_slice() {
-        [] if !shown.is_empty() => format!("{rows} steps in {seconds:.1} s, {lost} lost; {why}; {shown}"),
-        [] => format!("nothing was written in {seconds:.1} s: {why}"),
+        [] if is_shown_alone => format!("{rows} steps in {seconds:.1} s, {lost} lost; {why}{beside}"),
+        [] => format!("nothing was written in {seconds:.1} s: {why}{beside}"),
         files => {
             let names: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
             format!(

@@ -135,11 +135,11 @@ impl Unsure {
         told.fields.insert("box".into(), of_box(&ranges, &worst));
         told.text += &box_text(machine, &ranges, &worst);
         if let Some(count) = self.samples {
-            let (distribution, word) = match self.distribution {
-                Spread::Uniform => (Distribution::Uniform, "uniform"),
-                Spread::Normal => (Distribution::Normal, "normal"),
+            let word = match self.distribution {
+                Spread::Uniform => "uniform",
+                Spread::Normal => "normal",
             };
-            let drawn = variation::samples(&model, &ranges, distribution, self.seed, [0, count], &|_| ());
+            let drawn = variation::samples(&model, &ranges, self.distribution.into(), self.seed, [0, count], &|_| ());
             let samples = Samples::of(drawn.map_err(|error| Failure::Work(error.to_string()))?);
             let quantile = |name: &&str| samples.quantile(name.parse().unwrap_or(0.5));
             let quantiles: Map<String, Value> =

@@ -38,8 +38,8 @@ struct Document<'a> {
     stability_by: Option<Means>,
     growth_seen: f64,
     /// The same for the rotor at rest in its centre, support bearings with clearance out of action.
-    centre_stability: Stability,
-    centre_growth: f64,
+    centre_stability: Option<Stability>,
+    centre_growth: Option<f64>,
     maxima_from: f64,
     max_force: f64,
     max_force_component: f64,
@@ -166,8 +166,8 @@ pub(super) fn print(
         growth: outcome.stability.map(|growth| growth.growth),
         stability_by: outcome.stability.map(|growth| growth.by),
         growth_seen: disturbance::slowest_seen(),
-        centre_stability: outcome.centre.stability,
-        centre_growth: outcome.centre.growth,
+        centre_stability: outcome.centre.map(|growth| growth.stability),
+        centre_growth: outcome.centre.map(|growth| growth.growth),
         maxima_from: outcome.maxima_from,
         max_force: outcome.max_force,
         saturated_steps: outcome.saturated_steps,
@@ -207,7 +207,8 @@ fn steps((longest, shortest): (f64, f64)) -> String {
 /// Whether the motion found would stay, and the centre.
 fn stability(outcome: &Outcome) -> String {
     let grows = |j: DisturbanceGrowth| format!("{} (disturbances go as exp({} tau))", j.word(), rounded(j.growth));
-    let centre = format!("the rotor at rest in its centre: {}", grows(outcome.centre));
+    let centre = outcome.centre.map_or_else(|| "not told of amplifiers that differ along the axes".to_owned(), grows);
+    let centre = format!("the rotor at rest in its centre: {centre}");
     match outcome.stability {
         Some(growth @ DisturbanceGrowth { by: Means::Eigenvalues, .. }) => {
             format!("this motion: {}; {centre}", grows(growth))

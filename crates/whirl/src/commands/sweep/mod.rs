@@ -1,17 +1,19 @@
 //! `whirl sweep`: a map or samples cut into shards that schedulers run.
 //!
 //! The document is the command line of a `whirl map` or of a `whirl margin .. --samples`: `run = "map three-mass .."` in a TOML file. Its
-//! plan names the question by a checksum over that line, every file that it reads, and the version of this program, so that shards of
-//! another one are told apart.
+//! plan names the question by a checksum over that line, the machine that it and its files make, and the version of this program, so that
+//! shards of another one are told apart.
 
 mod jobs;
 
 use std::path::{Path, PathBuf};
 
 use clap::Parser;
+use rotor::file::write_rotor;
 use serde::Serialize;
 use study::sweep::{self, MOST_SHARDS, SweepError, Task};
 use study::table::Form;
+use wire::SettingsDocument;
 
 use crate::catalog::{self, FileError};
 use crate::cli::{Cli, Command};
@@ -207,13 +209,13 @@ fn gather(args: &GatherArgs) -> Result<(), Failure> {
     if args.json {
         return print_json(&document);
     }
-    let ending = if plan.form == Form::Csv { "csv" } else { "parquet" };
     print_text(&format!(
-        "{} shards, {} rows, whole\ncolumns {}\nread them together as {}/shard-*.{ending}\n",
+        "{} shards, {} rows, whole\ncolumns {}\nread them together as {}/shard-*.{}\n",
         document.shards,
         document.rows,
         document.columns.join(", "),
-        args.folder.display()
+        args.folder.display(),
+        plan.form.name()
     ))
 }
 
@@ -248,25 +250,21 @@ fn question(line: &str) -> Result<(Task, String), Failure> {
         Command::Margin(args) => margin::task(&args)?,
         _ => return Err(wrong("expected a map, or a margin with --samples")),
     };
-    let mut named = format!("{}\n{line}\n", env!("CARGO_PKG_VERSION"));
-    // Whatever the line reads is a part of the question.
-    for file in words.iter().filter(|word| catalog::is_file(word)) {
-        named += &catalog::text(file)?;
-    }
-    Ok((task, format!("{:016x}", checksum(named.as_bytes()))))
-}
-
-/// FNV-1a of 64 bits: to tell questions apart, not to keep secrets.
-fn checksum(bytes: &[u8]) -> u64 {
-    bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
+    // The machine as it was made of whatever files the line reads.
+    let model = task.model();
+    let (rotor, settings) = (write_rotor(&model.rotor), SettingsDocument::of(&model.settings));
+    let named = format!("{}\n{line}\n{rotor}\n{}", env!("CARGO_PKG_VERSION"), settings.text());
+    Ok((task, format!("{:016x}", wire::hash_of(named.as_bytes()))))
 }
 
 impl Plan {
     fn to_text(&self) -> String {
-        let form = if self.form == Form::Csv { "csv" } else { "parquet" };
         format!(
-            "# Made by `whirl sweep plan`; shards are run by `whirl sweep run` of the same version.\nrun = {:?}\nshards = \"{}\"\nquestion = \"{}\"\nform = \"{form}\"\n",
-            self.line, self.shards, self.question
+            "# Made by `whirl sweep plan`; shards are run by `whirl sweep run` of the same version.\nrun = {}\nshards = \"{}\"\nquestion = \"{}\"\nform = \"{}\"\n",
+            text::string(&self.line),
+            self.shards,
+            self.question,
+            self.form.name()
         )
     }
 

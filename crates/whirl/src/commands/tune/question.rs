@@ -1,6 +1,6 @@
 //! What is asked: options into a family, structures and choices of place, each checked and named in the user's terms.
 
-use control::{PARTS, Parts};
+use control::{FAULTS, PARTS, Parts};
 use rotor::typed::pair;
 use rotor::{Feedback, Rotor};
 use tuner::{
@@ -179,20 +179,9 @@ impl Asked {
 
 /// Settings of a search: numbers of the loop that its poles know.
 fn parts_alone(set: &[String]) -> Result<(), Failure> {
-    const NO_PART: [&str; 11] = [
-        "noise",
-        "quantum",
-        "seed",
-        "limit",
-        "slew",
-        "external",
-        "external_trip",
-        "sensor_gain",
-        "sensor_at",
-        "amplifier_y",
-        "amplifier_z",
-    ];
-    let names = || PARTS.iter().map(|part| part.name).filter(|name| !NO_PART.contains(name));
+    const NO_PART: [&str; 7] = ["noise", "quantum", "seed", "limit", "slew", "external", "external_trip"];
+    let is_part = |name: &&str| !NO_PART.contains(name) && !FAULTS.contains(name);
+    let names = || PARTS.iter().map(|part| part.name).filter(is_part);
     for typed in set {
         let key = pair(typed).map_or(typed.as_str(), |(key, _)| key);
         if !names().any(|name| name == key) {
