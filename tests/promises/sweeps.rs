@@ -95,7 +95,7 @@ fn regress_a_file_that_is_changed_makes_another_plan() {
         std::fs::write(at.join("sweep.toml"), line).expect("written");
         let (code, _, stderr) = run_in(at, &["sweep", "plan", "sweep.toml", "--shards", "2", "--force"]);
         assert_eq!(code, Some(0), "{stderr}");
-        std::fs::write(at.join("gains.toml"), gains.replace("kd = ", "kd = 1")).expect("written");
+        std::fs::write(at.join("gains.toml"), gains.replace("kd = -", "kd = -1")).expect("written");
         let (code, _, stderr) = run_in(at, &["sweep", "run", "out/plan.toml", "--shard", "0"]);
         assert!(code == Some(2) && stderr.contains("plan it anew"), "{option}: {stderr}");
     }
