@@ -4,7 +4,7 @@
 //! of the step, like the integrator. A stretch has values of its own at both ends, so that a jump at a step stays a jump.
 
 use crate::C64;
-use crate::words::Words;
+use crate::state_words::StateWords;
 
 /// The command over one stretch of time.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,7 +98,7 @@ impl DelayLine {
         (0..other.count).for_each(|place| self.push(*other.get(place)));
     }
 
-    pub(crate) fn save(&self, words: &mut Words) {
+    pub(crate) fn save(&self, words: &mut StateWords) {
         words.put(self.count as u64);
         words.put_c64(self.before);
         for place in 0..self.count {
@@ -114,7 +114,7 @@ impl DelayLine {
     }
 
     /// `None` if the words do not fit.
-    pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
+    pub(crate) fn restore(&mut self, words: &mut StateWords) -> Option<()> {
         let count = usize::try_from(words.take()?).ok().filter(|count| *count <= self.ring.len())?;
         let before = words.take_c64()?;
         self.fill(before);
@@ -151,7 +151,7 @@ mod tests {
         }
         // Before what is kept, the value that the forgotten ended with.
         assert!((line.at(0.2) - cubic(0.6).0).norm() < 1e-14);
-        let mut words = Words::default();
+        let mut words = StateWords::default();
         line.save(&mut words);
         let mut again = DelayLine::new(4);
         again.restore(&mut words).expect("fits");

@@ -6,7 +6,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use crate::C64;
-use crate::words::Words;
+use crate::state_words::StateWords;
 
 /// Lines on either side of a frequency that is kept free on which there is no tone.
 const KEPT_FREE: f64 = 2.0;
@@ -214,7 +214,7 @@ impl Excitation {
         self.tones.iter().map(rate).sum()
     }
 
-    pub(crate) fn save(&self, words: &mut Words) {
+    pub(crate) fn save(&self, words: &mut StateWords) {
         words.put(self.tones.len() as u64);
         words.put_f64(self.from);
         words.put_f64(self.until);
@@ -224,7 +224,7 @@ impl Excitation {
         }
     }
 
-    pub(crate) fn restored(words: &mut Words) -> Option<Self> {
+    pub(crate) fn restored(words: &mut StateWords) -> Option<Self> {
         let count = words.take().filter(|count| *count <= 2 * u64::from(Multisine::MAX_TONES))?;
         let (from, until) = (words.take_f64()?, words.take_f64()?);
         let tone = |_| Some(Tone { frequency: words.take_f64()?, amplitude: words.take_c64()? });
@@ -305,9 +305,9 @@ mod tests {
             assert!((slope - made.rate_at(tau)).norm() < 1e-6 * (1.0 + slope.norm()));
         }
         assert_eq!(made.until(), 3.0 + 1.0 / 3.0);
-        let mut words = Words::default();
+        let mut words = StateWords::default();
         made.save(&mut words);
-        let restored = Excitation::restored(&mut Words::from_saved(words.as_slice().to_vec())).unwrap();
+        let restored = Excitation::restored(&mut StateWords::from_saved(words.as_slice().to_vec())).unwrap();
         assert_eq!((restored.from, restored.until, restored.tones), (made.from, made.until, made.tones));
     }
 }

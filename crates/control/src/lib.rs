@@ -36,12 +36,13 @@ mod delay_line;
 mod excitation;
 mod feedback;
 mod filter;
+mod gain;
 mod law;
 mod law_over_speed;
 mod linear;
 mod parts;
 mod state_space;
-mod words;
+mod state_words;
 
 pub use block::MAX_ORDER;
 pub use controller::{Controller, LoopError, Output, Stage};
@@ -49,11 +50,12 @@ pub use corners::Corners;
 pub use excitation::{Excitation, ExcitationError, Multisine, Tone};
 pub use feedback::Feedback;
 pub use filter::{FILTERS, Filter, FilterError, STATE_SPACE};
-pub use law::{ControlBearing, ControlRow, FeedbackError, Gain, GainKind, Signal};
+pub use gain::{Gain, GainKind};
+pub use law::{ControlBearing, ControlRow, FeedbackError, Signal};
 pub use law_over_speed::{LawOverSpeed, LawPiece};
 pub use linear::{Law, LinearLoop};
 pub use parts::{FAULTS, PARTS, Part, PartError, Parts};
-pub use words::Words;
+pub use state_words::StateWords;
 
 /// A complex number in double precision: `y + j z` in the plane of whirl.
 pub type C64 = num_complex::Complex<f64>;

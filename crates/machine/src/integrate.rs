@@ -5,7 +5,7 @@
 
 use std::sync::Arc;
 
-use control::{Controller, Output, Stage, Words};
+use control::{Controller, Output, Stage, StateWords};
 use rotor::{C64, Direction, Plant, Spin};
 
 use crate::motion::{Drive, Motion, SAME_TIME};
@@ -252,7 +252,7 @@ impl Integrator {
     }
 
     /// Writes down the excitation, if there is one that goes on after `tau`: of a control bearing after the first, its number before.
-    pub(crate) fn save_excitation(&self, tau: f64, words: &mut Words) {
+    pub(crate) fn save_excitation(&self, tau: f64, words: &mut StateWords) {
         let Some(bearing) = self.controllers.iter().position(|controller| controller.is_excited(tau)) else { return };
         if self.controllers.len() > 1 {
             words.put(bearing as u64);
@@ -261,7 +261,7 @@ impl Integrator {
     }
 
     /// Takes up an excitation that was written down, if one was. `None` if the words do not fit.
-    pub(crate) fn restore_excitation(&mut self, words: &mut Words) -> Option<()> {
+    pub(crate) fn restore_excitation(&mut self, words: &mut StateWords) -> Option<()> {
         self.controllers.iter_mut().for_each(Controller::stop_excitation);
         let several = self.controllers.len() > 1 && !words.is_at_end();
         let bearing = if several { words.take()? as usize } else { 0 };
@@ -346,13 +346,13 @@ impl Integrator {
         1 + 2 * self.state.len() + self.controllers.iter().map(Controller::words_at_most).sum::<usize>()
     }
 
-    pub(crate) fn save(&self, words: &mut Words) {
+    pub(crate) fn save(&self, words: &mut StateWords) {
         words.put(self.state.len() as u64);
         self.state.iter().for_each(|z| words.put_c64(*z));
         self.controllers.iter().for_each(|controller| controller.save(words));
     }
 
-    pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
+    pub(crate) fn restore(&mut self, words: &mut StateWords) -> Option<()> {
         words.take().filter(|width| *width == self.state.len() as u64)?;
         for z in &mut self.state {
             *z = words.take_c64()?;

@@ -41,7 +41,7 @@ mod stability_loss;
 mod trip;
 mod zones;
 
-pub use control::{Excitation, ExcitationError, Multisine, Output, Tone, Words};
+pub use control::{Excitation, ExcitationError, Multisine, Output, StateWords, Tone};
 pub use counted_modes::CountedModes;
 pub use forced::forced_response;
 pub use frequency::{

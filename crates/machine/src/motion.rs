@@ -8,7 +8,7 @@ mod turning;
 
 use std::collections::VecDeque;
 
-use control::Words;
+use control::StateWords;
 use rotor::profile::{Leg, REST_OF_DECAY};
 use rotor::{C64, SpeedStage, Spin};
 use turning::Turning;
@@ -265,7 +265,7 @@ impl Motion {
         self.turning.clear();
     }
 
-    pub(crate) fn save(&self, words: &mut Words) {
+    pub(crate) fn save(&self, words: &mut StateWords) {
         let Self { law, until, to, legs, drive, turning: _ } = self;
         let SpinLaw { from, angle, speed, acceleration, decay, asymptote } = law;
         [*from, *angle, *speed, *acceleration, *decay, *asymptote, *until, *to]
@@ -287,7 +287,7 @@ impl Motion {
         }
     }
 
-    pub(crate) fn restore(&mut self, words: &mut Words) -> Option<()> {
+    pub(crate) fn restore(&mut self, words: &mut StateWords) -> Option<()> {
         let Self { law: SpinLaw { from, angle, speed, acceleration, decay, asymptote }, until, to, .. } = self;
         let places = [from, angle, speed, acceleration, decay, asymptote, until, to];
         for place in places {
@@ -362,10 +362,10 @@ mod tests {
         assert_eq!((motion.speed_at(end + 21.0), motion.is_moving()), (0.0, false));
         // And back up, saved half way.
         motion.follow(200.0, &[Leg::Decay { speed: 3.0, rate: 0.1 }, Leg::Dwell { duration: 2.0 }]);
-        let mut words = Words::default();
+        let mut words = StateWords::default();
         motion.save(&mut words);
         let mut other = Motion::steady(1.0);
-        let mut words = Words::from_saved(words.as_slice().to_vec());
+        let mut words = StateWords::from_saved(words.as_slice().to_vec());
         other.restore(&mut words).unwrap();
         assert_eq!(other, motion);
     }

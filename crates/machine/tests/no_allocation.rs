@@ -1,6 +1,6 @@
 //! What the stepping thread of a bench does to a machine allocates nothing and frees nothing, whatever the loop.
 
-use control::{Excitation, Filter, Multisine, Parts, Words};
+use control::{Excitation, Filter, Multisine, Parts, StateWords};
 use machine::{Machine, Program};
 use rotor::{C64, Feedback, Gain, Settings, builtin};
 
@@ -56,7 +56,7 @@ fn steps_orders_and_new_programs_allocate_nothing() {
                 let mut machine = Machine::new(program(first, 3.0, f64::INFINITY));
                 let mut next = Box::new(program(second, 4.0, ramp));
                 let most = machine.words_at_most().max(next.words_at_most());
-                let mut words = Words::with_room(most);
+                let mut words = StateWords::with_room(most);
                 let mut excitation = Some(Box::new(Excitation::of(&MULTISINE).expect("in order")));
                 let mut save = |machine: &Machine| {
                     words.clear();

@@ -151,11 +151,11 @@ fn what_was_saved_goes_on_to_the_last_bit() {
         let program = || Program::in_substeps(&rotor, &settings, 0.01, 1).expect("can be stepped");
         let mut machine = Machine::new(program());
         (0..137).for_each(|_| assert!(machine.step().is_none()));
-        let mut words = control::Words::with_room(machine.words_at_most());
+        let mut words = control::StateWords::with_room(machine.words_at_most());
         machine.save(&mut words);
         assert!(words.as_slice().len() <= machine.words_at_most());
         let mut restored = Machine::new(program());
-        assert!(restored.restore(&mut control::Words::from_saved(words.as_slice().to_vec())));
+        assert!(restored.restore(&mut control::StateWords::from_saved(words.as_slice().to_vec())));
         for _ in 0..200 {
             machine.step();
             restored.step();

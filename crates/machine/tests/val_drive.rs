@@ -1,6 +1,6 @@
 //! A drive of given torque: against SciPy's DOP853, the balance of energy, and the speed that is given.
 
-use machine::{Leg, Machine, Program, Words};
+use machine::{Leg, Machine, Program, StateWords};
 use proptest::prelude::*;
 use rotor::{C64, J, Mass, Rotor, Settings, builtin};
 use serde_json::Value;
@@ -143,11 +143,11 @@ fn a_drive_is_saved_in_mid_leg_and_goes_on_to_the_last_bit() {
         while machine.tau() < f64::from(at) * 0.01 - 0.005 {
             machine.step();
         }
-        let mut words = Words::default();
+        let mut words = StateWords::default();
         machine.save(&mut words);
         let program = Program::in_substeps(&rotor, &settings, 0.01, 1).expect("fits").following(legs.clone());
         let mut other = Machine::new(program);
-        assert!(other.restore(&mut Words::from_saved(words.as_slice().to_vec())), "its own words");
+        assert!(other.restore(&mut StateWords::from_saved(words.as_slice().to_vec())), "its own words");
         let mut same = machine.clone();
         for _ in 0..1500 {
             other.step();

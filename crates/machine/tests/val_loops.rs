@@ -1,7 +1,7 @@
 //! The machine in motion against its own matrices, the fused path, and exact poles: neither knows the other.
 
 use control::{Filter, Parts};
-use machine::{Leg, LinearForm, Machine, Program, Words};
+use machine::{Leg, LinearForm, Machine, Program, StateWords};
 use rotor::{C64, Mass, OperatingPoint, Plant, Rotor, Settings, builtin, eigenvalues};
 
 /// The three-mass rotor without unbalance, so that nothing but a disturbance moves it.
@@ -157,10 +157,10 @@ fn a_machine_that_is_restored_goes_on_to_the_last_bit() {
             let program = || Program::in_substeps(&rotor, &settings, 0.01, 2).expect("can be stepped");
             let mut machine = Machine::spinning(program(), 2.0);
             (0..1500).for_each(|_| assert!(machine.step().is_none()));
-            let mut words = Words::default();
+            let mut words = StateWords::default();
             machine.save(&mut words);
             let mut restored = Machine::new(program());
-            assert!(restored.restore(&mut Words::from_saved(words.as_slice().to_vec())), "{what}");
+            assert!(restored.restore(&mut StateWords::from_saved(words.as_slice().to_vec())), "{what}");
             for _ in 0..4000 {
                 machine.step();
                 restored.step();

@@ -1,7 +1,7 @@
 //! From a chart to a scene: frame, marks, series, words, and a legend below everything, where it hides nothing.
 
 use super::clip::Frame;
-use super::scene::{Anchor, Scene, Shape, Words};
+use super::scene::{Anchor, Label, Scene, Shape};
 use super::ticks::ticks;
 use super::{Axis, Cells, Chart, Color, HEIGHT, Look, Note, Series, Side, WIDTH, font};
 
@@ -130,7 +130,7 @@ fn marks(scene: &mut Scene, scale: &Scale<'_>, lines: bool) {
         scene.text((f.left - 8.0, at + 0.36 * SMALL), &words, SMALL, Anchor::End);
     }
     scene.text((0.5 * (f.left + f.right), f.bottom + 47.0), &scale.x.label, LABEL, Anchor::Middle);
-    scene.shapes.push(Shape::Words(Words {
+    scene.shapes.push(Shape::Label(Label {
         at: (24.0, 0.5 * (f.top + f.bottom)),
         text: scale.y.label.clone(),
         size: LABEL,
@@ -215,7 +215,7 @@ fn write(scene: &mut Scene, scale: &Scale<'_>, note: &Note) {
         Side::Below => ((x, y + 9.0 + 0.74 * SMALL), Anchor::Middle),
     };
     let text = note.text.clone();
-    scene.shapes.push(Shape::Words(Words { at, text, size: SMALL, anchor, upright: true, halo: true }));
+    scene.shapes.push(Shape::Label(Label { at, text, size: SMALL, anchor, upright: true, halo: true }));
 }
 
 /// What a legend entry takes: a sample of the line, the words, and a gap.
@@ -280,7 +280,7 @@ mod tests {
         for shape in chart(false).scene().shapes {
             let points = match shape {
                 Shape::Line { points, .. } | Shape::Fill { points, .. } => points,
-                Shape::Disc { at, .. } | Shape::Words(Words { at, .. }) => vec![at],
+                Shape::Disc { at, .. } | Shape::Label(Label { at, .. }) => vec![at],
             };
             assert!(points.iter().all(|(x, y)| (0.0..=WIDTH).contains(x) && (0.0..=HEIGHT).contains(y)), "{points:?}");
         }

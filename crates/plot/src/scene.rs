@@ -18,12 +18,12 @@ pub(super) enum Shape {
     /// A disc, or a ring of that width.
     Disc { at: (f64, f64), radius: f64, color: Color, ring: Option<f64> },
     /// Words on a baseline.
-    Words(Words),
+    Label(Label),
 }
 
 /// Words on a baseline.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Words {
+pub(super) struct Label {
     pub at: (f64, f64),
     pub text: String,
     /// Of the letters, in pixels.
@@ -51,6 +51,6 @@ impl Scene {
     }
 
     pub(super) fn text(&mut self, at: (f64, f64), text: &str, size: f64, anchor: Anchor) {
-        self.shapes.push(Shape::Words(Words { at, text: text.to_owned(), size, anchor, upright: true, halo: false }));
+        self.shapes.push(Shape::Label(Label { at, text: text.to_owned(), size, anchor, upright: true, halo: false }));
     }
 }

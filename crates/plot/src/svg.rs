@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
-use super::scene::{Anchor, Scene, Shape, Words};
+use super::scene::{Anchor, Label, Scene, Shape};
 use super::{Color, HEIGHT, WIDTH, font};
 
 /// Width of the line around words that stand on something, in pixels.
@@ -33,7 +33,7 @@ pub fn svg(scene: &Scene, name: &str, title: &str) -> String {
 /// The outline of every letter that the scene uses, once.
 fn define_letters(out: &mut String, scene: &Scene, name: &str) {
     let texts = scene.shapes.iter().filter_map(|shape| match shape {
-        Shape::Words(words) => Some(&words.text),
+        Shape::Label(words) => Some(&words.text),
         _ => None,
     });
     let numbers: BTreeSet<u16> = texts.flat_map(|text| font::letters(text)).map(|letter| letter.number).collect();
@@ -70,12 +70,12 @@ fn element(out: &mut String, shape: &Shape, name: &str) {
             };
             write!(out, "<circle cx=\"{}\" cy=\"{}\" r=\"{radius}\" {look}/>", tenths(at.0), tenths(at.1))
         }
-        Shape::Words(words) => write!(out, "{}", group(words, name)),
+        Shape::Label(words) => write!(out, "{}", group(words, name)),
     };
 }
 
 /// Words as references to their letters, in a group that is scaled from the units of the font.
-fn group(words: &Words, name: &str) -> String {
+fn group(words: &Label, name: &str) -> String {
     let (text, scale) = (&words.text, words.size / font::units());
     let before = match words.anchor {
         Anchor::Start => 0.0,

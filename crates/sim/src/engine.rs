@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use crossbeam::queue::ArrayQueue;
-use machine::{Excitation, Machine, Program, Words};
+use machine::{Excitation, Machine, Program, StateWords};
 use rotor::C64;
 use wire::message::{Flags, Trip};
 use wire::{Channel, MAX_SNAPSHOT, Point, RowMut, SnapshotHead};
@@ -51,12 +51,12 @@ pub(crate) struct Saved {
     /// Whether it is one: else it comes back because it has not room enough.
     pub(crate) is_taken: bool,
     pub(crate) head: SnapshotHead,
-    pub(crate) words: Words,
+    pub(crate) words: StateWords,
 }
 
 impl Saved {
     pub(crate) fn with_room(room: usize) -> Box<Self> {
-        Box::new(Self { is_taken: false, head: SnapshotHead::default(), words: Words::with_room(room) })
+        Box::new(Self { is_taken: false, head: SnapshotHead::default(), words: StateWords::with_room(room) })
     }
 }
 

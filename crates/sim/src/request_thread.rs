@@ -51,7 +51,7 @@ pub(crate) struct RequestThread<'a> {
     /// The largest orbits between bench statuses, of the last few.
     radii: VecDeque<f64>,
     /// What was told of a controller outside, and when.
-    controller: external::Told,
+    controller: external::ExternalReports,
     /// What does not change of how the bench runs.
     options: Options,
     /// Something has changed that readers have not been told.
@@ -95,7 +95,7 @@ impl<'a> RequestThread<'a> {
             applied: When { step: 0, tau: 0.0 },
             excited: None,
             radii: VecDeque::from([0.0; RADII]),
-            controller: external::Told::default(),
+            controller: external::ExternalReports::default(),
             options: options.clone(),
             news: true,
         }

@@ -382,7 +382,7 @@ fn a_snapshot_goes_on_to_the_last_bit_as_the_bench_did() {
         let pace = machine::Pace { dtau: 0.01, rate_hz: 1000.0 };
         let program = machine::Program::compile(&rotor, &settings, settings.speed, pace).unwrap();
         let mut machine = machine::Machine::new(program);
-        assert!(machine.restore(&mut machine::Words::from_saved(words)));
+        assert!(machine.restore(&mut machine::StateWords::from_saved(words)));
         assert_eq!(machine.tau(), head.tau);
         for state in bench.states.iter().filter(|state| (head.seq..head.seq + 1000).contains(&state.seq())) {
             assert_eq!(machine.step(), None);

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
 
-use machine::{Excitation, Machine, MachineLoop, MachinePoles, Multisine, Program, Words};
+use machine::{Excitation, Machine, MachineLoop, MachinePoles, Multisine, Program, StateWords};
 use rotor::{C64, Rotor, Settings, builtin};
 use study::measured::{MeasuredPoint, Tones};
 
@@ -104,11 +104,11 @@ fn an_excited_machine_that_is_written_down_goes_on_to_the_last_bit() {
         (0..100).for_each(|_| assert_eq!(machine.step(), None));
         machine.excite(0, &mut Some(Box::new(Excitation::of(&multisine).unwrap())));
         (0..50).for_each(|_| assert_eq!(machine.step(), None));
-        let mut words = Words::default();
+        let mut words = StateWords::default();
         machine.save(&mut words);
         assert!(words.as_slice().len() <= machine.words_at_most());
         let mut other = made();
-        assert!(other.restore(&mut Words::from_saved(words.as_slice().to_vec())), "{change:?}");
+        assert!(other.restore(&mut StateWords::from_saved(words.as_slice().to_vec())), "{change:?}");
         for step in 0..400 {
             machine.step();
             other.step();

@@ -29,6 +29,7 @@ mod damage;
 mod document;
 mod error;
 mod event;
+mod file_series;
 mod gather;
 mod info;
 mod offline;
@@ -38,7 +39,6 @@ mod past;
 pub mod recorder;
 mod recording;
 mod rotation;
-mod row;
 #[cfg(feature = "rerun")]
 mod rrd;
 pub mod schema;

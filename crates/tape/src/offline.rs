@@ -4,7 +4,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use files::Existing;
-use machine::{Machine, Words};
+use machine::{Machine, StateWords};
 use rotor::{C64, Rotor, Settings};
 use wire::message::{Flags, Trip};
 use wire::{BenchStatus, Channel, Happening, Moment, Point, SettingsDocument, State, StepLayout, Text};
@@ -205,7 +205,7 @@ impl OfflineTape {
 
     /// All of the machine, as it is before the next step.
     fn snapshot_of(&mut self, machine: &Machine) -> Snapshot {
-        let mut words = Words::default();
+        let mut words = StateWords::default();
         machine.save(&mut words);
         self.next_snapshot = self.seen + SNAPSHOT_STEPS.max(words.as_slice().len() as u64 * STEPS_A_WORD);
         Snapshot::new(self.seen, words.as_slice())

@@ -18,7 +18,7 @@ use crate::contents::{Contents, Decoder, Stretch};
 use crate::damage::Damage;
 use crate::error::TapeError;
 use crate::event::{Event, Remark, What};
-use crate::row::Row;
+use crate::file_series::FileSeries;
 use crate::session::{Gap, Revision, Session, Span};
 use crate::snapshot::Snapshot;
 
@@ -43,7 +43,7 @@ impl Recording {
     /// # Errors
     /// No such file, or not one of ours; a later version of the schema; or a build that cannot read recordings.
     pub fn open(path: &Path) -> Result<Self, TapeError> {
-        Row::of_all(&[path.to_owned()]).map(Self::new)
+        FileSeries::of_all(&[path.to_owned()]).map(Self::new)
     }
 
     /// Opens the whole recording that was split into several files: given any one of them, or all that shall be taken.
@@ -51,11 +51,11 @@ impl Recording {
     /// # Errors
     /// As [`Recording::open`]; or files of different runs, or with steps in common.
     pub fn open_row(paths: &[PathBuf]) -> Result<Self, TapeError> {
-        let row = if let [path] = paths { Row::of(path)? } else { Row::of_all(paths)? };
+        let row = if let [path] = paths { FileSeries::of(path)? } else { FileSeries::of_all(paths)? };
         Ok(Self::new(row))
     }
 
-    fn new(Row { paths, mut contents, decoder }: Row) -> Self {
+    fn new(FileSeries { paths, mut contents, decoder }: FileSeries) -> Self {
         contents.revisions.sort_by_key(|r| r.revision);
         // The same settings stand in the head of every part, and events that came twice likewise.
         contents.revisions.dedup_by_key(|r| r.revision);

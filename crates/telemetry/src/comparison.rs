@@ -156,7 +156,7 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
         };
         let delay = |effects: &GainEffects| {
             let delay = effects.margins.and_then(|(_, delay)| delay);
-            delay.map_or_else(|| "any".to_owned(), |delay| format!("{} tau", short(delay, 4)))
+            delay.map_or_else(|| "any".to_owned(), |delay| units.time_told(delay, 4))
         };
         rows.extend([row("sensitivity", both.map(peak)), row("delay margin", both.map(delay))]);
     }

@@ -13,7 +13,7 @@ pub(crate) struct SettingsTrail {
 
 /// What settings that are told are to those that were known.
 #[derive(Debug)]
-pub(crate) enum Told {
+pub(crate) enum SettingsNews {
     /// The first of a run that are known: what came before them is not.
     First,
     /// Known already: of events that come twice the second says nothing.
@@ -35,15 +35,15 @@ impl SettingsTrail {
     }
 
     /// Takes in the settings of a run at a revision.
-    pub(crate) fn take_in(&mut self, (run, revision): (u64, u64), settings: &Settings) -> Told {
+    pub(crate) fn take_in(&mut self, (run, revision): (u64, u64), settings: &Settings) -> SettingsNews {
         let before = self.settings.take().filter(|_| run == self.run);
         let told = match before {
-            None => Told::First,
+            None => SettingsNews::First,
             Some(before) if revision <= self.revision => {
                 self.settings = Some(before);
-                return Told::Again;
+                return SettingsNews::Again;
             }
-            Some(before) => Told::After(before),
+            Some(before) => SettingsNews::After(before),
         };
         *self = Self { run, revision, settings: Some(settings.clone()) };
         told

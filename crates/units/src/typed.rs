@@ -78,12 +78,14 @@ impl Typed {
         if !unit.starts_with(|c: char| c.is_alphanumeric()) {
             return Err(TypedError::NotANumber);
         }
-        let own = plain(dimension.unit());
+        let own = dimension.unit();
         let names = dimension.names();
         let counted = match unit.as_str() {
             "tau" if dimension == Dimension::Time => Some(Counted::Dimensionless("tau")),
-            unit if !unit.is_empty() && unit == own => Some(Counted::Dimensionless(dimension.unit())),
-            unit => names.iter().find(|(name, _)| plain(name) == unit).map(|(name, factor)| Counted::Si(name, *factor)),
+            unit if is_called(unit, own) => Some(Counted::Dimensionless(own)),
+            unit => {
+                names.iter().find(|(name, _)| is_called(unit, name)).map(|(name, factor)| Counted::Si(name, *factor))
+            }
         };
         match counted {
             Some(counted) => Ok(Self { number, counted }),
@@ -111,10 +113,17 @@ impl Typed {
     }
 }
 
-/// A unit without what people write in between: blanks and dots for products, and the two letters that mean micro.
+/// A unit as the table writes it: a blank for whatever people write between factors, and `u` for the two letters that mean micro.
 fn plain(unit: &str) -> String {
-    let kept = unit.chars().filter(|c| !c.is_whitespace() && !['.', '*', '·'].contains(c));
-    kept.map(|c| if ['μ', 'µ'].contains(&c) { 'u' } else { c }).collect()
+    let letters = unit.chars().map(|c| if ['μ', 'µ'].contains(&c) { 'u' } else { c });
+    let is_between = |c: char| c.is_whitespace() || ['.', '*', '·'].contains(&c);
+    letters.collect::<String>().split(is_between).filter(|factor| !factor.is_empty()).collect::<Vec<_>>().join(" ")
+}
+
+/// Whether what was typed, made [`plain`], is the unit of that name: `Ns/m` is `N s/m`, but `m m` is not `mm`.
+fn is_called(typed: &str, name: &str) -> bool {
+    let name = plain(name);
+    typed == name || typed == name.replace(' ', "")
 }
 
 impl Dimension {
@@ -176,6 +185,7 @@ mod tests {
             (Damping, "3000N.s/m", 1.0),
             (Damping, "6 kN s/m", 2.0),
             (Damping, "3 N*s/mm", 1.0),
+            (Damping, "6kNs/m", 2.0),
             (Time, "10ms", 3.0),
             (Time, "4tau", 4.0),
             (Stiffness, "5", -5.0),
@@ -194,6 +204,7 @@ mod tests {
             (Dimension::Speed, "3-", "expected a number"),
             (Dimension::Speed, "3000N", "expected a number, alone or in rpm, Hz, rad/s"),
             (Dimension::Force, "3e5n", "expected a number, alone or in N, kN, mN"),
+            (Dimension::Length, "3 m m", "expected a number, alone or in m, mm, um, nm"),
             (Dimension::Number, "3 s", "expected a number without a unit"),
         ] {
             assert_eq!(read(dimension, typed), Err(why.to_owned()), "{typed}");

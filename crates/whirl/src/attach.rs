@@ -133,6 +133,11 @@ pub(crate) fn first_bench_status(listener: &mut impl Glance, bench: &BenchName) 
     }
 }
 
+/// Of a change that was asked for, when no answer came: it may yet be made.
+pub(crate) fn unanswered(silence: &WireError) -> Failure {
+    Failure::Work(format!("not known whether it is changed, as it may yet be: {silence}"))
+}
+
 impl From<WireError> for Failure {
     fn from(error: WireError) -> Self {
         let words = error.to_string();

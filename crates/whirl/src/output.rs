@@ -1,6 +1,6 @@
 //! One result, three forms: a table for people, CSV for spreadsheets, one JSON document for scripts.
 
-use std::io::Write;
+use std::io::{IsTerminal, Write};
 
 use serde::Serialize;
 use study::csv::{Field, Lines};
@@ -84,6 +84,12 @@ impl Table {
 #[must_use]
 pub(crate) fn rounded(number: f64) -> String {
     text::number::in_digits(number, 6)
+}
+
+/// Whether whoever reads stdout sees colours: on a terminal that has them, unless `NO_COLOR` is set to anything (no-color.org).
+pub(crate) fn has_colours() -> bool {
+    let is_refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    std::io::stdout().is_terminal() && !is_refused && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
 /// `text` with blanks behind it up to `wide` cells of a terminal, in which a Chinese character takes two.

@@ -99,7 +99,7 @@ pub use shared_glance::SharedGlance;
 pub use shared_memory::{SharedListener, SharedMemory};
 pub use shared_news::{SharedNews, SharedRecorder};
 pub use snapshot::{MAX_SNAPSHOT, SnapshotHead};
-pub use step::{Point, Row, RowMut, State, Step, bearing_of, force_channels};
+pub use step::{Point, RowMut, State, Step, StepRow, bearing_of, force_channels};
 pub use text::Text;
 pub use topic::Topic;
 pub use wire_struct::{Field, Message, MessageTable};

@@ -6,8 +6,8 @@ use std::time::Duration;
 
 use crate::document::MAX_DOCUMENT;
 use crate::{
-    Answer, BenchName, BenchStatus, ControlCommand, Event, MAX_SNAPSHOT, Readings, RecorderStatus, Request, Row,
-    RowMut, SnapshotHead, StepLayout, WireError,
+    Answer, BenchName, BenchStatus, ControlCommand, Event, MAX_SNAPSHOT, Readings, RecorderStatus, Request, RowMut,
+    SnapshotHead, StepLayout, StepRow, WireError,
 };
 
 /// A way to carry messages between a simulation and its readers.
@@ -260,7 +260,7 @@ pub trait Listener: Glance {
     ///
     /// # Errors
     /// The carrier fails.
-    fn drain(&mut self, visit: impl FnMut(Row<'_>)) -> Result<usize, WireError>;
+    fn drain(&mut self, visit: impl FnMut(StepRow<'_>)) -> Result<usize, WireError>;
 
     /// Visits every event that has arrived, oldest first; the first call after attaching, or soon after it, has those
     /// that happened before. Returns how many there were.

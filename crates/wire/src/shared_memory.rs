@@ -22,7 +22,7 @@ use crate::shared_glance::SharedGlance;
 use crate::shared_news::{self, NewsServices, RECORDER_ROLE, SharedNews, SharedRecorder};
 use crate::{
     BenchName, BenchStatus, Carrier, Event, EventMessage, Glance, Host, HostState, Listener, MAX_BURST, RecorderStatus,
-    Root, Row, RowMut, SCHEMA, SnapshotHead, StateSender, StepLayout, Topic, WireError,
+    Root, RowMut, SCHEMA, SnapshotHead, StateSender, StepLayout, StepRow, Topic, WireError,
 };
 
 /// Bursts of states a reader may fall behind by: 2 s while a simulation wakes up 1000 times a second, and longer below.
@@ -272,10 +272,10 @@ impl Glance for SharedListener {
 }
 
 impl Listener for SharedListener {
-    fn drain(&mut self, mut visit: impl FnMut(Row<'_>)) -> Result<usize, WireError> {
+    fn drain(&mut self, mut visit: impl FnMut(StepRow<'_>)) -> Result<usize, WireError> {
         let mut count = 0;
         while let Some(sample) = self.states.receive().map_err(internal)? {
-            for row in Row::all(sample.payload()) {
+            for row in StepRow::all(sample.payload()) {
                 visit(row);
                 count += 1;
             }

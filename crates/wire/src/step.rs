@@ -167,12 +167,12 @@ pub trait Step {
 
 /// A step in a message.
 #[derive(Clone, Copy, Debug)]
-pub struct Row<'a> {
+pub struct StepRow<'a> {
     layout: StepLayout,
     words: &'a [u64],
 }
 
-impl<'a> Row<'a> {
+impl<'a> StepRow<'a> {
     /// The rows of a message, one after the other; what is no row, which only a foreign writer can send, ends them.
     pub fn all(words: &'a [u64]) -> impl Iterator<Item = Self> {
         let mut rest = words;
@@ -185,7 +185,7 @@ impl<'a> Row<'a> {
     }
 }
 
-impl Step for Row<'_> {
+impl Step for StepRow<'_> {
     fn layout(&self) -> StepLayout {
         self.layout
     }
@@ -363,13 +363,13 @@ mod tests {
             .with_point(0, Point { y: 1.5, ..Point::default() });
         let three = State::new(StepLayout::new(3)).with_word(Channel::Seq, 8).with_flags(Flags::TRIPPED);
         let mut words = [one.words(), three.words()].concat();
-        let read: Vec<State> = Row::all(&words).map(|row| State::of(&row)).collect();
+        let read: Vec<State> = StepRow::all(&words).map(|row| State::of(&row)).collect();
         assert_eq!(read, [one, three]);
         assert_eq!((read[0].reading(0), read[1].flags()), ([1.5, 0.0], Flags::TRIPPED));
         words.pop();
-        assert_eq!(Row::all(&words).count(), 1, "a row that is cut off is none");
+        assert_eq!(StepRow::all(&words).count(), 1, "a row that is cut off is none");
         words[Channel::Flags as usize] = u64::MAX;
-        assert_eq!(Row::all(&words).count(), 0);
+        assert_eq!(StepRow::all(&words).count(), 0);
         assert!(RowMut::new(StepLayout::new(3), &mut words[..30]).is_none());
     }
 }

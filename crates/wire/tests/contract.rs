@@ -12,8 +12,8 @@ use rotor::{C64, Settings, builtin};
 use wire::{
     Answer, BenchName, BenchStatus, Carrier, Change, Channel, Commander, ControlCommand, ControlHost, Controlling,
     EVENTS_KEPT, Glance, Happening, Host, HostState, Inbox, Keeping, Listener, MAX_BURST, MAX_READERS, MAX_SNAPSHOT,
-    NewsSender, Readings, RecorderSender, RecorderState, RecorderStatus, Row, RowMut, SettingsDocument, SnapshotHead,
-    StateSender, Step, StepLayout, Topic, WireError,
+    NewsSender, Readings, RecorderSender, RecorderState, RecorderStatus, RowMut, SettingsDocument, SnapshotHead,
+    StateSender, Step, StepLayout, StepRow, Topic, WireError,
 };
 
 /// A rotor of three masses.
@@ -620,7 +620,7 @@ fn a_killed_recorder_has_died_and_the_next_one_takes_its_place() {
 
 /// The number of the first step of a message.
 fn first_seq(words: &[u64]) -> u64 {
-    Row::all(words).next().unwrap().seq()
+    StepRow::all(words).next().unwrap().seq()
 }
 
 /// iceoryx2 as a program in another language would set it up: it knows the folder and the prefix, and has no lease.

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use machine::{Machine, Program, Words};
+use machine::{Machine, Program, StateWords};
 use promises::{Root, run};
 use rotor::C64;
 use tape::{Recording, Snapshot};
@@ -15,7 +15,7 @@ fn at(recording: &Recording, snapshot: &Snapshot) -> Machine {
     let revision = recording.settings_at(snapshot.next).unwrap();
     let (rotor, dtau) = (recording.rotor(), recording.session().dtau);
     let mut machine = Machine::new(Program::in_substeps(rotor, &revision.settings, dtau, revision.substeps).unwrap());
-    assert!(machine.restore(&mut Words::from_saved(snapshot.words.clone())), "before step {}", snapshot.next);
+    assert!(machine.restore(&mut StateWords::from_saved(snapshot.words.clone())), "before step {}", snapshot.next);
     machine
 }
 

@@ -125,7 +125,7 @@ pub fn read_and<T>(
 }
 
 /// Notes what is wrong with the drawing where it stands.
-fn tell(reader: &mut Reader<'_>, keys: &Table<'_>, place: Option<&Place<'_, '_>>, fault: &DrawingFault) {
+fn tell(reader: &mut Reader<'_>, keys: &Table<'_>, place: Option<&DrawnPart<'_, '_>>, fault: &DrawingFault) {
     let value = keys.get(fault.key).filter(|value| {
         // The place of a list of tables is its first.
         place.is_some() || !matches!(value.get_ref(), DeValue::Table(_))
@@ -135,7 +135,7 @@ fn tell(reader: &mut Reader<'_>, keys: &Table<'_>, place: Option<&Place<'_, '_>>
 }
 
 /// Where one of the drawing's parts stands in the file.
-pub(super) struct Place<'v, 'f> {
+pub(super) struct DrawnPart<'v, 'f> {
     table: &'static str,
     index: usize,
     keys: &'v Table<'f>,
@@ -148,7 +148,7 @@ pub(super) struct Reading<'v, 'f, 'a> {
     pub(super) file: &'v Table<'f>,
     pub(super) sketch: Sketch,
     pub(super) also: Also<'a>,
-    places: Vec<Place<'v, 'f>>,
+    places: Vec<DrawnPart<'v, 'f>>,
 }
 
 impl<'v, 'f> Reading<'v, 'f, '_> {
@@ -186,7 +186,7 @@ impl<'v, 'f> Reading<'v, 'f, '_> {
 
     /// Notes where a part stands.
     pub(super) fn place(&mut self, table: &'static str, index: usize, keys: &'v Table<'f>, span: Span<usize>) {
-        self.places.push(Place { table, index, keys, span });
+        self.places.push(DrawnPart { table, index, keys, span });
     }
 
     /// The station under `key`, counted from 0.

@@ -1,7 +1,7 @@
 //! From one loop to another while the machine runs: what still means something goes on, the rest starts as if it had been so
 //! for ever.
 
-use super::row::Chain;
+use super::law_row::Chain;
 use super::{Controller, Output, Stage};
 use crate::C64;
 use crate::block::{Block, Sampled};

@@ -2,7 +2,7 @@
 //! lag and limits. The command over it is then the sensitivity.
 
 use super::Controller;
-use crate::words::Words;
+use crate::state_words::StateWords;
 use crate::{C64, Excitation};
 
 impl Controller {
@@ -50,7 +50,7 @@ impl Controller {
     }
 
     /// Writes down the excitation, if it goes on after `tau`.
-    pub fn save_excitation(&self, tau: f64, words: &mut Words) {
+    pub fn save_excitation(&self, tau: f64, words: &mut StateWords) {
         if let Some(excitation) = self.excitation.as_ref().filter(|_| self.is_excited(tau)) {
             excitation.save(words);
         }
@@ -58,7 +58,7 @@ impl Controller {
 
     /// Takes up an excitation that was written down, if one was; a loop that was not excited then is not now. `None` if the words do not fit.
     #[must_use]
-    pub fn restore_excitation(&mut self, words: &mut Words) -> Option<()> {
+    pub fn restore_excitation(&mut self, words: &mut StateWords) -> Option<()> {
         self.is_exciting = false;
         self.excitation = match words.is_at_end() {
             true => None,

@@ -1,6 +1,6 @@
 //! The continuous side of a loop: from sensors through filters and delay to the actuator, as rates of its states.
 
-use super::row::Chain;
+use super::law_row::Chain;
 use super::{Controller, Stage};
 use crate::block::Sampled;
 use crate::delay_line::Stretch;

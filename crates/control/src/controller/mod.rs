@@ -13,12 +13,12 @@ mod adopt;
 mod excite;
 mod external;
 mod flow;
-mod row;
+mod law_row;
 mod save;
 
 use std::collections::VecDeque;
 
-use row::{Chain, Noise, Row};
+use law_row::{Chain, LawRow, Noise};
 
 use crate::block::Sampled;
 use crate::delay_line::{DelayLine, Stretch};
@@ -85,7 +85,7 @@ pub struct Controller {
     parts: Parts,
     /// The stations that it senses.
     sensors: Vec<usize>,
-    rows: Vec<Row>,
+    rows: Vec<LawRow>,
     /// Filters of the sum, at the bearing.
     bearing: Chain,
     scheduled: bool,
@@ -162,8 +162,8 @@ impl Controller {
             filter_states += blocks.iter().map(|b| b.block.order).sum::<usize>();
             Chain { blocks, first }
         };
-        let rows: Vec<Row> =
-            bearing.signals.iter().map(|signal| Row::new(signal, &sensors, chain(&signal.filters))).collect();
+        let rows: Vec<LawRow> =
+            bearing.signals.iter().map(|signal| LawRow::new(signal, &sensors, chain(&signal.filters))).collect();
         let behind = chain(&bearing.filters);
         let noise = (parts.noise > 0.0).then(|| Noise {
             deviation: parts.noise,
@@ -173,7 +173,7 @@ impl Controller {
         });
         let mut made = Self {
             parts,
-            scheduled: rows.iter().any(Row::is_scheduled)
+            scheduled: rows.iter().any(LawRow::is_scheduled)
                 || rows.iter().any(|row| row.filters.follows_speed())
                 || behind.follows_speed(),
             rows,

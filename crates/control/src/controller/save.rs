@@ -2,11 +2,11 @@
 
 use super::Controller;
 use crate::delay_line::DelayLine;
-use crate::words::Words;
+use crate::state_words::StateWords;
 
 impl Controller {
     /// Writes down all it holds beside its continuous states.
-    pub fn save(&self, words: &mut Words) {
+    pub fn save(&self, words: &mut StateWords) {
         words.put(self.next_sample);
         words.put(u64::from(self.output.saturated));
         for z in [self.acting, self.output.commanded, self.output.delivered] {
@@ -38,7 +38,7 @@ impl Controller {
 
     /// Takes up what was written down by a loop like this. `None` if the words do not fit; it is then in no good state.
     #[must_use]
-    pub fn restore(&mut self, words: &mut Words) -> Option<()> {
+    pub fn restore(&mut self, words: &mut StateWords) -> Option<()> {
         self.next_sample = words.take()?;
         self.output.saturated = words.take()? != 0;
         self.acting = words.take_c64()?;

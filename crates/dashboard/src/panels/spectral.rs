@@ -59,6 +59,9 @@ impl Panel for SpectralPanel {
     }
 }
 
+/// Poles up to which axes of frequency reach, slowest first: four motions forward and backward.
+const SLOWEST: usize = 8;
+
 /// Of which mass, over which frequencies and which densities spectra are shown.
 #[derive(Clone, Debug)]
 pub(super) struct Spectral {
@@ -169,12 +172,22 @@ pub(super) fn shift(units: &Units) -> f64 {
     (units.length.factor.powi(2) / units.frequency.factor).log10()
 }
 
-/// The highest frequency that is shown: beyond twice the speed, and beyond every mode; round on the screen.
+/// How far axes of frequency reach by themselves, in units of `w0`: past 2X and past the slowest modes, which of a shaft are the
+/// rigid ones and its first bendings; its fastest, at many times its speed, would press all that moves into one column.
 pub(super) fn reach(data: &FrameData) -> f64 {
     let speed = data.now.map_or(0.0, |now| data.track.speed(now));
-    let highest = data.poles().map_or(0.0, |(_, poles)| poles.iter().map(|pole| pole.im.abs()).fold(0.0, f64::max));
+    let highest =
+        data.poles().map_or(0.0, |(_, poles)| slowest(poles.iter().map(|pole| (pole.im.abs(), pole.re > 0.0))));
     let factor = data.units().frequency.factor;
     nice_ceiling((2.2 * speed).max(1.2 * highest).max(0.1) * factor) / factor
+}
+
+/// The highest of the slowest [`SLOWEST`] frequencies, and of those that grow, of which each says whether it does.
+fn slowest(poles: impl Iterator<Item = (f64, bool)>) -> f64 {
+    let mut poles: Vec<(f64, bool)> = poles.collect();
+    poles.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let counts = poles.iter().enumerate().filter(|(k, (_, grows))| *k < SLOWEST || *grows);
+    counts.map(|(_, (frequency, _))| *frequency).fold(0.0, f64::max)
 }
 
 /// A line in words: its frequency, its order, and the radius of its orbit.
@@ -185,4 +198,18 @@ pub(super) fn told(peak: &Peak, units: &Units) -> String {
         None => short(peak.frequency, 4),
     };
     format!(" ┆ {frequency}{order}  {} ", units.length.told(peak.radius, 4))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_fastest_modes_of_a_shaft_do_not_set_the_axis() {
+        let of = |grows: u32| slowest((1..=16).map(|k| (f64::from(k), k == grows)));
+        assert_eq!(of(0), 8.0);
+        assert_eq!(of(12), 12.0, "but one that grows is in sight");
+        assert_eq!(slowest([(2.27, false), (0.5, false)].into_iter()), 2.27);
+        assert_eq!(slowest(std::iter::empty()), 0.0);
+    }
 }

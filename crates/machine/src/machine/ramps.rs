@@ -1,6 +1,6 @@
 //! The fused path through a changing speed, beside the integrator of plant and loop: two ways of the same equations.
 
-use control::Words;
+use control::StateWords;
 use proptest::prelude::*;
 use rotor::profile::{Leg, Profile};
 use rotor::{C64, Feedback, Gain, Mass, Rotor, Settings, Signal};
@@ -88,7 +88,7 @@ fn apart(a: &Machine, b: &Machine) -> f64 {
 }
 
 fn saved(machine: &Machine) -> Vec<u64> {
-    let mut words = Words::default();
+    let mut words = StateWords::default();
     machine.save(&mut words);
     words.as_slice().to_vec()
 }
@@ -134,7 +134,7 @@ proptest! {
         // As it was compiled, and at rest.
         let mut other = Machine::new((*machine.program).clone());
         other.program.integrator.rest();
-        prop_assert!(other.restore(&mut Words::from_saved(words)));
+        prop_assert!(other.restore(&mut StateWords::from_saved(words)));
         let mut settings = Settings::new(&rotor, 1.5, feedback.off());
         (settings.ramp, settings.trip) = (0.3, 1e9);
         for step in 0..250 {
@@ -167,7 +167,7 @@ fn an_old_snapshot_goes_on_integrated() {
     let words = saved(&old);
     assert_eq!(words[2], 0, "the path, as it was written down then");
     let mut taken_up = Machine::new((*fused.program).clone());
-    assert!(taken_up.restore(&mut Words::from_saved(words)));
+    assert!(taken_up.restore(&mut StateWords::from_saved(words)));
     for _ in 0..400 {
         old.step();
         taken_up.step();

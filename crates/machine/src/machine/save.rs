@@ -1,6 +1,6 @@
 //! A machine written down, and taken up again to go on to the last bit.
 
-use control::Words;
+use control::StateWords;
 
 use super::{Grid, Machine, Path, Trip, TripCause};
 
@@ -18,7 +18,7 @@ impl Machine {
     }
 
     /// Writes down everything that decides how it goes on, beside its program.
-    pub fn save(&self, words: &mut Words) {
+    pub fn save(&self, words: &mut StateWords) {
         words.put(FORM);
         words.put_f64(self.program.dtau);
         words.put(self.path as u64 | if self.fuses_ramps { FUSES_RAMPS } else { 0 });
@@ -62,7 +62,7 @@ impl Machine {
     ///
     /// Returns whether the words fit; a machine that they do not fit is at rest again.
     #[must_use]
-    pub fn restore(&mut self, words: &mut Words) -> bool {
+    pub fn restore(&mut self, words: &mut StateWords) -> bool {
         let dtau = self.program.dtau;
         let done = self.take_up(words).is_some() && words.is_at_end();
         if !done {
@@ -73,7 +73,7 @@ impl Machine {
         done
     }
 
-    fn take_up(&mut self, words: &mut Words) -> Option<()> {
+    fn take_up(&mut self, words: &mut StateWords) -> Option<()> {
         words.take().filter(|form| *form == FORM)?;
         self.program.dtau = words.take_f64()?;
         let path = words.take()?;

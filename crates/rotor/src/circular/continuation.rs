@@ -4,9 +4,9 @@ use nalgebra::DVector;
 
 use super::newton::Closing;
 use super::orbit::Orbit;
+use super::problem::{Contact, Problem};
 use super::response::AtSpeed;
 use super::tracer::{End, Node, Tracer};
-use super::whirl_equation::{Contact, Problem};
 use super::{Circular, CircularError, cycle, response, stability};
 use crate::C64;
 

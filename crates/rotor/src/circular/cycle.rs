@@ -7,8 +7,9 @@
 use nalgebra::DVector;
 
 use super::newton::Closing;
+use super::problem::{Contact, Problem};
 use super::response::{AtSpeed, crossings, patterns, sets, spread};
-use super::whirl_equation::{Contact, Equation, Problem};
+use super::whirl_equation::Equation;
 use super::{CircularError, enumerated, homotopy};
 use crate::C64;
 

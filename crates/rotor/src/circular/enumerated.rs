@@ -129,7 +129,7 @@ pub(super) fn is_unique(equation: &Equation, speed: f64, gapped: &[usize]) -> bo
 mod tests {
     use super::*;
     use crate::circular::newton::Closing;
-    use crate::circular::whirl_equation::Problem;
+    use crate::circular::problem::Problem;
     use crate::{Feedback, Mass, Rotor, builtin};
 
     fn complex(random: &mut fastrand::Rng) -> C64 {

@@ -13,8 +13,9 @@ use nalgebra::DVector;
 
 use super::CircularError;
 use super::newton::Closing;
+use super::problem::{Along, Contact, Problem};
 use super::tracer::{Node, Tracer};
-use super::whirl_equation::{Along, Contact, Equation, Problem};
+use super::whirl_equation::Equation;
 use crate::C64;
 
 /// An orbit this many clearances wide is one of the tight rotor.

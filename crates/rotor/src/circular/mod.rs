@@ -34,6 +34,7 @@ mod enumerated;
 mod homotopy;
 mod newton;
 mod orbit;
+mod problem;
 mod response;
 mod stability;
 mod steady;
@@ -104,7 +105,7 @@ pub fn synchronous(
     deadband: &[f64],
     speeds: &[f64],
 ) -> Result<Circular, CircularError> {
-    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, true)?;
+    let problem = problem::Problem::new(rotor, feedback, deadband, true)?;
     continuation::all(&problem, speeds)
 }
 
@@ -116,6 +117,6 @@ pub fn synchronous(
 /// # Errors
 /// As for [`synchronous`].
 pub fn cycles(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], speeds: &[f64]) -> Result<Circular, CircularError> {
-    let problem = whirl_equation::Problem::new(rotor, feedback, deadband, false)?;
+    let problem = problem::Problem::new(rotor, feedback, deadband, false)?;
     continuation::all(&problem, speeds)
 }

@@ -6,7 +6,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::whirl_equation::{Contact, Problem};
+use super::problem::{Contact, Problem};
 use crate::C64;
 
 /// What completes the equations.

@@ -7,7 +7,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::newton::Closing;
-use super::whirl_equation::{Contact, Equation, Problem};
+use super::problem::{Contact, Problem};
+use super::whirl_equation::Equation;
 use super::{enumerated, homotopy};
 use crate::C64;
 

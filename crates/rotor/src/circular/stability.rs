@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::CircularError;
-use super::whirl_equation::{Contact, Equation};
+use super::problem::Contact;
+use super::whirl_equation::Equation;
 use crate::quadratic::Quadratic;
 use crate::{C64, J, PoleError, eigenvalues};
 

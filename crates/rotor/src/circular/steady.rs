@@ -4,7 +4,8 @@
 
 use nalgebra::DVector;
 
-use super::whirl_equation::{Contact, Equation};
+use super::problem::Contact;
+use super::whirl_equation::Equation;
 use super::{CircularError, stability};
 use crate::{C64, ClosedLoop, J};
 

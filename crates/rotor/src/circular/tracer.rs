@@ -8,7 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::newton::Closing;
-use super::whirl_equation::{Contact, Problem};
+use super::problem::{Contact, Problem};
 use crate::C64;
 
 const FIRST_STEP: f64 = 0.02;

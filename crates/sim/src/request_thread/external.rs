@@ -13,13 +13,13 @@ const PAUSE: Duration = Duration::from_secs(10);
 
 /// What was told last, and when of what is told seldom.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct ExternalReports {
     last: ExternalCounts,
     amiss_at: Option<Instant>,
     amiss: [u64; 3],
 }
 
-impl Told {
+impl ExternalReports {
     /// What is new about a controller that has counted so far, in words.
     fn news(&mut self, counts: ExternalCounts, now: Instant) -> Vec<String> {
         let mut words = Vec::new();
@@ -63,7 +63,7 @@ mod tests {
 
     #[test]
     fn what_is_amiss_is_told_at_once_and_then_seldom_and_no_count_is_lost() {
-        let (start, mut told) = (Instant::now(), Told::default());
+        let (start, mut told) = (Instant::now(), ExternalReports::default());
         let at = |tenths: u64| start + Duration::from_millis(100 * tenths);
         assert_eq!(told.news(ExternalCounts::default(), at(0)), Vec::<String>::new());
         let acting = ExternalCounts { taken: 9, took_over: 1, acting: true, ..ExternalCounts::default() };

@@ -160,7 +160,7 @@ fn request_name(name: &str) -> &'static str {
 
 /// What an [`EventDocument`] tells of.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Told {
+pub(crate) enum EventOrRemark {
     /// The bench.
     Event(Event),
     /// The recorder.
@@ -168,10 +168,10 @@ pub(crate) enum Told {
 }
 
 impl EventDocument {
-    pub(crate) fn read(self) -> Told {
+    pub(crate) fn read(self) -> EventOrRemark {
         let at = Moment { seq: self.seq, tau: self.tau, wall_ns: self.wall_ns };
         let count = |i: usize| self.count.get(i).copied().unwrap_or_default();
-        let remark = |what| Told::Remark(Remark { at, what });
+        let remark = |what| EventOrRemark::Remark(Remark { at, what });
         let happening = match self.kind.as_str() {
             "begins" => return remark(What::Begins),
             "lost" => return remark(What::Lost(count(0))),
@@ -206,7 +206,7 @@ impl EventDocument {
             "excitation over" => Happening::ExcitationOver,
             other => return remark(What::Other(format!("{other} {}", self.text).trim().to_owned())),
         };
-        Told::Event(Event {
+        EventOrRemark::Event(Event {
             at,
             number: self.number.unwrap_or_default(),
             revision: self.revision.unwrap_or_default(),

@@ -7,7 +7,7 @@ use wire::Keeping;
 
 use super::Keep;
 use crate::error::TapeError;
-use crate::row;
+use crate::file_series;
 
 /// Whether `path` can become a recording, and its parts those of it.
 pub(super) fn check(path: &Path, keep: &Keep) -> Result<(), TapeError> {
@@ -19,7 +19,7 @@ pub(super) fn check(path: &Path, keep: &Keep) -> Result<(), TapeError> {
     }
     if keep.existing == Existing::Keep {
         let has_parts = keep.split.is_some() || keep.keeping != Keeping::All;
-        let in_the_way = if has_parts { row::parts_of(path) } else { Vec::new() };
+        let in_the_way = if has_parts { file_series::parts_of(path) } else { Vec::new() };
         if path.symlink_metadata().is_ok() {
             return Err(TapeError::taken(path));
         }

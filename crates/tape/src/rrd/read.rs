@@ -15,7 +15,7 @@ use super::{chunks, write};
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder as StretchDecoder, Stretch};
 use crate::damage::{Damage, DamageKind};
-use crate::document::event::{EventDocument, Told};
+use crate::document::event::{EventDocument, EventOrRemark};
 use crate::document::{self, RevisionDocument, SessionDocument};
 use crate::error::TapeError;
 use crate::order;
@@ -139,7 +139,7 @@ struct Found {
     stretches: Vec<Stretch>,
     snapshots: Vec<SnapshotPlace>,
     revisions: Vec<Revision>,
-    told: Vec<Told>,
+    told: Vec<EventOrRemark>,
     health: Vec<(wire::Moment, wire::message::Health)>,
     damage: Vec<Damage>,
 }
@@ -283,8 +283,8 @@ impl<'a> Scan<'a> {
         let (mut events, mut remarks) = (Vec::new(), Vec::new());
         for told in told {
             match told {
-                Told::Event(event) => events.push(event),
-                Told::Remark(remark) => remarks.push(remark),
+                EventOrRemark::Event(event) => events.push(event),
+                EventOrRemark::Remark(remark) => remarks.push(remark),
             }
         }
         damage.sort_by_key(|damage| damage.byte);

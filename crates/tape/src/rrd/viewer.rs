@@ -22,11 +22,11 @@ const FLUSH: Duration = Duration::from_secs(1);
 #[derive(Clone)]
 pub(crate) struct Viewer {
     messages: Sender<LogMsg>,
-    told: Arc<Told>,
+    told: Arc<EventOrRemark>,
 }
 
 #[derive(Default)]
-struct Told {
+struct EventOrRemark {
     shown: AtomicU64,
     left_out: AtomicU64,
     is_done: AtomicBool,
@@ -50,7 +50,7 @@ impl Viewer {
         // When rerun's sink is dropped it waits for its viewer, for ever if need be: it ends with the process.
         std::mem::forget(sink.clone());
         let (messages, waiting) = bounded(WAITING);
-        let told = Arc::new(Told::default());
+        let told = Arc::new(EventOrRemark::default());
         let ask = {
             let (sink, told, waiting) = (sink.clone(), told.clone(), waiting.clone());
             AskViewer(Arc::new(move || status(&sink, &told, &waiting)))
@@ -72,7 +72,7 @@ impl Viewer {
 }
 
 /// Hands on what waits, until nothing more comes.
-fn show(sink: &GrpcSink, waiting: &Receiver<LogMsg>, told: &Told) {
+fn show(sink: &GrpcSink, waiting: &Receiver<LogMsg>, told: &EventOrRemark) {
     for message in waiting {
         sink.send(message);
         let is_gone = matches!(sink.status(), GrpcSinkConnectionState::Disconnected(_));
@@ -83,7 +83,7 @@ fn show(sink: &GrpcSink, waiting: &Receiver<LogMsg>, told: &Told) {
     told.is_done.store(true, Ordering::Relaxed);
 }
 
-fn status(sink: &GrpcSink, told: &Told, waiting: &Receiver<LogMsg>) -> ViewerStatus {
+fn status(sink: &GrpcSink, told: &EventOrRemark, waiting: &Receiver<LogMsg>) -> ViewerStatus {
     let state = match sink.status() {
         GrpcSinkConnectionState::Connecting { .. } => ViewerState::Waiting,
         GrpcSinkConnectionState::Connected if waiting.is_full() => ViewerState::Behind,

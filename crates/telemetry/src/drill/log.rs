@@ -4,7 +4,7 @@ use rotor::{Key, Settings};
 use wire::Event;
 
 use super::CAUSE;
-use crate::settings_trail::{SettingsTrail, Told, reason};
+use crate::settings_trail::{SettingsNews, SettingsTrail, reason};
 
 /// Faults that are remembered: as many as changes can be undone.
 const REMEMBERED: usize = 256;
@@ -47,12 +47,12 @@ impl DrillLog {
 
     pub(super) fn note(&mut self, at: (u64, u64), why: &str, settings: &Settings) {
         let before = match self.trail.take_in(at, settings) {
-            Told::First => {
+            SettingsNews::First => {
                 (self.active, self.known) = (None, Vec::new());
                 return;
             }
-            Told::Again => return,
-            Told::After(before) => before,
+            SettingsNews::Again => return,
+            SettingsNews::After(before) => before,
         };
         if let Some(told) = why.strip_prefix(CAUSE) {
             let mut back = self.active.take().map_or_else(Vec::new, |active| active.back);

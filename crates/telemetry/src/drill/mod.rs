@@ -178,7 +178,7 @@ pub enum DrillError {
     },
     /// Words that say nothing.
     #[error("'{0}': expected NAME, and perhaps at=PLACE and size=SIZE")]
-    Words(String),
+    StateWords(String),
     /// A place that it cannot be at.
     #[error("{fault} at '{found}': expected {expected}")]
     Place {
@@ -240,7 +240,7 @@ impl FaultOrder {
             match word.split_once('=') {
                 Some(("at", place)) if !place.is_empty() && order.at.is_none() => order.at = Some(place.to_owned()),
                 Some(("size", size)) if order.size.is_none() => order.size = Some(order.read_size(size)?),
-                _ => return Err(DrillError::Words(word.to_owned())),
+                _ => return Err(DrillError::StateWords(word.to_owned())),
             }
         }
         Ok(order)

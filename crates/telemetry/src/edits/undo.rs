@@ -8,7 +8,7 @@ use rotor::{Difference, Key, Settings};
 use wire::Event;
 
 use super::{NUDGED, REDO, UNDO};
-use crate::settings_trail::{SettingsTrail, Told, reason};
+use crate::settings_trail::{SettingsNews, SettingsTrail, reason};
 
 /// Nudges of one key by the same hand that follow each other within these nanoseconds are undone together.
 const ONE_GESTURE: u64 = 700_000_000;
@@ -66,12 +66,12 @@ impl UndoHistory {
     fn note(&mut self, (run, revision, wall_ns): (u64, u64, u64), who: &str, why: &str, settings: &Settings) {
         let before = match self.trail.take_in((run, revision), settings) {
             // What came before cannot be taken back.
-            Told::First => {
+            SettingsNews::First => {
                 (self.done, self.undone) = (Vec::new(), Vec::new());
                 return;
             }
-            Told::Again => return,
-            Told::After(before) => before,
+            SettingsNews::Again => return,
+            SettingsNews::After(before) => before,
         };
         let leads = |from: &Settings, to: &Settings| *from == before && to == settings;
         if why == UNDO && self.done.last().is_some_and(|step| leads(&step.after, &step.before)) {

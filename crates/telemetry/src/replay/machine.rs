@@ -1,6 +1,6 @@
 //! A machine in motion beside the recorded one, stepped as the simulation steps it.
 
-use machine::{Excitation, Multisine, Output, Pace, Program, ProgramError, Words};
+use machine::{Excitation, Multisine, Output, Pace, Program, ProgramError, StateWords};
 use rotor::{C64, Rotor, Settings};
 use wire::message::Trip;
 use wire::{State, Step};
@@ -93,7 +93,7 @@ impl BranchPoint {
             return None;
         }
         let mut machine = machine::Machine::new(self.program(settings, substeps).ok()?);
-        machine.restore(&mut Words::from_saved(words)).then_some(())?;
+        machine.restore(&mut StateWords::from_saved(words)).then_some(())?;
         let mut to_do = acts[acts.partition_point(|(at, _)| *at <= next)..].iter().peekable();
         for step in next..=seq {
             let mut still = false;

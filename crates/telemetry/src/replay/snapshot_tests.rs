@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use alarms::{LevelChange, Limits};
-use machine::{Excitation, Machine, Multisine, Pace, Program, Words};
+use machine::{Excitation, Machine, Multisine, Pace, Program, StateWords};
 use rotor::file::{read_feedback, write_feedback};
 use rotor::{C64, Rotor, Settings, builtin};
 use wire::message::Flags;
@@ -122,7 +122,7 @@ fn run(rotor: Rotor, begun: Settings, script: &[(u64, Done)]) -> Recorded {
             events.push(RecordedEvent { at, what, who: "test".into(), why: String::new() });
         }
         if changed {
-            let mut words = Words::default();
+            let mut words = StateWords::default();
             machine.save(&mut words);
             snapshots.push((seq, words.as_slice().to_vec()));
         }

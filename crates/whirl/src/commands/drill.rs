@@ -304,7 +304,10 @@ impl Bench {
             let keys = settings.keys().into_iter().filter_map(|key| Some((key, before.get(key).ok()?)));
             let changed = keys.filter_map(values).collect();
             let request = Change::Settings { base_revision, settings: settings.clone() }.request(&self.who, why)?;
-            let answer = self.commander.ask(&request, PATIENCE)?;
+            let answer = match self.commander.ask(&request, PATIENCE) {
+                Err(silence @ WireError::NoAnswer(_)) => return Err(attach::unanswered(&silence)),
+                answer => answer?,
+            };
             if answer.is_accepted() {
                 // What comes next is judged by what is in force now.
                 let heard = Instant::now();

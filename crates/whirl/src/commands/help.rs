@@ -6,7 +6,7 @@ use clap::error::ErrorKind;
 use manual::Look;
 
 use crate::failure::Failure;
-use crate::output::{padded, print_text};
+use crate::output::{has_colours, padded, print_text};
 
 /// Lines of a page are no longer than this on a wider terminal: longer ones are hard to read.
 const WIDEST: usize = 110;
@@ -42,14 +42,8 @@ pub(crate) fn run(args: &HelpArgs) -> Result<(), Failure> {
     })?;
     let is_terminal = stdout().is_terminal();
     let wide = terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)).filter(|_| is_terminal);
-    let look = if has_styles() { Look::Styled } else { Look::Plain };
+    let look = if has_colours() { Look::Styled } else { Look::Plain };
     print_text(&page.show(wide.map_or(PIPED, |wide| wide.min(WIDEST)), look))
-}
-
-/// Whether whoever reads it sees bold letters and colours.
-fn has_styles() -> bool {
-    let is_refused = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
-    stdout().is_terminal() && !is_refused("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
 /// What `--help` of a command prints, by the very same way; of the program if no words are given.
@@ -60,7 +54,7 @@ fn of_command(words: &[String]) -> Option<String> {
     let shown =
         crate::command().try_get_matches_from(line).err().filter(|shown| shown.kind() == ErrorKind::DisplayHelp)?;
     let help = shown.render();
-    Some(if has_styles() { help.ansi().to_string() } else { help.to_string() })
+    Some(if has_colours() { help.ansi().to_string() } else { help.to_string() })
 }
 
 /// The pages, part by part.

@@ -111,11 +111,10 @@ pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
         Err(NotDone::Failed(Failure::Usage(reason) | Failure::Work(reason))) => (reason, None),
         Err(NotDone::Failed(failure)) => return Err(failure),
         Err(NotDone::Unanswered(silence)) => {
-            let reason = silence.to_string();
             if args.json {
-                output::print_json(&Document::Unknown { accepted: None, reason: reason.clone() })?;
+                output::print_json(&Document::Unknown { accepted: None, reason: silence.to_string() })?;
             }
-            return Err(Failure::Work(format!("not known whether it is changed, as it may yet be: {reason}")));
+            return Err(attach::unanswered(&silence));
         }
         Err(NotDone::Unstable(loss)) => {
             let damping = Damping { now: loss.now, then: loss.then };

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use super::{Bench, EventBox, Mailbox, SnapshotBox, lock};
 use crate::delivery::ReceivedDocuments;
 use crate::{
-    Answer, BenchName, BenchStatus, Commander, Event, Glance, HostState, Listener, RecorderStatus, Request, Row,
-    SnapshotHead, Step, WireError,
+    Answer, BenchName, BenchStatus, Commander, Event, Glance, HostState, Listener, RecorderStatus, Request,
+    SnapshotHead, Step, StepRow, WireError,
 };
 
 /// See [`Memory`].
@@ -80,9 +80,9 @@ impl Glance for MemoryListener {
 }
 
 impl Listener for MemoryListener {
-    fn drain(&mut self, mut visit: impl FnMut(Row<'_>)) -> Result<usize, WireError> {
+    fn drain(&mut self, mut visit: impl FnMut(StepRow<'_>)) -> Result<usize, WireError> {
         let arrived = std::mem::take(&mut *lock(&self.mailbox));
-        arrived.iter().flat_map(|state| Row::all(state.words())).for_each(&mut visit);
+        arrived.iter().flat_map(|state| StepRow::all(state.words())).for_each(&mut visit);
         Ok(arrived.len())
     }
 

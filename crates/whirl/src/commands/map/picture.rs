@@ -1,7 +1,6 @@
 //! A map as a picture: in a file, or in the terminal as half blocks, two cells a character.
 
 use std::fmt::Write;
-use std::io::IsTerminal;
 use std::path::Path;
 
 use plot::{Axis, Cells, Chart, Color, Look, Series, Shading, png, svg};
@@ -11,7 +10,7 @@ use units::Dimension;
 
 use super::{Shown, unit};
 use crate::failure::Failure;
-use crate::output::rounded;
+use crate::output::{has_colours, rounded};
 use crate::place::Force;
 use crate::varied::dimension;
 
@@ -88,7 +87,7 @@ pub(super) fn draw(shown: &Shown<'_>, path: &Path, force: Force) -> Result<(), F
 /// A map as text, as wide as the terminal.
 pub(super) fn text(shown: &Shown<'_>) -> String {
     let size = terminal_size::terminal_size().map_or(UNKNOWN, |(w, h)| (usize::from(w.0), usize::from(h.0)));
-    let colours = std::io::stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none();
+    let colours = has_colours();
     let cells = shown.cells();
     let (across, up) = (cells.xs.len(), cells.ys.len());
     let columns = size.0.saturating_sub(MARGIN).clamp(1, across.max(2));

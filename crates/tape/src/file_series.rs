@@ -26,8 +26,8 @@ pub(crate) struct Part {
     decoder: Box<dyn Decoder>,
 }
 
-/// A row, as if it were one file.
-pub(crate) struct Row {
+/// Files that a recorder wrote one after the other, as if they were one.
+pub(crate) struct FileSeries {
     pub(crate) paths: Vec<PathBuf>,
     pub(crate) contents: Contents,
     pub(crate) decoder: Box<dyn Decoder>,
@@ -142,7 +142,7 @@ fn missing(stem: &str, from: u32, to: u32) -> String {
     }
 }
 
-impl Row {
+impl FileSeries {
     /// The whole row to which the file `path` belongs: that file alone, if it is no part of one.
     ///
     /// # Errors

@@ -5,7 +5,7 @@ use crate::{C64, Gain, Signal};
 
 /// One row of the law: weights of what the sensors read, the gains on it, and what shapes it.
 #[derive(Clone, Debug)]
-pub(super) struct Row {
+pub(super) struct LawRow {
     pub(super) displacement: Vec<f64>,
     pub(super) velocity: Vec<f64>,
     pub(super) gains: [Gain; 4],
@@ -40,7 +40,7 @@ impl Noise {
     }
 }
 
-impl Row {
+impl LawRow {
     pub(super) fn new(signal: &Signal, sensors: &[usize], filters: Chain) -> Self {
         let picked =
             |weights: &[f64]| sensors.iter().map(|station| weights.get(*station).copied().unwrap_or(0.0)).collect();

@@ -4,12 +4,12 @@ use crate::C64;
 
 /// A row of 64-bit words, written at its end and read from its front.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Words {
+pub struct StateWords {
     words: Vec<u64>,
     read: usize,
 }
 
-impl Words {
+impl StateWords {
     /// Words that were written before.
     #[must_use]
     pub fn from_saved(words: Vec<u64>) -> Self {
