@@ -54,7 +54,7 @@
 /* Bit m of the flags is set while mass m presses on its bearing. */
 #define WHIRL_SATURATED UINT32_C(0x10000) /* the control bearing is at its limit */
 #define WHIRL_TRIPPED UINT32_C(0x20000) /* the machine has tripped: the rotor is held where it was */
-#define WHIRL_LATE UINT32_C(0x40000) /* the step was sent more than one step period after it was due */
+#define WHIRL_LATE UINT32_C(0x40000) /* the step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due */
 #define WHIRL_EXTERNAL UINT32_C(0x80000) /* the command comes from a controller outside */
 #define WHIRL_HELD UINT32_C(0x100000) /* a command from outside that should be there is not: the last one is held */
 
@@ -69,7 +69,7 @@ static inline double whirl_number(uint64_t word) {
 struct whirl_analysis { /* 544 bytes, whirl.Analysis */
     /* 0: The revision of the settings that it is for; 0 while there is none. */
     uint64_t revision;
-    /* 8: How many of poles are used: 2n, or 0 if the eigenvalues did not converge. */
+    /* 8: How many of poles are used: all, or the 32 least damped; 0 if there are none, as with unequal amplifiers or too long a delay. */
     uint32_t count;
     /* 12: Always 0. */
     uint32_t reserved;
@@ -85,7 +85,7 @@ struct whirl_analysis { /* 544 bytes, whirl.Analysis */
 struct whirl_health { /* 72 bytes, whirl.Health */
     /* 0: Steps sent. */
     uint64_t steps;
-    /* 8: Steps sent more than one step period after they were due. */
+    /* 8: Steps sent more than one period of wake-ups (of a step, or of all steps that share one) after they were due. */
     uint64_t late;
     /* 16: Deadlines given up because the process was too far behind to catch up. */
     uint64_t missed;

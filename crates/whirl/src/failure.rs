@@ -9,15 +9,18 @@ pub const EXIT_CODES: &[(u8, &str)] = &[
     (1, "the work failed, or a change was refused"),
     (2, "the command line or a file is wrong"),
     (3, "no such bench, or it is taken"),
-    (130, "interrupted"),
+    (130, "interrupted; sim, which runs until it is ended, ends with 0"),
 ];
 
 /// Every variable of the environment that counts, and what it does.
 pub const ENVIRONMENT: &[(&str, &str)] = &[
-    ("WHIRL_ROOT", "the folder of shared memory; else whirl in XDG_RUNTIME_DIR, else /tmp/whirl-UID"),
+    (
+        "WHIRL_ROOT",
+        "the folder of shared memory; else whirl in XDG_RUNTIME_DIR, else whirl-UID in the temporary folder (TMPDIR, else /tmp)",
+    ),
     ("WHIRL_LOG", "a log, such as debug: of dashboards in a file that whirl status names, of the rest on stderr"),
     ("NO_COLOR", "no colours"),
-    ("COLORTERM", "truecolor: the themes full and colour-blind have all their colours"),
+    ("COLORTERM", "truecolor or 24bit: the themes full and colour-blind have all their colours"),
 ];
 
 /// Why a command did not do what was asked.

@@ -31,7 +31,11 @@ pub const CONSTANTS: [(&str, usize, &str); 8] = [
 pub const FLAGS: [(&str, Flags, &str); 5] = [
     ("SATURATED", Flags::SATURATED, "the control bearing is at its limit"),
     ("TRIPPED", Flags::TRIPPED, "the machine has tripped: the rotor is held where it was"),
-    ("LATE", Flags::LATE, "the step was sent more than one step period after it was due"),
+    (
+        "LATE",
+        Flags::LATE,
+        "the step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due",
+    ),
     ("EXTERNAL", Flags::EXTERNAL, "the command comes from a controller outside"),
     ("HELD", Flags::HELD, "a command from outside that should be there is not: the last one is held"),
 ];

@@ -26,7 +26,7 @@ impl Flags {
     pub const SATURATED: Self = Self(1 << 16);
     /// The machine has tripped: the rotor is held where it was.
     pub const TRIPPED: Self = Self(1 << 17);
-    /// The step was sent more than one step period after it was due.
+    /// The step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due.
     pub const LATE: Self = Self(1 << 18);
     /// The command comes from a controller outside.
     pub const EXTERNAL: Self = Self(1 << 19);
@@ -148,7 +148,7 @@ message! {
     pub struct Analysis {
         /// The revision of the settings that it is for; 0 while there is none.
         pub revision: u64,
-        /// How many of `poles` are used: `2n`, or 0 if the eigenvalues did not converge.
+        /// How many of `poles` are used: all, or the 32 least damped; 0 if there are none, as with unequal amplifiers or too long a delay.
         pub count: u32,
         /// Always 0.
         pub reserved: u32,
@@ -174,7 +174,7 @@ message! {
     pub struct Health {
         /// Steps sent.
         pub steps: u64,
-        /// Steps sent more than one step period after they were due.
+        /// Steps sent more than one period of wake-ups (of a step, or of all steps that share one) after they were due.
         pub late: u64,
         /// Deadlines given up because the process was too far behind to catch up.
         pub missed: u64,

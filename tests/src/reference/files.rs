@@ -82,6 +82,17 @@ pub(super) fn page() -> String {
             ("`[loop]`, `[bearing.loop]`", &of_loop, ""),
         ],
     );
+    out += "\nFor a rotor of shaft elements a place is a `station`, and no `mass`:\n";
+    let rig = builtin::rotor("rig").expect("it is built in");
+    let of_shafts = |text: &str| file::read_feedback_for(text, &rig).err();
+    let signal = "[[bearing.signal]]\nstation = \"left\"\nkd = 1\n";
+    let bearing = format!("[[bearing]]\n{UNKNOWN}\nname = \"left\"\n{signal}");
+    let before = format!("[[bearing]]\nname = \"left\"\n{signal}");
+    tables(
+        &mut out,
+        &of_shafts,
+        &[("`[[bearing]]`", &bearing, ""), ("`[[signal]]`, `[[bearing.signal]]`", &before, UNKNOWN)],
+    );
     out += "\nA gain is a number, `{ at_zero = A, slope = B }` or `{ speed = [..], value = [..] }`. Filters, in `filter = [{ kind = .. }]` of a signal or of the sum:\n";
     let row =
         |(kind, keys): &(&str, &[&str])| [code(kind), keys.iter().map(|key| code(key)).collect::<Vec<_>>().join(", ")];
@@ -107,6 +118,12 @@ pub(super) fn page() -> String {
             ("`[[leg]]`", "[[leg]]\nto = 1\nrate = 0.1\n", UNKNOWN),
         ],
     );
+    out += "\n## Drills over time\n";
+    let drill = |text: &str| telemetry::drill::read_drill(text).err();
+    let step = "[[step]]\nat = 0\nfault = \"sensor-lost\"\n";
+    tables(&mut out, &drill, &[("at the top", UNKNOWN, step), ("`[[step]]`", step, UNKNOWN)]);
+    out += "\n[Drills](bench.md#drills) have an example.\n\n## Sweeps\n\nThe document of `whirl sweep plan` has one key, `run`: the command line of \
+            a `map`, or of a `margin` with `--samples`, [as here](sweep-on-a-cluster.md).\n";
     out += "\n## Layouts\n";
     let layout = |text: &str| dashboard::Layout::read("a", text).err();
     tables(&mut out, &layout, &[("at the top", UNKNOWN, ""), ("`[[screen]]`", "[[screen]]\n", UNKNOWN)]);

@@ -9,7 +9,7 @@ use serde_json::Value;
 use super::{begin, code, table};
 
 /// Commands whose document is told, with what makes it.
-const EXAMPLES: [&str; 19] = [
+const EXAMPLES: [&str; 22] = [
     "poles three-mass --speed 6 --feedback composite",
     "thresholds three-mass --over 0..6",
     "trace three-mass --over 0..6 --points 5 --feedback composite --campbell",
@@ -25,10 +25,52 @@ const EXAMPLES: [&str; 19] = [
     "cycles three-mass --over 5..6 --points 3 --deadband 1 --feedback composite",
     "map three-mass --feedback individual --x speed=0..8 --y delay=0..0.3 --points 4x3",
     "tune three-mass --speed 6 --starts 2",
+    "assign three-mass --speed 2 --poles -0.3,0.5;-0.3,-0.5;-0.2,1;-0.2,-1;-0.2,1.4;-0.2,-1.4",
+    "assign jeffcott --cancel",
+    "assign three-mass --speed 2 --table",
     "rotor list",
     "rotor reduce rig --over 0..6000",
     "layout list",
     "wire",
+];
+
+/// Commands on benches, recordings and shards, and one that takes long: what they print, in words.
+const OTHERS: [(&str, &str); 14] = [
+    (
+        "tail",
+        "an object a step: `seq lost tau speed revision run_id` (hexadecimal), `masses[]` with `y z vy vz`, `force` with `y z`, `flags` in words, and every other channel under its name (`uy_commanded`, `reading_y1` ..)",
+    ),
+    (
+        "tail --events",
+        "an object an event: `number lost event seq tau wall_ns who why text run_id`, with `revision` and `settings` after it, and what else it has, as `late missed`",
+    ),
+    ("status", "`benches[]`, with the numbers of its table in full, and `log`"),
+    (
+        "set",
+        "`accepted`; `changed revision applied_at_step substeps`, or the `reason` why not, with `min_damping` (`now`, `then`) where that is it; `accepted` is `null` where the bench did not answer",
+    ),
+    (
+        "drill",
+        "an object a change: `step` (of a drill over time) `fault` (`null`: put back) `changed revision applied_at_step`; without a fault the list of them, `name meaning at size`",
+    ),
+    ("note", "`seq tau` at which it stands"),
+    (
+        "measure",
+        "`points[]`, with `measured` and `computed` (`re im amplitude phase`, in degrees) and `coherence` at each `frequency`; `peak`, `largest_difference`, `least_coherence`, and in `bent_by` what bends it",
+    ),
+    ("clean", "`dead_processes` (how many) and `live_benches` (names)"),
+    (
+        "info",
+        "`file parts bytes rotor masses steps first last seconds lost settings_changes events trips alarms alarm_limits min_damping max_force max_radius snapshots checksums damage notices legs criticals` and more",
+    ),
+    ("export", "`out rows checksums damage notices`"),
+    ("report", "`files` (how many), `figures[]` and `numbers[]`, each printed number beside ours"),
+    ("rotor check", "`files[]`, with `file ok kind masses problems`"),
+    (
+        "rotor show",
+        "the numbers of the rotor: `name masses[] shafts[] feedback`; of one in SI units `units scales`; a drawing has no masses there",
+    ),
+    ("sweep gather", "`shards rows columns files`"),
 ];
 
 /// What names mean.
@@ -45,8 +87,7 @@ pub fn page(run: &dyn Fn(&[&str]) -> Value) -> String {
     let mut out = begin(
         "JSON fields",
         "What commands print with `--json`: one document, numbers in full precision, dimensionless unless a name says otherwise (a rotor in SI units has `scales`). What is not finite or not there is \
-         `null`, often with the reason in a field of the same name with `_null`. `[]` is a list, `.N` a name that depends on the machine. Fields are added, not changed. `whirl tail --json` prints an object a step under the names of \
-         [the channels](protocol.md#steps); messages and events are those of [the protocol](protocol.md).",
+         `null`, often with the reason in a field of the same name with `_null`. `[]` is a list, `.N` a name that depends on the machine. Fields are added, not changed. What benches and recordings print is [at the end](#the-others).",
     );
     for example in EXAMPLES {
         let words: Vec<&str> = example.split(' ').chain(["--json"]).collect();
@@ -63,6 +104,8 @@ pub fn page(run: &dyn Fn(&[&str]) -> Value) -> String {
         };
         table(&mut out, ["field", "type", "what it is"], fields.into_iter().map(row));
     }
+    out += "\n## The others\n\nOf benches ([bench](bench.md), [protocol](protocol.md)), recordings ([damage](recordings.md#damage)) and long work:\n";
+    table(&mut out, ["command", "its JSON"], OTHERS.map(|(command, what)| [code(command), what.to_owned()]));
     let unused: Vec<&&str> = meanings.keys().filter(|name| !used.contains(*name)).collect();
     assert!(unused.is_empty(), "json_fields.txt has meanings that no field has: {unused:?}");
     out
@@ -79,7 +122,10 @@ fn fits(path: &str, name: &str) -> bool {
 /// The words of a command before its options and its rotor.
 fn heading(example: &str) -> String {
     let two = example.split(' ').take(2).collect::<Vec<_>>().join(" ");
-    if example.starts_with("rotor") || example.starts_with("layout") {
+    let variant = ["--poles", "--cancel", "--table"].into_iter().find(|option| example.contains(option));
+    if let Some(option) = variant.filter(|_| example.starts_with("assign")) {
+        format!("assign {option}")
+    } else if example.starts_with("rotor") || example.starts_with("layout") {
         two
     } else if example.contains("--of unbalance") {
         "bode --of unbalance".to_owned()

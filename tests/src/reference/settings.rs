@@ -9,7 +9,7 @@ use super::{begin, code, number, table};
 pub(super) fn page() -> String {
     let mut out = begin(
         "Settings",
-        "What `whirl set`, `:` in the console, `--set` of every offline command and the settings panel take, as `KEY=VALUE`. Ranges and units are those of a \
+        "What `whirl set`, `:` in the console, `--set` of every offline command but `force` and `assign` and the settings panel take, as `KEY=VALUE`. Ranges and units are those of a \
          dimensionless rotor; a rotor in SI units has the unit behind. Live, a change is all of its keys or none, and is in force from one step on.",
     );
     let scales =
@@ -38,7 +38,7 @@ pub(super) fn page() -> String {
             * **Each control bearing**: `limit` is that of all, `left.limit` of one; `sample` and `delay` are the same at each.\n\
             * A value of a rotor in SI units may say what it is counted in, `speed=50Hz`, `kd=2e5N/m`; alone it is in the unit of the table, in the console in \
             micrometres where that shows them. Feedback files count gains as they say.\n\
-            * Offline a number of the loop may be of any command: `whirl poles three-mass --set delay=0.05`. `ramp`, `trip`, `unbalance_added` and the controller outside are of a \
+            * Offline a number of the loop may be of any command but those two: `whirl poles three-mass --set delay=0.05`. `ramp`, `trip`, `unbalance_added` and the controller outside are of a \
             live bench alone, and refused where they would do nothing.\n";
     out
 }

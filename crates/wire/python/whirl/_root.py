@@ -31,7 +31,7 @@ class Root:
     """The folder under which one user's benches live.
 
     :param path: the folder; without one, that of the environment: ``WHIRL_ROOT``, or ``whirl`` in ``XDG_RUNTIME_DIR``, or
-        ``/tmp/whirl-UID``.
+        ``whirl-UID`` in the temporary folder (``TMPDIR``, else ``/tmp``).
     """
 
     def __init__(self, path: str | os.PathLike[str] | None = None) -> None:

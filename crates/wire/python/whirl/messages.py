@@ -21,7 +21,7 @@ MAX_SNAPSHOT = 32768  # words of the largest snapshot
 FLAGS = {
     "saturated": 0x10000,  # the control bearing is at its limit
     "tripped": 0x20000,  # the machine has tripped: the rotor is held where it was
-    "late": 0x40000,  # the step was sent more than one step period after it was due
+    "late": 0x40000,  # the step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due
     "external": 0x80000,  # the command comes from a controller outside
     "held": 0x100000,  # a command from outside that should be there is not: the last one is held
 }
@@ -73,7 +73,8 @@ class Analysis(ctypes.Structure):
 
     #: The revision of the settings that it is for; 0 while there is none.
     revision: int
-    #: How many of `poles` are used: `2n`, or 0 if the eigenvalues did not converge.
+    #: How many of `poles` are used: all, or the 32 least damped; 0 if there are none, as with unequal
+    #: amplifiers or too long a delay.
     count: int
     #: Always 0.
     reserved: int
@@ -106,7 +107,8 @@ class Health(ctypes.Structure):
 
     #: Steps sent.
     steps: int
-    #: Steps sent more than one step period after they were due.
+    #: Steps sent more than one period of wake-ups (of a step, or of all steps that share one) after they
+    #: were due.
     late: int
     #: Deadlines given up because the process was too far behind to catch up.
     missed: int
