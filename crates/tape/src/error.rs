@@ -8,8 +8,8 @@ use std::path::{Path, PathBuf};
 pub enum TapeError {
     /// This build has no encoder.
     #[error(
-        "this whirl was built without recordings: install it with `cargo install --path crates/whirl --features rerun`, or \
-         build it with `cargo build --release --features rerun` (some minutes, once)"
+        "this whirl was built without recordings: build it with `cargo build --release --features rerun`, or \
+         install it with `cargo install --path crates/whirl --features rerun` (some minutes, once)"
     )]
     NoRerun,
     /// The place for the file is wrong: nothing has been done.
