@@ -753,7 +753,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__margin)
-            opts="-h --feedback --deadband --set --full --speed --over --points --zones --sensitivities --box --vary --tolerance --samples --distribution --seed --below --json --csv --help"
+            opts="-h --feedback --deadband --set --full --speed --over --points --zones --sensitivities --box --vary --tolerance --samples --simulate --distribution --seed --below --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1559,7 +1559,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__tune)
-            opts="-h --over --speed --signal --sensors --bearing --feedback --corners --set --gains --bound --force-limit --max-sensitivity --min-delay --robust --delay --vary --measure --below --mode-weights --method --starts --seed --spread --tolerance --track --stiffness --pareto --points --plot --out --write-unstable --force --json --csv --help"
+            opts="-h --over --speed --signal --sensors --bearing --feedback --corners --set --gains --bound --force-limit --max-sensitivity --min-delay --robust --delay --vary --measure --below --mode-weights --region --cost --method --starts --seed --spread --tolerance --track --stiffness --pareto --criteria --deadband --points --plot --out --write-unstable --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1630,7 +1630,7 @@ _whirl() {
                     return 0
                     ;;
                 --measure)
-                    COMPREPLY=($(compgen -W "ratio decay" -- "${cur}"))
+                    COMPREPLY=($(compgen -W "ratio decay region cost" -- "${cur}"))
                     return 0
                     ;;
                 --below)
@@ -1638,6 +1638,14 @@ _whirl() {
                     return 0
                     ;;
                 --mode-weights)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --region)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --cost)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -1671,6 +1679,14 @@ _whirl() {
                     ;;
                 --pareto)
                     COMPREPLY=($(compgen -W "force gain sensitivity" -- "${cur}"))
+                    return 0
+                    ;;
+                --criteria)
+                    COMPREPLY=($(compgen -W "all ratio decay weighted region sensitivity cost" -- "${cur}"))
+                    return 0
+                    ;;
+                --deadband)
+                    COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
                 --points)

@@ -247,6 +247,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand margin" -l seed -d 'What ran
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l sensitivities -d 'What every parameter does to damping and margins, the largest effects first; `--csv` has these rows'
+complete -c whirl -n "__fish_whirl_using_subcommand margin" -l simulate -d 'Simulate each of them from rest, with its clearances and limits, and tell how large orbits and forces get; `--vary` takes deadband and unbalance too then'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -l csv -d 'Print rows for a spreadsheet'
 complete -c whirl -n "__fish_whirl_using_subcommand margin" -s h -l help -d 'Print help (see more with \'--help\')'
@@ -396,10 +397,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand tune" -l robust -d 'Hold for
 deadband-common\t'One factor from 0 to 1 for all support bearings'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l delay -d 'Hold for a delay between measurement and force, one or a range, in tau (SI rotors: in s)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l vary -d 'Hold for every value of a parameter: damping.1=0.2..0.3, shaft.2=10%; repeatable, dimensionless' -r
-complete -c whirl -n "__fish_whirl_using_subcommand tune" -l measure -d 'What a mode is worth: its damping ratio, or its decay rate' -r -f -a "ratio\t'Damping ratio, -Re / |lambda|'
-decay\t'Decay rate, -Re lambda per tau'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l measure -d 'What is made as good as can be' -r -f -a "ratio\t'Damping ratio, -Re / |lambda|'
+decay\t'Decay rate, -Re lambda per tau'
+region\t'How deep in the region of --region it is'
+cost\t'The mean square of motion and force under unbalance and noise, made small: see --cost'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l mode-weights -d 'Weights of forward and backward whirl: a mode\'s damping ratio counts divided by its weight' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l region -d 'The region of poles of --measure region: a damping ratio, a decay rate per tau (SI rotors: per s) and a largest |lambda| in radians per tau (SI rotors: in Hz), or some of them. A machine is worth t if its poles are in the region made t times as tight' -r
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l cost -d 'What --measure cost weighs: the force beside the orbit, standard deviation of the sensors\' noise in e_t (SI rotors: in m), and its corner in radians per tau (SI rotors: in Hz) [default: force=0.1,noise=0.1,corner=10, dimensionless]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l method -d 'How a climb goes' -r -f -a "nonsmooth\t'Smoothing continuation with slopes, then convex steps on the modes that matter, and a proof'
 powell\t'Powell\'s direction sets, as in the report'"
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l starts -d 'How many climbs from random gains [default: 4 to 32, by how much there is to get wrong]' -r
@@ -411,6 +416,14 @@ complete -c whirl -n "__fish_whirl_using_subcommand tune" -l stiffness -d 'What 
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l pareto -d 'Trade damping for control force, for the size of gains, or for the peak of the sensitivity' -r -f -a "force\t'Steady control force of the linear rotor under its unbalance'
 gain\t'The largest gain'
 sensitivity\t'The largest peak of the sensitivity'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l criteria -d 'Search for each of these by itself, and tell side by side what it buys, in simulation too; --out is a folder for the files' -r -f -a "all\t'Every one below'
+ratio\t'Damping ratio'
+decay\t'Decay rate'
+weighted\t'Damping ratio, forward and backward whirl by --mode-weights [default: 2,1]'
+region\t'The region of --region [default: damping=0.1,decay=0.1,frequency=4]'
+sensitivity\t'Damping ratio under --max-sensitivity [default: 2]'
+cost\t'The cost of --cost'"
+complete -c whirl -n "__fish_whirl_using_subcommand tune" -l deadband -d 'Clearances of all support bearings to simulate with --criteria, in e_t (SI rotors: in m) [default: the rotor\'s own]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l points -d 'How many points the trade has' -r
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l plot -d 'Draw the trade, or the gains over speed, as .svg or .png' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand tune" -l out -d 'Write the feedback to a file; with --pareto, a file a point into this folder' -r -F

@@ -1,6 +1,6 @@
 //! `whirl map`: pictures, tables, JSON, and what is refused.
 
-use promises::run;
+use promises::{Root, Screen, run};
 
 const PLANE: [&str; 8] = ["map", "three-mass", "--feedback", "individual", "--x", "speed=0..8", "--y", "delay=0..0.2"];
 
@@ -64,4 +64,21 @@ fn axes_that_do_nothing_are_refused() {
         assert_eq!((ran.code, ran.stdout.as_str()), (Some(2), ""), "{rest:?}: {}", ran.stderr);
         assert!(ran.stderr.contains(words), "{rest:?}: {}", ran.stderr);
     }
+}
+
+#[test]
+fn a_map_that_takes_a_while_is_shown_as_it_fills() {
+    let root = Root::new();
+    let plane = ["--feedback", "composite", "--speed", "6", "--x", "deadband=0..10", "--y", "kd=-0.8..0"];
+    let rest = ["--quantity", "orbit", "--points", "61x41", "--duration", "300"];
+    let mut screen = Screen::start(root.path(), &[&["map", "three-mass"][..], &plane, &rest].concat(), (100, 40));
+    let known = screen.wait("part of a map", |text| {
+        let line = text.lines().find(|line| line.contains(" of 2501 cells"))?;
+        line.split_whitespace().next()?.parse::<u64>().ok()
+    });
+    assert!((1..2501).contains(&known), "{known}");
+    assert!(screen.ended().success());
+    let text = screen.text();
+    assert!(!text.contains(" of 2501 cells") && text.contains("deadband across, kd up; orbit"), "{text}");
+    assert_eq!(text.matches("orbit over deadband and kd").count(), 1, "{text}");
 }

@@ -531,3 +531,54 @@ fn the_law_of_a_shaft_on_two_magnetic_bearings_is_made_better_and_read_back() {
         assert!(refused.stderr.contains(words), "{options:?}: {}", refused.stderr);
     }
 }
+
+#[test]
+fn criteria_stand_side_by_side() {
+    let ask = ["tune", "three-mass", "--speed", "4", "--criteria", "all", "--starts", "2", "--deadband", "0,1"];
+    let document = run(&[&ask[..], &["--json"]].concat()).json();
+    let rows = document["criteria"].as_array().expect("a list");
+    let row = |name: &str| rows.iter().find(|row| row["criterion"] == name).expect("a criterion");
+    let number =
+        |name: &str, key: &str| row(name)[key].as_f64().unwrap_or_else(|| panic!("{name} {key}: {}", row(name)));
+    let names = ["ratio", "decay", "weighted", "region", "sensitivity", "cost"];
+    assert!(
+        rows.len() == names.len()
+            && names.iter().all(|name| row(name)["simulated"].as_array().is_some_and(|s| s.len() == 2))
+    );
+    // Each is best at what it is for.
+    for other in names {
+        assert!(number("ratio", "min_damping") >= number(other, "min_damping") - 1e-6, "{other}");
+        assert!(number("decay", "decay") >= number(other, "decay") - 1e-6, "{other}");
+        assert!(number("cost", "cost") <= number(other, "cost") * (1.0 + 1e-6), "{other}");
+    }
+    assert!(number("sensitivity", "sensitivity") <= 2.0 * 1.001);
+    // What was simulated without clearance is the linear rotor: its force is that of `tune`.
+    let plain = run(&["tune", "three-mass", "--speed", "4", "--starts", "2", "--json"]).json();
+    let (simulated, exact) = (&row("ratio")["simulated"][0]["force"], &plain["max_force"]);
+    let apart = simulated.as_f64().expect("a number") / exact.as_f64().expect("a number") - 1.0;
+    assert!(apart.abs() < 1e-4, "{simulated} {exact}");
+
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("found").to_string_lossy().into_owned();
+    let few = ["tune", "three-mass", "--speed", "4", "--criteria", "ratio,cost", "--starts", "1", "--out", &out];
+    let ran = run(&few);
+    assert!(ran.code == Some(0) && ran.stdout.contains("cost: kd "), "{} {}", ran.stdout, ran.stderr);
+    let poles =
+        run(&["poles", "three-mass", "--speed", "4", "--feedback", &format!("{out}/ratio.toml"), "--json"]).json();
+    assert!((poles["min_damping"].as_f64().expect("a number") - 0.065409).abs() < 1e-5);
+    let again = run(&few);
+    assert!(again.code == Some(2) && again.stderr.contains("ratio.toml"), "{}", again.stderr);
+    for (rest, words) in [
+        (&["--criteria", "ratio,ratio"][..], "ratio is given twice"),
+        (&["--criteria", "ratio", "--region", "damping=0.1"], "region is not among --criteria"),
+        (&["--criteria", "cost", "--delay", "0.1"], "gains alone"),
+        (&["--measure", "region"], "expected --region"),
+        (&["--measure", "region", "--region", "damping=0.1,damping=0.2"], "damping is given twice"),
+        (&["--measure", "region", "--region", "frequency=3"], "expected a damping ratio or a decay rate"),
+        (&["--region", "damping=0.1"], "not with --measure ratio"),
+        (&["--measure", "cost", "--cost", "noise=0"], "noise = 0"),
+    ] {
+        let ran = run(&[&["tune", "three-mass", "--speed", "4"][..], rest].concat());
+        assert!(ran.code == Some(2) && ran.stderr.contains(words), "{rest:?}: {}", ran.stderr);
+    }
+}

@@ -78,3 +78,26 @@ fn what_cannot_vary_is_refused_with_the_reason() {
     let ran = run(&["margin", "three-mass", "--feedback", "individual", "--over", "0..6", "--box", "10%"]);
     assert!(ran.code == Some(2) && ran.stderr.contains("cannot be used with"), "{}", ran.stderr);
 }
+
+#[test]
+fn samples_are_simulated_with_their_clearances() {
+    let ask = |seed: &str| {
+        let clearance =
+            ["margin", "three-mass", "--feedback", "composite", "--speed", "2.5", "--vary", "deadband.1=0..1"];
+        let rest = ["--vary", "unbalance.2=0.5..1.5", "--samples", "40", "--simulate", "--seed", seed, "--json"];
+        run(&[&clearance[..], &rest].concat()).json()
+    };
+    let (once, again, other) = (ask("1"), ask("1"), ask("2"));
+    let simulated = &once["samples"]["simulated"];
+    assert!(*simulated == again["samples"]["simulated"] && *simulated != other["samples"]["simulated"]);
+    // Neither plays a part in damping: there is no box, and every sample is as well damped as the machine.
+    assert!(once.get("box").is_none() && once["samples"]["quantiles"]["0.01"] == once["samples"]["quantiles"]["0.99"]);
+    assert_eq!(simulated["bounded_share"], 1.0);
+    let quantile = |of: &str, part: &str| simulated[of][part].as_f64().expect("a number");
+    for of in ["orbit", "force"] {
+        assert!(0.0 < quantile(of, "0.05") && quantile(of, "0.05") < quantile(of, "0.95"), "{simulated}");
+    }
+    let refused =
+        run(&["margin", "three-mass", "--feedback", "composite", "--speed", "2.5", "--vary", "deadband.1=0..1"]);
+    assert!(refused.code == Some(2) && refused.stderr.contains("--simulate"), "{}", refused.stderr);
+}

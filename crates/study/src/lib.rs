@@ -5,6 +5,7 @@
 //! * [`measured`]: the sensitivity of a loop out of its command while tones are added to it.
 //! * [`force`]: the largest steady control force over speeds and clearances, on all cores.
 //! * [`map`]: a quantity over a plane of two parameters, its boundary of stability traced by [`contour`].
+//! * [`scatter`]: how large the motion gets of machines drawn at random.
 //! * [`sweep`]: maps and samples cut into shards, each a pure function of the question and its number.
 //! * [`spectrum`]: two-sided power spectral density of an orbit, with its peaks.
 //! * [`assess`]: what standards ask of a machine, line by line.
@@ -38,6 +39,7 @@ mod page;
 pub mod report;
 pub mod run;
 pub mod runup;
+pub mod scatter;
 mod settle;
 pub mod spectrum;
 pub mod sweep;

@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 use std::sync::OnceLock;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{MarginsError, Program, ProgramError, default_step};
 use rayon::prelude::*;
@@ -367,22 +367,14 @@ impl MapPlan {
     }
 }
 
-/// Maps. `done` is called after every column, from any thread.
+/// Maps. `done` is told the value of every cell as it is known, numbered with x slowest, from any thread and in any order.
 ///
 /// # Errors
 /// What [`MapPlan::check`] refuses, a cell that cannot be had, or `stop`.
-pub fn map(plan: &MapPlan, stop: &AtomicBool, done: &(dyn Fn() + Sync)) -> Result<Map, MapError> {
+pub fn map(plan: &MapPlan, stop: &AtomicBool, done: &(dyn Fn(u64, f64) + Sync)) -> Result<Map, MapError> {
     plan.check()?;
-    let up = plan.y.values.len();
-    let known: Vec<AtomicUsize> = plan.x.values.iter().map(|_| AtomicUsize::new(0)).collect();
-    let took = |cell: u64, _: f64| {
-        let column = known[(cell / up as u64) as usize].fetch_add(1, Ordering::Relaxed);
-        if column + 1 == up {
-            done();
-        }
-    };
-    let all = plan.values(0..plan.cells(), stop, &took)?;
-    let values: Vec<Vec<f64>> = all.chunks(up).map(<[f64]>::to_vec).collect();
+    let all = plan.values(0..plan.cells(), stop, done)?;
+    let values: Vec<Vec<f64>> = all.chunks(plan.y.values.len()).map(<[f64]>::to_vec).collect();
     let boundary = if plan.quantity.has_clearance() { vec![] } else { boundary(plan, &values)? };
     Ok(Map { values, boundary })
 }

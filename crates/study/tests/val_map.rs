@@ -23,7 +23,7 @@ fn axis(model: &Model, name: &str, from: f64, to: f64, count: usize) -> MapAxis 
 }
 
 fn mapped(plan: &MapPlan) -> Map {
-    map(plan, &AtomicBool::new(false), &|| ()).expect("a map")
+    map(plan, &AtomicBool::new(false), &|_, _| ()).expect("a map")
 }
 
 #[test]

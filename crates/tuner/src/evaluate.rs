@@ -4,21 +4,24 @@ use std::cell::RefCell;
 
 use rotor::C64;
 
-use crate::Problem;
 use crate::limits::Sought;
+use crate::measure::Aspect;
 use crate::operating::{Closed, Operating};
 use crate::stop::Stop;
+use crate::{Measure, Problem};
 
 /// Price of a violated constraint, in worth per unit: above any multiplier that one has in practice.
 pub(crate) const EXCESS: f64 = 10.0;
 
-/// One mode at one condition.
+/// One mode at one condition, or what is judged of the condition as a whole, with its least damped mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Reading {
     /// Which condition.
     pub(crate) condition: usize,
     /// Its pole.
     pub(crate) pole: C64,
+    /// What of it is judged.
+    pub(crate) aspect: Aspect,
     /// What it is worth.
     pub(crate) value: f64,
 }
@@ -41,6 +44,8 @@ pub(crate) struct Evaluator<'p> {
     /// One a condition: where its margins may fall short, for the gains that they were sought for last.
     pub(crate) sought: RefCell<Vec<Option<Sought>>>,
     sensitivities: Vec<C64>,
+    /// The gains last evaluated.
+    at: Vec<f64>,
     /// Gains that these are to stay near, and the price of the square of the distance.
     pub(crate) tether: Option<(Vec<f64>, f64)>,
     /// Once it is set nothing is evaluated any more: whatever climbs comes to its end at once.
@@ -61,6 +66,7 @@ impl<'p> Evaluator<'p> {
             evaluations: 0,
             sought: RefCell::default(),
             sensitivities: vec![C64::ZERO; problem.structure.variables()],
+            at: Vec::new(),
             tether: None,
             stop: Stop::NEVER,
         }
@@ -105,11 +111,27 @@ impl<'p> Evaluator<'p> {
         self.evaluations += 1;
         let near = self.before.get(condition).map_or(&[][..], |before| before);
         let Some((closed, poles)) = operating.close(self.problem, gains, near) else { return f64::NEG_INFINITY };
-        let mut worst = f64::INFINITY;
-        for &pole in &poles {
-            let value = self.problem.worth(pole);
-            worst = worst.min(value);
-            self.readings.push(Reading { condition, pole, value });
+        let first = self.readings.len();
+        match self.problem.measure {
+            Measure::Cost(cost) if poles.iter().all(|pole| pole.re < 0.0) => {
+                let Some(value) = cost.worth(self.problem, gains, &operating.point, &mut []) else {
+                    return f64::NEG_INFINITY;
+                };
+                let least = poles.iter().max_by(|a, b| a.re.total_cmp(&b.re)).copied().unwrap_or_default();
+                self.readings.push(Reading { condition, pole: least, aspect: Aspect::Cost, value });
+            }
+            measure => {
+                for &pole in &poles {
+                    for aspect in measure.aspects() {
+                        let value = self.problem.worth_of(aspect, pole);
+                        self.readings.push(Reading { condition, pole, aspect, value });
+                    }
+                }
+            }
+        }
+        let worst = self.readings[first..].iter().map(|reading| reading.value).fold(f64::INFINITY, f64::min);
+        if self.at != gains {
+            self.at = gains.to_vec();
         }
         self.closed.resize(self.conditions.len(), None);
         if operating.delay > 0.0 {
@@ -122,7 +144,14 @@ impl<'p> Evaluator<'p> {
 
     /// The slope of one reading of the gains last evaluated in each variable, into `out`.
     pub(crate) fn slope(&mut self, reading: Reading, out: &mut [f64]) {
-        let [by_re, by_im] = self.problem.worth_slope(reading.pole);
+        if let (Measure::Cost(cost), Aspect::Cost) = (self.problem.measure, reading.aspect) {
+            let point = &self.conditions[reading.condition].point;
+            if cost.worth(self.problem, &self.at, point, out).is_none() {
+                out.fill(0.0);
+            }
+            return;
+        }
+        let [by_re, by_im] = self.problem.worth_slope(reading.aspect, reading.pole);
         for (out, moved) in out.iter_mut().zip(self.pole_slope(reading)) {
             *out = by_re * moved.re + by_im * moved.im;
         }

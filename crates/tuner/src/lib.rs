@@ -33,6 +33,7 @@ mod around;
 mod certify;
 mod conditions;
 mod corners;
+mod cost;
 mod delay;
 mod evaluate;
 mod exchange;
@@ -64,8 +65,9 @@ mod worst;
 
 pub use certify::Certificate;
 pub use corners::Corner;
+pub use cost::Cost;
 pub use family::{Family, FamilyAxis, FamilyError, FamilyQuantity};
-pub use measure::Measure;
+pub use measure::{Measure, Region};
 pub use minimax::Stationarity;
 pub use opened::LoopMargins;
 pub use options::{Method, Options};

@@ -3,6 +3,7 @@
 use machine::CountedModes;
 use rotor::{C64, Characteristic, LinearForm};
 
+use crate::measure::Aspect;
 use crate::{Family, Measure, Structure};
 
 /// What is searched for: the gains of `structure` that make the worst mode of the worst condition in `family` as good as
@@ -55,9 +56,26 @@ pub enum ProblemError {
     /// A corner that is to follow the speed.
     #[error("{0}: corners of filters are the same at every speed: they cannot follow it")]
     Followed(String),
+    /// A cost of a loop that is more than gains.
+    #[error(
+        "the cost of unbalance and noise is of gains alone at one bearing of a chain, without filters, lags, samples or delay"
+    )]
+    CostOfLoop,
+    /// Margins beside a cost.
+    #[error("margins are not limited where the cost of unbalance and noise is made small: leave one of the two out")]
+    CostAndMargins,
+    /// A part of the cost that makes no sense.
+    #[error("cost: {0} = {1}: expected a finite number {2}")]
+    Cost(&'static str, f64, &'static str),
     /// A limit that leaves no force.
     #[error("force limit = {0}: expected a finite number above 0")]
     Force(f64),
+    /// A region that no stable machine need be in.
+    #[error("pole region: expected a damping ratio or a decay rate: a frequency alone says nothing of stability")]
+    NoRegion,
+    /// An edge of a region that is none.
+    #[error("pole region: {0} = {1}: expected {2}")]
+    Region(&'static str, f64, &'static str),
     /// A peak that no loop keeps below.
     #[error("largest sensitivity = {0}: expected a number above 1, which it is where the loop has no gain")]
     Sensitivity(f64),
@@ -147,13 +165,18 @@ impl Problem {
 
     /// The worth of a pole: positive if it decays.
     pub(crate) fn worth(&self, pole: C64) -> f64 {
-        let value = self.measure.of(pole);
+        self.measure.aspects().map(|aspect| self.worth_of(aspect, pole)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// The worth of one aspect of a pole.
+    pub(crate) fn worth_of(&self, aspect: Aspect, pole: C64) -> f64 {
+        let value = self.measure.part(aspect, pole);
         if value > 0.0 { value * self.weight(pole)[0] } else { value }
     }
 
-    /// What its worth changes by when the pole moves by `(dre, dim)`: the two derivatives.
-    pub(crate) fn worth_slope(&self, pole: C64) -> [f64; 2] {
-        let (value, slope) = (self.measure.of(pole), self.measure.slope(pole));
+    /// What that changes by when the pole moves by `(dre, dim)`: the two derivatives.
+    pub(crate) fn worth_slope(&self, aspect: Aspect, pole: C64) -> [f64; 2] {
+        let (value, slope) = (self.measure.part(aspect, pole), self.measure.slope(aspect, pole));
         let [weight, grows] = self.weight(pole);
         if value <= 0.0 || grows == 0.0 && weight == 1.0 {
             return slope;
@@ -202,12 +225,49 @@ impl Problem {
         if (self.max_sensitivity.is_some() || self.min_delay.is_some()) && self.structure.is_sampled() {
             return Err(ProblemError::Sampled);
         }
-        if let Measure::Ratio { forward, backward } = self.measure
-            && let Some(weight) = [forward, backward].into_iter().find(|&w| !positive(w))
-        {
-            return Err(ProblemError::Weight(weight));
-        }
+        self.check_measure()?;
         let (found, masses) = (self.structure.masses(), self.family.rotor().len());
         if found == masses { Ok(()) } else { Err(ProblemError::Structure { found, masses }) }
+    }
+
+    fn check_measure(&self) -> Result<(), ProblemError> {
+        let positive = |x: f64| x.is_finite() && x > 0.0;
+        match self.measure {
+            Measure::Decay => Ok(()),
+            Measure::Ratio { forward, backward } => match [forward, backward].into_iter().find(|&w| !positive(w)) {
+                Some(weight) => Err(ProblemError::Weight(weight)),
+                None => Ok(()),
+            },
+            Measure::Region(region) => {
+                if region.damping.is_none() && region.decay.is_none() {
+                    return Err(ProblemError::NoRegion);
+                }
+                if let Some(damping) = region.damping.filter(|d| !(positive(*d) && *d < 1.0)) {
+                    return Err(ProblemError::Region("damping", damping, "a damping ratio above 0 and below 1"));
+                }
+                for (name, value) in [("decay", region.decay), ("frequency", region.frequency)] {
+                    if let Some(value) = value.filter(|&value| !positive(value)) {
+                        return Err(ProblemError::Region(name, value, "a finite number above 0"));
+                    }
+                }
+                Ok(())
+            }
+            Measure::Cost(cost) => {
+                if !self.is_ideal() {
+                    return Err(ProblemError::CostOfLoop);
+                }
+                if self.asks_margins() {
+                    return Err(ProblemError::CostAndMargins);
+                }
+                if !(cost.force.is_finite() && cost.force >= 0.0) {
+                    return Err(ProblemError::Cost("force", cost.force, "of at least 0"));
+                }
+                match [("noise", cost.noise), ("corner", cost.corner)].into_iter().find(|(_, value)| !positive(*value))
+                {
+                    Some((name, value)) => Err(ProblemError::Cost(name, value, "above 0")),
+                    None => Ok(()),
+                }
+            }
+        }
     }
 }

@@ -9,8 +9,8 @@
 
 use rotor::C64;
 
-use crate::Measure;
 use crate::evaluate::{EXCESS, Evaluator, Reading};
+use crate::measure::Aspect;
 use crate::opened::Place;
 use crate::quadratic_program::dot;
 
@@ -44,7 +44,7 @@ enum Source {
     Skew(Reading, Reading),
     /// `Re q` less what it is to be.
     Spread(Reading, Reading),
-    /// What a slow pole has in hand, see [`Measure::in_hand`].
+    /// What a slow pole has in hand, see [`crate::Measure`].
     Slow(Reading),
     /// The control force at a condition: 1 less the force over its limit.
     Force(usize),
@@ -87,9 +87,9 @@ impl Row {
                 let pair = Pair::of(a, b, evaluator);
                 match source {
                     Source::Mean(..) => {
-                        let [by_re, by_im] = problem.worth_slope(pair.mean);
+                        let [by_re, by_im] = problem.worth_slope(a.aspect, pair.mean);
                         slope.iter_mut().zip(&pair.d_mean).for_each(|(s, d)| *s = by_re * d.re + by_im * d.im);
-                        (Kind::Worth, problem.worth(pair.mean), 0.0)
+                        (Kind::Worth, problem.worth_of(a.aspect, pair.mean), 0.0)
                     }
                     Source::Skew(..) => {
                         slope.iter_mut().zip(&pair.d_spread).for_each(|(s, d)| *s = d.im / UNIT);
@@ -124,7 +124,8 @@ impl Row {
     /// The same row at other gains, which were just evaluated.
     pub(crate) fn again(&self, evaluator: &mut Evaluator, gains: &[f64]) -> Self {
         let nearest = |evaluator: &Evaluator, to: Reading, but: Option<C64>| {
-            let same = evaluator.readings.iter().filter(|r| r.condition == to.condition && Some(r.pole) != but);
+            let is_same = |r: &&Reading| (r.condition, r.aspect) == (to.condition, to.aspect) && Some(r.pole) != but;
+            let same = evaluator.readings.iter().filter(is_same);
             let distance = |r: &&Reading| (r.pole - to.pole).norm_sqr();
             same.min_by(|a, b| distance(a).total_cmp(&distance(b))).copied().unwrap_or(to)
         };
@@ -178,13 +179,13 @@ impl Pair {
         let (mean, half) = ((a.pole + b.pole) * 0.5, (a.pole - b.pole) * 0.5);
         let d_mean: Vec<C64> = d_a.iter().zip(&d_b).map(|(a, b)| (a + b) * 0.5).collect();
         let d_square = d_a.iter().zip(&d_b).map(|(a, b)| half * (a - b));
-        let (spread, d_spread) = match evaluator.problem.measure {
-            Measure::Ratio { .. } => {
+        let (spread, d_spread) = match a.aspect {
+            Aspect::Ratio => {
                 let spread = (half / mean) * (half / mean);
                 let each = d_square.zip(&d_mean).map(|(d, m)| d / (mean * mean) - spread * 2.0 * m / mean);
                 (spread, each.collect())
             }
-            Measure::Decay => (-half * half, d_square.map(|d| -d).collect()),
+            _ => (-half * half, d_square.map(|d| -d).collect()),
         };
         Self { mean, d_mean, spread, d_spread }
     }
@@ -246,7 +247,7 @@ impl Rows {
             }
         }
         for reading in evaluator.readings.clone() {
-            if evaluator.problem.measure.in_hand(reading.pole).is_some() {
+            if reading.aspect == Aspect::Ratio && evaluator.problem.measure.in_hand(reading.pole).is_some() {
                 rows.push(Row::of(Source::Slow(reading), evaluator, gains));
             }
         }
@@ -324,5 +325,10 @@ fn violation(row: &Row, value: f64) -> f64 {
 /// Two poles of one condition, off the real axis, on one side of it, nearer each other than `merge` of their size.
 fn is_pair(a: Reading, b: Reading, merge: f64) -> bool {
     let (half, mean) = ((a.pole - b.pole).norm() * 0.5, (a.pole + b.pole) * 0.5);
-    a.condition == b.condition && 2.0 * half < merge * mean.norm() && half < 0.5 * mean.im.abs() && half > 0.0
+    let can_merge = a.aspect == b.aspect && matches!(a.aspect, Aspect::Ratio | Aspect::Decay);
+    can_merge
+        && a.condition == b.condition
+        && 2.0 * half < merge * mean.norm()
+        && half < 0.5 * mean.im.abs()
+        && half > 0.0
 }

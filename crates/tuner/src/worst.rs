@@ -4,7 +4,7 @@ use linear::DelaySystem;
 use rotor::C64;
 
 use crate::operating::{Closed, Operating};
-use crate::{Problem, around};
+use crate::{Measure, Problem, around};
 
 /// The worst mode at one condition.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -51,7 +51,13 @@ pub(crate) fn worst_at(problem: &Problem, gains: &[f64], point: &[f64]) -> Worst
             Some(line)
         }
     };
-    let (value, pole) = problem.worst(&poles);
+    let (value, pole) = match problem.measure {
+        Measure::Cost(cost) if poles.iter().all(|pole| pole.re < 0.0) => {
+            let Some(value) = cost.worth(problem, gains, point, &mut []) else { return nothing };
+            (value, poles.iter().max_by(|a, b| a.re.total_cmp(&b.re)).copied().unwrap_or_default())
+        }
+        _ => problem.worst(&poles),
+    };
     Worst { value, pole, right_of }
 }
 

@@ -211,3 +211,40 @@ fn what_makes_no_sense_is_refused_with_its_reason() {
     assert_eq!(Problem { measure, ..fine.clone() }.check(), Err(ProblemError::Weight(0.0)));
     assert_eq!(fine.check(), Ok(()));
 }
+
+#[test]
+fn a_pole_region_is_searched_and_proven_where_half_planes_make_it() {
+    let region = |frequency| tuner::Region { damping: Some(0.1), decay: Some(0.06), frequency };
+    let found = |frequency| {
+        let plain = problem(4.0, 4.0, false, false, 20.0);
+        let problem = Problem { measure: Measure::Region(region(frequency)), ..plain };
+        tune(&problem, &Options::for_problem(&problem), &|_| (), Stop::NEVER).unwrap()
+    };
+    let (open, closed) = (found(None), found(Some(2.0)));
+    assert!(open.worst.proven && !closed.worst.proven);
+    assert!(open.worst.stable() == Some(true) && closed.worst.stable() == Some(true));
+    // A circle more can only cost, and here it does.
+    assert!(closed.worst.value <= open.worst.value + 1e-9, "{} {}", closed.worst.value, open.worst.value);
+    for tuned in [&open, &closed] {
+        assert!(tuned.stationarity.norm < 1e-4, "{:?}", tuned.stationarity);
+    }
+}
+
+#[test]
+fn measures_that_make_no_sense_are_refused() {
+    let with = |measure| Problem { measure, ..problem(4.0, 4.0, false, false, 20.0) }.check().unwrap_err();
+    let none = tuner::Region { frequency: Some(2.0), ..tuner::Region::default() };
+    assert_eq!(with(Measure::Region(none)), ProblemError::NoRegion);
+    let wide = tuner::Region { damping: Some(1.0), ..tuner::Region::default() };
+    assert!(
+        with(Measure::Region(wide)).to_string().contains("damping = 1: expected a damping ratio above 0 and below 1")
+    );
+    let quiet = tuner::Cost { noise: 0.0, ..tuner::Cost::default() };
+    assert!(with(Measure::Cost(quiet)).to_string().contains("noise = 0: expected a finite number above 0"));
+    let both = Problem {
+        max_sensitivity: Some(2.0),
+        measure: Measure::Cost(tuner::Cost::default()),
+        ..problem(4.0, 4.0, false, false, 20.0)
+    };
+    assert_eq!(both.check(), Err(ProblemError::CostAndMargins));
+}

@@ -88,8 +88,13 @@ pub(crate) fn rounded(number: f64) -> String {
 
 /// Whether whoever reads stdout sees colours: on a terminal that has them, unless `NO_COLOR` is set to anything (no-color.org).
 pub(crate) fn has_colours() -> bool {
+    std::io::stdout().is_terminal() && may_colour()
+}
+
+/// Whether a terminal, wherever it is, may be shown colours: it has them, and nobody refuses them.
+pub(crate) fn may_colour() -> bool {
     let is_refused = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-    std::io::stdout().is_terminal() && !is_refused && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+    !is_refused && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
 }
 
 /// `text` with blanks behind it up to `wide` cells of a terminal, in which a Chinese character takes two.

@@ -9,12 +9,12 @@ use serde_json::Value;
 use super::{begin, code, table};
 
 /// Commands whose document is told, with what makes it.
-const EXAMPLES: [&str; 22] = [
+const EXAMPLES: [&str; 23] = [
     "poles three-mass --speed 6 --feedback composite",
     "thresholds three-mass --over 0..6",
     "trace three-mass --over 0..6 --points 5 --feedback composite --campbell",
     "modes three-mass --speed 4",
-    "margin three-mass --speed 6 --feedback individual --sensitivities --box 10% --samples 100",
+    "margin three-mass --speed 6 --feedback individual --sensitivities --box 10% --samples 100 --simulate",
     "bode three-mass --feedback individual --speed 6",
     "bode three-mass --feedback individual --over 0..6 --of unbalance",
     "assess three-mass --feedback individual --over 0..6",
@@ -25,6 +25,7 @@ const EXAMPLES: [&str; 22] = [
     "cycles three-mass --over 5..6 --points 3 --deadband 1 --feedback composite",
     "map three-mass --feedback individual --x speed=0..8 --y delay=0..0.3 --points 4x3",
     "tune three-mass --speed 6 --starts 2",
+    "tune three-mass --speed 4 --starts 2 --criteria ratio,cost",
     "assign three-mass --speed 2 --poles -0.3,0.5;-0.3,-0.5;-0.2,1;-0.2,-1;-0.2,1.4;-0.2,-1.4",
     "assign jeffcott --cancel",
     "assign three-mass --speed 2 --table",
@@ -127,6 +128,8 @@ fn heading(example: &str) -> String {
         format!("assign {option}")
     } else if example.starts_with("rotor") || example.starts_with("layout") {
         two
+    } else if example.contains("--criteria") {
+        "tune --criteria".to_owned()
     } else if example.contains("--of unbalance") {
         "bode --of unbalance".to_owned()
     } else {

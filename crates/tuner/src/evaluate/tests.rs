@@ -204,7 +204,7 @@ fn modes_past_the_limit_are_worth_more_but_never_what_they_are_not() {
             assert_eq!(worth > 0.0, plain > 0.0);
             assert!(worth >= plain && (part > 1.0 && damping > 0.0 || worth == plain), "{part} {damping}: {worth}");
             let h = 1e-7 * below;
-            let slope = problem.worth_slope(pole);
+            let slope = problem.worth_slope(crate::measure::Aspect::Ratio, pole);
             for (k, step) in [C64::from(h), C64::new(0.0, h)].into_iter().enumerate() {
                 if part == 1.0 || damping == 0.0 {
                     continue; // A corner.

@@ -1,6 +1,7 @@
 //! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range, and of a machine that is not quite
 //! what is thought.
 
+mod simulated;
 mod unsure;
 
 use ::linear::{AmplitudePeak, CertifiedPeak, DelayMargin, GainMargin, Margins, PeakProof, PhaseMargin};

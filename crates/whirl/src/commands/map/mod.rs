@@ -1,10 +1,10 @@
 //! `whirl map`: a quantity over a plane of two parameters.
 
+mod live;
 mod picture;
 
-use std::io::{IsTerminal, Write};
+use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 
 use serde::Serialize;
 use study::map::{self, Map, MapAxis, MapError, MapKey, MapPlan, MapQuantity, QUANTITIES};
@@ -24,6 +24,7 @@ use crate::place::Force;
 use crate::range::Range;
 use crate::units::UnitsDocument;
 use crate::varied::{By, Varied, shown};
+use live::Live;
 
 /// Cells of a map of linear quantities, and of one that is simulated, if nobody says.
 const POINTS: [Points; 2] = [Points { x: 81, y: 61 }, Points { x: 31, y: 21 }];
@@ -127,16 +128,10 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
         linear::neglects(&args.machine);
     }
     let stop = interrupt::flag()?;
-    let (done, watched) = (AtomicUsize::new(0), std::io::stderr().is_terminal());
-    let total = plan.x.values.len();
-    let report = || {
-        let count = done.fetch_add(1, Ordering::Relaxed) + 1;
-        if watched {
-            let end = if count == total { "\r\x1b[K" } else { "" };
-            let _ = write!(std::io::stderr(), "\r{count} of {total} columns{end}");
-        }
-    };
-    let map = map::map(plan, &stop, &report)?;
+    let live = Live::of(machine, plan);
+    let map = map::map(plan, &stop, &|cell, value| live.took(cell, value));
+    live.end();
+    let map = map?;
     let shown = Shown { machine, plan, map: &map };
     match (&args.out, form) {
         (Some(path), Some(Some(form))) => shown.write(path, form, args.force)?,
@@ -149,7 +144,8 @@ pub(crate) fn run(args: &MapArgs) -> Result<(), Failure> {
     if args.format.csv {
         return shown.print_csv();
     }
-    output::print_text(&format!("{}{}", picture::text(&shown), shown.footer()))
+    let text = picture::text(&shown, std::io::stdout().is_terminal());
+    output::print_text(&format!("{text}{}", shown.footer()))
 }
 
 /// The cells of a map as rows, for a sweep.
@@ -348,7 +344,8 @@ impl Shown<'_> {
             text += &format!("{stable} of {all} cells are stable\n");
         }
         if !self.map.boundary.is_empty() {
-            text += &format!("the boundary of stability is traced in {} pieces\n", self.map.boundary.len());
+            let pieces = text::number::counted(self.map.boundary.len(), "piece", "pieces");
+            text += &format!("the boundary of stability is traced in {pieces}\n");
         }
         text
     }

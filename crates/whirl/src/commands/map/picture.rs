@@ -10,7 +10,7 @@ use units::Dimension;
 
 use super::{Shown, unit};
 use crate::failure::Failure;
-use crate::output::{has_colours, rounded};
+use crate::output::{may_colour, rounded};
 use crate::place::Force;
 use crate::varied::dimension;
 
@@ -84,10 +84,10 @@ pub(super) fn draw(shown: &Shown<'_>, path: &Path, force: Force) -> Result<(), F
     force.write(path, picture)
 }
 
-/// A map as text, as wide as the terminal.
-pub(super) fn text(shown: &Shown<'_>) -> String {
+/// A map as text, as wide as the terminal, where there is one.
+pub(super) fn text(shown: &Shown<'_>, on_terminal: bool) -> String {
     let size = terminal_size::terminal_size().map_or(UNKNOWN, |(w, h)| (usize::from(w.0), usize::from(h.0)));
-    let colours = has_colours();
+    let colours = on_terminal && may_colour();
     let cells = shown.cells();
     let (across, up) = (cells.xs.len(), cells.ys.len());
     let columns = size.0.saturating_sub(MARGIN).clamp(1, across.max(2));

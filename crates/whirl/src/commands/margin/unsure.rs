@@ -8,13 +8,14 @@ use study::sweep::Task;
 use tuner::Stop;
 use variation::{Distribution, Model, Range, Samples, Sensitivities, Sensitivity, Worst};
 
+use super::simulated::simulated;
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::output::{Cell, Table, rounded};
 use crate::varied::{self, By, Varied, percent};
 
 /// Quantiles of the damping of samples that are told.
-const QUANTILES: [&str; 7] = ["0.01", "0.05", "0.25", "0.5", "0.75", "0.95", "0.99"];
+pub(super) const QUANTILES: [&str; 7] = ["0.01", "0.05", "0.25", "0.5", "0.75", "0.95", "0.99"];
 /// A part of a parameter whose effect is told.
 const PART: f64 = 0.01;
 
@@ -68,6 +69,10 @@ pub(super) struct Unsure {
         help_heading = "Not quite what is thought"
     )]
     samples: Option<u64>,
+    /// Simulate each of them from rest, with its clearances and limits, and tell how large orbits and forces get; `--vary` takes
+    /// deadband and unbalance too then
+    #[arg(long, requires = "samples", help_heading = "Not quite what is thought")]
+    simulate: bool,
     /// How they are spread
     #[arg(
         long,
@@ -131,9 +136,13 @@ impl Unsure {
         if ranges.is_empty() {
             return Ok(told);
         }
-        let worst = variation::worst(&model, &ranges, self.tolerance, self.seed, Stop::NEVER)?;
-        told.fields.insert("box".into(), of_box(&ranges, &worst));
-        told.text += &box_text(machine, &ranges, &worst);
+        // What plays no part in damping makes no box wider.
+        let linear: Vec<Range> = ranges.iter().filter(|range| range.parameter.is_linear()).cloned().collect();
+        if !linear.is_empty() {
+            let worst = variation::worst(&model, &linear, self.tolerance, self.seed, Stop::NEVER)?;
+            told.fields.insert("box".into(), of_box(&linear, &worst));
+            told.text += &box_text(machine, &linear, &worst);
+        }
         if let Some(count) = self.samples {
             let word = match self.distribution {
                 Spread::Uniform => "uniform",
@@ -165,6 +174,12 @@ impl Unsure {
             let each: Vec<String> =
                 QUANTILES.iter().map(|name| format!("{name}: {}", rounded(quantile(name)))).collect();
             let _ = writeln!(told.text, "quantiles of the smallest damping  {}", each.join("  "));
+            if self.simulate {
+                let drawn = (self.distribution.into(), self.seed);
+                let (fields, text) = simulated(machine, &model, &ranges, drawn, count)?;
+                told.fields["samples"]["simulated"] = fields;
+                told.text += &text;
+            }
         }
         Ok(told)
     }
@@ -178,6 +193,11 @@ impl Unsure {
         let Some(count) = self.samples else {
             return Err(Failure::Usage("expected --samples N: a sweep cuts samples into shards".into()));
         };
+        if self.simulate {
+            return Err(Failure::Usage(
+                "--simulate is of no use in a sweep: its rows are of damping; map orbits there".into(),
+            ));
+        }
         let ranges = self.ranges(machine, &model)?;
         let units = ranges.iter().map(|range| varied::shown(machine, &range.parameter, 1.0)).collect();
         let distribution = self.distribution.into();
@@ -189,10 +209,10 @@ impl Unsure {
         let mut ranges: Vec<Range> = Vec::new();
         for varied in &self.vary {
             let range = varied::range(machine, model, varied)?;
-            if !range.parameter.is_linear() {
+            if !range.parameter.is_linear() && !self.simulate {
                 let key = &varied.key;
                 return Err(Failure::Usage(format!(
-                    "--vary {key}: it plays no part in damping: the linear rotor has none"
+                    "--vary {key}: it plays no part in damping: the linear rotor has none; with --samples N --simulate it does"
                 )));
             }
             if ranges.iter().any(|other| other.parameter.quantity == range.parameter.quantity) {

@@ -219,7 +219,7 @@ fn margins(problem: &Problem, tuned: &Tuned) -> Map<String, Value> {
 }
 
 /// What is asked of the margins and was not reached, in words.
-fn short(problem: &Problem, tuned: &Tuned) -> Option<String> {
+pub(super) fn short(problem: &Problem, tuned: &Tuned) -> Option<String> {
     /// A limit is kept within this part of it between the conditions that are looked at.
     const NEAR: f64 = 1e-3;
     if problem.max_sensitivity.is_none() && problem.min_delay.is_none() {

@@ -2,6 +2,7 @@
 
 mod answer;
 mod corners;
+mod criteria;
 mod follow;
 mod front;
 mod gain_table;
@@ -29,7 +30,7 @@ use crate::varied::Varied;
 
 use corners::Freed;
 use question::Asked;
-use typed::{Gains, MeasureName, Places, Robust, Signal, Span};
+use typed::{Criterion, Gains, MeasureName, Places, Robust, Signal, Span, TypedCost, TypedRegion};
 
 /// Options of `whirl tune`. What it finds is feedback, for `--feedback` and for files.
 #[derive(Debug, clap::Args)]
@@ -99,7 +100,7 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "KEY=A..B|P%", help_heading = "Conditions")]
     vary: Vec<Varied>,
 
-    /// What a mode is worth: its damping ratio, or its decay rate
+    /// What is made as good as can be
     #[arg(long, value_enum, default_value_t = MeasureName::Ratio, help_heading = "Objective")]
     measure: MeasureName,
     #[command(flatten, next_help_heading = "Objective")]
@@ -114,6 +115,14 @@ pub(crate) struct TuneArgs {
         help_heading = "Objective"
     )]
     mode_weights: Option<Vec<f64>>,
+    /// The region of poles of --measure region: a damping ratio, a decay rate per tau (SI rotors: per s) and a largest |lambda| in radians
+    /// per tau (SI rotors: in Hz), or some of them. A machine is worth t if its poles are in the region made t times as tight
+    #[arg(long, value_name = "damping=Z,decay=D,frequency=W", allow_hyphen_values = true, help_heading = "Objective")]
+    region: Option<TypedRegion>,
+    /// What --measure cost weighs: the force beside the orbit, standard deviation of the sensors' noise in e_t (SI rotors: in m), and its
+    /// corner in radians per tau (SI rotors: in Hz) [default: force=0.1,noise=0.1,corner=10, dimensionless]
+    #[arg(long, value_name = "force=F,noise=S,corner=W", allow_hyphen_values = true, help_heading = "Objective")]
+    cost: Option<TypedCost>,
 
     /// How a climb goes
     #[arg(long, value_enum, default_value_t = MethodName::Nonsmooth, help_heading = "Search")]
@@ -147,6 +156,27 @@ pub(crate) struct TuneArgs {
     /// Trade damping for control force, for the size of gains, or for the peak of the sensitivity
     #[arg(long, value_enum, help_heading = "More than one answer")]
     pareto: Option<PriceName>,
+    /// Search for each of these by itself, and tell side by side what it buys, in simulation too; --out is a folder for the files
+    #[arg(
+        long,
+        value_name = "all|NAME,..",
+        value_enum,
+        value_delimiter = ',',
+        hide_possible_values = true,
+        conflicts_with_all = ["pareto", "track", "measure"],
+        help_heading = "More than one answer"
+    )]
+    criteria: Vec<Criterion>,
+    /// Clearances of all support bearings to simulate with --criteria, in e_t (SI rotors: in m) [default: the rotor's own]
+    #[arg(
+        long,
+        value_name = "G,G,..",
+        value_delimiter = ',',
+        requires = "criteria",
+        allow_negative_numbers = true,
+        help_heading = "More than one answer"
+    )]
+    deadband: Vec<f64>,
     /// How many points the trade has
     #[arg(long, value_name = "N", default_value_t = 8, requires = "pareto", value_parser = clap::value_parser!(u32).range(2..=1000), help_heading = "More than one answer")]
     points: u32,
@@ -204,6 +234,7 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Failure> {
     let asked = Asked::of(args)?;
     // A search that cannot deliver does not start.
     match (&args.out, args.pareto) {
+        (Some(folder), None) if !args.criteria.is_empty() => criteria::check(args, folder)?,
         (Some(path), None) => args.force.check(path)?,
         (Some(path), Some(_)) if path.exists() && !path.is_dir() => {
             return Err(Failure::Usage(format!("'{}' is a file: --pareto writes into a folder", path.display())));
@@ -220,7 +251,9 @@ pub(crate) fn run(args: &TuneArgs) -> Result<(), Failure> {
         crate::picture::check(path, args.force)?;
     }
     let stop = interrupt::flag()?;
-    if args.pareto.is_some() {
+    if !args.criteria.is_empty() {
+        criteria::run(args, &asked, &stop)
+    } else if args.pareto.is_some() {
         front::run(args, &asked, &stop)
     } else if args.track.is_some() {
         follow::run(args, &asked, &stop)

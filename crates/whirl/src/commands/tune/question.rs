@@ -1,14 +1,15 @@
 //! What is asked: options into a family, structures and choices of place, each checked and named in the user's terms.
 
+use clap::ValueEnum;
 use control::{FAULTS, PARTS, Parts};
 use rotor::typed::pair;
 use rotor::{Feedback, Rotor};
 use tuner::{
-    Corner, Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, PlacementProblem, Problem, ProblemError,
-    Schedule, Structure,
+    Corner, Cost, Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, PlacementProblem, Problem, ProblemError,
+    Region, Schedule, Structure,
 };
 
-use super::typed::{Gains, MeasureName, Robust, Signal, Span, axis};
+use super::typed::{Criterion, Gains, MeasureName, Robust, Signal, Span, axis};
 use super::{TuneArgs, corners, places, shafts};
 use crate::catalog::Machine;
 use crate::failure::Failure;
@@ -87,7 +88,7 @@ impl Asked {
             template,
             composite: args.signal != Some(Signal::Individual),
             schedule: schedule(args, [from, to])?,
-            measure: measure(args)?,
+            measure: measure(args, units)?,
             force_limit: None,
             max_sensitivity: args.max_sensitivity,
             min_delay: args.min_delay.map(|least| least / units.time(1.0)),
@@ -208,11 +209,35 @@ fn refuse_what_excludes_itself(args: &TuneArgs) -> Result<(), Failure> {
             "--track looks at one speed at a time: leave --max-sensitivity and --min-delay out".into(),
         ));
     }
+    refuse_idle_criteria(args)?;
     for (name, value) in
         [("tolerance", args.tolerance), ("stiffness", args.stiffness), ("spread", args.spread.unwrap_or(1.0))]
     {
         if !(value.is_finite() && value > 0.0) {
             return Err(Failure::Usage(format!("--{name} {value}: expected a finite number above 0")));
+        }
+    }
+    Ok(())
+}
+
+/// Criteria that are named twice, and options of a criterion that is not among them.
+fn refuse_idle_criteria(args: &TuneArgs) -> Result<(), Failure> {
+    let criteria = &args.criteria;
+    if let Some((_, twice)) = criteria.iter().enumerate().find(|(k, criterion)| criteria[..*k].contains(criterion)) {
+        return Err(Failure::Usage(format!("--criteria: {} is given twice", twice.name())));
+    }
+    let is_all = criteria.contains(&Criterion::All);
+    if is_all && criteria.len() > 1 {
+        return Err(Failure::Usage("--criteria: all has every one: leave the others out".into()));
+    }
+    for (option, is_given, of) in [
+        ("--max-sensitivity", args.max_sensitivity.is_some(), Criterion::Sensitivity),
+        ("--mode-weights", args.mode_weights.is_some(), Criterion::Weighted),
+        ("--region", args.region.is_some(), Criterion::Region),
+    ] {
+        if is_given && !criteria.is_empty() && !is_all && !criteria.contains(&of) {
+            let name = of.name();
+            return Err(Failure::Usage(format!("{option} does nothing: {name} is not among --criteria")));
         }
     }
     Ok(())
@@ -274,19 +299,60 @@ fn bound(args: &TuneArgs, rotor: &Rotor, template: Option<&Feedback>) -> Result<
     }
 }
 
-fn measure(args: &TuneArgs) -> Result<Measure, Failure> {
-    match (args.measure, args.mode_weights.as_deref()) {
-        (MeasureName::Decay, None) => Ok(Measure::Decay),
-        (MeasureName::Decay, Some(_)) => {
-            Err(Failure::Usage("--mode-weights are weights of damping ratios: not with --measure decay".into()))
+/// What is made as good as can be; of several criteria the first of all, damping ratios.
+fn measure(args: &TuneArgs, units: Units) -> Result<Measure, Failure> {
+    if !args.criteria.is_empty() {
+        return Ok(Measure::default());
+    }
+    let name = args.measure;
+    for (option, is_given, of) in [
+        ("--mode-weights are weights of damping ratios", args.mode_weights.is_some(), MeasureName::Ratio),
+        ("--region is of --measure region", args.region.is_some(), MeasureName::Region),
+        ("--cost is of --measure cost", args.cost.is_some(), MeasureName::Cost),
+    ] {
+        if is_given && name != of {
+            let name = name.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
+            return Err(Failure::Usage(format!("{option}: not with --measure {name}")));
         }
-        (MeasureName::Ratio, None) => Ok(Measure::default()),
-        (MeasureName::Ratio, Some(&[forward, backward])) => Ok(Measure::Ratio { forward, backward }),
-        (MeasureName::Ratio, Some(other)) => {
+    }
+    match name {
+        MeasureName::Decay => Ok(Measure::Decay),
+        MeasureName::Ratio => Ok(weights(args)?.unwrap_or_default()),
+        MeasureName::Region => region(args, units).ok_or_else(|| {
+            Failure::Usage("--measure region: expected --region, such as damping=0.1,decay=0.1,frequency=4".into())
+        }),
+        MeasureName::Cost => Ok(cost(args, units)),
+    }
+}
+
+/// Damping ratios with the weights that are typed.
+pub(super) fn weights(args: &TuneArgs) -> Result<Option<Measure>, Failure> {
+    match args.mode_weights.as_deref() {
+        None => Ok(None),
+        Some(&[forward, backward]) => Ok(Some(Measure::Ratio { forward, backward })),
+        Some(other) => {
             let count = other.len();
             Err(Failure::Usage(format!("--mode-weights: expected two, forward and backward, found {count}")))
         }
     }
+}
+
+/// The region that is typed.
+pub(super) fn region(args: &TuneArgs, units: Units) -> Option<Measure> {
+    let Region { damping, decay, frequency } = args.region?.0;
+    let decay = decay.map(|decay| decay / units.rate(1.0));
+    Some(Measure::Region(Region { damping, decay, frequency: frequency.map(|typed| typed / units.frequency(1.0)) }))
+}
+
+/// The cost that is typed, or usual.
+pub(super) fn cost(args: &TuneArgs, units: Units) -> Measure {
+    let usual = Cost::default();
+    let Some(typed) = args.cost else { return Measure::Cost(usual) };
+    Measure::Cost(Cost {
+        force: typed.force.unwrap_or(usual.force),
+        noise: typed.noise.map_or(usual.noise, |noise| units.length_from_typed(noise)),
+        corner: typed.corner.map_or(usual.corner, |corner| corner / units.frequency(1.0)),
+    })
 }
 
 impl From<FamilyError> for Failure {

@@ -26,6 +26,12 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
         speed_text(units, document.worst["speed"].as_f64()),
         others(&document.worst)
     )];
+    if let Measure::Cost(_) = problem.measure
+        && document.objective > 0.0
+    {
+        let cost = units.length(document.objective.sqrt().recip());
+        lines.push(format!("cost {} {}: the objective is 1 / cost^2 (in e_t)", rounded(cost), units.length_unit()));
+    }
     if what == "objective" {
         lines.push(format!(
             "min damping {} at {}",

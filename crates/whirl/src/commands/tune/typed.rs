@@ -34,6 +34,95 @@ pub(super) enum MeasureName {
     Ratio,
     /// Decay rate, -Re lambda per tau
     Decay,
+    /// How deep in the region of --region it is
+    Region,
+    /// The mean square of motion and force under unbalance and noise, made small: see --cost
+    Cost,
+}
+
+/// What gains are searched for, side by side.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(super) enum Criterion {
+    /// Every one below
+    All,
+    /// Damping ratio
+    Ratio,
+    /// Decay rate
+    Decay,
+    /// Damping ratio, forward and backward whirl by --mode-weights [default: 2,1]
+    Weighted,
+    /// The region of --region [default: damping=0.1,decay=0.1,frequency=4]
+    Region,
+    /// Damping ratio under --max-sensitivity [default: 2]
+    Sensitivity,
+    /// The cost of --cost
+    Cost,
+}
+
+impl Criterion {
+    /// All but `all`.
+    pub(super) const EACH: [Self; 6] =
+        [Self::Ratio, Self::Decay, Self::Weighted, Self::Region, Self::Sensitivity, Self::Cost];
+
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::All => "all",
+            Self::Ratio => "ratio",
+            Self::Decay => "decay",
+            Self::Weighted => "weighted",
+            Self::Region => "region",
+            Self::Sensitivity => "sensitivity",
+            Self::Cost => "cost",
+        }
+    }
+}
+
+/// A region of poles, as typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TypedRegion(pub(super) tuner::Region);
+
+/// What a cost weighs, as typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TypedCost {
+    pub(super) force: Option<f64>,
+    pub(super) noise: Option<f64>,
+    pub(super) corner: Option<f64>,
+}
+
+impl FromStr for TypedRegion {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let [damping, decay, frequency] = parts(typed, ["damping", "decay", "frequency"])?;
+        Ok(Self(tuner::Region { damping, decay, frequency }))
+    }
+}
+
+impl FromStr for TypedCost {
+    type Err = String;
+
+    fn from_str(typed: &str) -> Result<Self, String> {
+        let [force, noise, corner] = parts(typed, ["force", "noise", "corner"])?;
+        Ok(Self { force, noise, corner })
+    }
+}
+
+/// `NAME=NUMBER,NAME=NUMBER`, each name once.
+fn parts(typed: &str, names: [&str; 3]) -> Result<[Option<f64>; 3], String> {
+    let expected = || {
+        let [a, b, c] = names;
+        format!("'{typed}': expected {a}=NUMBER, {b}=NUMBER or {c}=NUMBER, one or more with commas between")
+    };
+    let mut made = [None; 3];
+    for part in typed.split(',') {
+        let (name, number) = part.split_once('=').ok_or_else(expected)?;
+        let place = names.iter().position(|known| *known == name.trim()).ok_or_else(expected)?;
+        let number = number.trim().parse::<f64>().map_err(|_| expected())?;
+        if made[place].replace(number).is_some() {
+            return Err(format!("'{typed}': {} is given twice", names[place]));
+        }
+    }
+    Ok(made)
 }
 
 /// Masses, counted from 1, or a choice among all.
