@@ -19,7 +19,7 @@ use super::poles::Poles;
 use super::run_up::RunUp;
 use super::sensitivity::SensitivityCurve;
 use super::strips::Strips;
-use super::{margins, raw, settings, spectrum, waterfall};
+use super::{damping_map, margins, raw, settings, spectrum, waterfall};
 use crate::input::Mouse;
 use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
@@ -106,6 +106,14 @@ pub(crate) const PANELS: &[PanelKind] = &[
         is_plot: true,
         is_of_motion: true,
         make: || Box::<DampingOverSpeed>::default(),
+    },
+    PanelKind {
+        name: "map",
+        meaning: "minimum damping around the settings in force, over the speed and the selected setting",
+        least: (24, 6),
+        is_plot: false,
+        is_of_motion: true,
+        make: || Box::new(damping_map::draw),
     },
     PanelKind {
         name: "campbell",

@@ -6,6 +6,7 @@
 //! │  trip           1000      ±10 e_t
 //! │▶ kd          -0.5879    ±0.01   │   ▶ selected: left and right lower and raise it
 //! │  kc      -1.25 linear   ±0.01   │   a scheduled gain at the present speed
+//! │  cc ▲0.0012  0.6483     ±0.01   │   where there is room: what a step up does to the smallest damping; ◆ where it is best as it is
 //! │  cd         0.4948  held 0.25   │   in place of the step: what it is in the settings that are held, or "-> 0.25" would be
 //! └─────────────────────────────────┘
 //! ```
@@ -15,8 +16,10 @@ use ratatui::layout::{Margin, Position, Rect};
 use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Rotor, Scope, Settings};
-use text::number::significant;
+use telemetry::jobs::{SettingSlopes, SlopeRequest};
+use text::number::{short, significant};
 
+use super::damping_map::speed_of;
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write, write_line};
 use crate::fit_text::width;
@@ -124,11 +127,16 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let inner = framed(Line::from(title), area, buffer);
     let Some(settings) = &data.settings else { return };
     let units = data.units();
+    let slopes = data
+        .rotor
+        .clone()
+        .and_then(|rotor| view.jobs.slopes(&SlopeRequest::with(rotor, settings, speed_of(view, settings))));
     let first = first_row(&shown, cursor.row, inner.height);
     for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
         let row = Rect { y, height: 1, ..inner };
         let other = other_of(view, settings, &units, keys[*at]);
-        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), other, row, buffer);
+        let beside = Beside { other, arrow: slopes.as_ref().and_then(|slopes| arrow(slopes, &units, keys[*at])) };
+        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), beside, row, buffer);
     }
     // On the frame, where no value is hidden by it.
     let last = (first + usize::from(inner.height)).min(shown.len());
@@ -144,11 +152,29 @@ fn other_of(view: &View<'_>, settings: &Settings, units: &Units, key: Key) -> Op
     then.or_else(|| view.held.filter(differs).map(|held| format!("held {}", told(held))))
 }
 
+/// What a step up does to the smallest damping: where to and by how much, or a diamond where it falls either way. Nothing where it does
+/// nothing, or that is not known.
+fn arrow(slopes: &SettingSlopes, units: &Units, key: Key) -> Option<String> {
+    let slope = slopes.slope(key)?;
+    if slope.up < 0.0 && slope.down > 0.0 {
+        return Some("◆".into());
+    }
+    let step = units.step(key) / units.setting(key).factor;
+    let sign = if slope.up > 0.0 { '▲' } else { '▼' };
+    (slope.up != 0.0 && slope.up.is_finite()).then(|| format!("{sign}{}", short(slope.up.abs() * step, 2)))
+}
+
+/// What stands beside a value.
+struct Beside {
+    other: Option<String>,
+    arrow: Option<String>,
+}
+
 fn draw_row(
     (settings, units): (&Settings, &Units),
     key: Key,
     cursor: Option<&SettingsCursor>,
-    other: Option<String>,
+    Beside { other, arrow }: Beside,
     row: Rect,
     buffer: &mut Buffer,
 ) {
@@ -188,6 +214,14 @@ fn draw_row(
     }
     let wide = (value.width() as u16).min(room);
     let place = Rect { x: row.right() - beside - wide, width: wide, ..row };
+    if let Some(arrow) = arrow.filter(|_| typed.is_none()) {
+        // One column free towards the name, two towards the value.
+        let end = place.x.saturating_sub(2);
+        let long = width(&arrow) as u16;
+        if end >= row.left() + name + 1 + long {
+            write(buffer, row, end - long, row.top(), &arrow, theme::quiet());
+        }
+    }
     write_line(buffer, place, value);
 }
 

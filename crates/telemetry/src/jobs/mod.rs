@@ -1,11 +1,13 @@
-//! Analysis that the simulation does not send along: poles and damping over speed, what clearances do, margins, spectra, run-ups. Too long for the drawing thread,
+//! Analysis that the simulation does not send along: poles and damping over speed, what settings and clearances do, margins, spectra, run-ups. Too long for the drawing thread,
 //! so it is asked for there and computed by [`Jobs`].
 
+mod damping_map;
 mod deadband;
 mod latest_answer;
 pub mod loop_analysis;
 pub mod pole_trace;
 pub mod run_up;
+mod slopes;
 mod spectra;
 
 use std::sync::Arc;
@@ -13,11 +15,13 @@ use std::time::Duration;
 
 use crossbeam::channel::Sender;
 
+pub use damping_map::{DampingMap, DampingMapRequest};
 pub use deadband::{DeadbandEffects, DeadbandRequest, LimitCycle};
 pub use latest_answer::LatestAnswer;
 pub use loop_analysis::{LoopAnalysis, LoopRequest};
 pub use pole_trace::{PoleTrace, PoleTraceRequest};
 pub use run_up::{RunUpRequest, SpeedLegs};
+pub use slopes::{SettingSlopes, SlopeRequest};
 pub use spectra::{OrbitSpectrum, SpectrumRequest, Waterfall, WaterfallOrder, WaterfallRequest, WaterfallRow};
 
 /// How long a frame may wait for what a person is typing at this moment.
@@ -33,6 +37,8 @@ pub struct Jobs {
     opened_candidate: LatestAnswer<LoopRequest, LoopAnalysis>,
     opened_watched: LatestAnswer<LoopRequest, LoopAnalysis>,
     run_up: LatestAnswer<RunUpRequest, SpeedLegs>,
+    slopes: LatestAnswer<SlopeRequest, SettingSlopes>,
+    map: LatestAnswer<DampingMapRequest, DampingMap>,
     spectrum: LatestAnswer<SpectrumRequest, OrbitSpectrum>,
     waterfalls: [LatestAnswer<WaterfallRequest, Waterfall>; 2],
 }
@@ -58,6 +64,8 @@ impl Jobs {
             opened_candidate: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             opened_watched: LatestAnswer::spawn("loop", LoopAnalysis::of, wake.clone())?,
             run_up: LatestAnswer::spawn("run-up", SpeedLegs::of, wake.clone())?,
+            slopes: LatestAnswer::spawn("slopes", SettingSlopes::of, wake.clone())?,
+            map: LatestAnswer::spawn("map", DampingMap::of, wake.clone())?,
             spectrum: LatestAnswer::spawn("spectrum", OrbitSpectrum::of, wake.clone())?,
             waterfalls: [
                 LatestAnswer::spawn("waterfall", Waterfall::of, wake.clone())?,
@@ -76,6 +84,8 @@ impl Jobs {
             opened_candidate: LatestAnswer::inline(LoopAnalysis::of),
             opened_watched: LatestAnswer::inline(LoopAnalysis::of),
             run_up: LatestAnswer::inline(SpeedLegs::of),
+            slopes: LatestAnswer::inline(SettingSlopes::of),
+            map: LatestAnswer::inline(DampingMap::of),
             spectrum: LatestAnswer::inline(OrbitSpectrum::of),
             waterfalls: [LatestAnswer::inline(Waterfall::of), LatestAnswer::inline(Waterfall::of)],
         }
@@ -109,6 +119,16 @@ impl Jobs {
     /// The same of the settings in force, whatever is looked at: for alarms.
     pub fn opened_watched(&self, question: &LoopRequest) -> Option<Arc<LoopAnalysis>> {
         self.opened_watched.ask(question)
+    }
+
+    /// What settings do to the smallest damping; for a moment, what those before did.
+    pub fn slopes(&self, question: &SlopeRequest) -> Option<Arc<SettingSlopes>> {
+        self.slopes.ask(question)
+    }
+
+    /// The smallest damping around settings; for a moment, around those before.
+    pub fn damping_map(&self, question: &DampingMapRequest) -> Option<Arc<DampingMap>> {
+        self.map.ask(question)
     }
 
     /// The first order over the speeds that were run through; for a moment, an earlier answer.
