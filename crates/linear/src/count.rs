@@ -19,9 +19,11 @@ use crate::system::Balanced;
 use crate::{C64, DelayError};
 
 /// What the bound on a step is kept below; 1 would do.
-const SAFE: f64 = 0.95;
-/// Steps that a count may take: well below a second's worth.
-const MOST_STEPS: usize = 60_000;
+pub(crate) const SAFE: f64 = 0.95;
+/// Rows of a matrix that is stepped as a whole: of more, each step costs too much and each is too short, see [`crate::partial_fractions`].
+const WHOLE: usize = 10;
+/// Steps that a count may take: of matrices as small as that, and of fractions, well below a second's worth.
+pub(crate) const MOST_STEPS: usize = 60_000;
 /// A root nearer the line than this, relative to the size of the system or to `1 / T`, is on it.
 const ON: f64 = 1e-8;
 
@@ -45,13 +47,23 @@ impl NoCount {
 }
 
 /// Between minus and plus half a turn.
-fn principal(angle: f64) -> f64 {
+pub(crate) fn principal(angle: f64) -> f64 {
     angle - TAU * (angle / TAU).round()
 }
 
 impl Balanced {
     /// The number of roots with `Re s > line`, each as often as it is one.
     pub(crate) fn count_right_of(&self, line: f64) -> Result<usize, NoCount> {
+        if self.size() > WHOLE
+            && let Some(counted) = self.count_by_fractions(line)?
+        {
+            return Ok(counted);
+        }
+        self.count_by_the_whole(line)
+    }
+
+    /// The same, whatever the size.
+    pub(crate) fn count_by_the_whole(&self, line: f64) -> Result<usize, NoCount> {
         let n = self.size();
         let (root_n, late) = ((n as f64).sqrt(), (-line * self.delay).exp());
         let through = self.b.norm() * self.c.norm() * late;

@@ -45,6 +45,7 @@ mod loop_gain;
 mod margin;
 mod margins;
 mod motions;
+mod partial_fractions;
 pub mod peak;
 mod roots;
 mod sensitivity;

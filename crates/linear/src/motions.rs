@@ -5,6 +5,11 @@ use nalgebra::{DMatrix, DVector, Hessenberg};
 
 use crate::{C64, DelaySystem};
 
+/// Roots nearer to each other than this, beside the matrix, may be one.
+const ALIKE: f64 = 1e-9;
+/// In radians: its multiples are never near each other for long.
+const GOLDEN_ANGLE: f64 = 2.399_963_229_728_653;
+
 impl DelaySystem {
     /// The state in the motion `exp(s t)` of each of some roots, in norm 1, as [`DelaySystem::sensitivity`] has it as `right`; nothing for
     /// one whose motion cannot be had, and no motions at all with a delay, which no one matrix has.
@@ -14,25 +19,33 @@ impl DelaySystem {
             return None;
         }
         let whole = &self.balanced.a + &self.balanced.b * &self.balanced.c;
-        if whole.nrows() < 2 {
-            return None;
-        }
-        let size = whole.norm();
-        let (basis, reduced) = Hessenberg::new(whole).unpack();
-        // Row by row, as elimination goes.
-        let rows = reduced.transpose();
-        let motion = |root: &C64| {
-            let in_basis = null_vector(&rows, *root, f64::EPSILON * (size + root.norm()))?;
-            let balanced = &basis * in_basis;
-            unit(DVector::from_fn(balanced.len(), |i, _| balanced[i] * self.balanced.scale(i)))
-        };
-        Some(roots.iter().map(motion).collect())
+        let motions = motions_of(&whole, roots)?.into_iter();
+        let unscaled =
+            |motion: DVector<C64>| unit(DVector::from_fn(motion.len(), |i, _| motion[i] * self.balanced.scale(i)));
+        Some(motions.map(|motion| unscaled(motion?)).collect())
     }
 }
 
+/// The null vector of `matrix - s` for each of some roots, in norm 1; nothing at all of a matrix of one row.
+pub(crate) fn motions_of(matrix: &DMatrix<C64>, roots: &[C64]) -> Option<Vec<Option<DVector<C64>>>> {
+    if matrix.nrows() < 2 {
+        return None;
+    }
+    let size = matrix.norm();
+    let (basis, reduced) = Hessenberg::new(matrix.clone()).unpack();
+    // Row by row, as elimination goes.
+    let rows = reduced.transpose();
+    let motion = |(k, root): (usize, &C64)| {
+        // A root that is there several times has as many motions, if it has: each is looked for from a start of its own.
+        let again = roots[..k].iter().filter(|before| (*before - root).norm() <= ALIKE * size).count();
+        Some(&basis * null_vector(&rows, *root, f64::EPSILON * (size + root.norm()), again)?)
+    };
+    Some(roots.iter().enumerate().map(motion).collect())
+}
+
 /// The null vector of `H - s` by inverse iteration; the columns of `rows` are the rows of `H`, which is 0 below its first subdiagonal.
-/// Pivots less than `least` are raised to it: they are rounding.
-fn null_vector(rows: &DMatrix<C64>, s: C64, least: f64) -> Option<DVector<C64>> {
+/// Pivots less than `least` are raised to it: they are rounding. Each `start` leads to another vector where there are several.
+fn null_vector(rows: &DMatrix<C64>, s: C64, least: f64, start: usize) -> Option<DVector<C64>> {
     let n = rows.nrows();
     let mut upper = rows.clone();
     (0..n).for_each(|i| upper[(i, i)] -= s);
@@ -66,7 +79,8 @@ fn null_vector(rows: &DMatrix<C64>, s: C64, least: f64) -> Option<DVector<C64>> 
         }
     };
     // From a start that no symmetry makes orthogonal to a mode.
-    let mut x = DVector::from_fn(n, |i, _| C64::new(1.0 + 0.37 * i as f64, 0.61 - 0.23 * i as f64));
+    let turn = |i: usize| C64::from_polar(1.0, GOLDEN_ANGLE * (start * (i + 1)) as f64);
+    let mut x = DVector::from_fn(n, |i, _| C64::new(1.0 + 0.37 * i as f64, 0.61 - 0.23 * i as f64) * turn(i));
     back(&mut x);
     x = unit(x)?;
     for (k, (is_swapped, factor)) in steps.iter().enumerate() {
