@@ -79,7 +79,13 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
 fn without_an_axis_it_turns_and_no_poles_are_told() {
     let root = Root::new();
     let _simulation = root.simulate(&["three-mass", "--feedback", "individual"]);
-    assert_eq!(root.run(&["drill", "axis-lost", "--size", "z"]).code, Some(0));
+    // Nobody can tell by poles whether it will be stable.
+    let asked = root.run(&["drill", "axis-lost", "--size", "z"]);
+    assert!(asked.code == Some(1) && asked.stderr.contains("cannot be told"), "{asked:?}");
+    assert_eq!(root.run(&["drill", "axis-lost", "--size", "z", "--force"]).code, Some(0));
+    // Nor is control taken off what cannot be judged without a question, where that is unstable.
+    let off = root.run(&["set", "speed=4", "feedback=off"]);
+    assert!(off.code == Some(1) && off.stderr.contains("would be unstable"), "{off:?}");
     let status = root.run(&["status", "--json"]).json();
     assert_eq!(status["benches"][0]["min_damping"], Value::Null);
     let step = root.run(&["tail", "--count", "1", "--json"]).json();

@@ -192,12 +192,14 @@ impl Limits {
         let speed = settings.speed.max(bench_status.analysis.speed);
         let rotor = bench_status.rotor_document();
         let masses = rotor.map(|rotor| ControlMasses::of(rotor.get(), &settings.feedback)).unwrap_or_default();
+        let beam = rotor.and_then(|rotor| rotor.get().beam());
+        let touchdown: Vec<usize> = beam.map(|beam| beam.touchdown().collect()).unwrap_or_default();
         for watch in Watch::ALL {
             let Rule::Machine(limits) = &mut self.0[watch as usize] else { continue };
             let mut pairs = [None; MAX_BEARINGS];
             match watch {
-                Watch::Orbit => pairs[0] = usual::orbit(settings),
-                Watch::Force => pairs = usual::forces(settings, speed, &masses),
+                Watch::Orbit => pairs[0] = usual::orbit(settings, &touchdown),
+                Watch::Force => pairs = usual::forces(settings, &touchdown, speed, &masses),
                 _ => {}
             }
             *limits = pairs.map(|pair| pair.map(|pair| Limit::of(watch, pair)));

@@ -94,6 +94,10 @@ impl Alarms {
         self.last_ns = reading.at.wall_ns;
         let mut turns = Vec::new();
         for watch in Watch::ALL {
+            if reading.forgets(watch) {
+                // What is past a limit stays there: it has not come back.
+                self.standings[watch as usize].value = None;
+            }
             let held = self.limits.held(reading, watch).filter(|(sample, _)| sample.value.is_finite());
             let Some((sample, limit)) = held else { continue };
             let (value, standing) = (sample.value, &mut self.standings[watch as usize]);

@@ -27,6 +27,8 @@ pub struct Reading {
     samples: [Option<Sample>; Watch::COUNT],
     /// The force of every control bearing.
     forces: [Option<Sample>; MAX_BEARINGS],
+    /// The loop is known to have no margins.
+    is_without_margins: bool,
 }
 
 impl Reading {
@@ -62,6 +64,17 @@ impl Reading {
         let at = self.at;
         self.set(Watch::Sensitivity, Some(Sample { value: sensitivity, at }));
         self.set(Watch::DelayMargin, Some(Sample { value: delay.unwrap_or(ENDLESS).min(ENDLESS), at }));
+    }
+
+    /// The loop has no margins, because it is not stable or is none: those of before are not its own.
+    pub fn set_no_margins(&mut self) {
+        self.is_without_margins = true;
+    }
+
+    /// Whether what was known of something holds no more.
+    #[must_use]
+    pub fn forgets(&self, watch: Watch) -> bool {
+        self.is_without_margins && matches!(watch, Watch::Sensitivity | Watch::DelayMargin)
     }
 
     /// What is known of the force of every control bearing, as that of the first.

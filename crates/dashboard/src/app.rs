@@ -359,8 +359,13 @@ impl<'a> App<'a> {
             }
             EditOutcome::Refused(text) => self.tell(Message::Bad(text)),
             EditOutcome::Asks(edit, settings, damping) => {
-                let word = crate::theme::verdict(damping).1;
-                let why = format!("{word} with that: minimum damping {damping:.4}");
+                let why = damping.map_or_else(
+                    || "not known to be stable with that: its poles cannot be computed".to_owned(),
+                    |damping| {
+                        let word = crate::theme::verdict(damping).1;
+                        format!("{word} with that: minimum damping {damping:.4}")
+                    },
+                );
                 // No key that was meant for something else may answer.
                 if self.layers.is_empty() {
                     self.layers.push(Layer::AskUnstable(edit, settings, why));

@@ -1,7 +1,7 @@
 //! Several control bearings: what is stepped is what is analysed, and each is what it would be alone.
 
 use control::{ControlBearing, Filter, Parts};
-use machine::{Machine, MachineLoop, Program, margins};
+use machine::{Machine, MachineLoop, MachinePoles, Program, margins};
 use nalgebra::{DMatrix, DVector};
 use rotor::{C64, Characteristic, Feedback, LinearForm, OperatingPoint, Plant, Rotor, Settings, Signal, builtin};
 
@@ -188,5 +188,20 @@ fn val_a_push_at_one_bearing_moves_the_rotor_as_the_matrices_say() {
                 assert!((point.value - exact).norm() < 1e-9 * (1.0 + exact.norm()), "{bearing} at {}", point.frequency);
             }
         }
+    }
+}
+
+/// The curve of the loop says at which delay it becomes unstable; the roots that are counted there say so too, and are found.
+#[test]
+fn val_a_delay_of_a_shaft_is_counted_on_both_sides_of_its_margin() {
+    let rotor = builtin::rotor("rig").expect("there is");
+    let own = builtin::feedback(&rotor, "own").expect("there is");
+    let ideal = Settings::new(&rotor, 1.2, own);
+    let margin = margins(&rotor, &ideal, ideal.speed).expect("stable").margins.delay.expect("one").delay;
+    for (by, grow) in [(0.999, 0), (1.001, 1)] {
+        let mut late = ideal.clone();
+        late.set("delay".parse().expect("a key"), by * margin).expect("in range");
+        let poles = MachinePoles::of(&rotor, &late).expect("counted");
+        assert_eq!(poles.modes.iter().filter(|mode| mode.pole.re > 0.0).count(), grow, "{by}");
     }
 }

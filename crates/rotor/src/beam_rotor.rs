@@ -114,6 +114,11 @@ impl BeamRotor {
         self.places().iter().position(|place| place.station == Some(station))
     }
 
+    /// The coordinates whose clearance is that of a touchdown bearing: it is not to be bridged while the machine runs.
+    pub fn touchdown(&self) -> impl Iterator<Item = usize> + '_ {
+        self.plant.contacts().iter().filter(|contact| contact.is_touchdown).map(|contact| contact.station)
+    }
+
     /// What one dimensionless unit is.
     #[must_use]
     pub fn scales(&self) -> &Scales {

@@ -99,7 +99,7 @@ fn an_impulse_strikes_the_mass_with_the_bearing() {
 /// The edit thread asks whether all gains shall be zero.
 fn asks_about_off(app: &mut App<'_>) -> Settings {
     let settings = tests::bench_status("three-mass", "off").settings.get().clone();
-    app.take_outcome(EditOutcome::Asks(Edit::Off, Box::new(settings.clone()), -0.0306));
+    app.take_outcome(EditOutcome::Asks(Edit::Off, Box::new(settings.clone()), Some(-0.0306)));
     settings
 }
 

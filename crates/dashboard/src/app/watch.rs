@@ -28,9 +28,11 @@ impl App<'_> {
         let is_watched = |watch: Watch| self.alarms.limits().of(watch).is_some();
         if (is_watched(Watch::Sensitivity) || is_watched(Watch::DelayMargin))
             && let Some(opened) = loop_in_force.and_then(|request| self.jobs.opened_watched(&request))
-            && let Some((peak, _)) = opened.peak()
         {
-            reading.set_margins(peak, opened.delay());
+            match opened.peak() {
+                Some((peak, _)) => reading.set_margins(peak, opened.delay()),
+                None => reading.set_no_margins(),
+            }
         }
         let turns = self.alarms.read(&reading);
         self.rings |= self.alarms.has_risen() && self.bell;

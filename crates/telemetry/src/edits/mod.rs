@@ -52,8 +52,9 @@ pub enum EditOutcome {
     Swapped(String, Box<Settings>),
     /// It is not, and why.
     Refused(String),
-    /// A person must say yes: the rotor would be unstable with these settings, with this minimum damping.
-    Asks(Edit, Box<Settings>, f64),
+    /// A person must say yes: the rotor would be unstable with these settings, with this minimum damping; without one that cannot be
+    /// told, and it is stable now.
+    Asks(Edit, Box<Settings>, Option<f64>),
 }
 
 impl From<String> for EditOutcome {
@@ -240,8 +241,9 @@ impl<C: Carrier> EditThread<C> {
             let mut after = before.clone();
             change(&mut after)?;
             if agreed != Some(&after)
-                && let Some(min_damping) = self.would_be_unstable(&before, &after)
+                && let Some(loss) = self.would_be_unstable(&before, &after)
             {
+                let min_damping = loss.then.map(|(_, damping)| damping);
                 return Err(EditOutcome::Asks(edit.clone(), Box::new(after), min_damping));
             }
             let request = Change::Settings { base_revision: revision, settings: after.clone() };
@@ -260,9 +262,9 @@ impl<C: Carrier> EditThread<C> {
         Err(refusal.into())
     }
 
-    /// The minimum damping after a change that makes a stable rotor unstable.
-    fn would_be_unstable(&self, before: &Settings, after: &Settings) -> Option<f64> {
-        StabilityLoss::between(self.rotor.as_ref()?, before, after, self.present_speed).map(|loss| loss.then)
+    /// What a change takes from a machine that is stable, as far as can be told.
+    fn would_be_unstable(&self, before: &Settings, after: &Settings) -> Option<StabilityLoss> {
+        StabilityLoss::between(self.rotor.as_ref()?, before, after, self.present_speed)
     }
 
     /// Waits until every change that led to the newest settings has come as an event. Those that have not come in time count as one.

@@ -138,7 +138,9 @@ fn whatever_makes_a_stable_rotor_unstable_asks_first_and_yes_means_what_was_show
     let become_off = || Edit::Become(Box::new((start(), off.clone())), "gains 'off'".into());
     for edit in [Edit::Off, Edit::Swap(Box::new(off.clone())), become_off(), set("speed", 9.0)] {
         let (outcomes, settings) = carried(std::slice::from_ref(&edit), &[]);
-        assert!(matches!(&outcomes[..], [EditOutcome::Asks(asked, _, damping)] if *asked == edit && *damping < 0.0));
+        assert!(
+            matches!(&outcomes[..], [EditOutcome::Asks(asked, _, Some(damping))] if *asked == edit && *damping < 0.0)
+        );
         assert_eq!(settings, start(), "{edit:?}");
     }
     // Off, agreed to; stable again; undo would be unstable, and so would redo.

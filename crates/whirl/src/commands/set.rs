@@ -62,8 +62,9 @@ enum Document {
 
 #[derive(Debug, Serialize)]
 struct Damping {
-    now: f64,
-    then: f64,
+    /// `null` where the poles cannot be computed.
+    now: Option<f64>,
+    then: Option<f64>,
 }
 
 /// A change that has been made, or was not needed.
@@ -117,7 +118,7 @@ pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
             return Err(attach::unanswered(&silence));
         }
         Err(NotDone::Unstable(loss)) => {
-            let damping = Damping { now: loss.now, then: loss.then };
+            let damping = Damping { now: loss.now, then: loss.then.map(|(_, damping)| damping) };
             (format!("{loss}; --force makes it all the same"), Some(damping))
         }
     };
