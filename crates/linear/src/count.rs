@@ -54,10 +54,13 @@ pub(crate) fn principal(angle: f64) -> f64 {
 impl Balanced {
     /// The number of roots with `Re s > line`, each as often as it is one.
     pub(crate) fn count_right_of(&self, line: f64) -> Result<usize, NoCount> {
-        if self.size() > WHOLE
-            && let Some(counted) = self.count_by_fractions(line)?
-        {
-            return Ok(counted);
+        if self.size() > WHOLE {
+            match self.count_by_fractions(line) {
+                Ok(Some(counted)) => return Ok(counted),
+                Err(NoCount::OnTheLine) => return Err(NoCount::OnTheLine),
+                // Motions that are much alike make fractions that are larger than what they add up to.
+                Ok(None) | Err(NoCount::TooLong) => {}
+            }
         }
         self.count_by_the_whole(line)
     }

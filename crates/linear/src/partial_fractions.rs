@@ -9,7 +9,7 @@
 //! on the matrix as a whole takes steps for the fastest of them everywhere. With `G(s + j t) = G(s) (I + E(t))`,
 //!
 //! ```text
-//! |E|_* <= sqrt(m) |G^-1|_F exp(-line T) ( sum_k |c_k| |b_k| t / (d_k (d_k - t)) + min(t T, 2) |H|_F ),   d_k = |s - lambda_k|
+//! |E|_* <= exp(-line T) ( sum_k |G^-1 c_k| |b_k| t / (d_k (d_k - t)) + min(t T, 2) sqrt(m) |G^-1 H|_F ),   d_k = |s - lambda_k|
 //! ```
 //!
 //! and `d_k - t` is no less than the distance of `lambda_k` from the line. Steps that keep this below 1 turn by less than a quarter.
@@ -41,15 +41,17 @@ struct PartialFractions<'a> {
     c: DMatrix<C64>,
     /// `b_k`, row by row.
     b: DMatrix<C64>,
-    /// `|c_k| |b_k|`.
+    /// `|c_k| |b_k|`, as far as they are not turned by `G`.
     weights: Vec<f64>,
 }
 
 /// `G` at a point of the line.
 struct Point {
     gain: Inverted,
-    /// `|H|`.
-    size: f64,
+    /// `sqrt(m) |G^-1 H|`.
+    echo: f64,
+    /// `|G^-1 c_k| |b_k|`.
+    weights: Vec<f64>,
     distances: Vec<f64>,
 }
 
@@ -92,8 +94,12 @@ impl<'a> PartialFractions<'a> {
         let h = self.at(s);
         let mut g = &h * -(-s * self.of.delay).exp();
         (0..g.nrows()).for_each(|i| g[(i, i)] += C64::ONE);
+        let gain = invert(g)?;
+        let echo = (self.c.nrows() as f64).sqrt() * (&gain.inverse * h).norm();
+        let through = &gain.inverse * &self.c;
+        let weights = (0..self.poles.len()).map(|k| through.column(k).norm() * self.b.row(k).norm()).collect();
         let distances = self.poles.iter().map(|pole| (s - pole).norm()).collect();
-        Some(Point { gain: invert(g)?, size: h.norm(), distances })
+        Some(Point { gain, echo, weights, distances })
     }
 
     fn count_right_of(&self, line: f64) -> Result<Option<usize>, NoCount> {
@@ -116,16 +122,15 @@ impl<'a> PartialFractions<'a> {
         let first = principal(here.gain.angle);
         let (mut turned, mut step) = (0.0, radius);
         for _ in 0..MOST_STEPS {
-            let own = loops.sqrt() * here.gain.inverse.norm() * late;
             let near = self.weights.iter().zip(&here.distances);
             let rounding = ALIKE * 1e-2 * near.map(|(weight, d)| weight / d).sum::<f64>();
-            if own * rounding > ROUGH {
+            if here.gain.inverse.norm() * late * rounding > ROUGH {
                 return Ok(None);
             }
             let turns_by = |t: f64| {
-                let near = self.weights.iter().zip(&here.distances).zip(&aside);
+                let near = here.weights.iter().zip(&here.distances).zip(&aside);
                 let moved: f64 = near.map(|((weight, d), aside)| weight * t / (d * (d - t).max(*aside))).sum();
-                own * (moved + (t * delay).min(2.0) * here.size)
+                late * (moved + (t * delay).min(2.0) * here.echo)
             };
             step *= 4.0;
             while turns_by(step) > SAFE {
