@@ -26,7 +26,7 @@
 #define WHIRL_WALL_NS 2 /* uint64_t: wall clock when the step was due to be sent, nanoseconds since 1970 */
 #define WHIRL_REVISION 3 /* uint64_t: revision of the settings that the step was made with */
 #define WHIRL_FLAGS 4 /* uint64_t: bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 55: how many sensors; 56 to 63: how many control bearings after the first */
-#define WHIRL_TAU 5 /* double, 1/w0: time since the rotor was last at rest; stands still while tripped */
+#define WHIRL_TAU 5 /* double, 1/w0: time since the rotor was last at rest; stands still while the machine is held after a trip */
 #define WHIRL_ANGLE 6 /* double, rad: spin angle, unwrapped: the unbalance points along it */
 #define WHIRL_SPEED 7 /* double, w0: spin speed R */
 #define WHIRL_SPEED_RATE 8 /* double, w0^2: rate of change of the spin speed */
@@ -53,10 +53,11 @@
 
 /* Bit m of the flags is set while mass m presses on its bearing. */
 #define WHIRL_SATURATED UINT32_C(0x10000) /* the control bearing is at its limit */
-#define WHIRL_TRIPPED UINT32_C(0x20000) /* the machine has tripped: the rotor is held where it was */
+#define WHIRL_TRIPPED UINT32_C(0x20000) /* the machine has tripped: the rotor is held where it was, or coasts down */
 #define WHIRL_LATE UINT32_C(0x40000) /* the step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due */
 #define WHIRL_EXTERNAL UINT32_C(0x80000) /* the command comes from a controller outside */
 #define WHIRL_HELD UINT32_C(0x100000) /* a command from outside that should be there is not: the last one is held */
+#define WHIRL_COASTING UINT32_C(0x200000) /* beside TRIPPED: not held, the speed coasts down to rest and the rotor goes on moving */
 
 /* The double whose bits a word is. */
 static inline double whirl_number(uint64_t word) {
@@ -69,7 +70,8 @@ static inline double whirl_number(uint64_t word) {
 struct whirl_analysis { /* 544 bytes, whirl.Analysis */
     /* 0: The revision of the settings that it is for; 0 while there is none. */
     uint64_t revision;
-    /* 8: How many of poles are used: all, or the 32 least damped; 0 if there are none, as with unequal amplifiers or too long a delay. */
+    /* 8: How many of poles are used: all, or the 32 least damped; 0 if there are none, as with unequal amplifiers
+       or too long a delay. */
     uint32_t count;
     /* 12: Always 0. */
     uint32_t reserved;
@@ -85,7 +87,8 @@ struct whirl_analysis { /* 544 bytes, whirl.Analysis */
 struct whirl_health { /* 72 bytes, whirl.Health */
     /* 0: Steps sent. */
     uint64_t steps;
-    /* 8: Steps sent more than one period of wake-ups (of a step, or of all steps that share one) after they were due. */
+    /* 8: Steps sent more than one period of wake-ups (of a step, or of all steps that share one) after they were
+       due. */
     uint64_t late;
     /* 16: Deadlines given up because the process was too far behind to catch up. */
     uint64_t missed;
@@ -133,7 +136,7 @@ struct whirl_control_health { /* 72 bytes, whirl.ControlHealth */
 /* What tripped the machine; all zero while it runs. */
 struct whirl_trip { /* 32 bytes, whirl.Trip */
     /* 0: 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came from
-       outside. */
+       outside, 4 an orbit grew past the limit, and the speed coasts down. */
     uint32_t cause;
     /* 4: The mass with the largest orbit, counted from 1. */
     uint32_t mass;

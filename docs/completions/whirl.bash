@@ -1329,7 +1329,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__sim)
-            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --lockstep --as-child --when-told --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --coast-down --lockstep --as-child --when-told --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1368,6 +1368,10 @@ _whirl() {
                     return 0
                     ;;
                 --trip)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --coast-down)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;
@@ -1709,7 +1713,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__up)
-            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --history --layout --theme --ascii --fps --read-only --locked --record --force --help"
+            opts="-h --feedback --deadband --set --bench --speed --profile --rate --dtau --trip --coast-down --history --layout --theme --ascii --fps --read-only --locked --record --force --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -1748,6 +1752,10 @@ _whirl() {
                     return 0
                     ;;
                 --trip)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --coast-down)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

@@ -72,6 +72,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l profile -d 'Legs of s
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l coast-down -d 'Coast down after a trip, at first at this rate, in R per tau (SI rotors: rpm/s) [default: hold the machine where it is]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l history -d 'Megabytes that the steps kept for looking back may take' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l layout -d 'The layout to start with: a name (`whirl layout list`), or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l theme -d 'Colours: default (the terminal\'s own sixteen), full, contrast or colour-blind' -r
@@ -91,6 +92,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand sim" -l profile -d 'Legs of 
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l coast-down -d 'Coast down after a trip, at first at this rate, in R per tau (SI rotors: rpm/s) [default: hold the machine where it is]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l lockstep -d 'Not in real time: wait at every sample for the command of a controller outside (`external`), and go as fast as that, bit for bit repeatable'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l as-child -d 'Serve a parent process: say `ready` once the bench is ours, and end when standard input closes, as it does when the parent dies'
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l when-told -d 'Make no step before the parent has said something'

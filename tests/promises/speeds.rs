@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot set up has failed")]
 
-use promises::{Root, run};
+use promises::{Root, Screen, run};
 
 fn number(value: &serde_json::Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
@@ -50,9 +50,12 @@ fn what_is_no_run_up_is_refused_with_line_and_leg() {
     let path = folder.path().join("up.toml");
     let file = path.to_str().unwrap();
     for (text, told) in [
-        ("[[leg]]\nto = 6\nrate = 0\n", "up.toml:3:8: rate = 0: expected"),
-        ("[[leg]]\nto = 6\nrate = 1\n[[leg]]\nto = 6\nrate = 1\n", "up.toml:5:6: to = 6: expected another speed"),
-        ("[[leg]]\ndwell = -1\n", "up.toml:2:9: dwell = -1: expected"),
+        ("[[leg]]\nto = 6\nrate = 0\n", "up.toml:3:8: [[leg]] 1: rate = 0: expected"),
+        (
+            "[[leg]]\nto = 6\nrate = 1\n[[leg]]\nto = 6\nrate = 1\n",
+            "up.toml:5:6: [[leg]] 2: to = 6: expected another speed",
+        ),
+        ("[[leg]]\ndwell = -1\n", "up.toml:2:9: [[leg]] 1: dwell = -1: expected"),
         ("[[leg]]\nto = 6\nrates = 1\n", "did you mean 'rate'?"),
     ] {
         std::fs::write(&path, text).unwrap();
@@ -67,6 +70,9 @@ fn what_is_no_run_up_is_refused_with_line_and_leg() {
     let refused = Root::new().run(&["sim", "three-mass", "--profile", file, "--rate", "20000", "--dtau", "0.1"]);
     assert_eq!(refused.code, Some(2), "{refused:?}");
     assert!(refused.stderr.contains("leg 2 (line 4): dtau = 0.1 is too long for the spin"), "{refused:?}");
+    let refused = Root::new().run(&["run", "three-mass", "--profile", file, "--dtau", "0.02"]);
+    assert_eq!(refused.code, Some(2), "{refused:?}");
+    assert!(refused.stderr.contains("leg 2 (line 4): dtau = 0.02 is too long for the spin"), "{refused:?}");
     for (arguments, told) in [
         (&["--to", "3", "--rate", "-1"][..], "rate = -1: expected"),
         (&["--from", "3", "--to", "3", "--rate", "1"], "expected two speeds"),
@@ -118,6 +124,97 @@ fn a_live_bench_follows_a_profile_until_its_speed_is_set() {
     for told in ["the speed follows a profile: from 1 to 3 at 0.001, for 1000000", "the speed leaves its profile"] {
         assert!(events.contains(told), "{events}");
     }
+}
+
+/// The first event of a bench that tells of something, which it does already: among those before it are any number that tell how late the
+/// simulation was.
+fn event_that_tells(root: &Root, told: &str) -> serde_json::Value {
+    for count in 1..=64 {
+        let events = root.run(&["tail", "--events", "--count", &count.to_string(), "--json"]).stdout;
+        if let Some(line) = events.lines().find(|line| line.contains(told)) {
+            return serde_json::from_str(line).unwrap();
+        }
+    }
+    panic!("no event tells '{told}'");
+}
+
+/// Without a clearance the orbit passes 3 e_t on the way to the critical speed at R = 2.6, and nowhere before it.
+#[test]
+fn an_alarm_stops_a_run_up_from_the_console_as_configured() {
+    for (response, told, below) in [("hold", "the speed is held", 4.0), ("coast-down", "the speed coasts down", 1.5)] {
+        let root = Root::new();
+        let folder = root.path().join("config/whirl");
+        std::fs::create_dir_all(&folder).unwrap();
+        let off = ["damping", "sensitivity", "force", "lateness", "losses"]
+            .map(|name| format!("{name} = \"off\"\n"))
+            .concat();
+        let config = format!("[alarms]\n{off}orbit = [2.5, 3.0]\nrun-up = \"{response}\"\n");
+        std::fs::write(folder.join("config.toml"), config).unwrap();
+        let simulation = root.simulate(&["three-mass", "--deadband", "0", "--speed", "0.3"]);
+        let mut screen = Screen::start(root.path(), &["dash"], (120, 40));
+        // Without its settings nothing of it can be changed.
+        screen.wait_words("rev 1 by start");
+        screen.press(":run-up 4 0.05\r");
+        screen.wait_words(&format!("{told}: alarm of orbit"));
+        // Whoever reads the bench afterwards knows of it too: who, why, and what has changed.
+        let event = event_that_tells(&root, told);
+        assert_eq!(event["event"], "settings");
+        assert!(event["who"].as_str().unwrap().starts_with("dash:"), "{event}");
+        let speed = number(&event["settings"]["speed"]);
+        assert_eq!(speed == 0.0, response == "coast-down", "{event}");
+        let now = || number(&root.run(&["status", "--json"]).json()["benches"][0]["speed"]);
+        let patience = std::time::Instant::now();
+        while !(now() < below && (response == "coast-down" || now() == speed)) {
+            assert!(patience.elapsed().as_secs() < 120, "{}", now());
+        }
+        // What an alarm did is undone like anything else.
+        screen.press_for("u", "undone");
+        screen.press("q");
+        assert!(screen.ended().success());
+        assert_eq!(simulation.end().code, Some(0));
+    }
+}
+
+/// Without control the rotor is unstable above R = 1.78: it trips, and is stable on the way to rest.
+#[test]
+fn a_trip_lets_the_speed_coast_down_where_the_settings_say_so() {
+    let root = Root::new();
+    let machine = ["three-mass", "--feedback", "off", "--deadband", "0", "--trip", "5", "--coast-down", "0.5"];
+    let simulation = root.simulate(&machine);
+    let bench = || root.run(&["status", "--json"]).json()["benches"][0].clone();
+    let wait = |what: &str, is_there: &dyn Fn(&serde_json::Value) -> bool| {
+        let patience = std::time::Instant::now();
+        loop {
+            let bench = bench();
+            if is_there(&bench) {
+                return bench;
+            }
+            assert!(patience.elapsed().as_secs() < 120, "{what}: {bench}");
+        }
+    };
+    let tripped = wait("a trip", &|bench| bench["tripped"] == true);
+    let why = tripped["trip"].as_str().unwrap();
+    assert!(why.ends_with("past the limit of 5 e_t, and the speed coasts down"), "{why}");
+    let now = || root.run(&["tail", "--json", "--count", "1"]).json();
+    let [first, then] = [now(), now()];
+    assert!(number(&first["tau"]) < number(&then["tau"]), "time goes on: {first} {then}");
+    assert!(number(&first["speed"]) > number(&then["speed"]) || number(&then["speed"]) == 0.0, "{first} {then}");
+    for flag in ["tripped", "coasting"] {
+        assert!(then["flags"].as_array().unwrap().contains(&flag.into()), "{then}");
+    }
+    wait("rest", &|bench| number(&bench["speed"]) == 0.0);
+    // What is set is taken, and does not turn it: only a restart does.
+    assert_eq!(root.run(&["set", "speed=1"]).code, Some(0));
+    assert_eq!(number(&now()["speed"]), 0.0);
+    assert_eq!(event_that_tells(&root, "past the limit of 5 e_t")["cause"], "coast-down");
+    let mut screen = Screen::start(root.path(), &["dash"], (160, 40));
+    screen.wait_words("and the speed coasts down");
+    screen.press_for("R", "RUNNING");
+    let again = wait("running", &|bench| bench["tripped"] == false);
+    assert_eq!(number(&again["speed"]), 1.0, "below the threshold");
+    screen.press("q");
+    assert!(screen.ended().success());
+    assert_eq!(simulation.end().code, Some(0));
 }
 
 #[test]

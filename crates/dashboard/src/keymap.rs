@@ -213,7 +213,8 @@ mod tests {
         assert_eq!(does(Char('q'), NONE), Some(Action::Quit));
         assert_eq!(does(Char('c'), CTRL), Some(Action::Quit));
         assert_eq!(does(Char('c'), NONE), Some(Action::Copy(false)));
-        assert_eq!(does(Char('v'), NONE), None);
+        assert_eq!(does(Char('v'), NONE), Some(Action::Stay));
+        assert_eq!(does(Char('v'), CTRL), None);
         assert_eq!(does(KeyCode::BackTab, SHIFT), Some(Action::Choose("-1".into())));
         assert_eq!(does(Char('R'), SHIFT), Some(Action::Edit(Edit::Restart)));
         assert_eq!(does(Char('r'), CTRL), Some(Action::Edit(Edit::Redo)));

@@ -75,16 +75,22 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         add(7, bench_status.rotor_name.as_str().to_owned(), plain);
         // Old recordings, and benches that have told no poles yet, know of no other speed.
         let told = data.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
-        let is_there = |speed: f64| (speed - settings.speed).abs() <= 1e-9 * settings.speed.abs();
+        let [leg, legs] = if view.time.is_live() { bench_status.leg } else { [0; 2] };
+        // Whatever is set, after such a trip it comes to rest.
+        let aim = if data.trip().is_some_and(|trip| trip.coasts()) { 0.0 } else { settings.speed };
+        let is_there = |speed: f64| (speed - aim).abs() <= 1e-9 * settings.speed.abs();
         let on_its_way = told.map(|era| era.speed).filter(|speed| !is_there(*speed));
         let speed = match data.units() {
             units @ Units { scales: Some(_), .. } => match on_its_way {
-                Some(now) => format!("{} to {}", units.speed(now), units.speed_told(settings.speed)),
-                None => units.speed_told(settings.speed),
+                // The end of a profile is not where any leg but its last goes.
+                Some(now) if leg < legs => units.speed_told(now),
+                Some(now) => format!("{} to {}", units.speed(now), units.speed_told(aim)),
+                None => units.speed_told(aim),
             },
             units => match on_its_way {
-                Some(now) => format!("R {now:.3} to {}", units.value_digits(settings.speed)),
-                None => format!("R {}", units.value_digits(settings.speed)),
+                Some(now) if leg < legs => format!("R {now:.3}"),
+                Some(now) => format!("R {now:.3} to {}", units.value_digits(aim)),
+                None => format!("R {}", units.value_digits(aim)),
             },
         };
         add(1, speed, plain);
@@ -93,8 +99,7 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         {
             add(5, told, plain);
         }
-        let [leg, legs] = bench_status.leg;
-        if legs > 0 && view.time.is_live() {
+        if legs > 0 {
             add(5, format!("leg {leg} of {legs}"), plain);
         }
         add(9, format!("{:.0}/s", data.rate), plain);
@@ -138,7 +143,7 @@ fn rate_told(data: &FrameData, speed: f64) -> Option<String> {
     let unit = data.units().of_dimension(units::Dimension::SpeedRate);
     let told = format!("at {}", unit.told(rate, 3));
     let left = (settings.speed - speed) / rate / (bench_status.dtau * bench_status.rate_hz);
-    let is_known = settings.ramp.is_finite() && left.is_finite() && left >= 0.0;
+    let is_known = settings.ramp.is_finite() && !data.tripped && left.is_finite() && left >= 0.0;
     Some(if is_known { format!("{told}, {left:.0} s left") } else { told })
 }
 

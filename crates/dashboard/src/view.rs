@@ -52,12 +52,13 @@ impl View<'_> {
     /// looked at. Nothing while it runs.
     pub(crate) fn standstill(&self) -> Option<&'static str> {
         let is_present = self.time.is_live() && self.replay.is_none();
-        let tripped = |now| self.data.track.flags(now).has(Flags::TRIPPED);
+        let flags = self.data.now.map(|now| self.data.track.flags(now));
+        let coasts = flags.is_some_and(|flags| flags.has(Flags::COASTING));
         match self.data.connection {
             Connection::Gone if is_present => Some("gone"),
             Connection::Stalled if is_present => Some("stalled"),
-            _ if is_present && self.data.tripped => Some("tripped"),
-            _ => self.data.now.is_some_and(tripped).then_some("tripped"),
+            _ if is_present && self.data.tripped && !coasts => Some("tripped"),
+            _ => flags.is_some_and(Flags::stands_still).then_some("tripped"),
         }
     }
 }

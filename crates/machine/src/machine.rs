@@ -2,6 +2,8 @@
 //!
 //! Whoever steps a rotor steps this: the live process, a recording's what-if, an offline run. So none of them can differ.
 
+#[cfg(test)]
+mod coasting;
 mod external;
 mod path;
 #[cfg(test)]
@@ -11,12 +13,16 @@ mod save;
 pub use external::Sensed;
 
 use control::{Excitation, MAX_BEARINGS, Output};
+use rotor::profile::Leg;
 use rotor::{C64, Stepper};
 
 use crate::motion::{Grid, Motion};
 use crate::program::Program;
 use crate::trip::{Trip, TripCause};
 use path::Path;
+
+/// A machine that coasts down after a trip is held after all where its orbit comes to so many times the limit.
+const LOST: f64 = 10.0;
 
 /// Where a clock was set last, and how many steps of integration ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -159,7 +165,26 @@ impl Machine {
 
     /// Stops it as a trip did of which only that is known.
     pub fn hold(&mut self) {
-        self.stop(TripCause::Orbit);
+        self.stop(TripCause::Orbit, self.program.trip_limit);
+    }
+
+    /// Lets its speed coast down from now on, at first at `rate`, as a trip of its orbit does under settings that say so: it has tripped, is
+    /// not held, and comes to rest whatever its settings say of the speed, until it is restarted. What the loop does goes on.
+    pub fn coast_down(&mut self, rate: f64) {
+        self.stop(TripCause::CoastDown, self.program.trip_limit);
+        let (tau, angle) = (self.tau(), self.sample().angle);
+        let speed = self.motion.speed_at(tau);
+        self.motion.settle(tau, angle, speed);
+        if rate > 0.0 {
+            self.motion.follow(tau, &[Leg::Decay { speed: 0.0, rate }]);
+        }
+        self.choose_path();
+    }
+
+    /// Whether it stands still after a trip. One that coasts down does not.
+    #[must_use]
+    pub fn is_held(&self) -> bool {
+        self.trip.is_some_and(|trip| trip.cause != TripCause::CoastDown)
     }
 
     fn settled(mut self) -> Self {
@@ -174,7 +199,7 @@ impl Machine {
         self.grid.tau()
     }
 
-    /// Why it has stopped, if it has.
+    /// Why it has stopped or coasts down, if it does.
     #[must_use]
     pub fn trip(&self) -> Option<Trip> {
         self.trip
@@ -220,7 +245,8 @@ impl Machine {
     /// ([`rotor::ControlMasses`]).
     #[must_use]
     pub fn largest_force(&self) -> f64 {
-        self.program.control_masses().largest(self.outputs().iter().map(|output| output.delivered.norm()))
+        // `norm` guards against overflow, which no force comes near, at the cost of a twentieth of a run-up.
+        self.program.control_masses().largest(self.outputs().iter().map(|output| output.delivered.norm_sqr().sqrt()))
     }
 
     /// Bit `i` is set while contact `i` is closed.
@@ -244,9 +270,11 @@ impl Machine {
         read.or_else(|| self.sample().displacement.get(station).copied()).unwrap_or_default()
     }
 
-    /// One step. Returns the trip if this step caused one; a machine that has tripped stands still.
+    /// One step. Returns the trip if this step caused one; then the machine stands still, or coasts down
+    /// ([`rotor::Settings::coast_down`]). One that coasts down trips once more, and stands still, if its orbit comes to ten times the limit
+    /// all the same: what is linear in the rotor tells nothing any more then.
     pub fn step(&mut self) -> Option<Trip> {
-        if self.trip.is_some() {
+        if self.is_held() {
             return None;
         }
         match self.path {
@@ -351,7 +379,7 @@ impl Machine {
         } else {
             fused.place(&self.good[0], &self.good[1]);
             self.put_out();
-            self.stop(TripCause::NotFinite)
+            self.stop(TripCause::NotFinite, self.program.trip_limit)
         }
     }
 
@@ -365,7 +393,7 @@ impl Machine {
             self.judge(radius)
         } else {
             integrator.place(&self.good[0], &self.good[1]);
-            self.stop(TripCause::NotFinite)
+            self.stop(TripCause::NotFinite, self.program.trip_limit)
         };
         self.choose_path();
         ended
@@ -388,14 +416,28 @@ impl Machine {
         }
     }
 
+    #[inline]
     fn judge(&mut self, radius: f64) -> Option<Trip> {
-        if radius <= self.program.trip_limit { None } else { self.stop(TripCause::Orbit) }
+        if radius <= self.program.trip_limit { None } else { self.pass_limit(radius) }
     }
 
-    fn stop(&mut self, cause: TripCause) -> Option<Trip> {
+    /// The orbit is past the limit.
+    #[cold]
+    fn pass_limit(&mut self, radius: f64) -> Option<Trip> {
+        let Program { trip_limit: limit, coast_down, .. } = *self.program;
+        match self.trip {
+            None if coast_down > 0.0 => self.coast_down(coast_down),
+            None => return self.stop(TripCause::Orbit, limit),
+            Some(_) if radius > LOST * limit => return self.stop(TripCause::Orbit, LOST * limit),
+            Some(_) => return None,
+        }
+        self.trip
+    }
+
+    fn stop(&mut self, cause: TripCause, limit: f64) -> Option<Trip> {
         let radius = |i: &usize| self.good[0][*i].norm();
         let station = (0..self.good[0].len()).max_by(|a, b| radius(a).total_cmp(&radius(b))).unwrap_or(0);
-        self.trip = Some(Trip { cause, station, radius: radius(&station), limit: self.program.trip_limit });
+        self.trip = Some(Trip { cause, station, radius: radius(&station), limit });
         self.trip
     }
 

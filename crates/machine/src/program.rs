@@ -82,6 +82,8 @@ pub struct Program {
     pub(crate) begins: Option<f64>,
     /// The largest orbit before the machine trips, in `e_t`.
     pub(crate) trip_limit: f64,
+    /// Rate at which the speed falls at first once it has tripped; 0 where the machine is held.
+    pub(crate) coast_down: f64,
     /// Steps of integration in a step.
     pub(crate) substeps: u32,
     /// The step that others see.
@@ -106,7 +108,8 @@ impl Program {
         settings.check(rotor)?;
         let passes_others = settings.ramp.is_finite() && from_speed != settings.speed;
         let mut substeps = 1;
-        for speed in [Some(settings.speed), passes_others.then_some(from_speed)].into_iter().flatten() {
+        let rest = (settings.coast_down > 0.0).then_some(0.0);
+        for speed in [Some(settings.speed), passes_others.then_some(from_speed), rest].into_iter().flatten() {
             substeps = substeps.max(fastest(rotor, settings, speed)?.substeps(pace.dtau, pace.rate_hz)?);
         }
         Self::in_substeps(rotor, settings, pace.dtau, substeps)
@@ -125,11 +128,13 @@ impl Program {
     ) -> Result<Self, ProfileError> {
         settings.check(rotor).map_err(|error| ProfileError { at: None, error: error.into() })?;
         let mut substeps = 1;
+        let needed = |speed| Ok(fastest(rotor, settings, speed)?.substeps(pace.dtau, pace.rate_hz)?);
         for (k, (_, speed)) in profile.course().into_iter().enumerate() {
-            let needed = fastest(rotor, settings, speed)
-                .and_then(|fastest| Ok(fastest.substeps(pace.dtau, pace.rate_hz)?))
-                .map_err(|error| ProfileError { at: k.checked_sub(1).map(|leg| profile.leg_words(leg)), error })?;
-            substeps = substeps.max(needed);
+            let at = |error| ProfileError { at: k.checked_sub(1).map(|leg| profile.leg_words(leg)), error };
+            substeps = substeps.max(needed(speed).map_err(at)?);
+        }
+        if settings.coast_down > 0.0 {
+            substeps = substeps.max(needed(0.0).map_err(|error| ProfileError { at: None, error })?);
         }
         let program = Self::in_substeps(rotor, settings, pace.dtau, substeps);
         Ok(program.map_err(|error| ProfileError { at: None, error })?.along(profile))
@@ -166,6 +171,7 @@ impl Program {
             legs: vec![Leg::To { speed: settings.speed, rate: settings.ramp }],
             begins: None,
             trip_limit: settings.trip,
+            coast_down: settings.coast_down,
             substeps,
             dtau,
         })

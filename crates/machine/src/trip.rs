@@ -1,6 +1,6 @@
-//! Why and where a machine has stopped by itself.
+//! Why and where a machine has tripped: stopped by itself, or begun to coast down.
 
-/// Why a machine has stopped by itself.
+/// Why a machine has tripped.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum TripCause {
@@ -10,16 +10,20 @@ pub enum TripCause {
     NotFinite = 2,
     /// No command came from the controller outside for too many samples.
     NoCommand = 3,
+    /// An orbit grew past the limit, and the machine is not held: its drive is off, the speed coasts down, and the motion goes on.
+    CoastDown = 4,
 }
 
 impl TripCause {
     /// The cause of this number; none that is not known.
     pub(crate) fn of(number: u64) -> Option<Self> {
-        [Self::Orbit, Self::NotFinite, Self::NoCommand].into_iter().find(|cause| *cause as u64 == number)
+        [Self::Orbit, Self::NotFinite, Self::NoCommand, Self::CoastDown]
+            .into_iter()
+            .find(|cause| *cause as u64 == number)
     }
 }
 
-/// A machine that has stopped by itself.
+/// A machine that has tripped.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trip {
     /// Why.

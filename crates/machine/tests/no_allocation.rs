@@ -77,6 +77,9 @@ fn steps_orders_and_new_programs_allocate_nothing() {
                     save(&machine);
                     machine.restart();
                     step(&mut machine, 10);
+                    machine.coast_down(0.5);
+                    save(&machine);
+                    step(&mut machine, 10);
                     machine.hold();
                     save(&machine);
                 });

@@ -177,7 +177,7 @@ const fn machine(
 }
 
 /// Every numeric setting, in the order in which panels show them.
-pub const PARAMETERS: [Parameter; 25] = [
+pub const PARAMETERS: [Parameter; 26] = [
     machine(
         "speed",
         "spin speed R = w / w0; with a ramp, where it goes",
@@ -220,6 +220,17 @@ pub const PARAMETERS: [Parameter; 25] = [
         |settings, _| settings.trip,
         |settings, _, value| settings.trip = value,
     ),
+    Parameter {
+        off: Some(0.0),
+        ..machine(
+            "coast_down",
+            "rate at which the speed falls at first after a trip; off: it is held",
+            Dimension::SpeedRate,
+            [1e-9, 1e6, 0.01],
+            |settings, _| settings.coast_down,
+            |settings, _, value| settings.coast_down = value,
+        )
+    },
     part!(0),
     part!(1),
     part!(2),

@@ -19,6 +19,9 @@ pub struct Settings {
     pub trip: f64,
     /// Greatest rate of change of the speed, per unit of `tau`; infinite where it jumps.
     pub ramp: f64,
+    /// Rate at which the speed falls at first, per unit of `tau`, once an orbit has tripped the machine: from there on in proportion to what
+    /// is left, as [`crate::profile::Leg::Decay`]. 0 where the machine is held as it was.
+    pub coast_down: f64,
     /// The control law.
     pub feedback: Feedback,
     /// Unbalance added at every place: `U / (m_t e_t)`, so the eccentricity that it would give to the mass of the whole rotor; in the plane
@@ -34,7 +37,8 @@ impl Settings {
     #[must_use]
     pub fn new(rotor: &Rotor, speed: f64, feedback: Feedback) -> Self {
         let (deadband, unbalance_added) = (rotor.deadbands(), vec![0.0; rotor.len()]);
-        Self { speed, deadband, trip: Self::DEFAULT_TRIP, ramp: f64::INFINITY, feedback, unbalance_added }
+        let (trip, ramp, coast_down) = (Self::DEFAULT_TRIP, f64::INFINITY, 0.0);
+        Self { speed, deadband, trip, ramp, coast_down, feedback, unbalance_added }
     }
 
     /// The rotor as it turns under these settings: with the unbalance that is added to its own.
@@ -342,7 +346,7 @@ mod tests {
     fn every_key_reads_back_what_was_set() {
         let (rotor, mut settings) = three_mass();
         let keys = settings.keys();
-        assert_eq!(keys.len(), 3 + 16 + 3 + 3 + 4 * 2);
+        assert_eq!(keys.len(), 4 + 16 + 3 + 3 + 4 * 2);
         for (i, &key) in keys.iter().enumerate() {
             // The sensor at a station is a whole number.
             let value = if key.parameter.name == "sensor_at" { 2.0 } else { 0.25 + i as f64 };
@@ -425,7 +429,9 @@ mod tests {
     #[test]
     fn what_is_off_can_be_turned_on_and_off_again() {
         let (rotor, mut settings) = three_mass();
-        for (key, on) in [("delay", "0.02"), ("limit", "20"), ("ramp", "0.01"), ("sample", "0.05")] {
+        for (key, on) in
+            [("delay", "0.02"), ("limit", "20"), ("ramp", "0.01"), ("coast_down", "0.02"), ("sample", "0.05")]
+        {
             settings.assign(key, on).expect("on");
             settings.check(&rotor).expect("allowed");
             assert_eq!(
@@ -434,7 +440,7 @@ mod tests {
             );
             settings.assign(key, "off").expect("off");
         }
-        assert!(settings.feedback.is_ideal() && settings.ramp.is_infinite());
+        assert!(settings.feedback.is_ideal() && settings.ramp.is_infinite() && settings.coast_down == 0.0);
         let delay: Key = "delay".parse().expect("a key");
         settings.nudge(delay, 0.01).expect("exists");
         assert_eq!(settings.feedback.delay(), 0.01);

@@ -251,10 +251,10 @@ impl Engine {
         any
     }
 
-    /// Makes one step, unless the machine has tripped. Returns the trip if this step caused one.
+    /// Makes one step, unless the machine is held. Returns the trip if this step caused one.
     pub(crate) fn step(&mut self) -> Option<Trip> {
         let trip = self.machine.step()?;
-        // A snapshot of the machine as it is held.
+        // A snapshot of the machine as it is held, or begins to coast down.
         self.save_at = self.seq + 1;
         Some(Trip::new(self.seq, trip.cause as u32, trip.station, [trip.radius, trip.limit]))
     }
@@ -274,9 +274,9 @@ impl Engine {
         &mut self.machine
     }
 
-    /// Whether the machine has tripped.
-    pub(crate) fn is_tripped(&self) -> bool {
-        self.machine.trip().is_some()
+    /// Whether the machine stands still after a trip.
+    pub(crate) fn is_held(&self) -> bool {
+        self.machine.is_held()
     }
 
     /// The number of the next step.
@@ -326,6 +326,7 @@ impl Engine {
             (Flags::LATE, is_late),
             (Flags::EXTERNAL, self.external[0]),
             (Flags::HELD, self.external[1]),
+            (Flags::COASTING, self.machine.trip().is_some() && !self.is_held()),
         ] {
             if is_set {
                 flags |= flag;
@@ -340,7 +341,7 @@ impl Engine {
         row.set(Channel::Tau, 0, sample.tau);
         row.set(Channel::Angle, 0, sample.angle);
         row.set(Channel::Speed, 0, sample.speed);
-        row.set(Channel::SpeedRate, 0, if self.machine.trip().is_some() { 0.0 } else { sample.acceleration });
+        row.set(Channel::SpeedRate, 0, if self.is_held() { 0.0 } else { sample.acceleration });
         for (bearing, output) in sample.outputs.iter().enumerate() {
             row.set_force(bearing, [output.commanded, output.delivered].map(parts));
         }

@@ -26,7 +26,7 @@ impl Present<'_> {
         let made = Excitation::of(multisine).map_err(|error| error.to_string())?;
         let tones = multisine.tones().map_err(|error| error.to_string())?;
         if self.is_tripped {
-            return Err("the machine has tripped and is held: restart it first".into());
+            return Err("the machine has tripped: restart it first".into());
         }
         if self.speed != self.settings.speed {
             return Err("the speed is on its way: wait until it is there".into());

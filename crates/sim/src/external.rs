@@ -231,7 +231,7 @@ impl<P: ControlHost> External<P> {
             self.act(engine, exchange, false);
             return Ok(Ready::Yes);
         };
-        if engine.is_tripped() {
+        if engine.is_held() {
             return Ok(Ready::Yes);
         }
         if self.lockstep {

@@ -64,7 +64,7 @@ pub(crate) fn step_until(
         if ordered || tripped.is_some() {
             answering.unpark();
         }
-        if engine.is_tripped() {
+        if engine.is_held() {
             // It stands still, and so do its readers.
             std::thread::sleep(NAP);
         }

@@ -153,9 +153,9 @@ impl<'a> RequestThread<'a> {
         news.bench_status(&self.bench_status)
     }
 
-    /// The leg of its profile that the speed is on, and how many there are.
+    /// The leg of its profile that the speed is on, and how many there are. A speed that coasts down after a trip is on none.
     fn leg(&self) -> [u16; 2] {
-        let Some(profile) = &self.profile else { return [0; 2] };
+        let Some(profile) = self.profile.as_ref().filter(|_| !self.bench_status.trip.coasts()) else { return [0; 2] };
         let tau = f64::from_bits(self.exchange.counters.tau_bits.load(Ordering::Relaxed));
         profile.leg_at(tau).map_or([0; 2], |leg| [leg as u16 + 1, profile.legs.len() as u16])
     }
@@ -373,7 +373,7 @@ impl<'a> RequestThread<'a> {
 
     /// The speed of this moment: as it is set, unless it is on its way.
     fn speed(&self) -> f64 {
-        if self.settings.ramp.is_finite() || self.profile.is_some() {
+        if self.settings.ramp.is_finite() || self.profile.is_some() || self.bench_status.trip.is_tripped() {
             f64::from_bits(self.exchange.counters.speed_bits.load(Ordering::Relaxed))
         } else {
             self.settings.speed

@@ -11,7 +11,7 @@ use wire::{Happening, Moment, State, Step};
 
 use crate::damage::Damage;
 use crate::error::TapeError;
-use crate::recording::{Recording, is_tripped};
+use crate::recording::Recording;
 use crate::session::Revision;
 
 /// A recording in short. Lengths in `e_t`, forces in `w0^2 e_t`, times in `tau`, unless a name says otherwise.
@@ -202,7 +202,7 @@ impl Info {
                 damping = Some(DampingInfo { value: least.min_damping, at, revision: least.revision });
             }
             // A machine that is held repeats the step that tripped it.
-            let is_held = std::mem::replace(&mut held, is_tripped(state)) && held;
+            let is_held = std::mem::replace(&mut held, state.flags().stands_still()) && held;
             if is_held {
                 return ControlFlow::Continue(());
             }

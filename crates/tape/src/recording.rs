@@ -10,8 +10,8 @@ use std::ops::{ControlFlow, Range};
 use std::path::{Path, PathBuf};
 
 use rotor::{Rotor, Scales};
-use wire::message::{Flags, Trip};
-use wire::{Channel, State, Step, StepLayout};
+use wire::message::Trip;
+use wire::{Channel, State, StepLayout};
 
 use crate::batch::Batch;
 use crate::contents::{Contents, Decoder, Stretch};
@@ -340,10 +340,4 @@ fn gaps(stretches: &[Stretch]) -> Vec<Gap> {
         expected = Some(stretch.last.seq + 1);
     }
     gaps
-}
-
-/// Whether a step was made by a machine that is held.
-#[must_use]
-pub(crate) fn is_tripped(state: &State) -> bool {
-    state.flags().has(Flags::TRIPPED)
 }

@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use alarms::{Reading, Sampler};
 use rotor::{ControlMasses, MAX_BEARINGS, Rotor, Settings};
+use wire::message::Flags;
 use wire::{BenchStatus, Event, Happening, RecorderStatus, SettingsDocument, Step, Text};
 
 use crate::connection::Connection;
@@ -261,10 +262,10 @@ impl Feed {
     }
 
     /// An era with the poles at the speed of the step that is looked at, where that is on its way to the one that is set.
-    fn at_speed(&self, era: Arc<Era>, speed: Option<f64>) -> Arc<Era> {
+    fn at_speed(&self, era: Arc<Era>, speed: Option<f64>, coasts: bool) -> Arc<Era> {
         let Some(speed) = speed.filter(|speed| *speed != era.speed && !era.poles.is_empty()) else { return era };
         // A step that came before its bench status, or after it, at a speed that is set at once, is no ramp.
-        if !(era.settings.ramp.is_finite() || era.speed != era.settings.speed) {
+        if !(coasts || era.settings.ramp.is_finite() || era.speed != era.settings.speed) {
             return era;
         }
         era.at_speed(speed).map_or(era, Arc::new)
@@ -288,8 +289,9 @@ impl Feed {
         let fits = |era: &Arc<Era>| masses == 0 || era.settings.deadband.len() == masses;
         let era_now = view.now.map_or_else(|| self.history.newest_era(), era).filter(|era| fits(era)).cloned();
         let speed = view.now.map(|now| track.speed(place(now)));
+        let coasts = view.now.is_some_and(|now| track.flags(place(now)).has(Flags::COASTING));
         FrameData {
-            era: era_now.map(|era| self.at_speed(era, speed)),
+            era: era_now.map(|era| self.at_speed(era, speed, coasts)),
             track,
             kept: whole,
             window: place(view.window.start)..place(view.window.end),

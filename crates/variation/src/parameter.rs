@@ -72,8 +72,9 @@ impl Parameter {
     /// Whether linear analysis knows it: clearance, unbalance, noise and limits play no part there.
     #[must_use]
     pub fn is_linear(&self) -> bool {
-        const NOT: [&str; 11] = [
+        const NOT: [&str; 12] = [
             "ramp",
+            "coast_down",
             "deadband",
             "trip",
             "noise",

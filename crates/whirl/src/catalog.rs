@@ -248,9 +248,10 @@ impl Machine {
     /// As for [`assign_all`]; an assignment that undoes an option; what only a live bench looks at: the trip limit, and the ramp
     /// to a speed, at which everything offline is already.
     pub(crate) fn set(&mut self, said: &[(&str, &str)], assignments: &[String]) -> Result<(), Failure> {
-        const LIVE: [(&str, &str); 5] = [
+        const LIVE: [(&str, &str); 6] = [
             ("trip", "trips"),
             ("ramp", "is on its way to a speed"),
+            ("coast_down", "coasts down after a trip"),
             ("external", "has a controller outside"),
             ("external_trip", "has a controller outside"),
             ("unbalance_added", "is unbalanced further while it turns: offline the rotor's own file says how much"),

@@ -66,7 +66,7 @@ channels! {
     WallNs "wall_ns" "wall" Once Whole "wall clock when the step was due to be sent, nanoseconds since 1970";
     Revision "revision" "revision" Once Whole "revision of the settings that the step was made with";
     Flags "flags" "flags" Once Whole "bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 55: how many sensors; 56 to 63: how many control bearings after the first";
-    Tau "tau" "tau" Once Time "time since the rotor was last at rest; stands still while tripped";
+    Tau "tau" "tau" Once Time "time since the rotor was last at rest; stands still while the machine is held after a trip";
     Angle "angle" "angle" Once Angle "spin angle, unwrapped: the unbalance points along it";
     Speed "speed" "speed" Once Speed "spin speed R";
     SpeedRate "speed_rate" "rate" Once SpeedRate "rate of change of the spin speed";

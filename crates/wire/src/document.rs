@@ -142,8 +142,15 @@ impl<T> PartialEq for Document<T> {
 /// Settings of no machine, for who has none to tell of.
 impl Default for SettingsDocument {
     fn default() -> Self {
-        let (feedback, unbalance_added) = (Feedback { bearings: vec![] }, vec![]);
-        Self::of(&Settings { speed: 0.0, deadband: vec![], trip: 0.0, ramp: f64::INFINITY, feedback, unbalance_added })
+        Self::of(&Settings {
+            speed: 0.0,
+            deadband: vec![],
+            trip: 0.0,
+            ramp: f64::INFINITY,
+            coast_down: 0.0,
+            feedback: Feedback { bearings: vec![] },
+            unbalance_added: vec![],
+        })
     }
 }
 
@@ -163,7 +170,7 @@ impl Content for Settings {
     const KIND: u32 = 2;
 
     fn write(&self) -> String {
-        let Self { speed, trip, ramp, deadband, feedback, unbalance_added } = self;
+        let Self { speed, trip, ramp, coast_down, deadband, feedback, unbalance_added } = self;
         let list = |numbers: &[f64]| numbers.iter().copied().map(number).collect::<Vec<_>>().join(", ");
         let clearances = list(deadband);
         // As many as the weights say: whether that fits the rotor is for who checks them.
@@ -174,6 +181,9 @@ impl Content for Settings {
         }
         let _ = writeln!(text, "deadband = [{clearances}]");
         // What is not there is not told, so that whoever knows nothing of it can read the rest.
+        if *coast_down != 0.0 {
+            let _ = writeln!(text, "coast_down = {}", number(*coast_down));
+        }
         if unbalance_added.len() != deadband.len() || unbalance_added.iter().any(|added| *added != 0.0) {
             let _ = writeln!(text, "unbalance_added = [{}]", list(unbalance_added));
         }
@@ -201,6 +211,7 @@ impl Content for Settings {
             speed: number("speed")?,
             trip: number("trip")?,
             ramp: number("ramp")?,
+            coast_down: if table.contains_key("coast_down") { number("coast_down")? } else { 0.0 },
             deadband,
             feedback: read_feedback(feedback, Some(masses)).map_err(DocumentError::Faults)?,
             unbalance_added,
@@ -239,7 +250,7 @@ mod tests {
                 settings.feedback.first_mut().signals[0].gains[0] =
                     Gain::Linear { at_zero: -0.0, slope: f64::MIN_POSITIVE };
                 settings.feedback.first_mut().signals[0].gains[1] = Gain::Table(vec![(0.0, 1.0), (2.0, 1e-17)]);
-                settings.ramp = 0.25;
+                (settings.ramp, settings.coast_down) = (0.25, 0.1 + 0.2);
                 settings.unbalance_added[0] = 1.0 / 7.0;
                 let read = (0..settings.deadband.len()).find(|at| settings.feedback.first().senses(*at));
                 let sensor_at = read.map_or(0.0, |at| (at + 1) as f64);

@@ -126,7 +126,7 @@ pub enum Happening {
     },
     /// Back to rest at `tau = 0`.
     Restarted,
-    /// The machine tripped, and is held since.
+    /// The machine tripped, and is held since, or coasts down.
     Tripped(Trip),
     /// The simulation fell behind its pace. Told once a burst: at once, then ever more seldom while it goes on.
     Late {

@@ -28,9 +28,9 @@ pub const CONSTANTS: [(&str, usize, &str); 8] = [
 ];
 
 /// Flags of a step beside contacts: name, flag and meaning.
-pub const FLAGS: [(&str, Flags, &str); 5] = [
+pub const FLAGS: [(&str, Flags, &str); 6] = [
     ("SATURATED", Flags::SATURATED, "the control bearing is at its limit"),
-    ("TRIPPED", Flags::TRIPPED, "the machine has tripped: the rotor is held where it was"),
+    ("TRIPPED", Flags::TRIPPED, "the machine has tripped: the rotor is held where it was, or coasts down"),
     (
         "LATE",
         Flags::LATE,
@@ -38,6 +38,11 @@ pub const FLAGS: [(&str, Flags, &str); 5] = [
     ),
     ("EXTERNAL", Flags::EXTERNAL, "the command comes from a controller outside"),
     ("HELD", Flags::HELD, "a command from outside that should be there is not: the last one is held"),
+    (
+        "COASTING",
+        Flags::COASTING,
+        "beside TRIPPED: not held, the speed coasts down to rest and the rotor goes on moving",
+    ),
 ];
 
 /// Every message, those that others contain first.

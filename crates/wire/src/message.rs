@@ -24,7 +24,7 @@ pub struct Flags(pub u32);
 impl Flags {
     /// The control bearing is at its limit.
     pub const SATURATED: Self = Self(1 << 16);
-    /// The machine has tripped: the rotor is held where it was.
+    /// The machine has tripped: the rotor is held where it was, or coasts down.
     pub const TRIPPED: Self = Self(1 << 17);
     /// The step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due.
     pub const LATE: Self = Self(1 << 18);
@@ -32,6 +32,8 @@ impl Flags {
     pub const EXTERNAL: Self = Self(1 << 19);
     /// A command from outside that should be there is not: the last one is held.
     pub const HELD: Self = Self(1 << 20);
+    /// Beside [`Flags::TRIPPED`]: the machine is not held, its speed coasts down to rest and the rotor goes on moving.
+    pub const COASTING: Self = Self(1 << 21);
 
     /// Flags with the contact bits `mask`, bit `i` for mass `i`.
     #[must_use]
@@ -51,7 +53,13 @@ impl Flags {
         mass < MAX_MASSES && self.0 >> mass & 1 == 1
     }
 
-    /// Every flag that is set, by name: `contact.1`, `saturated`, `tripped`, `late`, `external`, `held`.
+    /// Whether the machine stands still after a trip: the steps repeat the one that tripped it.
+    #[must_use]
+    pub fn stands_still(self) -> bool {
+        self.has(Self::TRIPPED) && !self.has(Self::COASTING)
+    }
+
+    /// Every flag that is set, by name: `contact.1`, `saturated`, `tripped`, `late`, `external`, `held`, `coasting`.
     #[must_use]
     pub fn names(self) -> Vec<String> {
         let contact = (0..MAX_MASSES).filter(|i| self.in_contact(*i)).map(|i| format!("contact.{}", i + 1));
@@ -61,6 +69,7 @@ impl Flags {
             (Self::LATE, "late"),
             (Self::EXTERNAL, "external"),
             (Self::HELD, "held"),
+            (Self::COASTING, "coasting"),
         ];
         contact.chain(rest.into_iter().filter(|(flag, _)| self.has(*flag)).map(|(_, name)| name.to_owned())).collect()
     }
@@ -226,7 +235,8 @@ message! {
     "whirl.Trip"
     /// What tripped the machine; all zero while it runs.
     pub struct Trip {
-        /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came from outside.
+        /// 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came from outside,
+        /// 4 an orbit grew past the limit, and the speed coasts down.
         pub cause: u32,
         /// The mass with the largest orbit, counted from 1.
         pub mass: u32,
@@ -252,6 +262,12 @@ impl Trip {
         self.cause != 0
     }
 
+    /// Whether the machine is not held since: its speed coasts down.
+    #[must_use]
+    pub fn coasts(&self) -> bool {
+        self.cause == 4
+    }
+
     /// In words, with lengths in metres where the rotor has scales, else in `e_t`.
     #[must_use]
     pub fn told(&self, scales: Option<Scales>) -> String {
@@ -268,6 +284,12 @@ impl Trip {
         match self.cause {
             0 => "running".to_owned(),
             1 => format!("orbit of mass {} reached {radius}, past the limit of {limit}", self.mass),
+            4 => {
+                format!(
+                    "orbit of mass {} reached {radius}, past the limit of {limit}, and the speed coasts down",
+                    self.mass
+                )
+            }
             3 => format!("no command came from the controller outside; orbit of mass {} at {radius}", self.mass),
             _ => format!("motion of mass {} left the range of numbers after {radius}", self.mass),
         }

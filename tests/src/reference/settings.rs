@@ -38,7 +38,7 @@ pub(super) fn page() -> String {
             * **Each control bearing**: `limit` is that of all, `left.limit` of one; `sample` and `delay` are the same at each.\n\
             * A value of a rotor in SI units may say what it is counted in, `speed=50Hz`, `kd=2e5N/m`; alone it is in the unit of the table, in the console in \
             micrometres where that shows them. Feedback files count gains as they say.\n\
-            * Offline a number of the loop may be of any command but those two: `whirl poles three-mass --set delay=0.05`. `ramp`, `trip`, `unbalance_added` and the controller outside are of a \
+            * Offline a number of the loop may be of any command but those two: `whirl poles three-mass --set delay=0.05`. `ramp`, `trip`, `coast_down`, `unbalance_added` and the controller outside are of a \
             live bench alone, and refused where they would do nothing.\n";
     out
 }

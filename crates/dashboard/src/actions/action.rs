@@ -33,6 +33,8 @@ pub(crate) enum Action {
     },
     /// The speed stays where it is on its way.
     Stay,
+    /// The speed goes to rest, as fast as it changes now or may change.
+    ToRest,
     /// A fault, as typed, or `off`.
     Drill(String),
     /// Search gains; this says for what.

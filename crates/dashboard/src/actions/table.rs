@@ -162,8 +162,15 @@ pub(crate) const ACTIONS: &[ActionRow] = &[
         name: "stay",
         argument: "",
         meaning: "the speed stays where it is on its way",
-        keys: &[],
+        keys: &[keys(&[("v", "")], "the speed stays where it is on its way", None)],
         make: |_| Ok(Action::Stay),
+    },
+    ActionRow {
+        name: "rest",
+        argument: "",
+        meaning: "the speed goes to rest, as fast as it changes now, or else by the ramp",
+        keys: &[keys(&[("V", "")], "the speed goes to rest, as fast as it changes or by the ramp", None)],
+        make: |_| Ok(Action::ToRest),
     },
     ActionRow {
         name: "restart",

@@ -101,6 +101,7 @@ impl App<'_> {
             | Action::SetTyped(_)
             | Action::RunUp { .. }
             | Action::Stay
+            | Action::ToRest
             | Action::Drill(_)
             | Action::StrikeBearing
             | Action::SwapHeld

@@ -75,6 +75,20 @@ impl App<'_> {
         (self.settings()?.speed != now).then(|| Edit::Set(vec![(key, now)]))
     }
 
+    /// The change that sends the speed to rest: as fast as it changes, or may change where it does not.
+    fn to_rest(&self, present: &Settings) -> Result<Edit, String> {
+        let (speed, changes) = self.present_motion().ok_or("no step has come yet")?;
+        let rate = if changes == 0.0 { present.ramp } else { changes.abs() };
+        if speed == 0.0 && present.speed == 0.0 {
+            return Err("it is at rest, or on its way there".into());
+        }
+        if !rate.is_finite() {
+            return Err("it would jump: `:run-up 0 RATE` says how fast it shall go to rest".into());
+        }
+        let wanted = Settings { speed: 0.0, ramp: rate, ..present.clone() };
+        Ok(Edit::Become(Box::new((present.clone(), wanted)), "the speed goes to rest".into()))
+    }
+
     /// The change that makes a fault, or puts it back.
     fn drill(&self, words: &str, present: &Settings) -> Result<Edit, String> {
         if self.player.is_some() {
@@ -158,6 +172,7 @@ impl App<'_> {
             },
             Action::RunUp { from, to, rate } => self.run_up(present, *from, *to, *rate),
             Action::Stay => self.stay().ok_or_else(|| "the speed is not on its way".into()),
+            Action::ToRest => self.to_rest(present),
             Action::Drill(words) => self.drill(words, present),
             Action::StrikeBearing => {
                 let bearing = self.selected().and_then(|key| present.bearing_of(key)).unwrap_or(0);

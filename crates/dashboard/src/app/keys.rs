@@ -146,7 +146,7 @@ impl App<'_> {
     pub(super) fn candidate(&self, action: &Action, present: &Settings) -> Option<Settings> {
         match action {
             // Where the speed is on its way to is no moment to judge the gains at.
-            Action::RunUp { .. } | Action::Stay => None,
+            Action::RunUp { .. } | Action::Stay | Action::ToRest => None,
             _ => self.edit_of(action, present)?.ok()?.applied(present),
         }
     }

@@ -62,7 +62,7 @@ fn arrows_select_and_nudge() {
         "rows are speed, trip, deadband, ..."
     );
     assert_eq!(pressed(&[Up]).1.row, 0);
-    assert_eq!(pressed(&[Down; 40]).1.row, 19);
+    assert_eq!(pressed(&[Down; 40]).1.row, 20);
 }
 
 #[test]
@@ -382,6 +382,20 @@ fn an_alarm_stops_a_run_up_as_configured() {
         (OnAlarm::GoOn, 0.01, false),
     ] {
         assert_eq!(alarmed(on_alarm, rate, read_only), []);
+    }
+}
+
+#[test]
+fn a_key_sends_the_speed_to_rest_as_fast_as_it_rose() {
+    use wire::Channel;
+    for (rate, ramp) in [(0.01, 0.01), (-0.02, 0.02)] {
+        let (mut app, taken) = dashboard(&Options::default());
+        let step = tests::state(3, 3000).with(Channel::Speed, 0, 2.75).with(Channel::SpeedRate, 0, rate);
+        lock(&app.feed).push_step(&step, Instant::now());
+        press(&mut app, &[Char('V')]);
+        let edits: Vec<Edit> = taken.try_iter().collect();
+        let [Edit::Become(change, why)] = &edits[..] else { panic!("{edits:?}") };
+        assert_eq!((change.1.speed, change.1.ramp, &**why), (0.0, ramp, "the speed goes to rest"));
     }
 }
 

@@ -59,7 +59,7 @@ impl App<'_> {
     }
 
     /// Speed and rate of change of the newest step.
-    fn present_motion(&self) -> Option<(f64, f64)> {
+    pub(super) fn present_motion(&self) -> Option<(f64, f64)> {
         let feed = lock(&self.feed);
         let places = feed.history().kept();
         let last = places.end.checked_sub(1).filter(|last| *last >= places.start)?;

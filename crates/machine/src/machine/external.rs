@@ -42,9 +42,9 @@ impl Machine {
     }
 
     /// Reads the sample that is due before the next step, if one is and has not been read yet. Returns whether one was read now. Only a loop
-    /// with `external` is read ahead, and none while the machine has tripped.
+    /// with `external` is read ahead, and none while the machine is held after a trip.
     pub fn sense(&mut self) -> bool {
-        if self.trip.is_some() || self.path != Path::Integrated {
+        if self.is_held() || self.path != Path::Integrated {
             return false;
         }
         let tau = self.tau();
@@ -75,6 +75,6 @@ impl Machine {
 
     /// Stops it for want of commands.
     pub fn trip_for_want_of_commands(&mut self) -> Option<Trip> {
-        self.stop(TripCause::NoCommand)
+        self.stop(TripCause::NoCommand, self.program.trip_limit)
     }
 }

@@ -102,14 +102,17 @@ impl Machine {
             self.choose_path();
         }
         let (tau, speed) = (self.tau(), self.motion.speed_at(self.tau()));
-        let goes_elsewhere = program.legs != self.program.legs;
+        // A machine that coasts down does so until it is restarted.
+        let coasts = self.trip.is_some() && !self.is_held();
+        let goes_elsewhere = program.legs != self.program.legs && !coasts;
         let was = self.path;
+        let is_settled = was == Path::Steady && (goes_elsewhere || coasts);
         if let Some(fused) = self.fused.as_ref().filter(|_| was != Path::Integrated) {
             let motion = fused.motion();
             self.program.integrator.place(motion.displacement, motion.velocity);
             self.program.integrator.controllers[0].begin_with(fused.control());
             // The angle as the fused path has it.
-            if goes_elsewhere && was == Path::Steady {
+            if is_settled {
                 self.motion.settle(tau, motion.angle, speed);
             }
         }
@@ -120,10 +123,11 @@ impl Machine {
             self.motion.follow(tau, &self.program.legs);
         }
         let steady = self.program.fused.as_ref().map(|fused| &fused.steady).filter(|_| was != Path::Integrated);
-        let stays_steady = was == Path::Steady && !self.motion.is_moving();
+        let is_there = !coasts || self.program.speed() == speed;
+        let stays_steady = was == Path::Steady && !self.motion.is_moving() && is_there;
         if let (true, Some(fused), Some(closed_loop)) = (stays_steady, &mut self.fused, steady) {
-            // As the fused path does itself: a new line of time where speed or step change.
-            let is_new_line = closed_loop.speed() != speed || dtau != self.grid.dtau;
+            // As the fused path does itself: a new line of time where speed or step change, and where the spin has been settled above.
+            let is_new_line = is_settled || closed_loop.speed() != speed || dtau != self.grid.dtau;
             let angle = fused.motion().angle;
             fused.load(closed_loop);
             if is_new_line {

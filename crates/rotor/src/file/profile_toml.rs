@@ -1,6 +1,6 @@
 //! Profiles of speed: `[[leg]]` one after the other, dimensionless or, of a rotor in SI units, in rpm, rpm/s and seconds.
 
-use text::{Domain, Faults, Reader, Table};
+use text::{Domain, Fault, Faults, Reader, Table};
 use units::{Dimension, Units};
 
 use crate::profile::{Leg, MAX_LEGS, Profile};
@@ -82,7 +82,19 @@ pub fn read_profile(text: &str, rotor: &Rotor) -> Result<Profile, Faults> {
             Leg::To { speed: to, rate }
         });
     }
-    reader.finish(Profile { from, legs, lines })
+    let starts = lines.clone();
+    reader.finish(Profile { from, legs, lines }).map_err(|faults| in_legs(&faults, &starts))
+}
+
+/// The same faults, each with the leg that it is in; `starts` are the lines at which legs begin.
+fn in_legs(faults: &Faults, starts: &[usize]) -> Faults {
+    let named = |fault: &Fault| match starts.partition_point(|start| *start <= fault.line) {
+        leg @ 1.. if !fault.found.starts_with("[[leg]]") => {
+            Fault { found: format!("[[leg]] {leg}: {}", fault.found), ..fault.clone() }
+        }
+        _ => fault.clone(),
+    };
+    Faults::some(faults.list().iter().map(named).collect()).unwrap_or_else(|| faults.clone())
 }
 
 /// A leg turned by a torque: SI rotors have it in N m, inertia in kg m^2, drag in N m s.
@@ -159,10 +171,10 @@ mod tests {
         assert_eq!(problems(""), ["1:1 no [[leg]], expected 1 to 64 of them"]);
         let wrong = "[[leg]]\nto = 6\nrate = 0\n[[leg]]\nto = 3\nrate = -0.1\n[[leg]]\nto = 3\nrate = 0.1\n[[leg]]\ndwell = 0\n";
         let found = problems(wrong);
-        assert!(found[0].starts_with("3:8 rate = 0, expected"), "{found:?}");
-        assert!(found[1].starts_with("6:8 rate = -0.1, expected"), "{found:?}");
-        assert!(found[2].starts_with("8:6 to = 3, expected another speed"), "{found:?}");
-        assert!(found[3].starts_with("11:9 dwell = 0, expected"), "{found:?}");
+        assert!(found[0].starts_with("3:8 [[leg]] 1: rate = 0, expected"), "{found:?}");
+        assert!(found[1].starts_with("6:8 [[leg]] 2: rate = -0.1, expected"), "{found:?}");
+        assert!(found[2].starts_with("8:6 [[leg]] 3: to = 3, expected another speed"), "{found:?}");
+        assert!(found[3].starts_with("11:9 [[leg]] 4: dwell = 0, expected"), "{found:?}");
         let found = problems("[[leg]]\nto = 1e9\nrate = 1\n[[leg]]\nrate = 1\n[[leg]]\ndwell = 1\nrate = 2\n");
         assert!(found[0].contains("expected a speed from 0 to"), "{found:?}");
         assert!(found[1].contains("[[leg]] 2 with neither to nor dwell nor torque"), "{found:?}");

@@ -39,6 +39,24 @@ fn an_unstable_rotor_trips_at_the_limit_and_is_held_there() {
 }
 
 #[test]
+fn a_rotor_that_coasts_down_after_a_trip_is_told_step_by_step() {
+    let (rotor, mut settings, _) = engine("off", 2.5, 0.01);
+    (settings.trip, settings.coast_down) = (5.0, 0.5);
+    let mut engine = Engine::new(program(&rotor, &settings, 0.01), 7, 1000);
+    let trip = (0..1_000_000).find_map(|_| engine.step()).unwrap();
+    assert!(trip.coasts(), "{trip}");
+    assert!(trip.to_string().ends_with("past the limit of 5 e_t, and the speed coasts down"), "{trip}");
+    let before = sent(&mut engine);
+    (0..100).for_each(|_| assert_eq!(engine.step(), None));
+    let after = sent(&mut engine);
+    for state in [&before, &after] {
+        assert!(state.flags().has(Flags::TRIPPED | Flags::COASTING) && !state.flags().stands_still());
+        assert!((state.speed_rate() + 0.2 * state.speed()).abs() < 1e-9, "a rate in proportion to the speed");
+    }
+    assert!((after.tau() - before.tau() - 1.0).abs() < 1e-9 && after.speed() < before.speed());
+}
+
+#[test]
 fn stepping_filling_and_taking_orders_allocate_nothing() {
     let (rotor, settings, mut engine) = engine("composite", 2.5, 0.01);
     let exchange = Exchange::default();

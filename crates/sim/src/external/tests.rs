@@ -242,7 +242,7 @@ fn it_trips_only_once_there_has_been_a_controller() {
     port.0.borrow_mut().is_silent = true;
     let trip = steps(&mut engine, &mut external, &exchange, 200).expect("a trip");
     assert_eq!(trip.cause, 3);
-    assert!(engine.is_tripped());
+    assert!(engine.is_held());
 }
 
 #[test]

@@ -11,8 +11,11 @@ use super::peaks::{ResonancePeak, peaks};
 const SHARPER: f64 = 2.0;
 /// Peaks that are not so many turns wide are ripple.
 const NARROW_TURNS: usize = 2;
-/// Speeds at which the steady response is looked at over a leg, and then again about each of its peaks.
+/// Speeds at which the steady response is looked at over a leg.
 const STEADY_POINTS: usize = 400;
+/// The same about each of its peaks, over twice its half-power width: with eighty to a width a parabola is within 1e-6 of the height of a
+/// resonance, and straight lines between them within 1e-4 of its width.
+const PEAK_POINTS: usize = 160;
 
 /// A critical speed: a peak of the first order at a station.
 #[derive(Clone, Debug, PartialEq)]
@@ -178,13 +181,14 @@ fn nearest<'p>(peaks: &'p [ResonancePeak], peak: &ResonancePeak) -> Option<&'p R
 /// Peaks of the steady response between two speeds, per station: along the stable orbits that lie nearest to each other in the
 /// order in which the leg passes them. None where it cannot be had.
 fn steady_peaks(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2]) -> Vec<Vec<ResonancePeak>> {
-    let Some((speeds, heights)) = followed(rotor, settings, grid(from.min(to), from.max(to)), from > to) else {
+    let over = steady_grid(from.min(to), from.max(to));
+    let Some((speeds, heights)) = followed(rotor, settings, over, from > to) else {
         return Vec::new();
     };
     let refined = |station: usize, peak: ResonancePeak| {
         let [Some(low), Some(high)] = peak.half_power else { return peak };
         let margin = 0.5 * (high - low);
-        let closer = followed(rotor, settings, grid((low - margin).max(0.0), high + margin), from > to);
+        let closer = followed(rotor, settings, grid((low - margin).max(0.0), high + margin, PEAK_POINTS), from > to);
         let found = closer.map(|(speeds, heights)| peaks(&speeds, &heights[station]));
         let near = |p: &ResonancePeak| (p.speed - peak.speed).abs();
         found.and_then(|found| found.into_iter().min_by(|a, b| near(a).total_cmp(&near(b)))).unwrap_or(peak)
@@ -194,9 +198,14 @@ fn steady_peaks(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2]) -> Vec
         .collect()
 }
 
-/// Evenly spaced speeds.
-pub(super) fn grid(low: f64, high: f64) -> Vec<f64> {
-    (0..STEADY_POINTS).map(|k| low + (high - low) * k as f64 / (STEADY_POINTS - 1) as f64).collect()
+/// Evenly spaced speeds, two at least.
+fn grid(low: f64, high: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|k| low + (high - low) * k as f64 / (count - 1) as f64).collect()
+}
+
+/// Evenly spaced speeds at which the steady response over a whole leg is looked at.
+pub(super) fn steady_grid(low: f64, high: f64) -> Vec<f64> {
+    grid(low, high, STEADY_POINTS)
 }
 
 /// Radii per station over rising `speeds`; `downward` says that the orbits are followed from the highest speed down. Not a number

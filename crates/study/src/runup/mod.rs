@@ -22,7 +22,7 @@ pub use spectrum::{OrderSample, OrderTracker, Revolution};
 
 use spectrum::PER_TURN;
 
-use criticals::{Course, Passed, Readings, followed, grid};
+use criticals::{Course, Passed, Readings, followed, steady_grid};
 
 use crate::run::MOST_STEPS;
 
@@ -293,5 +293,5 @@ impl Book {
 #[must_use]
 pub fn steady_response(plan: &RunUpPlan) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
     let [low, high] = plan.profile.speeds();
-    followed(&plan.rotor, &plan.settings, grid(low, high), false)
+    followed(&plan.rotor, &plan.settings, steady_grid(low, high), false)
 }

@@ -224,6 +224,9 @@ pub(crate) struct RevisionDocument {
     /// Greatest rate of change of the speed; absent where it jumps.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ramp: Option<f64>,
+    /// Rate at which the speed falls at first after a trip; absent where the machine is held.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    coast_down: Option<f64>,
     deadband: Vec<f64>,
     /// Absent where none is added.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -248,6 +251,7 @@ impl From<&Revision> for RevisionDocument {
             speed: r.settings.speed,
             trip: r.settings.trip,
             ramp: Some(r.settings.ramp).filter(|ramp| ramp.is_finite()),
+            coast_down: Some(r.settings.coast_down).filter(|rate| *rate != 0.0),
             deadband: r.settings.deadband.clone(),
             unbalance_added: Some(r.settings.unbalance_added.clone())
                 .filter(|added| added.iter().any(|added| *added != 0.0)),
@@ -274,6 +278,7 @@ impl RevisionDocument {
                 deadband: self.deadband,
                 trip: self.trip,
                 ramp: self.ramp.unwrap_or(f64::INFINITY),
+                coast_down: self.coast_down.unwrap_or(0.0),
                 feedback,
                 unbalance_added,
             },

@@ -168,11 +168,12 @@ pub(super) fn settings_text(revision: &Revision) -> TextDocument {
         Some(_) => format!("stable, minimum damping ratio {min_damping:.5}"),
         None => "poles unknown".to_owned(),
     };
-    let Settings { speed, deadband, trip, ramp, feedback, unbalance_added } = settings;
-    let ramp = if ramp.is_finite() { ramp.to_string() } else { "off".to_owned() };
+    let Settings { speed, deadband, trip, ramp, coast_down, feedback, unbalance_added } = settings;
+    let rate = |rate: f64, off: f64| if rate == off { "off".to_owned() } else { rate.to_string() };
+    let (ramp, coast_down) = (rate(*ramp, f64::INFINITY), rate(*coast_down, 0.0));
     TextDocument::from_markdown(format!(
         "**revision {revision}** by {who}{why}, from step {from}\n\n{stability}\n\n\
-         | setting | value |\n|---|---|\n| speed | {speed} |\n| deadband | {deadband:?} |\n| trip | {trip} |\n| ramp | {ramp} |\n| unbalance added | {unbalance_added:?} |\n\n\
+         | setting | value |\n|---|---|\n| speed | {speed} |\n| deadband | {deadband:?} |\n| trip | {trip} |\n| ramp | {ramp} |\n| coast-down after a trip | {coast_down} |\n| unbalance added | {unbalance_added:?} |\n\n\
          ```toml\n{}```\n",
         write_feedback(feedback)
     ))

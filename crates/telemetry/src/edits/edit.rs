@@ -121,10 +121,11 @@ impl Edit {
 /// Makes in `settings` the changes that lead from `from` to `to`, and no others.
 pub fn carry_over(from: &Settings, to: &Settings, settings: &mut Settings) {
     // Whole, so that a field that is added is not forgotten here.
-    let Settings { speed, deadband, trip, ramp, feedback, unbalance_added } = to;
+    let Settings { speed, deadband, trip, ramp, coast_down, feedback, unbalance_added } = to;
     carry(&from.speed, speed, &mut settings.speed);
     carry(&from.trip, trip, &mut settings.trip);
     carry(&from.ramp, ramp, &mut settings.ramp);
+    carry(&from.coast_down, coast_down, &mut settings.coast_down);
     carry(&from.feedback, feedback, &mut settings.feedback);
     let lists = [
         (&from.deadband, deadband, &mut settings.deadband),

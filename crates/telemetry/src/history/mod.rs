@@ -51,6 +51,8 @@ pub struct History {
     last_tau: f64,
     lost: u64,
     tripped: bool,
+    /// Whether the machine stands still since a trip.
+    stands_still: bool,
     /// The largest control of every bearing.
     peak_forces: [f64; MAX_BEARINGS],
     /// The place from which a person has had the largest control count.
@@ -75,6 +77,7 @@ impl History {
             last_tau: 0.0,
             lost: 0,
             tripped: false,
+            stands_still: false,
             peak_forces: [0.0; MAX_BEARINGS],
             peak_from: 0,
         }
@@ -99,7 +102,7 @@ impl History {
             self.layout = layout;
         }
         let is_new_run = state.run_id() != self.run_id;
-        let tripped = state.flags().has(Flags::TRIPPED);
+        let (tripped, stands_still) = (state.flags().has(Flags::TRIPPED), state.flags().stands_still());
         if is_new_run {
             if !self.is_empty() {
                 self.mark(Mark::NewRun);
@@ -109,27 +112,28 @@ impl History {
         } else {
             let lost = state.seq().saturating_sub(self.last_seq + 1);
             self.lost += lost;
-            if lost > 0 && !(tripped && self.tripped) {
+            if lost > 0 && !(stands_still && self.stands_still) {
                 self.mark(Mark::Lost(lost));
             }
         }
         self.last_seq = state.seq();
         let is_new_revision = self.pass(state);
         // A machine that is held would push what tripped it out of what is shown.
-        if tripped && self.tripped && !is_new_run {
+        if stands_still && self.stands_still && !is_new_run {
             return;
         }
         let restarted = !is_new_run && !self.is_empty() && state.tau() < self.last_tau;
         if restarted {
             self.mark(Mark::Restart);
         }
-        if tripped {
+        // One that coasts down and is held after all has tripped again.
+        if tripped && (is_new_run || !self.tripped || (stands_still && !self.stands_still)) {
             self.mark(Mark::Trip);
         }
         if restarted || is_new_run || is_new_revision || (self.tripped && !tripped) {
             self.peak_forces = [0.0; MAX_BEARINGS];
         }
-        self.tripped = tripped;
+        (self.tripped, self.stands_still) = (tripped, stands_still);
         self.last_tau = state.tau();
         for (bearing, peak) in self.peak_forces.iter_mut().enumerate().take(state.bearings()) {
             let [u_y, u_z] = state.force(bearing)[1];

@@ -137,6 +137,18 @@ fn another_number_of_masses_resets_peaks_at_a_place_of_its_own() {
 }
 
 #[test]
+fn a_machine_that_coasts_down_is_kept_step_by_step() {
+    let mut history = History::new(BOUND);
+    (0..10).for_each(|seq| history.push(&state(1, seq)));
+    (10..500).for_each(|seq| history.push(&state(1, seq).with_flags(Flags::TRIPPED | Flags::COASTING)));
+    assert_eq!((history.kept(), history.is_tripped()), (0..500, true));
+    // Held after all.
+    (500..600).for_each(|seq| history.push(&state(1, seq).with_flags(Flags::TRIPPED)));
+    let marks: Vec<_> = history.marks(&(0..700)).cloned().collect();
+    assert_eq!((history.kept(), marks), (0..501, vec![(10, Mark::Trip), (500, Mark::Trip)]));
+}
+
+#[test]
 fn a_held_machine_keeps_what_tripped_it() {
     let mut history = History::new(BOUND);
     (0..10).for_each(|seq| history.push(&state(1, seq)));

@@ -181,13 +181,17 @@ impl Machine {
             Some(restored) => restored.clone(),
             None => root.resumed()?,
         };
+        let flags = root.state.flags();
+        let tripped = flags.has(wire::Flags::TRIPPED);
+        if tripped && machine.trip().is_none() {
+            match flags.stands_still() {
+                true => machine.hold(),
+                false => machine.coast_down(-root.state.speed_rate()),
+            }
+        }
         // Nothing was loaded where nothing was changed.
         if root.restored.is_none() || (wanted, substeps) != (&root.settings, root.substeps) {
             load(&mut machine, root.program(wanted, substeps)?);
-        }
-        let held = root.state.flags().has(wire::Flags::TRIPPED);
-        if held && machine.trip().is_none() {
-            machine.hold();
         }
         Ok(Self {
             machine,
@@ -195,7 +199,7 @@ impl Machine {
             settings: wanted.clone(),
             judged: WhatIf::of(&root.rotor, wanted.clone()),
             seq: root.state.seq(),
-            trip: held.then(Trip::default),
+            trip: tripped.then(Trip::default),
         })
     }
 
@@ -220,7 +224,8 @@ impl Machine {
         }
     }
 
-    /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held. If it is to stand still
+    /// One step, as the simulation makes it: past the trip limit, or out of the range of numbers, it is held or
+    /// coasts down. If it is to stand still
     /// there is one more in the recording, and no time passes.
     pub(super) fn step(&mut self, still: bool) {
         self.seq += 1;

@@ -40,6 +40,9 @@ pub(crate) struct LiveArgs {
     /// Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]
     #[arg(long, value_name = "RADIUS", allow_negative_numbers = true)]
     pub(crate) trip: Option<f64>,
+    /// Coast down after a trip, at first at this rate, in R per tau (SI rotors: rpm/s) [default: hold the machine where it is]
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
+    pub(crate) coast_down: Option<f64>,
 }
 
 /// Options of `whirl sim`.
@@ -91,6 +94,10 @@ impl LiveArgs {
         if let Some(trip) = self.trip {
             units.set(&rotor, &mut settings, "trip".parse()?, trip)?;
             options.push(("--trip", "trip"));
+        }
+        if let Some(rate) = self.coast_down {
+            units.set(&rotor, &mut settings, "coast_down".parse()?, rate)?;
+            options.push(("--coast-down", "coast_down"));
         }
         if self.speed.is_some() {
             options.push(("--speed", "speed"));

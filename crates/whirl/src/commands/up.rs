@@ -89,7 +89,8 @@ impl LiveArgs {
         option("bench", self.bench.bench.clone());
         option("rate", self.rate.to_string());
         option("dtau", self.dtau.to_string());
-        for (name, value) in [("speed", self.speed), ("trip", self.trip), ("deadband", self.machine.deadband)] {
+        let (trip, coast_down) = (("trip", self.trip), ("coast-down", self.coast_down));
+        for (name, value) in [("speed", self.speed), trip, coast_down, ("deadband", self.machine.deadband)] {
             if let Some(value) = value {
                 option(name, value.to_string());
             }
@@ -123,6 +124,7 @@ mod tests {
             "--rate=500",
             "--dtau=0.02",
             "--trip=7",
+            "--coast-down=0.5",
             "--profile=run-up.toml",
         ];
         let known = {

@@ -184,6 +184,9 @@ def test_documents_are_written_as_they_are_read() -> None:
     assert again["feedback"]["loop"] == {"delay": 0.1} and again["ramp"] == 0.25
     assert again["feedback"]["signal"][0]["kd"] == 2.0
     assert _settings.read(_settings.changed(text, {"ramp": "off"}))["ramp"] == math.inf
+    coasting = _settings.changed(text, {"coast_down": 0.5})
+    assert _settings.read(coasting)["coast_down"] == 0.5
+    assert _settings.read(_settings.changed(coasting, {"coast_down": "off"}))["coast_down"] == 0.0
     with pytest.raises(ValueError, match="index from 1 to 2"):
         _settings.changed(text, {"deadband.3": 1.0})
     changed = _settings.read(_settings.changed(_two(), {"right.kd": 3.0, "delay": 0.5}))

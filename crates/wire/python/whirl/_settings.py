@@ -6,7 +6,8 @@ import math
 import tomllib
 from typing import Any
 
-_MACHINE = ("speed", "ramp", "trip")
+#: Settings of the whole machine, and what `off` means of one that can be off.
+_MACHINE: dict[str, float | None] = {"speed": None, "ramp": math.inf, "trip": None, "coast_down": 0.0}
 _GAINS = ("kd", "cd", "kc", "cc")
 #: Numbers of the loop, and what an absent one counts as.
 _PARTS = {
@@ -67,7 +68,7 @@ def _assign(settings: dict[str, Any], key: str, value: object) -> None:
         rest = back if named is not None else key
     name, _, index = rest.partition(".")
     if named is None and name in _MACHINE and not index:
-        settings[name] = _number(key, value, math.inf if name == "ramp" else None)
+        settings[name] = _number(key, value, _MACHINE[name])
     elif named is None and name in ("deadband", "unbalance_added"):
         added = name == "unbalance_added"
         clearances: list[float] = settings.setdefault(name, [0.0] * len(settings["deadband"]))
@@ -99,7 +100,7 @@ def _assign(settings: dict[str, Any], key: str, value: object) -> None:
 
 def write(settings: dict[str, Any]) -> str:
     """The document of settings: what tomllib reads of it is the same, and floats to the last bit."""
-    keys = [key for key in ("speed", "trip", "ramp", "deadband", "unbalance_added", "masses") if key in settings]
+    keys = [key for key in ("speed", "trip", "ramp", "deadband", "coast_down", "unbalance_added", "masses") if key in settings]
     lines = [f"{key} = {_value(settings[key])}" for key in keys]
     return "\n".join([*lines, "feedback = '''", _table(settings["feedback"], "")]) + "'''\n"
 

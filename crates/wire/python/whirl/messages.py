@@ -20,10 +20,11 @@ MAX_SNAPSHOT = 32768  # words of the largest snapshot
 #: Flags of a step, beside bit N - 1 for mass N that presses on its bearing.
 FLAGS = {
     "saturated": 0x10000,  # the control bearing is at its limit
-    "tripped": 0x20000,  # the machine has tripped: the rotor is held where it was
+    "tripped": 0x20000,  # the machine has tripped: the rotor is held where it was, or coasts down
     "late": 0x40000,  # the step was sent more than one period of wake-ups (of a step, or of all steps that share one) after it was due
     "external": 0x80000,  # the command comes from a controller outside
     "held": 0x100000,  # a command from outside that should be there is not: the last one is held
+    "coasting": 0x200000,  # beside TRIPPED: not held, the speed coasts down to rest and the rotor goes on moving
 }
 
 
@@ -44,7 +45,7 @@ CHANNELS = (
     Channel("wall_ns", "once", 2, False, "", "wall clock when the step was due to be sent, nanoseconds since 1970"),
     Channel("revision", "once", 3, False, "", "revision of the settings that the step was made with"),
     Channel("flags", "once", 4, False, "", "bits 0 to 31: what is special; 32 to 47: how many masses; 48 to 55: how many sensors; 56 to 63: how many control bearings after the first"),
-    Channel("tau", "once", 5, True, "1/w0", "time since the rotor was last at rest; stands still while tripped"),
+    Channel("tau", "once", 5, True, "1/w0", "time since the rotor was last at rest; stands still while the machine is held after a trip"),
     Channel("angle", "once", 6, True, "rad", "spin angle, unwrapped: the unbalance points along it"),
     Channel("speed", "once", 7, True, "w0", "spin speed R"),
     Channel("speed_rate", "once", 8, True, "w0^2", "rate of change of the spin speed"),
@@ -198,7 +199,7 @@ class Trip(ctypes.Structure):
     """What tripped the machine; all zero while it runs."""
 
     #: 0 running, 1 an orbit grew past the limit, 2 the motion left the range of numbers, 3 no command came
-    #: from outside.
+    #: from outside, 4 an orbit grew past the limit, and the speed coasts down.
     cause: int
     #: The mass with the largest orbit, counted from 1.
     mass: int

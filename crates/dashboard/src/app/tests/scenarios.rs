@@ -75,6 +75,7 @@ const SCENARIOS: &[(&str, &[Then])] = &[
             (":run-up 6 0<enter>", &["expected a number above 0"], &[]),
             (":run-up 6 -1<enter>", &["expected a number above 0"], &[]),
             (":stay<enter>", &["the speed is not on its way"], &[]),
+            ("V", &["it would jump: `:run-up 0 RATE`"], &[]),
             (":search stop<enter>", &["no search is under way"], &[]),
             (":search 6..1<enter>", &["expected a range of speeds"], &[]),
             ("b", &["hold the settings first"], &[]),

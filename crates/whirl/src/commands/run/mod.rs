@@ -138,9 +138,13 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
     let speeds = profile.map_or([settings.speed; 2], Profile::speeds);
     let dtau = match args.dtau {
         Some(dtau) => {
-            for speed in speeds {
-                let fastest = machine::fastest(rotor, settings, speed)?;
-                fastest.check(dtau).map_err(|error| Failure::Usage(error.to_string()))?;
+            // At every speed that it comes to: the leg that is to blame is named.
+            let course = profile.map_or_else(|| vec![(0.0, settings.speed)], Profile::course);
+            for (k, (_, speed)) in course.into_iter().enumerate() {
+                let leg =
+                    profile.zip(k.checked_sub(1)).map_or(String::new(), |(profile, leg)| profile.leg_words(leg) + ": ");
+                let checked = machine::fastest(rotor, settings, speed)?.check(dtau);
+                checked.map_err(|error| Failure::Usage(format!("{leg}{error}")))?;
             }
             dtau
         }

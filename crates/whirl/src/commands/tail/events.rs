@@ -145,7 +145,12 @@ fn document<'a>(
                 Detail::Impulse { mass: mass + 1, vy: velocity.re, vz: velocity.im }
             }
             Some(Happening::Tripped(Trip { cause, mass, radius, limit, .. })) => Detail::Tripped {
-                cause: if *cause == 1 { "limit" } else { "not finite" },
+                cause: match *cause {
+                    1 => "limit",
+                    3 => "no command",
+                    4 => "coast-down",
+                    _ => "not finite",
+                },
                 mass: *mass,
                 radius: *radius,
                 limit: *limit,

@@ -135,7 +135,7 @@ fn for_people(state: &impl Step, lost: u64, units: &Units) -> String {
         pair(&(i + 1).to_string(), [p.y, p.z], units.length);
     }
     pair("u", state.force_delivered(), units.force);
-    for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE, Flags::EXTERNAL, Flags::HELD] {
+    for flag in [Flags::SATURATED, Flags::TRIPPED, Flags::LATE, Flags::EXTERNAL, Flags::HELD, Flags::COASTING] {
         if state.flags().has(flag) {
             let _ = write!(line, "  {}", flag.names().concat());
         }
