@@ -196,7 +196,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand clean" -s h -l help -d 'Prin
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
-complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand poles" -l speed -d 'Spin speed R = w / w0 (SI rotors: in rpm) [default: that of `up`, R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l full -d 'Look at all coordinates of shaft elements, not at those that are stepped'
 complete -c whirl -n "__fish_whirl_using_subcommand poles" -l json -d 'Print one JSON document'

@@ -144,6 +144,17 @@ fn the_cancelling_law_is_printed_as_a_feedback_file() {
 }
 
 #[test]
+fn poles_without_a_speed_are_those_at_the_speed_that_up_starts_with_and_it_is_said() {
+    let (without, with) = (run(&["poles"]), run(&["poles", "--speed", "2.5", "--feedback", "off"]));
+    assert_eq!((without.code, with.code), (Some(0), Some(0)), "{without:?}");
+    let taken = "not said, so taken: the speed of `up`, R = 2.5 (--speed); feedback off (--feedback)";
+    assert_eq!(without.stdout, format!("{}\n{taken}\n", with.stdout.trim_end()));
+    assert_eq!(run(&["poles", "--json"]).stdout, run(&["poles", "--speed", "2.5", "--json"]).stdout);
+    let typed = run(&["poles", "--set", "speed=1", "--set", "feedback=off"]);
+    assert!(typed.stdout.contains("R = 1") && !typed.stdout.contains("taken"), "{typed:?}");
+}
+
+#[test]
 fn bad_input_exits_2_and_prints_nothing() {
     for (arguments, complaint) in [
         (&["thresholds", "--over", "6..0"][..], "expected A..B with finite numbers A < B, such as 0..6"),

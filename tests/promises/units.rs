@@ -155,3 +155,70 @@ fn tables_of_an_si_rotor_name_their_units() {
         assert!(refused.stderr.contains(complaint), "{refused:?}");
     }
 }
+
+#[test]
+fn val_options_may_say_what_they_are_counted_in() {
+    // 300 rad/s are 47.7464829275686 Hz and 2864.788975654116 rpm; e_t is 20 um.
+    let si: &[&[&str]] = &[
+        &["poles", "--speed", "119.3662073189215Hz"],
+        &["thresholds", "--over", "0..286.4788975654116 Hz"],
+        &["margin", "--speed", "1w0"],
+        &["runup", "--from", "1w0", "--to", "100Hz", "--rate", "800Hz/s", "--deadband", "20um", "--points", "5"],
+        &["response", "--over", "0.5..3w0", "--points", "3", "--deadband", "0.02mm"],
+        &["run", "--deadband", "0um", "--speed", "300rad/s", "--duration", "0.1s", "--settle", "50ms"],
+        &["map", "--x", "speed=40..120Hz", "--y", "delay=100..200us", "--points", "3x2"],
+    ];
+    let plain: &[&[&str]] = &[
+        &["poles", "--speed", "2.5"],
+        &["thresholds", "--over", "0..6"],
+        &["margin", "--speed", "1"],
+        &[
+            "runup",
+            "--from",
+            "1",
+            "--to",
+            "2.0943951023931953",
+            "--rate",
+            "0.05585053606381855",
+            "--deadband",
+            "1",
+            "--points",
+            "5",
+        ],
+        &["response", "--over", "0.5..3", "--points", "3", "--deadband", "1"],
+        &["run", "--deadband", "0", "--speed", "1", "--duration", "30", "--settle", "15"],
+        &["map", "--x", "speed=0.8377580409572781..2.5132741228718345", "--y", "delay=0.03..0.06", "--points", "3x2"],
+    ];
+    for (si, plain) in si.iter().zip(plain) {
+        both(plain[0], &plain[1..], &owned(&si[1..]), 1e-6);
+    }
+}
+
+#[test]
+fn a_unit_of_something_else_or_of_a_rotor_without_scales_is_refused_in_words() {
+    let file = fixture();
+    let file = file.as_str();
+    let no_scales = "expected a number without a unit: the rotor is not one in SI units";
+    for (arguments, why) in [
+        (&["poles", "--speed", "3000rpm"][..], no_scales),
+        (&["poles", "--speed", "1", "--deadband", "250um"], no_scales),
+        (&["thresholds", "--over", "0..50Hz"], no_scales),
+        (&["map", "--speed", "1", "--x", "kd=0..1", "--y", "delay=0..200us"], no_scales),
+        (&["tune", "--over", "0..3", "--delay", "200us"], no_scales),
+        (&["run", "--speed", "1", "--duration", "3s"], no_scales),
+        (&["sim", "--trip", "4mm"], no_scales),
+        (&["assess", "--over", "0..3", "--force-limit", "2N"], no_scales),
+        (&["poles", file, "--speed", "3000N"], "expected a number, alone or in rpm, Hz, rad/s"),
+        (
+            &["force", file, "--over", "0..50Hz", "--deadband", "20um,3s"],
+            "expected a number, alone or in m, mm, um, nm",
+        ),
+        (&["trace", file, "--over", "0Hz..50"], "expected a unit at the upper end"),
+        (&["trace", file, "--over", "50Hz..600rpm"], "expected A..B with finite numbers A < B"),
+        (&["map", file, "--speed", "1", "--x", "damping.1=0..1um", "--y", "kd=0..1"], "without a unit"),
+    ] {
+        let Ran { code, stdout, stderr } = run(arguments);
+        assert_eq!((code, stdout.as_str()), (Some(2), ""), "{arguments:?}: {stderr}");
+        assert!(stderr.contains(why), "{arguments:?}: {stderr}");
+    }
+}

@@ -4,10 +4,14 @@
 //! What is typed and does nothing, or is typed twice, is an error here: it is a slip of the hand that a table of numbers
 //! would not show.
 
+use std::fmt;
+
+use units::{Dimension, Typed, TypedError, Units};
+
 use crate::{Key, Scope};
 
 /// Why a text is no range.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum RangeError {
     /// Not two finite numbers with two dots between them, the lesser first.
     #[error("expected A..B with finite numbers A < B, such as 0..6")]
@@ -15,6 +19,12 @@ pub enum RangeError {
     /// More dots than two in a row: `0...3` is 0 to 3 for one reader, and 0 to 0.3 for another.
     #[error("more than two dots in a row: expected A..B such as 0..3, or 0..0.3")]
     Dots,
+    /// The lower end says its unit, and the upper one does not.
+    #[error("expected a unit at the upper end, which is that of both, or at each, such as 0..300Hz")]
+    UpperUnit,
+    /// An end is no value of the quantity.
+    #[error("each end: {0}")]
+    End(TypedError),
 }
 
 /// The ends of a range as typed, `A..B`: finite, the lesser first. Blanks around the numbers do no harm.
@@ -22,13 +32,86 @@ pub enum RangeError {
 /// # Errors
 /// What is no range, or could be read as two.
 pub fn range(typed: &str) -> Result<[f64; 2], RangeError> {
-    if typed.contains("...") {
-        return Err(RangeError::Dots);
-    }
-    let (from, to) = typed.split_once("..").ok_or(RangeError::Form)?;
+    let (from, to) = ends(typed)?;
     let end = |text: &str| text.trim().parse::<f64>().ok().filter(|end| end.is_finite()).ok_or(RangeError::Form);
     let (from, to) = (end(from)?, end(to)?);
     if from < to { Ok([from, to]) } else { Err(RangeError::Form) }
+}
+
+/// A range of a quantity as typed. A unit at the upper end alone is that of the lower one too: `0..300Hz`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TypedRange {
+    /// The lower end.
+    pub from: Typed,
+    /// The upper end.
+    pub to: Typed,
+}
+
+impl TypedRange {
+    /// Reads a range.
+    ///
+    /// # Errors
+    /// What is no range, or could be read as two; a unit of something else.
+    pub fn read(dimension: Dimension, typed: &str) -> Result<Self, RangeError> {
+        let (from, to) = ends(typed)?;
+        let end = |text: &str| match Typed::read(dimension, text) {
+            Ok(end) if end.number().is_finite() => Ok(end),
+            Ok(_) | Err(TypedError::NotANumber) => Err(RangeError::Form),
+            Err(error) => Err(RangeError::End(error)),
+        };
+        let (from, to) = (end(from)?, end(to)?);
+        if to.is_alone() && !from.is_alone() {
+            return Err(RangeError::UpperUnit);
+        }
+        let from = if from.is_alone() { from.counted_as(to) } else { from };
+        // Ends in different units are compared once there is a machine.
+        let is_falling = from.number() >= to.number() && from.counted_as(to) == from;
+        if is_falling { Err(RangeError::Form) } else { Ok(Self { from, to }) }
+    }
+
+    /// The dimensionless ends; `alone` is that of a number that does not say what it is counted in.
+    ///
+    /// # Errors
+    /// An SI unit where there are no scales; the upper end not above the lower.
+    pub fn value(
+        self,
+        units: &Units,
+        dimension: Dimension,
+        alone: impl Fn(f64) -> f64,
+    ) -> Result<[f64; 2], RangeError> {
+        let end = |end: Typed| end.value(units, dimension, &alone).map_err(RangeError::End);
+        let (from, to) = (end(self.from)?, end(self.to)?);
+        if from < to { Ok([from, to]) } else { Err(RangeError::Form) }
+    }
+}
+
+impl fmt::Display for TypedRange {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.from.counted_as(self.to) == self.from {
+            write!(f, "{}..{}", self.from.number(), self.to)
+        } else {
+            write!(f, "{}..{}", self.from, self.to)
+        }
+    }
+}
+
+/// The numbers at the ends of a range as typed, `A..B`, whatever they are counted in.
+///
+/// # Errors
+/// What is no range, or could be read as two.
+pub fn range_numbers(typed: &str) -> Result<[f64; 2], RangeError> {
+    let (from, to) = ends(typed)?;
+    let end = |text| units::parts(text).filter(|(number, _)| number.is_finite()).ok_or(RangeError::Form);
+    let ((from, unit), (to, _)) = (end(from)?, end(to)?);
+    if unit.is_empty() && from >= to { Err(RangeError::Form) } else { Ok([from, to]) }
+}
+
+/// What stands on both sides of the two dots.
+fn ends(typed: &str) -> Result<(&str, &str), RangeError> {
+    if typed.contains("...") {
+        return Err(RangeError::Dots);
+    }
+    typed.split_once("..").ok_or(RangeError::Form)
 }
 
 /// Why a text is no `KEY=VALUE`, or a row of them not what was meant.
@@ -158,6 +241,45 @@ mod tests {
         {
             assert_eq!(range(typed), Err(RangeError::Form), "{typed}");
         }
+    }
+
+    #[test]
+    fn val_a_range_may_say_what_it_is_counted_in() {
+        // 300 rad/s are 47.7465 Hz.
+        let scales = units::Scales { w0: 300.0, k_t: 3.6e6, m_t: 40.0, e_t: 20e-6 };
+        let units = Units::of(Some(scales), 1.0);
+        let read = |dimension, typed| {
+            TypedRange::read(dimension, typed).and_then(|range| range.value(&units, dimension, |alone| alone))
+        };
+        for (dimension, typed, [from, to]) in [
+            (Dimension::Speed, "0..6", [0.0, 6.0]),
+            (Dimension::Speed, "0..47.7464829275686Hz", [0.0, 1.0]),
+            (Dimension::Speed, "-2864.788975654116 rpm .. 47.7464829275686 Hz", [-1.0, 1.0]),
+            (Dimension::Speed, "1w0..2w0", [1.0, 2.0]),
+            (Dimension::Length, "20..100um", [1.0, 5.0]),
+            (Dimension::Length, "100um..0.2mm", [5.0, 10.0]),
+        ] {
+            let found = read(dimension, typed).expect(typed);
+            assert!((found[0] - from).abs() < 1e-12 && (found[1] - to).abs() < 1e-12, "{typed}: {found:?}");
+        }
+        for (typed, why) in [
+            ("6..0", RangeError::Form),
+            ("2mm..100um", RangeError::Form),
+            ("200..100um", RangeError::Form),
+            ("0..x", RangeError::Form),
+            ("0...3um", RangeError::Dots),
+            ("0um..3", RangeError::UpperUnit),
+        ] {
+            assert_eq!(read(Dimension::Length, typed), Err(why), "{typed}");
+        }
+        let wrong = read(Dimension::Length, "0..3N").expect_err("a force").to_string();
+        assert_eq!(wrong, "each end: expected a number, alone or in m, mm, um, nm");
+        let plain = TypedRange::read(Dimension::Speed, "0..50Hz").expect("a range");
+        let refused = plain.value(&Units::DIMENSIONLESS, Dimension::Speed, |alone| alone);
+        assert_eq!(refused, Err(RangeError::End(TypedError::NoScales)));
+        assert_eq!(plain.to_string(), "0..50 Hz");
+        assert_eq!(range_numbers("1mm..3"), Ok([1.0, 3.0]));
+        assert_eq!(range_numbers("3..1um"), Err(RangeError::Form));
     }
 
     #[test]

@@ -7,10 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 
-use rotor::{Feedback, FeedbackError, Rotor, Settings};
+use rotor::typed::{RangeError, TypedRange};
+use rotor::{Feedback, FeedbackError, Key, Rotor, Settings};
 use tuner::{
     Family, FamilyError, LoopMargins, Options, Problem, ProblemError, Progress, Schedule, Stop, Structure, tune,
 };
+use units::{Dimension, Typed};
 
 use crate::comparison::{self, GainEffects};
 use crate::units::Units;
@@ -29,6 +31,9 @@ pub enum GoalError {
     /// Nothing that can be searched for.
     #[error("'{0}': expected a range of speeds such as 0..6, robust, or full")]
     Word(String),
+    /// A range that says it is counted in something else.
+    #[error("'{0}': {1}")]
+    Unit(String, RangeError),
     /// The same once more.
     #[error("'{0}': expected one range of speeds, and robust or full once")]
     Again(String),
@@ -86,14 +91,19 @@ impl SearchGoal {
                 goal.limit(name, value, units).ok_or_else(|| GoalError::Limit(word.to_owned()))?;
                 continue;
             }
-            let is_range = match rotor::typed::range(word) {
+            let range = TypedRange::read(Dimension::Speed, word)
+                .and_then(|range| range.value(&units.table(), Dimension::Speed, |alone| alone / units.speed.factor));
+            let is_range = match range {
                 _ if word == "robust" || word == "full" => {
                     goal.robust = word == "robust";
                     false
                 }
                 Ok([from, to]) if from >= 0.0 => {
-                    (goal.from, goal.to) = (from / units.speed.factor, to / units.speed.factor);
+                    (goal.from, goal.to) = (from, to);
                     true
+                }
+                Err(why @ (RangeError::End(_) | RangeError::UpperUnit)) => {
+                    return Err(GoalError::Unit(word.to_owned(), why));
                 }
                 _ => return Err(GoalError::Word(word.to_owned())),
             };
@@ -107,13 +117,17 @@ impl SearchGoal {
 
     /// Takes a limit of the margins; nothing if it is none, or is there already.
     fn limit(&mut self, name: &str, value: &str, units: &Units) -> Option<()> {
-        let value: f64 = value.parse().ok().filter(|value: &f64| value.is_finite())?;
         let (place, value, least) = match name {
-            "sensitivity" => (&mut self.max_sensitivity, value, 1.0),
-            "delay" => (&mut self.min_delay, value / units.setting("delay".parse().ok()?).factor, 0.0),
+            "sensitivity" => (&mut self.max_sensitivity, value.parse().ok()?, 1.0),
+            "delay" => {
+                let key: Key = "delay".parse().ok()?;
+                let typed = Typed::read(key.parameter.dimension, value).ok()?;
+                let delay = units.value_of(key, typed, |alone| alone / units.setting(key).factor);
+                (&mut self.min_delay, delay.ok()?, 0.0)
+            }
             _ => return None,
         };
-        (place.is_none() && value > least).then(|| *place = Some(value))
+        (place.is_none() && value > least && value.is_finite()).then(|| *place = Some(value))
     }
 
     /// What of the limits of the margins gains that were found do not keep, in words: nothing if they keep them.
@@ -364,6 +378,8 @@ mod tests {
         // 1000 rad/s are 9549.3 rpm.
         assert!((goal.to - 2.0).abs() < 1e-12, "{goal:?}");
         assert_eq!(goal.words(&units), "over 0..19099 rpm");
+        let hertz = SearchGoal::read("0..318.3098861837907Hz delay=1ms", &settings, &units).unwrap();
+        assert!((hertz.to - 2.0).abs() < 1e-12 && (hertz.min_delay.unwrap() - 1.0).abs() < 1e-12, "{hertz:?}");
         assert_eq!(SearchGoal::read("", &settings, &units).unwrap().words(&units), "over 0..26738 rpm");
     }
 
@@ -389,6 +405,8 @@ mod tests {
         assert!(goal("robust full").unwrap_err().to_string().contains("once"));
         assert_eq!(goal("0..6").unwrap().words(&units), "over R 0..6");
         assert_eq!(goal("robust 0..6.5").unwrap().words(&units), "over R 0..6.5, any deadband");
+        let refused = goal("0..50Hz").unwrap_err().to_string();
+        assert!(refused.contains("the rotor is not one in SI units"), "{refused}");
         for wrong in ["6..0", "fast", "0..", "-1..3", "0..inf"] {
             assert!(goal(wrong).unwrap_err().to_string().contains("expected a range of speeds"), "{wrong}");
         }

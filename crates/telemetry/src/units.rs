@@ -122,13 +122,32 @@ impl Units {
     pub fn setting_in_files(&self, key: Key) -> Unit {
         match self.scales {
             None => self.setting(key),
-            Some(_) => self.table(key).unit(key.parameter.dimension),
+            Some(_) => self.table_of(key).unit(key.parameter.dimension),
         }
     }
 
     /// The table of units for a setting.
-    fn table(&self, key: Key) -> units::Units {
+    fn table_of(&self, key: Key) -> units::Units {
         units::Units::of(self.scales, self.masses.of_key(key))
+    }
+
+    /// The table of units, forces being those of the first control bearing.
+    pub fn table(&self) -> units::Units {
+        units::Units::of(self.scales, self.masses.ratio(0))
+    }
+
+    /// The dimensionless value that was typed for a quantity, forces on the first control bearing; `alone` is that of a number without a
+    /// unit.
+    ///
+    /// # Errors
+    /// An SI unit where there are no scales.
+    pub fn quantity(
+        &self,
+        dimension: Dimension,
+        typed: Typed,
+        alone: impl FnOnce(f64) -> f64,
+    ) -> Result<f64, TypedError> {
+        typed.value(&self.table(), dimension, alone)
     }
 
     /// A time as people read it: `30.0 tau`, of a rotor in SI units `30.0 tau = 100 ms`.
@@ -195,7 +214,7 @@ impl Units {
     /// # Errors
     /// An SI unit where there are no scales.
     pub fn value_of(&self, key: Key, typed: Typed, alone: impl FnOnce(f64) -> f64) -> Result<f64, TypedError> {
-        typed.value(&self.table(key), key.parameter.dimension, alone)
+        typed.value(&self.table_of(key), key.parameter.dimension, alone)
     }
 
     /// A value of a setting as people read it: with its unit where that is none of the machine's own.

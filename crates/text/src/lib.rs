@@ -36,4 +36,4 @@ mod reader;
 pub use domain::Domain;
 pub use fault::{Fault, Faults, MAX_BYTES, utf8};
 pub use lines::{Lines, numbers, string};
-pub use reader::{Key, Reader, Table, Value, as_number, nearest};
+pub use reader::{Key, Reader, Table, Value, as_number, meant, nearest};

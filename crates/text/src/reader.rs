@@ -283,6 +283,12 @@ fn harmless(c: char) -> impl Iterator<Item = char> {
     escaped.into_iter().flatten().chain(plain)
 }
 
+/// `did you mean 'NAME'? `, of the known name that is nearest to what was typed; nothing if none is near.
+#[must_use]
+pub fn meant(typed: &str, known: &[&str]) -> String {
+    nearest(typed, known).map_or_else(String::new, |name| format!("did you mean '{name}'? "))
+}
+
 /// Which of `known` was probably meant by `typed`.
 pub fn nearest<'k>(typed: &str, known: &[&'k str]) -> Option<&'k str> {
     // The distance is quadratic in the length, and no long word is near a short one.

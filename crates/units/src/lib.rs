@@ -21,4 +21,4 @@ mod typed;
 
 pub use dimension::{Dimension, Unit, Units};
 pub use scales::Scales;
-pub use typed::{Typed, TypedError};
+pub use typed::{Typed, TypedError, parts};

@@ -67,17 +67,11 @@ impl Typed {
     /// No number, or a unit of something else.
     pub fn read(dimension: Dimension, typed: &str) -> Result<Self, TypedError> {
         let typed = typed.trim();
-        if let Ok(number) = typed.parse::<f64>() {
+        let (number, unit) = parts(typed).ok_or(TypedError::NotANumber)?;
+        if unit.is_empty() {
             return Ok(number.into());
         }
-        // The longest beginning that is a number: an `e` may be of its exponent, or of `e_t`.
-        let mut ends = typed.char_indices().rev().map(|(at, _)| at).filter(|&at| at > 0);
-        let read = |end: usize| Some((typed[..end].trim_end().parse::<f64>().ok()?, &typed[end..]));
-        let (number, unit) = ends.find_map(read).ok_or(TypedError::NotANumber)?;
         let unit = plain(unit);
-        if !unit.starts_with(|c: char| c.is_alphanumeric()) {
-            return Err(TypedError::NotANumber);
-        }
         let own = dimension.unit();
         let names = dimension.names();
         let counted = match unit.as_str() {
@@ -99,6 +93,18 @@ impl Typed {
         self.number
     }
 
+    /// Whether it does not say what it is counted in.
+    #[must_use]
+    pub fn is_alone(self) -> bool {
+        self.counted == Counted::Plain
+    }
+
+    /// The same number, counted in what `other` is.
+    #[must_use]
+    pub fn counted_as(self, other: Self) -> Self {
+        Self { number: self.number, ..other }
+    }
+
     /// The dimensionless value; `alone` is that of a number that does not say what it is counted in.
     ///
     /// # Errors
@@ -111,6 +117,19 @@ impl Typed {
             Counted::Si(_, factor) => Ok(units.typed(dimension, self.number * factor)),
         }
     }
+}
+
+/// The number at the beginning of what was typed for a quantity, and what follows it: a unit, if it is one of the quantity's, or nothing.
+#[must_use]
+pub fn parts(typed: &str) -> Option<(f64, &str)> {
+    let typed = typed.trim();
+    if let Ok(number) = typed.parse::<f64>() {
+        return Some((number, ""));
+    }
+    // The longest beginning that is a number: an `e` may be of its exponent, or of `e_t`.
+    let mut ends = typed.char_indices().rev().map(|(at, _)| at).filter(|&at| at > 0);
+    let (number, unit) = ends.find_map(|end| Some((typed[..end].trim_end().parse().ok()?, typed[end..].trim())))?;
+    plain(unit).starts_with(char::is_alphanumeric).then_some((number, unit))
 }
 
 /// A unit as the table writes it: a blank for whatever people write between factors, and `u` for the two letters that mean micro.

@@ -12,7 +12,8 @@ use text::{Faults, MAX_BYTES};
 
 use crate::failure::Failure;
 use crate::machine_args::{MachineArgs, Whole};
-use crate::range::{Range, RangeError};
+use crate::quantity::{QuantityRange, TypedQuantity};
+use crate::range::Range;
 use crate::units::Units;
 
 /// Why there is nothing to be had from a file.
@@ -180,12 +181,20 @@ impl Machine {
     ///
     /// # Errors
     /// An unknown name, a file with something wrong, or a value that does not fit the rotor.
-    pub(crate) fn open(args: &MachineArgs, typed_speed: Option<f64>, default: Default) -> Result<Self, Failure> {
+    pub(crate) fn open(
+        args: &MachineArgs,
+        typed_speed: Option<TypedQuantity>,
+        default: Default,
+    ) -> Result<Self, Failure> {
         Self::open_at(args, typed_speed.map(|speed| ("--speed", speed)), default)
     }
 
     /// The same at a speed as typed for the option that is named.
-    fn open_at(args: &MachineArgs, typed_speed: Option<(&str, f64)>, default: Default) -> Result<Self, Failure> {
+    fn open_at(
+        args: &MachineArgs,
+        typed_speed: Option<(&str, TypedQuantity)>,
+        default: Default,
+    ) -> Result<Self, Failure> {
         let rotor = rotor(&args.rotor)?;
         let name = args.feedback.as_deref().unwrap_or(match default {
             Default::Analysis | Default::Trips => builtin::analysis_feedback_name(&rotor),
@@ -195,7 +204,7 @@ impl Machine {
         let units = Units::of(&rotor);
         for (key, typed) in [("speed", typed_speed.map(|(_, speed)| speed)), ("deadband", args.deadband)] {
             if let Some(typed) = typed {
-                units.set(&rotor, &mut settings, key.parse()?, typed)?;
+                units.set(&rotor, &mut settings, key.parse()?, typed.typed)?;
             }
         }
         settings.check(&rotor)?;
@@ -232,13 +241,16 @@ impl Machine {
     ///
     /// # Errors
     /// As for [`Machine::open`].
-    pub(crate) fn open_over(args: &MachineArgs, over: Range) -> Result<(Self, Range), Failure> {
-        let at = |end| Self::open_at(args, Some(("--over", end)), Default::Analysis);
-        at(over.to)?;
-        let machine = at(over.from)?;
-        let [from, to] = [over.from, over.to].map(|end| machine.units().speed_from_typed(end));
+    pub(crate) fn open_over(args: &MachineArgs, over: QuantityRange) -> Result<(Self, Range), Failure> {
+        let at = |typed| {
+            let end = TypedQuantity { dimension: over.dimension, typed };
+            Self::open_at(args, Some(("--over", end)), Default::Analysis)
+        };
+        at(over.typed.to)?;
+        let machine = at(over.typed.from)?;
         // Ends that differ in the last place may fall together.
-        if from < to { Ok((machine, Range { from, to })) } else { Err(Failure::Usage(RangeError::Form.to_string())) }
+        let range = machine.units().read_range("--over", over)?;
+        Ok((machine, range))
     }
 
     /// Changes its settings for work offline by `KEY=VALUE` each. `said` are the options that have set something

@@ -60,6 +60,7 @@ mod machine_args;
 mod output;
 mod picture;
 mod place;
+mod quantity;
 mod range;
 mod recordings;
 mod units;

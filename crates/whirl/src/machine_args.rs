@@ -2,10 +2,12 @@
 
 use clap::Args;
 use machine::CountedModes;
-use rotor::{Rotor, Settings};
+use rotor::{Rotor, Settings, builtin};
+use units::Dimension;
 
 use crate::failure::Failure;
 use crate::output::rounded;
+use crate::quantity::{self, TypedQuantity};
 use crate::units::Units;
 
 /// Which machine: the options that every command on a rotor shares.
@@ -18,8 +20,8 @@ pub(crate) struct MachineArgs {
     #[arg(long, value_name = "NAME|FILE")]
     pub feedback: Option<String>,
     /// Clearance of every support bearing, in e_t (SI rotors: in m)
-    #[arg(long, value_name = "G", allow_negative_numbers = true)]
-    pub deadband: Option<f64>,
+    #[arg(long, value_name = "G", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Length))]
+    pub deadband: Option<TypedQuantity>,
     /// Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<String>,
@@ -38,8 +40,8 @@ pub(crate) struct Whole {
 pub(crate) struct BelowArgs {
     /// With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the
     /// top speed, and past the fourth forward mode]
-    #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
-    pub below: Option<f64>,
+    #[arg(long, value_name = "HZ", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Frequency))]
+    pub below: Option<TypedQuantity>,
 }
 
 impl BelowArgs {
@@ -48,14 +50,14 @@ impl BelowArgs {
     /// # Errors
     /// A frequency that leaves no modes, or is given for a chain.
     pub(crate) fn typed(self, rotor: &Rotor) -> Result<Option<f64>, Failure> {
-        let Some(hertz) = self.below else { return Ok(None) };
+        let Some(typed) = self.below else { return Ok(None) };
         if rotor.is_chain() {
             return Err(Failure::Usage("--below: every mode of a chain of masses counts: leave it out".into()));
         }
-        if !(hertz.is_finite() && hertz > 0.0) {
-            return Err(Failure::Usage(format!("--below {hertz}: expected a frequency in Hz above 0")));
+        if !(typed.number().is_finite() && typed.number() > 0.0) {
+            return Err(Failure::Usage(format!("--below {typed}: expected a frequency in Hz above 0")));
         }
-        Ok(Some(hertz / Units::of(rotor).frequency(1.0)))
+        Units::of(rotor).read("--below", typed).map(Some)
     }
 
     /// The modes that count, `top` being the highest speed that is looked at.
@@ -82,6 +84,18 @@ impl MachineArgs {
         let feedback = self.feedback.iter().map(|name| format!("feedback {name}"));
         let typed: Vec<String> = feedback.chain(self.set.iter().cloned()).collect();
         if typed.is_empty() { String::new() } else { format!("; {}", typed.join(", ")) }
+    }
+
+    /// Whether `--set` sets this key.
+    pub(crate) fn sets(&self, key: &str) -> bool {
+        self.set.iter().any(|typed| rotor::typed::pair(typed).is_ok_and(|(name, _)| name == key))
+    }
+
+    /// The feedback that analysis takes of this rotor where none is named, if none is: there are others.
+    pub(crate) fn feedback_taken(&self, rotor: &Rotor) -> Option<&'static str> {
+        let names = builtin::feedback_names(rotor);
+        let is_named = self.feedback.is_some() || self.sets("feedback");
+        (!is_named && names.len() > 1).then(|| builtin::analysis_feedback_name(rotor))
     }
 
     /// Refuses settings of the speed beside what sets it all along.

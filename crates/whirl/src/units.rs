@@ -5,10 +5,11 @@
 use rotor::{ControlMasses, Key, Rotor, Scales, Settings, SettingsError};
 use serde::Serialize;
 use text::number::significant;
-use units::Dimension;
+use units::{Dimension, Typed};
 
 use crate::failure::Failure;
 use crate::output::rounded;
+use crate::quantity::{QuantityRange, TypedQuantity};
 use crate::range::Range;
 
 /// The units of one machine.
@@ -40,6 +41,58 @@ impl Units {
     /// The table of units, with the mass ratio `Rm` of the mass that carries the control bearing, by which control is a force.
     fn table(self, mass_ratio: f64) -> units::Units {
         units::Units::of(self.0, mass_ratio)
+    }
+
+    /// The dimensionless value of what was typed for an option.
+    ///
+    /// # Errors
+    /// An SI unit for a rotor without scales.
+    pub(crate) fn read(self, option: &str, typed: TypedQuantity) -> Result<f64, Failure> {
+        self.read_on(1.0, option, typed)
+    }
+
+    /// The same; forces are on a mass of ratio `Rm`.
+    ///
+    /// # Errors
+    /// The same.
+    pub(crate) fn read_on(self, mass_ratio: f64, option: &str, typed: TypedQuantity) -> Result<f64, Failure> {
+        let (table, dimension) = (self.table(mass_ratio), typed.dimension);
+        let value = typed.typed.value(&table, dimension, |alone| table.typed(dimension, alone));
+        value.map_err(|expected| Failure::Usage(format!("{option} '{typed}': {expected}")))
+    }
+
+    /// The same of an option whose numbers alone are dimensionless for any rotor.
+    ///
+    /// # Errors
+    /// The same.
+    pub(crate) fn read_dimensionless(self, option: &str, typed: TypedQuantity) -> Result<f64, Failure> {
+        let value = typed.typed.value(&self.table(1.0), typed.dimension, |alone| alone);
+        value.map_err(|expected| Failure::Usage(format!("{option} '{typed}': {expected}")))
+    }
+
+    /// The dimensionless ends of a range that was typed for an option.
+    ///
+    /// # Errors
+    /// An SI unit for a rotor without scales, or an upper end that is not above the lower.
+    pub(crate) fn read_range(self, option: &str, typed: QuantityRange) -> Result<Range, Failure> {
+        let dimension = typed.dimension;
+        self.read_ends(1.0, option, typed, |alone| self.table(1.0).typed(dimension, alone))
+    }
+
+    /// The same of a key; `alone` is the value of a number that does not say its unit, and forces are on a mass of ratio `Rm`.
+    ///
+    /// # Errors
+    /// The same.
+    pub(crate) fn read_ends(
+        self,
+        mass_ratio: f64,
+        name: &str,
+        typed: QuantityRange,
+        alone: impl Fn(f64) -> f64,
+    ) -> Result<Range, Failure> {
+        let ends = typed.typed.value(&self.table(mass_ratio), typed.dimension, alone);
+        let ends = ends.map_err(|error| Failure::Usage(format!("{name} '{typed}': {error}")));
+        ends.map(|[from, to]| Range { from, to })
     }
 
     /// The scales of a machine in SI units.
@@ -74,12 +127,6 @@ impl Units {
     #[must_use]
     pub(crate) fn force_unit(self) -> &'static str {
         self.table(1.0).unit(Dimension::Force).name
-    }
-
-    /// Spin speed `R` of a speed as typed.
-    #[must_use]
-    pub(crate) fn speed_from_typed(self, typed: f64) -> f64 {
-        self.table(1.0).typed(Dimension::Speed, typed)
     }
 
     /// Spin speed as shown of a speed `R`.
@@ -118,12 +165,6 @@ impl Units {
         self.table(mass_ratio).shown(Dimension::Force, acceleration)
     }
 
-    /// Control acceleration `u` on a mass of ratio `Rm` of a force as typed.
-    #[must_use]
-    pub(crate) fn force_from_typed(self, typed: f64, mass_ratio: f64) -> f64 {
-        self.0.map_or(typed, |scales| scales.acceleration(typed, mass_ratio))
-    }
-
     /// The unit of stiffnesses.
     #[must_use]
     pub(crate) fn stiffness_unit(self) -> &'static str {
@@ -134,18 +175,6 @@ impl Units {
     #[must_use]
     pub(crate) fn stiffness(self, stiffness: f64) -> f64 {
         self.0.map_or(stiffness, |scales| stiffness * scales.k_t)
-    }
-
-    /// Stiffness in `K_t` of one as typed.
-    #[must_use]
-    pub(crate) fn stiffness_from_typed(self, typed: f64) -> f64 {
-        self.0.map_or(typed, |scales| typed / scales.k_t)
-    }
-
-    /// Rate of change of the spin speed, in `R` per unit of `tau`, of one as typed: SI rotors have rpm per second.
-    #[must_use]
-    pub(crate) fn speed_rate_from_typed(self, typed: f64) -> f64 {
-        self.table(1.0).typed(Dimension::SpeedRate, typed)
     }
 
     /// A time as shown: in `tau`, or in seconds.
@@ -187,10 +216,14 @@ impl Units {
         self.0.map_or_else(|| speed.to_string(), |scales| format!("{} rpm", rounded(scales.rpm(speed))))
     }
 
-    /// `R in 0..6`, or `0..14324 rpm` of a range as typed.
+    /// `R in 0..6`, or `0..14324 rpm` of a range of speeds as typed.
     #[must_use]
-    pub(crate) fn range_text(self, typed: Range) -> String {
-        self.pick(format!("R in {typed}"), format!("{typed} rpm"))
+    pub(crate) fn range_text(self, QuantityRange { typed, .. }: QuantityRange) -> String {
+        match self.0 {
+            None => format!("R in {}..{}", typed.from.number(), typed.to.number()),
+            Some(_) if typed.to.is_alone() => format!("{typed} rpm"),
+            Some(_) => typed.to_string(),
+        }
     }
 
     /// `tau = 40`, or `0.133333 s (tau = 40)`.
@@ -227,13 +260,23 @@ impl Units {
         }
     }
 
-    /// Sets `key` to a number as typed: rpm and m for an SI rotor, forces and gains by the mass that carries their control bearing.
+    /// Sets `key` to what was typed: numbers alone are rpm and m for an SI rotor, forces and gains by the mass that carries their
+    /// control bearing.
     ///
     /// # Errors
     /// Out of range, told in the units it was typed in; a mass or signal that does not exist; a clearance where nothing has play. Nothing
     /// is set then.
-    pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: f64) -> Result<(), Failure> {
-        self.set_each(rotor, settings, key, |units, key| Ok(units.typed(key.parameter.dimension, typed)))
+    pub(crate) fn set(self, rotor: &Rotor, settings: &mut Settings, key: Key, typed: Typed) -> Result<(), Failure> {
+        self.set_each(rotor, settings, key, |units, key| {
+            let dimension = key.parameter.dimension;
+            let value = typed.value(units, dimension, |alone| units.typed(dimension, alone));
+            value.map_err(|expected| SettingsError::NoValue {
+                key: key.to_string(),
+                found: typed.to_string(),
+                expected,
+                or_off: key.parameter.off.is_some(),
+            })
+        })
     }
 
     /// The same of a key and a value as typed, which may say its unit.

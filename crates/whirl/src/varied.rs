@@ -9,6 +9,7 @@ use variation::{Model, Parameter, Quantity, VariationError};
 
 use crate::catalog::Machine;
 use crate::failure::Failure;
+use crate::quantity::{Ends, QuantityRange};
 use crate::range::Range;
 
 /// A parameter that varies.
@@ -21,10 +22,10 @@ pub(crate) struct Varied {
 }
 
 /// How far a parameter varies.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum By {
     /// From here to there.
-    Range(Range),
+    Range(Ends),
     /// Either way of the machine's own value.
     Part(f64),
 }
@@ -84,6 +85,14 @@ pub(crate) fn shown(machine: &Machine, parameter: &Parameter, value: f64) -> f64
     }
 }
 
+/// The range that was typed for a key, now that it is known what the key is.
+///
+/// # Errors
+/// A unit of something else.
+pub(crate) fn read(key: &str, ends: &Ends, dimension: Dimension) -> Result<QuantityRange, Failure> {
+    ends.of(dimension).map_err(|error| Failure::Usage(format!("'{key}': {error}")))
+}
+
 /// The range of a parameter of a machine.
 ///
 /// # Errors
@@ -91,12 +100,18 @@ pub(crate) fn shown(machine: &Machine, parameter: &Parameter, value: f64) -> f64
 pub(crate) fn range(machine: &Machine, model: &Model, varied: &Varied) -> Result<variation::Range, Failure> {
     let parameter = parameter(model, &varied.key)?;
     let own = model.value(&parameter);
-    let (from, to) = match varied.by {
-        By::Range(Range { from, to }) => {
-            let of = |typed: f64| typed / shown(machine, &parameter, 1.0);
-            (of(from), of(to))
+    let (from, to) = match &varied.by {
+        By::Range(ends) => {
+            let mass = match parameter.quantity {
+                Quantity::Setting(key) => ControlMasses::of(&machine.rotor, &machine.settings.feedback).of_key(key),
+                _ => 1.0,
+            };
+            let unit = shown(machine, &parameter, 1.0);
+            let ends = read(&varied.key, ends, dimension(&parameter))?;
+            let Range { from, to } = machine.units().read_ends(mass, &varied.key, ends, |alone| alone / unit)?;
+            (from, to)
         }
-        By::Part(part) if own != 0.0 && own.is_finite() => (own - part * own.abs(), own + part * own.abs()),
+        &By::Part(part) if own != 0.0 && own.is_finite() => (own - part * own.abs(), own + part * own.abs()),
         By::Part(_) => {
             let found = if own == 0.0 { "0: a part of it is nothing" } else { "off" };
             return Err(Failure::Usage(format!("'{}' is {found}; give a range", varied.key)));

@@ -1,7 +1,8 @@
 //! What can be asked of the dashboard.
 
-use alarms::{AskedLimit, Watch};
+use alarms::Watch;
 use rotor::Key;
+use rotor::typed::TypedRange;
 use telemetry::edits::Edit;
 use units::Typed;
 
@@ -25,11 +26,11 @@ pub(crate) enum Action {
     /// The speed goes from one (the present one if there is none) to another at a rate, all as typed.
     RunUp {
         /// The speed that it is to have now.
-        from: Option<f64>,
+        from: Option<Typed>,
         /// The speed that it goes to.
-        to: f64,
+        to: Typed,
         /// How fast.
-        rate: f64,
+        rate: Typed,
     },
     /// The speed stays where it is on its way.
     Stay,
@@ -72,13 +73,13 @@ pub(crate) enum Action {
     /// What the strips show; what the layout says if there is none.
     Strips(Option<Vec<Strip>>),
     /// The mass, counted from 0, and the frequencies of the spectra: `None` leaves them as they are.
-    Spectra(Option<Option<usize>>, Option<Scaling>),
+    Spectra(Option<Option<usize>>, Option<TypedScaling>),
     /// Start to record the bench, or end that.
     Record,
     /// Start to record the bench, after the last so many seconds that are kept in memory.
     RecordLast(f64),
     /// The limits of something that is watched, as typed: in the units of the bench.
-    Limit(Watch, AskedLimit),
+    Limit(Watch, TypedLimit),
     /// All alarms have been seen.
     Acknowledge,
     /// A recording: play faster (1) or slower (-1).
@@ -117,4 +118,24 @@ pub(crate) enum Action {
     Suspend,
     /// End.
     Quit,
+}
+
+/// What is asked for as limits of something, as typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TypedLimit {
+    /// None.
+    Off,
+    /// Those that follow the machine.
+    Machine,
+    /// Warning and alarm.
+    Pair([Typed; 2]),
+}
+
+/// What is asked of an axis of frequencies, as typed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum TypedScaling {
+    /// Follow what is shown.
+    Auto,
+    /// Stand still at this range.
+    Fix(TypedRange),
 }

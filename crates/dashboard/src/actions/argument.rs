@@ -1,11 +1,13 @@
 //! What follows the name of an action, as it is typed.
 
-use alarms::{AskedLimit, Watch};
-use rotor::typed::Assigned;
+use alarms::Watch;
+use rotor::typed::{Assigned, RangeError, TypedRange};
 use rotor::{Key, MAX_MASSES};
+use units::{Dimension, Typed};
 
-use super::action::Action;
+use super::action::{Action, TypedLimit, TypedScaling};
 use crate::axis::Scaling;
+use crate::panels::alarms::dimension_of;
 
 pub(super) fn number(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
@@ -30,35 +32,74 @@ pub(super) fn times(times: f64) -> Result<f64, String> {
     if times == 1.0 { Err("1: expected a number other than 1".into()) } else { positive(times) }
 }
 
-/// `6 0.01`, or `0..6 0.01`: where the speed goes, and how fast.
+/// A finite quantity.
+fn quantity(dimension: Dimension, text: &str) -> Result<Typed, String> {
+    match Typed::read(dimension, text) {
+        Ok(typed) if typed.number().is_finite() => Ok(typed),
+        Ok(_) => Err(format!("'{text}': expected a number")),
+        Err(expected) => Err(format!("'{text}': {expected}")),
+    }
+}
+
+/// The words of a row of quantities: a unit that stands behind a blank belongs to the number before it.
+fn quantities(text: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        let is_unit = word.starts_with(char::is_alphabetic) && word.parse::<f64>().is_err();
+        match words.last_mut().filter(|last| is_unit && last.ends_with(|c: char| c.is_ascii_digit() || c == '.')) {
+            Some(number) => *number += word,
+            None => words.push(word.to_owned()),
+        }
+    }
+    words
+}
+
+/// `6 0.01`, or `0..6 0.01`, or `50Hz 10rpm/s`: where the speed goes, and how fast.
 pub(super) fn run_up(text: &str) -> Result<Action, String> {
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let [way, rate] = words[..] else {
+    let words = quantities(text);
+    let [way, rate] = &words[..] else {
         return Err(format!("'{text}': expected where the speed goes and how fast: 6 0.01"));
     };
     // A coast-down is a range that falls.
-    let ends = way.split_once("..").map_or((None, way), |(from, to)| (Some(from), to));
-    let from = ends.0.map(number).transpose()?;
-    Ok(Action::RunUp { from, to: number(ends.1)?, rate: number(rate).and_then(positive)? })
+    let ends = way.split_once("..").map_or((None, way.as_str()), |(from, to)| (Some(from), to));
+    let speed = |text| quantity(Dimension::Speed, text);
+    let to = speed(ends.1)?;
+    let from = ends.0.map(speed).transpose()?;
+    // A unit at the end is that of both.
+    let from = from.map(|from| if from.is_alone() { from.counted_as(to) } else { from });
+    if from.is_some_and(|from| !from.is_alone() && to.is_alone()) {
+        return Err(format!("'{way}': {}", RangeError::UpperUnit));
+    }
+    let rate = quantity(Dimension::SpeedRate, rate)?;
+    positive(rate.number())?;
+    Ok(Action::RunUp { from, to, rate })
 }
 
-/// `force 2 4`, `force off`, `force machine`.
+/// `force 2 4`, `orbit 100um 200um`, `force off`, `force machine`.
 pub(super) fn limit(text: &str) -> Result<Action, String> {
-    let words: Vec<&str> = text.split_whitespace().collect();
+    let (name, rest) = text.trim().split_once(char::is_whitespace).unwrap_or((text.trim(), ""));
+    let rest = quantities(rest);
     let watch = |name: &str| -> Result<Watch, String> {
         let known = || Watch::ALL.into_iter().filter(|watch| watch.has_limits());
         known().find(|watch| watch.name() == name).ok_or_else(|| {
             let names: Vec<&str> = known().map(Watch::name).collect();
-            format!("'{name}': expected one of {}", names.join(", "))
+            format!("'{name}': {}expected one of {}", text::meant(name, &names), names.join(", "))
         })
     };
-    match words[..] {
-        [name, "off"] => Ok(Action::Limit(watch(name)?, AskedLimit::Off)),
-        [name, "machine"] => Ok(Action::Limit(watch(name)?, AskedLimit::Machine)),
-        [name, warning, alarm] => Ok(Action::Limit(watch(name)?, AskedLimit::Pair([number(warning)?, number(alarm)?]))),
-        [name, ..] => watch(name).and(Err(format!("'{text}': expected {name} WARNING ALARM, off or machine"))),
-        [] => Err("'': expected what is watched, and its limits".into()),
+    if name.is_empty() {
+        return Err("'': expected what is watched, and its limits".into());
     }
+    let watch = watch(name)?;
+    let limit = match rest.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["off"] => TypedLimit::Off,
+        ["machine"] => TypedLimit::Machine,
+        [warning, alarm] => {
+            let quantity = |text| quantity(dimension_of(watch), text);
+            TypedLimit::Pair([quantity(warning)?, quantity(alarm)?])
+        }
+        _ => return Err(format!("'{text}': expected {name} WARNING ALARM, off or machine")),
+    };
+    Ok(Action::Limit(watch, limit))
 }
 
 /// A number within limits, which is not made to fit.
@@ -97,13 +138,17 @@ pub(super) fn scale(text: &str) -> Result<Action, String> {
     }
 }
 
-/// `2`, `2 -3..3`, `auto`.
+/// `2`, `2 -3..3`, `0..500Hz`, `auto`.
 pub(super) fn spectra(text: &str) -> Result<Action, String> {
     let (mut mass, mut along) = (None, None);
-    for word in text.split_whitespace() {
-        let (its_mass, its_along) = match (word, range(word), word.parse::<usize>()) {
-            ("auto", ..) => (Some(None), Some(Scaling::Auto)),
-            (_, Some(range), _) => (None, Some(Scaling::Fix(range))),
+    for word in &quantities(text) {
+        let range = TypedRange::read(Dimension::Frequency, word);
+        if let Err(why @ (RangeError::End(_) | RangeError::UpperUnit)) = range {
+            return Err(format!("'{word}': {why}"));
+        }
+        let (its_mass, its_along) = match (word.as_str(), range.ok(), word.parse::<usize>()) {
+            ("auto", ..) => (Some(None), Some(TypedScaling::Auto)),
+            (_, Some(range), _) => (None, Some(TypedScaling::Fix(range))),
             (_, _, Ok(number @ 1..)) => (Some(Some(number - 1)), None),
             _ => return Err(format!("'{word}': expected a mass, LOW..HIGH or auto")),
         };

@@ -43,7 +43,7 @@ pub(crate) fn parse(line: &str) -> Result<Action, String> {
         }
         let known: Vec<&str> =
             ACTIONS.iter().map(|row| row.name).chain(PARAMETERS.iter().map(|row| row.name)).collect();
-        let meant = text::nearest(name, &known).map_or_else(String::new, |meant| format!("did you mean '{meant}'? "));
+        let meant = text::meant(name, &known);
         return Err(format!("no command '{name}': {meant}tab shows what there is, ? the help"));
     };
     let argument = rest.trim();
@@ -59,9 +59,13 @@ pub(crate) fn parse(line: &str) -> Result<Action, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::actions::{TypedLimit, TypedScaling};
     use crate::axis::Scaling;
     use crate::selection::ReadoutMove;
+    use alarms::Watch;
+    use rotor::typed::TypedRange;
     use telemetry::edits::Edit;
+    use units::{Dimension, Typed};
 
     #[test]
     fn every_row_and_every_key_is_a_command_that_parses() {
@@ -117,8 +121,25 @@ mod tests {
         );
         assert_eq!(parse("strips auto"), Ok(Action::Strips(None)));
         assert!(matches!(parse("strips y.1+z.1 force"), Ok(Action::Strips(Some(strips))) if strips.len() == 2));
-        assert_eq!(parse("spectrum 2 -3..3"), Ok(Action::Spectra(Some(Some(1)), Some(fix(-3.0, 3.0)))));
-        assert_eq!(parse("spectrum auto"), Ok(Action::Spectra(Some(None), Some(Scaling::Auto))));
+        let along = |typed| Some(TypedScaling::Fix(TypedRange::read(Dimension::Frequency, typed).unwrap()));
+        assert_eq!(parse("spectrum 2 -3..3"), Ok(Action::Spectra(Some(Some(1)), along("-3..3"))));
+        assert_eq!(parse("spectrum 0..500 Hz"), Ok(Action::Spectra(None, along("0..500Hz"))));
+        let typed = |dimension, typed| Typed::read(dimension, typed).unwrap();
+        assert_eq!(
+            parse("run-up 1000..3100 rpm 10 rpm/s"),
+            Ok(Action::RunUp {
+                from: Some(typed(Dimension::Speed, "1000rpm")),
+                to: typed(Dimension::Speed, "3100rpm"),
+                rate: typed(Dimension::SpeedRate, "10rpm/s"),
+            })
+        );
+        let pair = |dimension, pair: [&'static str; 2]| TypedLimit::Pair(pair.map(|end| typed(dimension, end)));
+        let limits = pair(Dimension::Length, ["100um", "0.2mm"]);
+        assert_eq!(parse("alarm orbit 100um 0.2 mm"), Ok(Action::Limit(Watch::Orbit, limits)));
+        let limits = pair(Dimension::Force, ["2N", "4"]);
+        assert_eq!(parse("alarm force 2N 4"), Ok(Action::Limit(Watch::Force, limits)));
+        assert_eq!(parse("alarm force machine"), Ok(Action::Limit(Watch::Force, TypedLimit::Machine)));
+        assert_eq!(parse("spectrum auto"), Ok(Action::Spectra(Some(None), Some(TypedScaling::Auto))));
         assert_eq!(parse("read -1.25"), Ok(Action::Read(ReadoutMove::At(-1.25))));
         for (line, complaint) in [
             ("scale", "scale : expected auto, TIMES or LOW..HIGH"),
@@ -133,6 +154,17 @@ mod tests {
                 "scale poles 0..1 0..2 0..3",
                 "scale poles 0..1 0..2 0..3: expected one scale, or two for a plot with two axes of values",
             ),
+            ("run-up 3100N 10", "run-up '3100N': expected a number, alone or in rpm, Hz, rad/s"),
+            (
+                "run-up 1rpm..3 10",
+                "run-up '1rpm..3': expected a unit at the upper end, which is that of both, or at each, such as 0..300Hz",
+            ),
+            (
+                "alarm forc 2 4",
+                "alarm 'forc': did you mean 'force'? expected one of damping, sensitivity, delay-margin, orbit, force, saturation, lateness, losses",
+            ),
+            ("alarm orbit 2N 4", "alarm '2N': expected a number, alone or in m, mm, um, nm"),
+            ("spectrum 0..3s", "spectrum '0..3s': each end: expected a number, alone or in Hz, kHz, rpm, rad/s"),
             ("spectrum 1 2", "spectrum '2' sets again what stands before it: expected each once"),
             ("spectrum auto 2", "spectrum '2' sets again what stands before it: expected each once"),
             ("spectrum 0..3 1 0..2", "spectrum '0..2' sets again what stands before it: expected each once"),

@@ -9,7 +9,7 @@ mod line;
 mod row;
 mod table;
 
-pub(crate) use action::Action;
+pub(crate) use action::{Action, TypedLimit, TypedScaling};
 pub(crate) use line::{parse, with_keys};
 pub(crate) use row::{ActionRow, KeyBinding};
 pub(crate) use table::{ACTIONS, MOUSE};

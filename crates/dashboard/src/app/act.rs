@@ -5,9 +5,10 @@ use std::sync::atomic::Ordering;
 
 use alarms::{AskedLimit, Watch};
 use rotor::{Key, Rotor, Settings};
+use units::Typed;
 
 use super::{App, LOCKED, Message, lock};
-use crate::actions::Action;
+use crate::actions::{Action, TypedLimit};
 use crate::layers::{Layer, PresetChange};
 use crate::line_editor::LineEditor;
 use crate::options::Ended;
@@ -177,7 +178,7 @@ impl App<'_> {
     }
 
     /// Sets the limits of something that is watched, typed in the units of the bench.
-    fn limit(&mut self, watch: Watch, asked: AskedLimit) {
+    fn limit(&mut self, watch: Watch, asked: TypedLimit) {
         if self.player.is_some() {
             self.tell(Message::Bad("what a recording tells of alarms was judged when it was made".into()));
             return;
@@ -186,8 +187,22 @@ impl App<'_> {
         let units = self.with_view(|view, _, _| view.data.units());
         let unit = crate::panels::alarms::unit_of(watch, &units);
         let asked = match asked {
-            AskedLimit::Pair(pair) => AskedLimit::Pair(pair.map(|limit| limit / unit.factor)),
-            other => other,
+            TypedLimit::Off => AskedLimit::Off,
+            TypedLimit::Machine => AskedLimit::Machine,
+            TypedLimit::Pair(pair) => {
+                let of = |typed: Typed| {
+                    let value =
+                        units.quantity(crate::panels::alarms::dimension_of(watch), typed, |alone| alone / unit.factor);
+                    value.map_err(|expected| format!("alarm {watch} '{typed}': {expected}"))
+                };
+                match (of(pair[0]), of(pair[1])) {
+                    (Ok(warning), Ok(alarm)) => AskedLimit::Pair([warning, alarm]),
+                    (Err(why), _) | (_, Err(why)) => {
+                        self.tell(Message::Bad(why));
+                        return;
+                    }
+                }
+            }
         };
         let mut limits = self.alarms.limits().clone();
         if let Err(expected) = asked.set(&mut limits, watch) {

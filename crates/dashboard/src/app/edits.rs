@@ -53,14 +53,16 @@ impl App<'_> {
     }
 
     /// The change that sends the speed on its way, of speeds and a rate as typed.
-    fn run_up(&self, present: &Settings, from: Option<f64>, to: f64, rate: f64) -> Result<Edit, String> {
+    fn run_up(&self, present: &Settings, from: Option<Typed>, to: Typed, rate: Typed) -> Result<Edit, String> {
         let keys = ["speed", "ramp"].map(|key| key.parse().map_err(|error: rotor::SettingsError| error.to_string()));
         let [speed, ramp] = keys;
-        let change = self.typed(present, &[(speed?, to.into()), (ramp?, rate.into())])?;
+        let speed = speed?;
+        let change = self.typed(present, &[(speed, to), (ramp?, rate)])?;
         let units = self.units();
         if let (Some(from), Some(now)) = (from, self.present_speed()) {
-            let typed = now * units.speed.factor;
-            if (typed - from).abs() > 1e-3 * from.abs().max(units.speed.factor) {
+            let there = units.value_of(speed, from, |alone| alone / units.speed.factor);
+            let there = there.map_err(|expected| format!("'{from}': {expected}"))?;
+            if (now - there).abs() > 1e-3 * there.abs().max(1.0) {
                 let now = units.speed_told(now);
                 return Err(format!("it spins at {now}, not at {from}: `:run-up {from} {rate}` goes there first"));
             }

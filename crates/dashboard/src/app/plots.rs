@@ -1,7 +1,9 @@
 //! The chosen plot: its scale and its read-out.
 
+use units::Dimension;
+
 use super::App;
-use crate::actions::Action;
+use crate::actions::{Action, TypedScaling};
 use crate::axis::Scaling;
 use crate::panels::panel::PanelCommand;
 use crate::panels::registry::{PANELS, plots};
@@ -152,12 +154,27 @@ impl App<'_> {
     }
 
     /// Another mass, or other frequencies, in everything that shows spectra.
-    pub(super) fn show_spectra(&mut self, mass: Option<Option<usize>>, along: Option<Scaling>) {
+    pub(super) fn show_spectra(&mut self, mass: Option<Option<usize>>, along: Option<TypedScaling>) {
         let masses = lock(&self.feed).rotor().map_or(0, |rotor| rotor.len());
         if let Some(Some(mass)) = mass.filter(|mass| mass.is_some_and(|mass| mass >= masses)) {
             self.tell(Message::Bad(format!("spectrum {}: expected a mass from 1 to {masses}", mass + 1)));
             return;
         }
+        let along = match along {
+            None => None,
+            Some(TypedScaling::Auto) => Some(Scaling::Auto),
+            Some(TypedScaling::Fix(range)) => {
+                let units = lock(&self.feed).units();
+                let factor = units.frequency.factor;
+                match range.value(&units.table(), Dimension::Frequency, |alone| alone / factor) {
+                    Ok(ends) => Some(Scaling::Fix(ends.map(|end| end * factor))),
+                    Err(why) => {
+                        self.tell(Message::Bad(format!("spectrum '{range}': {why}")));
+                        return;
+                    }
+                }
+            }
+        };
         if let Some(mass) = mass {
             self.panels.command_any(&PanelCommand::Mass(mass));
         }

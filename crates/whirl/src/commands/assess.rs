@@ -6,6 +6,7 @@ use serde::Serialize;
 use study::assess::{
     AID, Asked, AssessError, Assessment, AssessmentCase, Grade, Limits, Line, Quantity, Where, Words, assess,
 };
+use units::Dimension;
 
 use crate::catalog::{self, FileError, Machine};
 use crate::failure::Failure;
@@ -13,6 +14,7 @@ use crate::interrupt;
 use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::place::Force;
+use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::range::Range;
 use crate::units::{Units, UnitsDocument};
 
@@ -28,26 +30,26 @@ pub(crate) struct AssessArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speeds R that the machine passes, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true, required_unless_present = "print_limits")]
-    over: Option<Range>,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, required_unless_present = "print_limits", value_parser = quantity::range(Dimension::Speed))]
+    over: Option<QuantityRange>,
     /// Of them those at which it stays [default: all of them]
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    operating: Option<Range>,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    operating: Option<QuantityRange>,
     /// Balance quality grade, such as G2.5 (SI rotors)
     #[arg(long, value_name = "GRADE")]
     grade: Option<Grade>,
     /// The cross-coupled stiffness that is expected, in K_t (SI rotors: in N/m)
-    #[arg(long, value_name = "Q", allow_negative_numbers = true)]
-    cross_stiffness: Option<f64>,
+    #[arg(long, value_name = "Q", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Stiffness))]
+    cross_stiffness: Option<TypedQuantity>,
     /// The mass, counted from 1, to which cross-coupled stiffness is added [default: the middle one]
     #[arg(long, value_name = "MASS")]
     cross_at: Option<usize>,
     /// Smallest radial clearance, in e_t (SI rotors: in m) [default: the smallest clearance of a bearing]
-    #[arg(long, value_name = "G", allow_negative_numbers = true)]
-    clearance: Option<f64>,
+    #[arg(long, value_name = "G", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Length))]
+    clearance: Option<TypedQuantity>,
     /// The largest force of the control bearing, in w0^2 e_t (SI rotors: in N) [default: the limit of the loop]
-    #[arg(long, value_name = "F", allow_negative_numbers = true)]
-    force_limit: Option<f64>,
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Force))]
+    force_limit: Option<TypedQuantity>,
     /// A file of limits, for those that are to be others than the table's
     #[arg(long, value_name = "FILE")]
     limits: Option<String>,
@@ -144,11 +146,12 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
     let (machine, range) = Machine::open_over(&args.machine, over)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let operating = operating(args, over, range, units)?;
-    let positive = |option: &str, value: Option<f64>| match value {
-        Some(value) if !(value.is_finite() && value > 0.0) => {
-            Err(Failure::Usage(format!("{option} {value}: expected a finite number above 0")))
+    let positive = |option: &str, typed: Option<TypedQuantity>, mass: f64| match typed {
+        None => Ok(None),
+        Some(typed) if typed.number().is_finite() && typed.number() > 0.0 => {
+            units.read_on(mass, option, typed).map(Some)
         }
-        value => Ok(value),
+        Some(typed) => Err(Failure::Usage(format!("{option} {typed}: expected a finite number above 0"))),
     };
     let cross_at = match args.cross_at {
         None => rotor.len() / 2,
@@ -169,11 +172,10 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
         operating: [operating.from, operating.to],
         cross_at,
         modes: args.below.modes(rotor, &machine.settings, range.to)?,
-        cross_stiffness: positive("--cross-stiffness", args.cross_stiffness)?.map(|q| units.stiffness_from_typed(q)),
+        cross_stiffness: positive("--cross-stiffness", args.cross_stiffness, 1.0)?,
         grade: args.grade,
-        clearance: positive("--clearance", args.clearance)?.map(|g| units.length_from_typed(g)),
-        force: positive("--force-limit", args.force_limit)?
-            .map(|force| units.force_from_typed(force, machine.bearing_mass())),
+        clearance: positive("--clearance", args.clearance, 1.0)?,
+        force: positive("--force-limit", args.force_limit, machine.bearing_mass())?,
         limits: &limits,
     };
     let found = assess(&question)?;
@@ -264,13 +266,13 @@ fn check(path: &Path, force: Force) -> Result<(), Failure> {
 }
 
 /// The operating range as typed, which must lie within all speeds.
-fn operating(args: &AssessArgs, over: Range, all: Range, units: Units) -> Result<Range, Failure> {
+fn operating(args: &AssessArgs, over: QuantityRange, all: Range, units: Units) -> Result<Range, Failure> {
     let Some(typed) = args.operating else { return Ok(all) };
-    let [from, to] = [typed.from, typed.to].map(|end| units.speed_from_typed(end));
-    if typed.from < over.from || typed.to > over.to || from >= to {
+    let range = units.read_range("--operating", typed)?;
+    if range.from < all.from || range.to > all.to {
         return Err(Failure::Usage(format!("--operating {typed}: expected a range within --over {over}")));
     }
-    Ok(Range { from, to })
+    Ok(range)
 }
 
 /// Lines in the words and units of a person.

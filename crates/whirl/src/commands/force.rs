@@ -8,13 +8,14 @@ use serde::Serialize;
 use study::disturbance::{self, DisturbanceGrowth, Means};
 use study::force::{ForceError, ForcePoint};
 use study::run::Settled;
+use units::Dimension;
 
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table, rounded};
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::units::UnitsDocument;
 
 /// Options of `whirl force`.
@@ -27,11 +28,11 @@ pub(crate) struct ForceArgs {
     #[arg(long, value_name = "NAME|FILE")]
     feedback: Option<String>,
     /// Clearances of all support bearings to try, in e_t (SI rotors: in m) [default: the rotor's own]
-    #[arg(long, value_name = "G,G,..", value_delimiter = ',', allow_negative_numbers = true)]
-    deadband: Vec<f64>,
+    #[arg(long, value_name = "G,G,..", value_delimiter = ',', allow_negative_numbers = true, value_parser = quantity::of(Dimension::Length))]
+    deadband: Vec<TypedQuantity>,
     /// Spin speeds R, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Range,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: QuantityRange,
     /// How many speeds, evenly spaced
     #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     points: u32,
@@ -77,7 +78,7 @@ pub(crate) fn run(args: &ForceArgs) -> Result<(), Failure> {
     }
     let mut opened = None;
     let mut clearances = Vec::with_capacity(args.deadband.len());
-    let to_try: Vec<Option<f64>> =
+    let to_try: Vec<Option<TypedQuantity>> =
         if args.deadband.is_empty() { vec![None] } else { args.deadband.iter().copied().map(Some).collect() };
     // Every speed and clearance is checked like a setting before anything starts.
     for deadband in to_try {

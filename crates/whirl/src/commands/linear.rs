@@ -40,7 +40,7 @@ pub(super) const REAL_POLE: &str = "the pole is real: it does not whirl";
 
 /// Says that a clearance which was asked for plays no part: the linear rotor has none.
 pub(super) fn neglects(machine: &MachineArgs) {
-    if machine.deadband.is_some_and(|clearance| clearance != 0.0) {
+    if machine.deadband.is_some_and(|clearance| clearance.number() != 0.0) {
         output::warn(
             "--deadband plays no part here: the linear rotor has none. `response`, `cycles` and `run` have it",
         );

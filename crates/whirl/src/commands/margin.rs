@@ -11,6 +11,7 @@ use machine::{
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
+use units::Dimension;
 
 use super::linear;
 use crate::catalog::{self, Machine};
@@ -18,7 +19,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::{BelowArgs, MachineArgs, Whole, counted};
 use crate::output::{Cell, Format, Table, rounded};
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::units::{Units, UnitsDocument};
 use unsure::Unsure;
 
@@ -34,11 +35,11 @@ pub(crate) struct MarginArgs {
     #[command(flatten)]
     whole: Whole,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
     /// The worst over spin speeds R, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Option<Range>,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: Option<QuantityRange>,
     /// How many speeds of the range, evenly spaced; the worst is sought between them too [default: 201]
     #[arg(long, value_name = "N", requires = "over", value_parser = clap::value_parser!(u32).range(2..=20_000))]
     points: Option<u32>,
@@ -224,7 +225,7 @@ fn put_certified(fields: &mut Map<String, Value>, name: &str, certified: Option<
     }
 }
 
-fn run_over(args: &MarginArgs, over: Range, zones: [f64; 3]) -> Result<(), Failure> {
+fn run_over(args: &MarginArgs, over: QuantityRange, zones: [f64; 3]) -> Result<(), Failure> {
     let (machine, range) = Machine::open_over(&args.machine, over)?;
     let machine = machine.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());

@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use machine::MachinePoles;
 use rotor::{C64, Mode, Modes};
 use serde::Serialize;
+use units::Dimension;
 
 use super::linear::{self, Part, PoleDocument};
 use crate::catalog::{self, Machine};
@@ -15,6 +16,7 @@ use crate::machine_args::{MachineArgs, Whole};
 use crate::output::{Cell, Format, Table, print_text};
 use crate::picture;
 use crate::place::Force;
+use crate::quantity::{self, TypedQuantity};
 use crate::units::{Units, UnitsDocument};
 
 /// Options of `whirl modes`.
@@ -25,8 +27,8 @@ pub(crate) struct ModesArgs {
     #[command(flatten)]
     whole: Whole,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: f64,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    speed: TypedQuantity,
     /// Points of an orbit, the last of which ends the whirl period, with --json or --csv [default: 65]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(2..))]
     points: Option<u16>,

@@ -2,12 +2,13 @@
 
 use rotor::circular::{Circular, Orbit};
 use serde::Serialize;
+use units::Dimension;
 
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::output::{Cell, rounded};
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange};
 use crate::units::Units;
 
 /// The most speeds there can be: all orbits of a long rotor at more of them no longer fit into 200 MB.
@@ -17,8 +18,8 @@ const MOST_POINTS: i64 = 20_000;
 #[derive(Debug, clap::Args)]
 pub(super) struct SweepArgs {
     /// Spin speeds R, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Range,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: QuantityRange,
     /// How many speeds, evenly spaced
     #[arg(long, value_name = "N", default_value_t = 61, value_parser = clap::value_parser!(u32).range(1..=MOST_POINTS))]
     points: u32,

@@ -3,12 +3,15 @@
 use machine::MachinePoles;
 use rotor::{C64, Mode};
 use serde::Serialize;
+use units::Dimension;
 
 use super::linear::{self, Part, PoleDocument, StabilityDocument, word};
 use crate::catalog;
+use crate::commands::sim::LiveArgs;
 use crate::failure::Failure;
 use crate::machine_args::{BelowArgs, MachineArgs, Whole, counted};
 use crate::output::{Cell, Format, Table, rounded};
+use crate::quantity::{self, TypedQuantity};
 use crate::units::UnitsDocument;
 
 /// Options of `whirl poles`.
@@ -18,9 +21,9 @@ pub(crate) struct PolesArgs {
     machine: MachineArgs,
     #[command(flatten)]
     whole: Whole,
-    /// Spin speed R = w / w0 (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: f64,
+    /// Spin speed R = w / w0 (SI rotors: in rpm) [default: that of `up`, R = 2.5]
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
     #[command(flatten)]
     below: BelowArgs,
     #[command(flatten)]
@@ -68,8 +71,13 @@ impl ModeDocument {
 /// # Errors
 /// A machine that cannot be made, or eigenvalues that do not converge.
 pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
-    let machine =
-        catalog::Machine::open(&args.machine, Some(args.speed), catalog::Default::Analysis)?.whole(args.whole)?;
+    let machine = catalog::Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?;
+    let mut machine = machine.whole(args.whole)?;
+    let takes_speed_of_up = args.speed.is_none() && !args.machine.sets("speed");
+    if takes_speed_of_up {
+        machine.settings.speed = LiveArgs::SPEED;
+        machine.settings.check(&machine.rotor)?;
+    }
     linear::neglects(&args.machine);
     let (rotor, units) = (&machine.rotor, machine.units());
     let poles = MachinePoles::of(rotor, &machine.settings)?;
@@ -105,13 +113,19 @@ pub(crate) fn run(args: &PolesArgs) -> Result<(), Failure> {
             .collect(),
         units: units.document(),
     };
+    let mut taken = Vec::new();
+    if takes_speed_of_up {
+        taken.push(format!("the speed of `up`, {} (--speed)", units.speed_text(speed)));
+    }
+    taken.extend(args.machine.feedback_taken(rotor).map(|name| format!("feedback {name} (--feedback)")));
+    let taken = if taken.is_empty() { String::new() } else { format!("\nnot said, so taken: {}", taken.join("; ")) };
     let per = units.pick("; per unit of tau = w0 t", "");
     args.format.print(
         &document,
         &format!("{} at {}, deadband neglected{per}", rotor.name(), units.speed_text(speed)),
         &table,
         &format!(
-            "{}, minimum damping {}{}{}",
+            "{}, minimum damping {}{}{}{taken}",
             word(linear.stability()),
             rounded(min_damping),
             counted(&modes, units).map_or(String::new(), |told| format!("\n{told}")),

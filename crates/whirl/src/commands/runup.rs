@@ -10,6 +10,7 @@ use rotor::profile::Profile;
 use rotor::{C64, Settings};
 use serde::Serialize;
 use study::runup::{Critical, ResonancePeak, RunUp, RunUpError, RunUpPlan, RunUpPoint};
+use units::Dimension;
 
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
@@ -18,6 +19,7 @@ use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
+use crate::quantity::{self, TypedQuantity};
 use crate::units::{Units, UnitsDocument};
 
 use recorder::Recorder;
@@ -31,14 +33,14 @@ pub(crate) struct RunupArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speed R at the beginning, in the steady orbit there (SI rotors: in rpm)
-    #[arg(long, value_name = "R", default_value_t = 0.0, allow_negative_numbers = true, conflicts_with = "profile")]
-    from: f64,
+    #[arg(long, value_name = "R", default_value = "0", allow_negative_numbers = true, conflicts_with = "profile", value_parser = quantity::of(Dimension::Speed))]
+    from: TypedQuantity,
     /// Spin speed R at the end; below --from for a coast-down (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true, required_unless_present = "profile")]
-    to: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, required_unless_present = "profile", value_parser = quantity::of(Dimension::Speed))]
+    to: Option<TypedQuantity>,
     /// Rate of change of R per unit of tau, more than 0 (SI rotors: rpm per second)
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true, required_unless_present = "profile")]
-    rate: Option<f64>,
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true, required_unless_present = "profile", value_parser = quantity::of(Dimension::SpeedRate))]
+    rate: Option<TypedQuantity>,
     /// Legs of speed from a file instead
     #[arg(long, value_name = "FILE", conflicts_with_all = ["to", "rate"])]
     profile: Option<String>,
@@ -227,19 +229,19 @@ fn profile(args: &RunupArgs, machine: &Machine) -> Result<Profile, Failure> {
     let (Some(to), Some(rate)) = (args.to, args.rate) else {
         return Err(Failure::Usage("expected --to and --rate, or --profile".into()));
     };
-    if !(rate.is_finite() && rate > 0.0) {
+    if !(rate.number().is_finite() && rate.number() > 0.0) {
         return Err(Failure::Usage(format!("rate = {rate}: expected a finite number greater than 0, up or down")));
     }
     // The same limits as the setting has.
-    let speed = |typed| {
+    let speed = |typed: TypedQuantity| {
         let mut at = Settings { ..settings.clone() };
-        units.set(rotor, &mut at, "speed".parse()?, typed).map(|()| at.speed)
+        units.set(rotor, &mut at, "speed".parse()?, typed.typed).map(|()| at.speed)
     };
     let (from, to) = (speed(args.from)?, speed(to)?);
     if from == to {
         return Err(Failure::Usage(format!("--from {} --to {}: expected two speeds", args.from, args.from)));
     }
-    Ok(Profile::ramp(from, to, units.speed_rate_from_typed(rate)))
+    Ok(Profile::ramp(from, to, units.read("--rate", rate)?))
 }
 
 fn trip_text(found: &RunUp, units: Units) -> String {

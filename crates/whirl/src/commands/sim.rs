@@ -8,11 +8,13 @@ use std::time::Duration;
 use rotor::Settings;
 use rotor::profile::Profile;
 use sim::Options;
+use units::Dimension;
 
 use crate::attach::{self, BenchArgs};
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
+use crate::quantity::{self, TypedQuantity};
 use crate::{interrupt, output};
 
 /// What a child says once it has what it needs: the first word of its first line.
@@ -26,8 +28,8 @@ pub(crate) struct LiveArgs {
     #[command(flatten)]
     pub(crate) bench: BenchArgs,
     /// Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    pub(crate) speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    pub(crate) speed: Option<TypedQuantity>,
     /// Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`
     #[arg(long, value_name = "FILE", conflicts_with = "speed")]
     pub(crate) profile: Option<String>,
@@ -38,11 +40,11 @@ pub(crate) struct LiveArgs {
     #[arg(long, value_name = "H", default_value_t = Options::DEFAULT_DTAU, allow_negative_numbers = true)]
     pub(crate) dtau: f64,
     /// Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]
-    #[arg(long, value_name = "RADIUS", allow_negative_numbers = true)]
-    pub(crate) trip: Option<f64>,
+    #[arg(long, value_name = "RADIUS", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Length))]
+    pub(crate) trip: Option<TypedQuantity>,
     /// Coast down after a trip, at first at this rate, in R per tau (SI rotors: rpm/s) [default: hold the machine where it is]
-    #[arg(long, value_name = "RATE", allow_negative_numbers = true)]
-    pub(crate) coast_down: Option<f64>,
+    #[arg(long, value_name = "RATE", allow_negative_numbers = true, value_parser = quantity::of(Dimension::SpeedRate))]
+    pub(crate) coast_down: Option<TypedQuantity>,
 }
 
 /// Options of `whirl sim`.
@@ -65,7 +67,7 @@ pub(crate) struct SimArgs {
 
 impl LiveArgs {
     /// Speed of a live bench if none is given: above the threshold that the three-mass rotor has without control.
-    const SPEED: f64 = 2.5;
+    pub(crate) const SPEED: f64 = 2.5;
     /// Clearance of a built-in rotor's bearings if none is given, in `e_t`: enough for the deadband to show.
     const DEADBAND: f64 = 1.0;
 
@@ -92,11 +94,11 @@ impl LiveArgs {
         }
         let mut options = Vec::new();
         if let Some(trip) = self.trip {
-            units.set(&rotor, &mut settings, "trip".parse()?, trip)?;
+            units.set(&rotor, &mut settings, "trip".parse()?, trip.typed)?;
             options.push(("--trip", "trip"));
         }
         if let Some(rate) = self.coast_down {
-            units.set(&rotor, &mut settings, "coast_down".parse()?, rate)?;
+            units.set(&rotor, &mut settings, "coast_down".parse()?, rate.typed)?;
             options.push(("--coast-down", "coast_down"));
         }
         if self.speed.is_some() {

@@ -3,6 +3,7 @@
 
 use rotor::{Stability, Whirl};
 use serde::Serialize;
+use units::Dimension;
 
 use super::linear;
 use crate::catalog::Machine;
@@ -10,7 +11,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table};
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange};
 use crate::units::UnitsDocument;
 
 /// Options of `whirl thresholds`.
@@ -19,8 +20,8 @@ pub(crate) struct ThresholdsArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speeds R to search, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Range,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: QuantityRange,
     #[command(flatten)]
     below: BelowArgs,
     #[command(flatten)]

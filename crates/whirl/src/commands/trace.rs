@@ -2,6 +2,7 @@
 
 use rotor::{CriticalSpeed, Mode, Trace, Whirl};
 use serde::Serialize;
+use units::Dimension;
 
 use super::linear::{self, PoleDocument};
 use crate::catalog::Machine;
@@ -9,7 +10,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table, rounded};
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange};
 use crate::units::{Units, UnitsDocument};
 
 /// The most points that a trace can have: beyond it, the document no longer fits into 200 MB.
@@ -27,8 +28,8 @@ pub(crate) struct TraceArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speeds R, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Range,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: QuantityRange,
     /// How many speeds, evenly spaced [default: 101]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(2..=MOST_POINTS))]
     points: Option<u64>,

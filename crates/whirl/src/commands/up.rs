@@ -139,7 +139,8 @@ mod tests {
             // Two that exclude each other are tried apart.
             assert!(name == "speed" || typed.iter().any(|typed| typed.starts_with(&format!("--{name}="))), "{name}");
         }
-        for typed in [&typed[..], &["rotor.toml", "--speed=3"]] {
+        let with_units = ["rotor.toml", "--speed=3000rpm", "--trip=4 mm", "--deadband=2e_t"];
+        for typed in [&typed[..], &["rotor.toml", "--speed=3"], &with_units] {
             let up = Cli::try_parse_from(["whirl", "up"].iter().chain(typed)).expect("parses");
             let Command::Up(up) = up.command() else { panic!("{typed:?}") };
             let passed = up.live.to_arguments();

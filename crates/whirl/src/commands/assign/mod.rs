@@ -8,12 +8,14 @@ use std::path::PathBuf;
 use rotor::file::{FeedbackDocument, read_feedback, write_feedback};
 use rotor::{AssignError, C64, Feedback, Rotor, Settings};
 use serde::Serialize;
+use units::Dimension;
 
 use super::linear::Part;
 use crate::catalog;
 use crate::failure::Failure;
 use crate::output::{Format, print_json, print_text};
 use crate::place::Force;
+use crate::quantity::{self, TypedQuantity};
 use crate::units::{Units, UnitsDocument};
 
 use wanted::Poles;
@@ -32,14 +34,14 @@ pub(crate) struct AssignArgs {
     #[arg(long)]
     cancel: bool,
     /// Reference speed R0 of the cancelling law (SI rotors: in rpm) [default: 0]
-    #[arg(long, value_name = "R0", allow_negative_numbers = true)]
-    reference: Option<f64>,
+    #[arg(long, value_name = "R0", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    reference: Option<TypedQuantity>,
     /// List how well a bearing or sensor at each mass reaches each mode
     #[arg(long, requires = "speed")]
     table: bool,
     /// Spin speed R = w / w0 (SI rotors: in rpm) at which the poles are assigned or the table is made
-    #[arg(long, value_name = "R", allow_negative_numbers = true, conflicts_with = "cancel")]
-    speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, conflicts_with = "cancel", value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
     /// The mass that carries the control bearing
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..), conflicts_with_all = ["cancel", "table"])]
     bearing: u16,
@@ -69,7 +71,9 @@ pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
     }
     let units = Units::of(&rotor);
     let mut settings = Settings::new(&rotor, 0.0, catalog::feedback(&rotor, "off")?);
-    units.set(&rotor, &mut settings, "speed".parse()?, args.speed.unwrap_or_default())?;
+    if let Some(speed) = args.speed {
+        units.set(&rotor, &mut settings, "speed".parse()?, speed.typed)?;
+    }
     if args.table && !rotor.is_chain() {
         return Err(AssignError::Chain.into());
     }
@@ -96,12 +100,11 @@ pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
 }
 
 fn cancel(args: &AssignArgs, rotor: &Rotor) -> Result<(), Failure> {
-    let typed = args.reference.unwrap_or(0.0);
-    if !typed.is_finite() {
+    if let Some(typed) = args.reference.filter(|typed| !typed.number().is_finite()) {
         return Err(Failure::Usage(format!("reference = {typed}: expected a finite number")));
     }
     let units = Units::of(rotor);
-    let reference = units.speed_from_typed(typed);
+    let reference = args.reference.map_or(Ok(0.0), |typed| units.read("--reference", typed))?;
     let feedback = rotor::cancelling(rotor, reference).ok_or_else(|| {
         let (name, masses) = (rotor.name(), rotor.len());
         Failure::Usage(format!("the cancelling law is for one mass, and {name} has {masses}: use --poles"))

@@ -9,6 +9,7 @@ use std::str::FromStr;
 use machine::{FrequencyPoint, MachineLoop, MachinePoles, MarginsError, TransferFunction};
 use rotor::C64;
 use serde::Serialize;
+use units::Dimension;
 
 use super::linear;
 use crate::catalog::{self, Machine};
@@ -18,7 +19,7 @@ use crate::machine_args::{MachineArgs, Whole};
 use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::units::{Units, UnitsDocument};
 
 /// Rows of the table that people see.
@@ -34,17 +35,17 @@ pub(crate) struct BodeArgs {
     #[command(flatten)]
     whole: Whole,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
     /// Spin speeds R of the response to unbalance, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Option<Range>,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: Option<QuantityRange>,
     /// Which: the loop's gain, its sensitivity, the closed loop, displacement at a mass per force, or unbalance over speed
     #[arg(long, value_name = "loop|sensitivity|closed|unbalance|station=N", default_value = "loop")]
     of: What,
     /// Frequencies, negative for backward whirl, in radians per tau (SI rotors: in Hz) [default: all that matter]
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    band: Option<Range>,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Frequency))]
+    band: Option<QuantityRange>,
     /// What a picture shows
     #[arg(long, value_enum, default_value_t = Show::Bode, requires = "drawn")]
     show: Show,
@@ -153,7 +154,7 @@ pub(crate) fn run(args: &BodeArgs) -> Result<(), Failure> {
     }
 }
 
-fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Failure> {
+fn frequency(args: &BodeArgs, of: TransferFunction, speed: TypedQuantity) -> Result<(), Failure> {
     let machine = Machine::open(&args.machine, Some(speed), catalog::Default::Analysis)?.whole(args.whole)?;
     let (rotor, units) = (&machine.rotor, machine.units());
     let speed = machine.settings.speed;
@@ -186,8 +187,13 @@ fn frequency(args: &BodeArgs, of: TransferFunction, speed: f64) -> Result<(), Fa
         }
     }
     let looped = MachineLoop::at(rotor, &machine.settings, speed)?;
-    let per = units.frequency(1.0);
-    let band = args.band.map_or_else(|| looped.band(), |band| [band.from / per, band.to / per]);
+    let band = match args.band {
+        None => looped.band(),
+        Some(typed) => {
+            let band = units.read_range("--band", typed)?;
+            [band.from, band.to]
+        }
+    };
     let Some(points) = looped.response(of, band)? else {
         return Err(Failure::Usage(format!(
             "--of {}: through a sampled loop a pure whirl does not stay one: take the samples out with --set sample=off",

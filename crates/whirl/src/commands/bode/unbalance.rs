@@ -9,6 +9,7 @@ use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::output::{Cell, Table, print_text, rounded};
 use crate::picture;
+use crate::quantity::QuantityRange;
 use crate::range::Range;
 use crate::units::UnitsDocument;
 
@@ -39,7 +40,7 @@ struct CriticalDocument {
     amplitude: f64,
 }
 
-pub(super) fn run(args: &BodeArgs, over: Range) -> Result<(), Failure> {
+pub(super) fn run(args: &BodeArgs, over: QuantityRange) -> Result<(), Failure> {
     if args.band.is_some() {
         return Err(Failure::Usage("--band does nothing to the response to unbalance: leave it out".into()));
     }

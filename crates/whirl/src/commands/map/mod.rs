@@ -21,6 +21,7 @@ use crate::machine_args::MachineArgs;
 use crate::output::{self, Format, rounded};
 use crate::picture::is_picture;
 use crate::place::Force;
+use crate::quantity::{self, TypedQuantity};
 use crate::range::Range;
 use crate::units::UnitsDocument;
 use crate::varied::{By, Varied, shown};
@@ -53,8 +54,8 @@ pub(crate) struct MapArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
     /// What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, or a start such as start.1.y
     #[arg(long, value_name = "KEY=A..B")]
     x: Varied,
@@ -68,8 +69,8 @@ pub(crate) struct MapArgs {
     #[arg(long, value_name = "NAME", value_parser = quantity, default_value = "damping")]
     quantity: MapQuantity,
     /// A simulated motion that has not settled by then is told as it is then, in tau (SI rotors: in s)
-    #[arg(long, value_name = "T")]
-    duration: Option<f64>,
+    #[arg(long, value_name = "T", value_parser = quantity::of(Dimension::Time))]
+    duration: Option<TypedQuantity>,
     /// Write the map as a picture (.svg, .png) or a table (.csv, .parquet)
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
@@ -210,7 +211,7 @@ fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
     let points = args.points.unwrap_or(POINTS[usize::from(args.quantity.row().is_simulated)]);
     let axis = |varied: &Varied, count: usize| -> Result<MapAxis, Failure> {
         let key = MapKey::of(&model, &varied.key)?;
-        let range = match (&key, varied.by) {
+        let range = match (&key, &varied.by) {
             (MapKey::Parameter(_), _) => {
                 let range = crate::varied::range(&machine, &model, varied)?;
                 Range { from: range.from, to: range.to }
@@ -218,9 +219,11 @@ fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
             (MapKey::Start { .. }, By::Part(_)) => {
                 return Err(Failure::Usage(format!("'{}': a part of it is nothing; give a range", varied.key)));
             }
-            (key @ MapKey::Start { .. }, By::Range(Range { from, to })) => {
+            (key @ MapKey::Start { part, .. }, By::Range(ends)) => {
                 let unit = unit(&machine, key);
-                Range { from: from / unit, to: to / unit }
+                let dimension = if *part < 2 { Dimension::Length } else { Dimension::Velocity };
+                let ends = crate::varied::read(&varied.key, ends, dimension)?;
+                machine.units().read_ends(1.0, &varied.key, ends, |alone| alone / unit)?
             }
         };
         // Memory is not asked for before it is known to be there.
@@ -230,7 +233,7 @@ fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
         }
         Ok(MapAxis { key, values: range.points(count) })
     };
-    let duration = args.duration.map(|typed| typed / machine.units().time(1.0));
+    let duration = args.duration.map(|typed| machine.units().read("--duration", typed)).transpose()?;
     if let Some(duration) = duration.filter(|duration| !(duration.is_finite() && *duration > 0.0)) {
         return Err(Failure::Usage(format!("--duration {duration}: expected a finite number above 0")));
     }

@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 
 use machine::MachineLoop;
 use rotor::{Rotor, Settings};
+use units::Dimension;
 use wire::{BenchName, Change, Commander, HostState, Listener, SharedListener, SharedMemory, Step, WireError};
 
 use crate::attach::{self, BenchArgs};
@@ -20,7 +21,7 @@ use crate::interrupt;
 use crate::output::{self, Format, rounded};
 use crate::picture;
 use crate::place::Force;
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange};
 use crate::units::Units;
 use collect::Collector;
 use plan::{Amplitude, Bounds, Plan};
@@ -39,8 +40,8 @@ pub(crate) struct MeasureArgs {
     #[command(flatten)]
     bench: BenchArgs,
     /// Frequencies, each forward and backward, in radians per tau (SI rotors: in Hz) [default: up to twice the fastest mode]
-    #[arg(long, value_name = "A..B")]
-    band: Option<Range>,
+    #[arg(long, value_name = "A..B", value_parser = quantity::range(Dimension::Frequency))]
+    band: Option<QuantityRange>,
     /// How many tones of each direction, at most, evenly over the logarithm of frequency
     #[arg(long, value_name = "N", default_value_t = 20, value_parser = clap::value_parser!(u32).range(1..=32))]
     tones: u32,

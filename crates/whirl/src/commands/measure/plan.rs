@@ -5,11 +5,12 @@ use std::str::FromStr;
 
 use machine::{MachinePoles, MarginsError, Multisine, Tone};
 use rotor::C64;
+use units::{Dimension, Typed};
 
 use super::Subject;
 use crate::failure::Failure;
 use crate::output;
-use crate::range::Range;
+use crate::quantity::{QuantityRange, TypedQuantity};
 
 /// What is left of a transient when measuring begins.
 const LEFT: f64 = 1e-4;
@@ -24,7 +25,7 @@ const NO_FORCE: f64 = 1e-9;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Amplitude {
     /// Each, in the units of the machine.
-    Each(f64),
+    Each(Typed),
     /// All together, as a root mean square, over the present force.
     Share(f64),
 }
@@ -33,19 +34,19 @@ impl FromStr for Amplitude {
     type Err = String;
 
     fn from_str(typed: &str) -> Result<Self, String> {
-        let (number, made): (&str, fn(f64) -> Self) = match typed.strip_suffix('%') {
-            Some(share) => (share, |percent| Self::Share(percent / 100.0)),
-            None => (typed, Self::Each),
+        let is_size = |x: &f64| *x > 0.0 && x.is_finite();
+        let read = match typed.strip_suffix('%') {
+            Some(share) => share.trim().parse().ok().filter(is_size).map(|percent| Self::Share(percent / 100.0)),
+            None => Typed::read(Dimension::Force, typed).ok().filter(|x| is_size(&x.number())).map(Self::Each),
         };
-        let number = number.trim().parse().ok().filter(|x: &f64| *x > 0.0 && x.is_finite());
-        number.map(made).ok_or_else(|| "expected a number greater than 0, or a share such as 2%".to_owned())
+        read.ok_or_else(|| "expected a force greater than 0, or a share such as 2%".to_owned())
     }
 }
 
 /// What was asked for.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
-    pub(super) band: Option<Range>,
+    pub(super) band: Option<QuantityRange>,
     pub(super) tones: u32,
     pub(super) periods: u32,
     pub(super) seed: u64,
@@ -125,19 +126,20 @@ fn sensitivity(subject: &Subject, tone: &Tone) -> C64 {
 }
 
 /// The band as asked for, in radians per `tau`.
-fn band(subject: &Subject, typed: Option<Range>) -> Result<[f64; 2], Failure> {
+fn band(subject: &Subject, typed: Option<QuantityRange>) -> Result<[f64; 2], Failure> {
     let per = subject.units.frequency(1.0);
     let most = PI / subject.dtau.max(subject.settings.feedback.sample());
     let Some(typed) = typed else {
         let to = (0.5 * subject.machine.band()[1]).min(0.9 * most);
         return Ok([to / SPAN, to]);
     };
-    if typed.from <= 0.0 {
+    let band = subject.units.read_range("--band", typed)?;
+    let band = [band.from, band.to];
+    if band[0] <= 0.0 {
         return Err(Failure::Usage(format!(
             "--band {typed}: expected frequencies greater than 0, each is measured both ways"
         )));
     }
-    let band = [typed.from / per, typed.to / per];
     if band[1] >= most {
         let least = output::rounded(most * per);
         return Err(Failure::Usage(format!(
@@ -151,7 +153,10 @@ fn band(subject: &Subject, typed: Option<Range>) -> Result<[f64; 2], Failure> {
 /// The amplitude of each of some tones of amplitude 1.
 fn size(subject: &Subject, amplitude: Amplitude, tones: &[Tone]) -> Result<f64, Failure> {
     let share = match amplitude {
-        Amplitude::Each(typed) => return Ok(subject.units.force_from_typed(typed, subject.bearing_mass())),
+        Amplitude::Each(typed) => {
+            let typed = TypedQuantity { dimension: Dimension::Force, typed };
+            return subject.units.read_on(subject.bearing_mass(), "--amplitude", typed);
+        }
         Amplitude::Share(share) => share,
     };
     let moved = subject.machine.excited(tones)?.into_iter().fold(f64::MIN_POSITIVE, f64::max);
@@ -171,7 +176,7 @@ mod tests {
 
     #[test]
     fn an_amplitude_is_a_force_or_a_share_of_one() {
-        assert_eq!("0.5".parse(), Ok(Amplitude::Each(0.5)));
+        assert_eq!("0.5".parse(), Ok(Amplitude::Each(0.5.into())));
         assert_eq!("2%".parse(), Ok(Amplitude::Share(0.02)));
         for wrong in ["0", "-1%", "%", "much", "inf", "NaN"] {
             assert!(wrong.parse::<Amplitude>().is_err(), "{wrong}");

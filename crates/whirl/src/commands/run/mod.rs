@@ -11,6 +11,7 @@ use machine::Program;
 use rotor::profile::Profile;
 use study::run::{Impulse, Observer, Outcome, Plan, RunError, Settle};
 use study::spectrum::{self, Collector, Peak, Spectrum};
+use units::Dimension;
 
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
@@ -18,6 +19,7 @@ use crate::interrupt;
 use crate::machine_args::MachineArgs;
 use crate::output::Format;
 use crate::place::Force;
+use crate::quantity::{self, TypedQuantity};
 
 use out::Out;
 use typed::{ImpulseArg, MassArg};
@@ -28,20 +30,20 @@ pub(crate) struct RunArgs {
     #[command(flatten)]
     machine: MachineArgs,
     /// Spin speed R = w / w0 (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true, required_unless_present = "profile")]
-    speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, required_unless_present = "profile", value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
     /// Legs of speed from a file instead of a steady speed
     #[arg(long, value_name = "FILE", conflicts_with = "speed")]
     profile: Option<String>,
     /// How long, in tau = w0 t for any rotor [default: as long as the profile]
-    #[arg(long, value_name = "TAU", allow_negative_numbers = true, required_unless_present = "profile")]
-    duration: Option<f64>,
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true, required_unless_present = "profile", value_parser = quantity::of(Dimension::Time))]
+    duration: Option<TypedQuantity>,
     /// Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]
-    #[arg(long, value_name = "H", allow_negative_numbers = true)]
-    dtau: Option<f64>,
+    #[arg(long, value_name = "H", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time))]
+    dtau: Option<TypedQuantity>,
     /// Take maxima and means from this tau on [default: 0 with impulses or a profile, else from where transients have died]
-    #[arg(long, value_name = "T0", allow_negative_numbers = true)]
-    settle: Option<f64>,
+    #[arg(long, value_name = "T0", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time))]
+    settle: Option<TypedQuantity>,
     /// A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)
     #[arg(long, value_name = "IMPULSE", allow_hyphen_values = true)]
     impulse: Vec<ImpulseArg>,
@@ -107,11 +109,15 @@ pub(crate) fn run(args: &RunArgs) -> Result<(), Failure> {
 fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<Plan, Failure> {
     let (Machine { rotor, settings }, units) = (machine, machine.units());
     let usage = |message: String| Err(Failure::Usage(message));
-    let duration = args.duration.or(profile.map(Profile::duration)).unwrap_or(f64::NAN);
+    let time = |option: &str, typed: Option<TypedQuantity>| {
+        typed.map(|typed| units.read_dimensionless(option, typed)).transpose()
+    };
+    let (settle, dtau) = (time("--settle", args.settle)?, time("--dtau", args.dtau)?);
+    let duration = time("--duration", args.duration)?.or(profile.map(Profile::duration)).unwrap_or(f64::NAN);
     if !(duration.is_finite() && duration > 0.0) {
         return usage(format!("duration = {duration}: expected a finite number greater than 0"));
     }
-    if let Some(settle) = args.settle
+    if let Some(settle) = settle
         && !(0.0..=duration).contains(&settle)
     {
         return usage(format!("settle = {settle}: expected a number from 0 to the duration, {duration}"));
@@ -136,7 +142,7 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
     }
     // Where the speed changes, the step suits the lowest and the highest.
     let speeds = profile.map_or([settings.speed; 2], Profile::speeds);
-    let dtau = match args.dtau {
+    let dtau = match dtau {
         Some(dtau) => {
             // At every speed that it comes to: the leg that is to blame is named.
             let course = profile.map_or_else(|| vec![(0.0, settings.speed)], Profile::course);
@@ -167,7 +173,7 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
             .collect(),
         dtau,
         duration,
-        settle: match args.settle {
+        settle: match settle {
             Some(from) => Settle::From(from),
             None if args.impulse.is_empty() && profile.is_none() => Settle::Detect,
             None => Settle::From(0.0),

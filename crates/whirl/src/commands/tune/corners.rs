@@ -32,7 +32,7 @@ impl FromStr for Freed {
             return if key.is_empty() { Err(expected()) } else { Ok(Self { key: key.to_owned(), by: None }) };
         };
         let by: By = by.parse().map_err(|()| expected())?;
-        let is_above_0 = !matches!(by, By::Range(range) if range.from <= 0.0);
+        let is_above_0 = !matches!(&by, By::Range(ends) if ends.lowest() <= 0.0);
         if key.trim().is_empty() || !is_above_0 {
             return Err(expected());
         }
@@ -71,11 +71,14 @@ pub(super) fn chosen(
         }
         for k in named {
             let corner = &known[k];
+            let unit = units.quantity(corner.dimension, 1.0, 1.0);
             ranges[k] = Some(match by {
                 None => [corner.from, corner.to],
                 Some(By::Part(part)) => [corner.own * (1.0 - part), corner.own * (1.0 + part)],
-                Some(By::Range(range)) => {
-                    [range.from, range.to].map(|end| end / units.quantity(corner.dimension, 1.0, 1.0))
+                Some(By::Range(ends)) => {
+                    let ends = crate::varied::read(key, ends, corner.dimension)?;
+                    let range = units.read_ends(1.0, key, ends, |alone| alone / unit)?;
+                    [range.from, range.to]
                 }
             });
         }
@@ -153,7 +156,6 @@ pub(super) fn at_ends(structure: &Structure, tuned: &Tuned) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::range::Range;
 
     #[test]
     fn a_key_names_every_corner_that_has_its_words_in_their_order() {
@@ -181,7 +183,7 @@ mod tests {
     fn a_corner_is_typed_alone_with_a_range_above_0_or_with_a_part_of_itself() {
         let read = |typed: &str| typed.parse::<Freed>();
         assert_eq!(read("all"), Ok(Freed { key: "all".into(), by: None }));
-        let range = By::Range(Range { from: 20.0, to: 90.0 });
+        let range = By::Range("20..90".parse().expect("a range"));
         assert_eq!(read(" zero = 20..90"), Ok(Freed { key: "zero".into(), by: Some(range) }));
         assert_eq!(read("zero=50%"), Ok(Freed { key: "zero".into(), by: Some(By::Part(0.5)) }));
         for wrong in

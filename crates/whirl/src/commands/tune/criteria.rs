@@ -19,6 +19,7 @@ use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Table, rounded};
+use crate::quantity::TypedQuantity;
 use crate::units::UnitsDocument;
 
 /// Speeds of the range that are simulated.
@@ -199,11 +200,12 @@ fn clearances(args: &TuneArgs) -> Result<Vec<Vec<f64>>, Failure> {
     if let Some(twice) = (1..args.deadband.len()).find(|&i| args.deadband[..i].contains(&args.deadband[i])) {
         return Err(Failure::Usage(format!("deadband {} is given twice: expected each once", args.deadband[twice])));
     }
-    let each: Vec<Option<f64>> =
+    let each: Vec<Option<TypedQuantity>> =
         if args.deadband.is_empty() { vec![None] } else { args.deadband.iter().copied().map(Some).collect() };
-    let of = |deadband: Option<f64>| {
+    let of = |deadband: Option<TypedQuantity>| {
         let machine = MachineArgs { rotor: args.rotor.clone(), feedback: None, deadband, set: vec![] };
-        let speed = args.speed.or(args.over.map(|over| over.from));
+        let speed =
+            args.speed.or(args.over.map(|over| TypedQuantity { dimension: over.dimension, typed: over.typed.from }));
         Ok(Machine::open(&machine, speed, crate::catalog::Default::Analysis)?.settings.deadband)
     };
     each.into_iter().map(of).collect()

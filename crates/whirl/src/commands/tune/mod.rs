@@ -19,13 +19,14 @@ use std::time::Duration;
 use rotor::Feedback;
 use rotor::file::write_feedback_for;
 use tuner::{Method, Options, Price, Problem, Progress};
+use units::Dimension;
 
 use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::BelowArgs;
 use crate::output::{Format, rounded};
 use crate::place::Force;
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::varied::Varied;
 
 use corners::Freed;
@@ -41,11 +42,11 @@ pub(crate) struct TuneArgs {
     #[arg(value_name = "ROTOR", default_value = "three-mass")]
     rotor: String,
     /// Every spin speed of a range, both ends included (SI rotors: in rpm)
-    #[arg(long, value_name = "A..B", allow_hyphen_values = true)]
-    over: Option<Range>,
+    #[arg(long, value_name = "A..B", allow_hyphen_values = true, value_parser = quantity::range(Dimension::Speed))]
+    over: Option<QuantityRange>,
     /// One spin speed R alone (SI rotors: in rpm)
-    #[arg(long, value_name = "R", allow_negative_numbers = true)]
-    speed: Option<f64>,
+    #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
+    speed: Option<TypedQuantity>,
 
     /// What drives a bearing: the sum of all sensors with four gains, or four gains for each sensor [default: composite; with shaft
     /// elements the law of the drawing]
@@ -81,14 +82,14 @@ pub(crate) struct TuneArgs {
     #[arg(long, value_name = "G", allow_negative_numbers = true, help_heading = "Structure")]
     bound: Option<f64>,
     /// The largest steady control force of the linear rotor, in w0^2 e_t (SI rotors: in N)
-    #[arg(long, value_name = "F", allow_negative_numbers = true, help_heading = "Structure")]
-    force_limit: Option<f64>,
+    #[arg(long, value_name = "F", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Force), help_heading = "Structure")]
+    force_limit: Option<TypedQuantity>,
     /// The largest peak of the sensitivity |S| at the command of any control bearing, the others closed, at every condition
     #[arg(long, value_name = "S", allow_negative_numbers = true, help_heading = "Structure")]
     max_sensitivity: Option<f64>,
     /// The smallest delay margin at every condition, in tau (SI rotors: in s); of one delay in the commands of all bearings
-    #[arg(long, value_name = "T", allow_negative_numbers = true, help_heading = "Structure")]
-    min_delay: Option<f64>,
+    #[arg(long, value_name = "T", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time), help_heading = "Structure")]
+    min_delay: Option<TypedQuantity>,
 
     /// Hold for every stiffness that deadband can leave: of each support bearing by itself, or one factor for all
     #[arg(long, value_enum, help_heading = "Conditions")]
@@ -174,9 +175,10 @@ pub(crate) struct TuneArgs {
         value_delimiter = ',',
         requires = "criteria",
         allow_negative_numbers = true,
+        value_parser = quantity::of(Dimension::Length),
         help_heading = "More than one answer"
     )]
-    deadband: Vec<f64>,
+    deadband: Vec<TypedQuantity>,
     /// How many points the trade has
     #[arg(long, value_name = "N", default_value_t = 8, requires = "pareto", value_parser = clap::value_parser!(u32).range(2..=1000), help_heading = "More than one answer")]
     points: u32,

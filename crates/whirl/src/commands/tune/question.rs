@@ -9,11 +9,12 @@ use tuner::{
     Region, Schedule, Structure,
 };
 
-use super::typed::{Criterion, Gains, MeasureName, Robust, Signal, Span, axis};
+use super::typed::{Criterion, Gains, MeasureName, Robust, Signal, axis};
 use super::{TuneArgs, corners, places, shafts};
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
+use crate::quantity::TypedQuantity;
 use crate::units::Units;
 
 /// The whole question.
@@ -91,7 +92,7 @@ impl Asked {
             measure: measure(args, units)?,
             force_limit: None,
             max_sensitivity: args.max_sensitivity,
-            min_delay: args.min_delay.map(|least| least / units.time(1.0)),
+            min_delay: args.min_delay.map(|least| units.read("--min-delay", least)).transpose()?,
             below: args.below.typed(&rotor)?,
             bearings: places::bearings(args.bearing.as_ref(), &rotor)?,
             sensors: places::sensors(args.sensors.as_ref(), &rotor)?,
@@ -107,14 +108,14 @@ impl Asked {
     }
 
     /// A limit of the control force as typed, in `w0^2 e_t`.
-    fn force_limit(&self, typed: f64) -> Result<f64, Failure> {
+    fn force_limit(&self, typed: TypedQuantity) -> Result<f64, Failure> {
         let rotor = self.rotor();
         let own = self.template.as_ref().map(|template| &template.first().station);
         let only = self.bearings.first().filter(|_| self.bearings.len() == 1);
         let Some(&bearing) = own.or(only) else {
             return Err(Failure::Usage("--force-limit needs one --bearing: the force is that on its mass".into()));
         };
-        Ok(typed / self.units().force(1.0, rotor.control_mass(bearing)))
+        self.units().read_on(rotor.control_mass(bearing), "--force-limit", typed)
     }
 
     /// The rotor.
@@ -263,9 +264,9 @@ fn family(args: &TuneArgs, rotor: &Rotor, [from, to]: [f64; 2]) -> Result<Family
     for varied in &args.vary {
         family.push(axis(varied, rotor)?)?;
     }
-    if let Some(Span { from, to }) = args.delay {
-        let second = Units::of(rotor).time(1.0);
-        family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from: from / second, to: to / second })?;
+    if let Some(delay) = args.delay {
+        let [from, to] = delay.ends("--delay", Units::of(rotor))?;
+        family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from, to })?;
     }
     Ok(family)
 }

@@ -2,11 +2,14 @@
 
 use std::str::FromStr;
 
+use rotor::typed::{RangeError, TypedRange};
 use rotor::{FIELDS, Rotor};
 use tuner::{FamilyAxis, FamilyQuantity};
+use units::{Dimension, Typed};
 
 use crate::failure::Failure;
-use crate::range::Range;
+use crate::quantity::TypedQuantity;
+use crate::units::Units;
 use crate::varied::{By, Varied};
 
 /// What drives the bearing.
@@ -188,22 +191,33 @@ impl FromStr for Gains {
     }
 }
 
-/// One number or a range.
+/// One time or a range of times.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Span {
-    pub(super) from: f64,
-    pub(super) to: f64,
+    from: Typed,
+    to: Typed,
 }
 
 impl FromStr for Span {
     type Err = String;
 
     fn from_str(typed: &str) -> Result<Self, String> {
-        if let Ok(Range { from, to }) = typed.parse() {
+        if let Ok(TypedRange { from, to }) = TypedRange::read(Dimension::Time, typed) {
             return Ok(Self { from, to });
         }
-        let number = typed.trim().parse().ok().filter(|x: &f64| x.is_finite());
-        number.map(|x| Self { from: x, to: x }).ok_or_else(|| format!("'{typed}': expected a number or a range A..B"))
+        let time = Typed::read(Dimension::Time, typed).ok().filter(|x| x.number().is_finite());
+        let time =
+            time.ok_or_else(|| format!("'{typed}': expected a number or a range A..B, such as 0.02 or 0..200us"))?;
+        Ok(Self { from: time, to: time })
+    }
+}
+
+impl Span {
+    /// The ends, in `tau`.
+    pub(super) fn ends(self, option: &str, units: Units) -> Result<[f64; 2], Failure> {
+        let end = |typed| units.read(option, TypedQuantity { dimension: Dimension::Time, typed });
+        let (from, to) = (end(self.from)?, end(self.to)?);
+        if from <= to { Ok([from, to]) } else { Err(Failure::Usage(format!("{option}: {}", RangeError::Form))) }
     }
 }
 
@@ -232,9 +246,13 @@ pub(super) fn axis(varied: &Varied, rotor: &Rotor) -> Result<FamilyAxis, Failure
         let mass = rotor.masses().get(number - 1).ok_or_else(missing)?;
         (FamilyQuantity::Parameter { field, mass: number - 1 }, mass.values()[field])
     };
-    let (from, to) = match varied.by {
-        By::Range(range) => (range.from, range.to),
-        By::Part(part) => {
+    let (from, to) = match &varied.by {
+        By::Range(ends) => {
+            let ends = crate::varied::read(&varied.key, ends, Dimension::Number)?;
+            let range = Units::of(rotor).read_ends(1.0, &varied.key, ends, |alone| alone)?;
+            (range.from, range.to)
+        }
+        &By::Part(part) => {
             let width = part * value.abs();
             if width == 0.0 {
                 return Err(Failure::Usage(format!("'{}' is 0: a part of it is nothing; give a range", varied.key)));
