@@ -97,7 +97,7 @@ fn what_is_wrong_changes_nothing_and_says_why() {
     for (assignments, reason) in [
         (
             &["sped=1"][..],
-            "no setting 'sped': there are speed, ramp, deadband, kd, cd, kc, cc, trip, coast_down, sensor_lag, noise",
+            "no setting 'sped': did you mean 'speed'? there are speed, ramp, deadband, kd, cd, kc, cc, trip, coast_down, sensor_lag, noise",
         ),
         (&["speed"], "'speed': expected KEY=VALUE"),
         (&["speed=fast"], "speed = 'fast': expected a number"),

@@ -37,7 +37,7 @@ fn bad_input_exits_2_and_says_what_was_expected() {
     for (arguments, complaint) in [
         (
             &["poles", "jefcott", "--speed", "0"][..],
-            "whirl: no rotor 'jefcott': built in are jeffcott, three-mass, rig; a path or a name that ends in .toml is a file\n",
+            "whirl: no rotor 'jefcott': did you mean 'jeffcott'? built in are jeffcott, three-mass, rig; a path or a name that ends in .toml is a file\n",
         ),
         (
             &["poles", "jeffcott", "--speed", "0", "--feedback", "composite"],

@@ -373,10 +373,12 @@ mod tests {
         let before = settings.clone();
         let none = |key: &str| {
             format!(
-                "no setting '{key}': there are {}, with .N for mass, signal or control bearing N",
+                "no setting '{key}': {}there are {}, with .N for mass, signal or control bearing N",
+                crate::settings_error::meant(key),
                 crate::settings_error::known_keys()
             )
         };
+        assert!(none("sped").contains("did you mean 'speed'?"));
         assert!(none("").contains("speed, ramp, deadband, kd, cd, kc, cc, trip"), "{}", none(""));
         for (key, value, why) in [
             ("sped", "1", &*none("sped")),

@@ -8,7 +8,7 @@ use crate::{FeedbackError, PARAMETERS};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SettingsError {
     /// No such key.
-    #[error("no setting '{0}': there are {known}, with .N for mass, signal or control bearing N", known = known_keys())]
+    #[error("no setting '{0}': {meant}there are {known}, with .N for mass, signal or control bearing N", meant = meant(.0), known = known_keys())]
     UnknownKey(String),
     /// The mass, signal or control bearing asked for does not exist.
     #[error("no {key}: there are {count} {of}")]
@@ -91,6 +91,11 @@ fn or_off_words(can_be_off: bool) -> &'static str {
 
 fn known_clearances(known: &[String]) -> String {
     if known.is_empty() { "it has none anywhere".to_owned() } else { format!("there are {}", known.join(", ")) }
+}
+
+/// Which key was probably meant, as words.
+pub(crate) fn meant(typed: &str) -> String {
+    text::meant(typed, &crate::PARAMETERS.map(|parameter| parameter.name))
 }
 
 pub(crate) fn known_keys() -> String {

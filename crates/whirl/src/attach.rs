@@ -138,9 +138,32 @@ pub(crate) fn unanswered(silence: &WireError) -> Failure {
     Failure::Work(format!("not known whether it is changed, as it may yet be: {silence}"))
 }
 
+/// The benches that run under this user's root.
+pub(crate) fn running() -> Result<Vec<String>, WireError> {
+    running_under(&SharedMemory::new(&Root::from_environment()?, "list")?)
+}
+
+/// The benches that run under the root of a carrier.
+pub(crate) fn running_under(carrier: &SharedMemory) -> Result<Vec<String>, WireError> {
+    let running = carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running);
+    Ok(running.map(|entry| entry.name.to_string()).collect())
+}
+
+/// What is said of a bench that is not there: those that are, or how to start it.
+fn no_bench(bench: &BenchName, running: &[String]) -> String {
+    match running {
+        [] => WireError::NoBench(bench.clone()).to_string(),
+        [one] => format!("no bench '{bench}' is running; there is {one}"),
+        all => format!("no bench '{bench}' is running; there are {}", all.join(", ")),
+    }
+}
+
 impl From<WireError> for Failure {
     fn from(error: WireError) -> Self {
-        let words = error.to_string();
+        let words = match &error {
+            WireError::NoBench(bench) => no_bench(bench, &running().unwrap_or_default()),
+            error => error.to_string(),
+        };
         match error {
             WireError::BenchName(_) | WireError::Root { .. } => Self::Usage(words),
             WireError::NoBench(_) | WireError::Taken(_) | WireError::Recorded(_) | WireError::Controlled(_) => {

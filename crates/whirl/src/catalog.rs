@@ -125,7 +125,8 @@ pub(crate) fn rotor(typed: &str) -> Result<Rotor, Failure> {
     }
     builtin::rotor(typed).ok_or_else(|| {
         let known = builtin::ROTORS.join(", ");
-        Failure::Usage(format!("no rotor '{typed}': built in are {known}; {A_FILE_TOO}"))
+        let meant = text::meant(typed, &builtin::ROTORS);
+        Failure::Usage(format!("no rotor '{typed}': {meant}built in are {known}; {A_FILE_TOO}"))
     })
 }
 
@@ -150,7 +151,8 @@ pub(crate) fn feedback(rotor: &Rotor, typed: &str) -> Result<Feedback, Failure> 
     }
     builtin::feedback(rotor, typed).ok_or_else(|| {
         let known = builtin::feedback_names(rotor).join(", ");
-        Failure::Usage(format!("no feedback '{typed}' for {}: built in are {known}; {A_FILE_TOO}", rotor.name()))
+        let (meant, name) = (text::meant(typed, builtin::feedback_names(rotor)), rotor.name());
+        Failure::Usage(format!("no feedback '{typed}' for {name}: {meant}built in are {known}; {A_FILE_TOO}"))
     })
 }
 

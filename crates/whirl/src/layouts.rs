@@ -78,7 +78,8 @@ pub(crate) fn choose(wanted: Option<&str>) -> Result<(Vec<Layout>, usize), Failu
 /// There is no layout called `name`.
 pub(crate) fn unknown(name: &str, all: &[Source]) -> Failure {
     let names: Vec<&str> = all.iter().map(|source| source.layout.name()).collect();
-    Failure::Usage(format!("no layout '{name}': expected one of {}, or a .toml file", names.join(", ")))
+    let meant = text::meant(name, &names);
+    Failure::Usage(format!("no layout '{name}': {meant}expected one of {}, or a .toml file", names.join(", ")))
 }
 
 /// The files of the person's own layouts, by name.

@@ -67,6 +67,8 @@ impl App<'_> {
             return;
         }
         match action {
+            // As the key: of a locked machine ctrl-c alone quits.
+            Action::Quit if self.locked => self.tell(Message::Bad(LOCKED.into())),
             Action::Quit => self.quit = Some(Ended::Quit),
             Action::Escape => {
                 // One thing at a time, the topmost first.
@@ -316,7 +318,8 @@ impl App<'_> {
             Some(at) => self.layout = at,
             None => {
                 let names: Vec<&str> = self.layouts.iter().map(crate::layout::Layout::name).collect();
-                let message = format!("no layout '{name}': there are {}", names.join(", "));
+                let meant = text::meant(name, &names);
+                let message = format!("no layout '{name}': {meant}there are {}", names.join(", "));
                 self.tell(Message::Bad(message));
             }
         }

@@ -78,10 +78,12 @@ impl App<'_> {
         }
     }
 
-    /// Takes what is pasted: letters of the line that is being typed, up to its end, which completes nothing. Elsewhere it does
+    /// Takes what is pasted: letters of the line that is being typed, ends of lines as blanks, which complete nothing. Elsewhere it does
     /// nothing, whatever its letters stand for as keys.
     pub(crate) fn paste(&mut self, text: &str) {
-        let line = text.lines().next().unwrap_or_default().trim_end();
+        let parts = text.split(char::is_control).filter(|part| !part.is_empty());
+        let line = parts.collect::<Vec<_>>().join(" ");
+        let line = line.trim_end();
         let is_taken = match self.layers.last() {
             Some(Layer::Value(_)) => line.parse::<f64>().is_ok(),
             Some(layer) => layer.takes_letters(),
@@ -92,7 +94,7 @@ impl App<'_> {
             self.tell(Message::Bad(told.into()));
             return;
         }
-        for letter in line.chars().filter(|letter| !letter.is_control()) {
+        for letter in line.chars() {
             self.press(KeyEvent::new(KeyCode::Char(letter), KeyModifiers::NONE));
         }
     }

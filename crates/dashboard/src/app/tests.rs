@@ -438,6 +438,13 @@ fn a_burst_of_letters_that_no_hand_types_drives_no_machine() {
     assert_eq!((edits, &app.message.0, app.quit), (0, &Message::Bad(TOO_FAST.into()), None));
     assert_eq!(of("llllllllllllllll").0, 16, "a key that is held down");
     assert_eq!(of("llu").0, 3, "a quick hand");
+    let (edits, app) = of("0iR\nS");
+    assert_eq!((edits, &app.message.0), (0, &Message::Bad(TOO_FAST.into())), "a short text");
+    let (edits, app) = of(":kd=0.25\n0iRq");
+    assert_eq!((edits, app.quit), (1, None), "what stands behind the line does nothing");
+    let (edits, app) = of("/force\n0iRq");
+    assert_eq!((edits, app.quit), (0, None));
+    assert_eq!(of(":kd=0.25\n:cd=0.5\n").0, 2, "two lines");
     assert_eq!(of(":kd=0.25\n").0, 1, "a line that begins as a command");
 }
 
@@ -503,10 +510,11 @@ fn what_is_pasted_drives_no_machine_and_types_where_a_line_is_typed() {
     assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("pasted")), "{:?}", app.message.0);
     assert!(taken.is_empty() && app.layers.is_empty() && app.quit.is_none());
     press(&mut app, &[Char(':')]);
-    app.take(Input::Paste("kd=0.25\nq".into()));
+    app.take(Input::Paste("kd=0.25\rcd=0.5\r\n".into()));
     assert!(taken.is_empty(), "nobody has pressed enter yet");
     press(&mut app, &[Enter]);
-    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [Edit::Set(vec![(key("kd"), 0.25)])]);
+    let both = Edit::Set(vec![(key("kd"), 0.25), (key("cd"), 0.5)]);
+    assert_eq!(taken.try_iter().collect::<Vec<_>>(), [both], "the end of a line is a blank");
     press(&mut app, &[Enter]);
     app.take(Input::Paste("fast".into()));
     assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("pasted")), "a value is a number");
@@ -521,6 +529,8 @@ fn a_locked_machine_is_left_alone_until_it_is_unlocked() {
     assert!(frame(&mut app).lines().next().unwrap().contains("LOCKED"));
     press(&mut app, &[Char('0'), Char('i'), Char('R'), Right, Char('q')]);
     command(&mut app, "kd=0.25");
+    command(&mut app, "q");
+    command(&mut app, "quit");
     assert!(taken.is_empty() && app.quit.is_none());
     assert!(matches!(&app.message.0, Message::Bad(why) if why.contains("ctrl-l unlocks")), "{:?}", app.message.0);
     app.press(KeyEvent::new(Char('l'), KeyModifiers::CONTROL));

@@ -55,7 +55,7 @@ impl FromStr for ThemeName {
 
 /// There is no theme of that name.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("no theme '{0}': there are {names}", names = THEMES.map(|theme| theme.name).join(", "))]
+#[error("no theme '{0}': {meant}there are {names}", meant = text::meant(.0, &THEMES.map(|theme| theme.name)), names = THEMES.map(|theme| theme.name).join(", "))]
 pub struct UnknownTheme(String);
 
 /// Colours and glyphs of a finished frame.
@@ -196,6 +196,7 @@ mod tests {
         }
         let unknown = "dark".parse::<ThemeName>().unwrap_err();
         assert_eq!(unknown.to_string(), "no theme 'dark': there are default, full, contrast, colour-blind");
+        assert!(UnknownTheme("contast".into()).to_string().contains("did you mean 'contrast'?"));
     }
 
     #[test]

@@ -27,8 +27,7 @@ struct Document {
 pub(crate) fn run(args: &CleanArgs) -> Result<(), Failure> {
     let carrier = attach::carrier("clean")?;
     let dead_processes = wire::clean(&carrier)?;
-    let running = carrier.benches()?.into_iter().filter(wire::BenchEntry::is_running);
-    let live_benches: Vec<String> = running.map(|entry| entry.name.to_string()).collect();
+    let live_benches = attach::running_under(&carrier)?;
     if args.json {
         return output::print_json(&Document { dead_processes, live_benches });
     }
