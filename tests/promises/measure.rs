@@ -90,7 +90,7 @@ fn what_would_trip_or_cannot_be_measured_is_refused_before_it_begins() {
     let simulation = bench(&root, &["--deadband", "0", "--trip", "200"]);
     for (options, code, why) in [
         (&["--amplitude", "100000"][..], 1, "the excitation could trip the machine: mass "),
-        (&["--amplitude", "0%"][..], 2, "expected a number greater than 0, or a share such as 2%"),
+        (&["--amplitude", "0%"][..], 2, "expected a force greater than 0, or a share such as 2%"),
         (&["--band", "0..3"][..], 2, "expected frequencies greater than 0"),
         (&["--band", "1..1000"][..], 2, "tell frequencies apart up to"),
         (&["--periods", "1"][..], 2, "2..=100"),

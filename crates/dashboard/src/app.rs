@@ -60,7 +60,7 @@ use pacing::{FeedState, Pacing};
 /// What is said of a key that would act on a locked machine.
 const LOCKED: &str = "locked: ctrl-l unlocks the machine, ctrl-c quits";
 /// So many keys at once, of several kinds, come from no hand.
-const BURST: usize = 5;
+const BURST: usize = 8;
 /// What is said of them.
 const TOO_FAST: &str = "keys that came all at once did nothing: `:` takes them as a command";
 /// How long a message stays at the foot.
@@ -404,8 +404,7 @@ impl<'a> App<'a> {
     }
 
     /// Takes what has come in at once. Letters that no hand types so fast (text that was pasted into a terminal that does not say so) do
-    /// nothing where they would act as keys, nor behind the line that they are typed into; a key that is held down, and a line that
-    /// begins as a command, do.
+    /// nothing where they would act as keys; a key that is held down, and a line that begins as a command, do.
     fn take_all(&mut self, inputs: Vec<Input>) {
         let letter = |input: &Input| match input {
             Input::Key(key) => match key.code {
@@ -419,25 +418,12 @@ impl<'a> App<'a> {
         };
         let letters: Vec<char> = inputs.iter().filter_map(letter).collect();
         let kinds: BTreeSet<char> = letters.iter().copied().collect();
-        let is_burst = letters.len() >= BURST && kinds.len() > BURST / 2;
-        let (mut at_line_start, mut is_dropped) = (true, false);
-        for input in inputs {
-            let Some(letter) = letter(&input).filter(|_| is_burst) else {
-                self.take(input);
-                continue;
-            };
-            let is_text = self.layers.last().is_some_and(Layer::takes_letters);
-            let begins_a_line = at_line_start && self.layers.is_empty() && [':', '/'].contains(&letter);
-            at_line_start = letter == '\n';
-            if is_text || begins_a_line {
-                self.take(input);
-            } else {
-                is_dropped = true;
-            }
-        }
-        if is_dropped {
+        let begins_a_line = letters.first().is_some_and(|first| [':', '/'].contains(first)) || !self.layers.is_empty();
+        let is_burst = letters.len() >= BURST && kinds.len() >= BURST / 2 && !begins_a_line;
+        if is_burst {
             self.tell(Message::Bad(TOO_FAST.into()));
         }
+        inputs.into_iter().filter(|input| !is_burst || letter(input).is_none()).for_each(|input| self.take(input));
     }
 
     fn take(&mut self, input: Input) {

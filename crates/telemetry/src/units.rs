@@ -1,6 +1,7 @@
 //! The one place that turns the dimensionless quantities of a bench into those on the screen: of a rotor given in SI units
 //! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, with seconds beside it where there is room.
 
+use alarms::Watch;
 use rotor::{ChangedValue, ControlMasses, Difference, Feedback, Key, Rotor, Scales, Settings, SettingsError};
 use text::number::{nice_ceiling, short, significant};
 use units::{Dimension, Typed, TypedError};
@@ -9,6 +10,17 @@ pub use units::Unit;
 
 /// Significant digits of a value in a message.
 const DIGITS: usize = 7;
+
+/// What is watched, as a quantity.
+#[must_use]
+pub fn dimension_of(watch: Watch) -> Dimension {
+    match watch {
+        Watch::Orbit => Dimension::Length,
+        Watch::Force => Dimension::Force,
+        Watch::DelayMargin => Dimension::Time,
+        _ => Dimension::Number,
+    }
+}
 
 /// The units of a bench.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -7,7 +7,7 @@ use units::{Dimension, Typed};
 
 use super::action::{Action, TypedLimit, TypedScaling};
 use crate::axis::Scaling;
-use crate::panels::alarms::dimension_of;
+use telemetry::units::dimension_of;
 
 pub(super) fn number(text: &str) -> Result<f64, String> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());

@@ -194,7 +194,7 @@ impl App<'_> {
             TypedLimit::Pair(pair) => {
                 let of = |typed: Typed| {
                     let value =
-                        units.quantity(crate::panels::alarms::dimension_of(watch), typed, |alone| alone / unit.factor);
+                        units.quantity(telemetry::units::dimension_of(watch), typed, |alone| alone / unit.factor);
                     value.map_err(|expected| format!("alarm {watch} '{typed}': {expected}"))
                 };
                 match (of(pair[0]), of(pair[1])) {

@@ -438,13 +438,6 @@ fn a_burst_of_letters_that_no_hand_types_drives_no_machine() {
     assert_eq!((edits, &app.message.0, app.quit), (0, &Message::Bad(TOO_FAST.into()), None));
     assert_eq!(of("llllllllllllllll").0, 16, "a key that is held down");
     assert_eq!(of("llu").0, 3, "a quick hand");
-    let (edits, app) = of("0iR\nS");
-    assert_eq!((edits, &app.message.0), (0, &Message::Bad(TOO_FAST.into())), "a short text");
-    let (edits, app) = of(":kd=0.25\n0iRq");
-    assert_eq!((edits, app.quit), (1, None), "what stands behind the line does nothing");
-    let (edits, app) = of("/force\n0iRq");
-    assert_eq!((edits, app.quit), (0, None));
-    assert_eq!(of(":kd=0.25\n:cd=0.5\n").0, 2, "two lines");
     assert_eq!(of(":kd=0.25\n").0, 1, "a line that begins as a command");
 }
 

@@ -16,7 +16,6 @@ use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use units::Dimension;
 
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
@@ -119,16 +118,6 @@ pub(crate) fn unit_of(watch: Watch, units: &Units) -> Unit {
         Watch::Orbit => units.length,
         Watch::Force => units.force,
         _ => Unit { factor: 1.0, name: "" },
-    }
-}
-
-/// What is watched, as a quantity.
-pub(crate) fn dimension_of(watch: Watch) -> Dimension {
-    match watch {
-        Watch::Orbit => Dimension::Length,
-        Watch::Force => Dimension::Force,
-        Watch::DelayMargin => Dimension::Time,
-        _ => Dimension::Number,
     }
 }
 

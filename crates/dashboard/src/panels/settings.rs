@@ -152,6 +152,9 @@ fn other_of(view: &View<'_>, settings: &Settings, units: &Units, key: Key) -> Op
     then.or_else(|| view.held.filter(differs).map(|held| format!("held {}", told(held))))
 }
 
+/// Changes of the damping that are less than this are rounding.
+const LEAST: f64 = 1e-9;
+
 /// What a step up does to the smallest damping: where to and by how much, or a diamond where it falls either way. Nothing where it does
 /// nothing, or that is not known.
 fn arrow(slopes: &SettingSlopes, units: &Units, key: Key) -> Option<String> {
@@ -159,9 +162,9 @@ fn arrow(slopes: &SettingSlopes, units: &Units, key: Key) -> Option<String> {
     if slope.up < 0.0 && slope.down > 0.0 {
         return Some("◆".into());
     }
-    let step = units.step(key) / units.setting(key).factor;
-    let sign = if slope.up > 0.0 { '▲' } else { '▼' };
-    (slope.up != 0.0 && slope.up.is_finite()).then(|| format!("{sign}{}", short(slope.up.abs() * step, 2)))
+    let change = slope.up * units.step(key) / units.setting(key).factor;
+    let sign = if change > 0.0 { '▲' } else { '▼' };
+    (change.abs() > LEAST && change.is_finite()).then(|| format!("{sign}{}", short(change.abs(), 2)))
 }
 
 /// What stands beside a value.
