@@ -116,7 +116,7 @@ fn val_a_controller_in_c_is_the_built_in_law_to_the_last_bit() {
     settings.deadband.fill(1.0);
     settings.assign("sample", "0.01").unwrap();
     let pace = Pace { dtau: 0.01, rate_hz: 1000.0 };
-    let mut machine = Machine::new(Program::compile(&rotor, &settings, 2.5, pace).unwrap());
+    let mut machine = Machine::new(Program::compile(&rotor, &settings, [2.5; 2], pace).unwrap());
     for (k, state) in states.iter().enumerate() {
         machine.step();
         let sample = machine.sample();

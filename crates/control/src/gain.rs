@@ -43,6 +43,12 @@ impl Gain {
         }
     }
 
+    /// The speeds of the points of a table, rising; none of another gain.
+    pub fn corner_speeds(&self) -> impl Iterator<Item = f64> + '_ {
+        let points = if let Self::Table(points) = self { points.as_slice() } else { &[] };
+        points.iter().map(|&(speed, _)| speed)
+    }
+
     /// The same gain raised by `delta` at every speed, so that a schedule keeps its shape when it is nudged.
     #[must_use]
     pub fn shifted(&self, delta: f64) -> Self {

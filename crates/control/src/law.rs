@@ -266,6 +266,16 @@ impl ControlBearing {
         self.parts.external > 0.0 || self.signals.iter().any(|s| weighs(&s.displacement) || weighs(&s.velocity))
     }
 
+    /// The speeds at which the table of a gain has a corner, rising, each once.
+    #[must_use]
+    pub fn corner_speeds(&self) -> Vec<f64> {
+        let gains = self.signals.iter().flat_map(|signal| &signal.gains);
+        let mut corners: Vec<f64> = gains.flat_map(Gain::corner_speeds).collect();
+        corners.sort_by(f64::total_cmp);
+        corners.dedup();
+        corners
+    }
+
     /// Whether every gain is zero at every speed.
     #[must_use]
     pub fn is_off(&self) -> bool {

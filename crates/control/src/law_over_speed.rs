@@ -30,16 +30,7 @@ impl LawOverSpeed {
     /// That of a bearing whose gains are in order.
     #[must_use]
     pub fn of(bearing: &ControlBearing) -> Self {
-        let gains = || bearing.signals.iter().flat_map(|signal| &signal.gains);
-        let mut corners: Vec<f64> = gains()
-            .filter_map(|gain| match gain {
-                Gain::Table(points) => Some(points.iter().map(|(speed, _)| *speed)),
-                _ => None,
-            })
-            .flatten()
-            .collect();
-        corners.sort_by(f64::total_cmp);
-        corners.dedup();
+        let corners = bearing.corner_speeds();
         let from = std::iter::once(f64::NEG_INFINITY).chain(corners.iter().copied());
         let until = corners.iter().copied().chain([f64::INFINITY]);
         let piece = |(from, until): (f64, f64)| {
@@ -49,7 +40,11 @@ impl LawOverSpeed {
         };
         Self {
             pieces: from.zip(until).map(piece).collect(),
-            is_constant: gains().all(|gain| matches!(gain, Gain::Constant(_))),
+            is_constant: bearing
+                .signals
+                .iter()
+                .flat_map(|signal| &signal.gains)
+                .all(|gain| matches!(gain, Gain::Constant(_))),
         }
     }
 

@@ -13,7 +13,7 @@
 //! let slowest = MachinePoles::of(&rotor, &settings)?.modes[0].pole;
 //!
 //! // Struck at mass 1, it comes to rest as its poles say.
-//! let program = Program::compile(&rotor, &settings, settings.speed, Pace { dtau: 0.01, rate_hz: 0.0 })?;
+//! let program = Program::compile(&rotor, &settings, [settings.speed; 2], Pace { dtau: 0.01, rate_hz: 0.0 })?;
 //! let mut machine = Machine::new(program);
 //! machine.kick(0, C64::new(0.0, -2.5));
 //! while machine.tau() < 20.0 {

@@ -100,18 +100,17 @@ impl Program {
         fixed + motion + self.integrator.words_at_most() + 1 + control::Excitation::WORDS_AT_MOST
     }
 
-    /// Settings of a chain, to be stepped in as many parts as they need at all speeds from `from_speed` to theirs.
+    /// Settings to be stepped in as many parts as they need at all speeds from those that the machine may `have` when they are taken to
+    /// theirs, and down to rest where it would coast down after a trip.
     ///
     /// # Errors
     /// Settings that do not fit the rotor, a loop that cannot work at this step, or more parts than there is time for.
-    pub fn compile(rotor: &Rotor, settings: &Settings, from_speed: f64, pace: Pace) -> Result<Self, ProgramError> {
+    pub fn compile(rotor: &Rotor, settings: &Settings, have: [f64; 2], pace: Pace) -> Result<Self, ProgramError> {
         settings.check(rotor)?;
-        let passes_others = settings.ramp.is_finite() && from_speed != settings.speed;
-        let mut substeps = 1;
         let rest = (settings.coast_down > 0.0).then_some(0.0);
-        for speed in [Some(settings.speed), passes_others.then_some(from_speed), rest].into_iter().flatten() {
-            substeps = substeps.max(fastest(rotor, settings, speed)?.substeps(pace.dtau, pace.rate_hz)?);
-        }
+        let passes = have.into_iter().chain([settings.speed]).chain(rest);
+        let over = passes.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], at| [low.min(at), high.max(at)]);
+        let substeps = substeps_over(rotor, settings, over, pace)?;
         Self::in_substeps(rotor, settings, pace.dtau, substeps)
     }
 
@@ -127,14 +126,15 @@ impl Program {
         pace: Pace,
     ) -> Result<Self, ProfileError> {
         settings.check(rotor).map_err(|error| ProfileError { at: None, error: error.into() })?;
-        let mut substeps = 1;
-        let needed = |speed| Ok(fastest(rotor, settings, speed)?.substeps(pace.dtau, pace.rate_hz)?);
-        for (k, (_, speed)) in profile.course().into_iter().enumerate() {
-            let at = |error| ProfileError { at: k.checked_sub(1).map(|leg| profile.leg_words(leg)), error };
-            substeps = substeps.max(needed(speed).map_err(at)?);
+        let needed = |over| substeps_over(rotor, settings, over, pace);
+        let mut substeps = needed([profile.from; 2]).map_err(|error| ProfileError { at: None, error })?;
+        for (leg, ends) in profile.course().windows(2).enumerate() {
+            let at = |error| ProfileError { at: Some(profile.leg_words(leg)), error };
+            substeps = substeps.max(needed([ends[0].1, ends[1].1]).map_err(at)?);
         }
         if settings.coast_down > 0.0 {
-            substeps = substeps.max(needed(0.0).map_err(|error| ProfileError { at: None, error })?);
+            let over = [0.0, profile.speeds()[1]];
+            substeps = substeps.max(needed(over).map_err(|error| ProfileError { at: None, error })?);
         }
         let program = Self::in_substeps(rotor, settings, pace.dtau, substeps);
         Ok(program.map_err(|error| ProfileError { at: None, error })?.along(profile))
@@ -295,13 +295,38 @@ pub fn default_step(rotor: &Rotor, settings: &Settings) -> Result<f64, ProgramEr
     })
 }
 
-/// The same for a spin speed that passes from one to another of `speeds`: the shorter of theirs.
+/// The same for a spin speed that passes from one to another of `speeds`: the shortest on the way.
 ///
 /// # Errors
 /// As for [`default_step`].
 pub fn default_step_over(rotor: &Rotor, settings: &Settings, speeds: [f64; 2]) -> Result<f64, ProgramError> {
-    let at = |speed| default_step(rotor, &Settings { speed, ..settings.clone() });
-    Ok(at(speeds[0])?.min(at(speeds[1])?))
+    let mut shortest = f64::INFINITY;
+    for speed in telling_speeds(rotor, settings, speeds) {
+        shortest = shortest.min(default_step(rotor, &Settings { speed, ..settings.clone() })?);
+    }
+    Ok(shortest)
+}
+
+/// Into how many parts a step is cut so that each follows the machine at every speed between two.
+fn substeps_over(rotor: &Rotor, settings: &Settings, over: [f64; 2], pace: Pace) -> Result<u32, ProgramError> {
+    let mut substeps = 1;
+    for speed in telling_speeds(rotor, settings, over) {
+        substeps = substeps.max(fastest(rotor, settings, speed)?.substeps(pace.dtau, pace.rate_hz)?);
+    }
+    Ok(substeps)
+}
+
+/// The speeds between two that tell how fast a machine gets between them, each once: both ends, and where the table of a gain or of what holds the rotor has
+/// a corner. Between these every coefficient goes along a straight line.
+fn telling_speeds(rotor: &Rotor, settings: &Settings, [a, b]: [f64; 2]) -> Vec<f64> {
+    let (low, high) = (a.min(b), a.max(b));
+    let gains = settings.feedback.bearings.iter().flat_map(|bearing| bearing.corner_speeds());
+    let mut speeds: Vec<f64> =
+        gains.chain(Plant::of(rotor).corner_speeds()).filter(|at| low < *at && *at < high).collect();
+    speeds.extend([low, high]);
+    speeds.sort_by(f64::total_cmp);
+    speeds.dedup();
+    speeds
 }
 
 /// The fastest that is integrated under settings at a spin speed: the modes of the machine with every support bearing in and

@@ -203,7 +203,8 @@ fn orbits_of_a_sampled_loop_are_refused_in_words() {
 /// The machine from an orbit on, in steps that it can take, for so long.
 fn in_motion(rotor: &Rotor, settings: &Settings, start: &Orbit, duration: f64) -> Machine {
     let pace = machine::Pace { dtau: 0.01, rate_hz: 0.0 };
-    let mut machine = Machine::new(Program::compile(rotor, settings, settings.speed, pace).expect("can be stepped"));
+    let mut machine =
+        Machine::new(Program::compile(rotor, settings, [settings.speed; 2], pace).expect("can be stepped"));
     let velocity: Vec<C64> = start.amplitude.iter().map(|c| c * J * start.frequency).collect();
     machine.place(&start.amplitude, &velocity);
     (0..(duration / 0.01) as u64).for_each(|_| assert!(machine.step().is_none()));

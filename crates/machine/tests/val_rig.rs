@@ -78,7 +78,7 @@ fn val_in_motion_it_settles_to_its_unbalance_response() {
     settings.speed = 3.0;
     let response = machine::unbalance_response(&rotor, &settings, [3.0, 3.001]).expect("found").expect("continuous");
     let pace = machine::Pace { dtau: 0.01, rate_hz: 0.0 };
-    let mut machine = Machine::new(Program::compile(&rotor, &settings, 3.0, pace).expect("can be stepped"));
+    let mut machine = Machine::new(Program::compile(&rotor, &settings, [3.0; 2], pace).expect("can be stepped"));
     // Its slowest pole, the integrators', fades as exp(-0.026 tau).
     (0..30_000).for_each(|_| assert!(machine.step().is_none()));
     let sample = machine.sample();
@@ -120,7 +120,7 @@ fn val_sampled_it_moves_by_the_powers_of_its_step() {
         let form = LinearForm::of(&Plant::of(&rotor), &settings.feedback, &at).expect("fits");
         let step = form.sampled().expect("sampled");
         let pace = machine::Pace { dtau: sample / parts, rate_hz: 0.0 };
-        let mut machine = Machine::new(Program::compile(&rotor, &settings, settings.speed, pace).expect("can be"));
+        let mut machine = Machine::new(Program::compile(&rotor, &settings, [settings.speed; 2], pace).expect("can be"));
         let kick: Vec<C64> = (0..rotor.len()).map(|k| C64::new(0.1 * k as f64, 0.3)).collect();
         machine.place(&kick, &vec![C64::ZERO; rotor.len()]);
         let mut x: DVector<C64> = DVector::zeros(step.a.nrows());

@@ -18,17 +18,8 @@ pub(crate) struct Piece {
 
 /// The pieces that make up `from..=to`, in order: one, but for gains that are tables over speed.
 pub(crate) fn pieces(rotor: &Rotor, feedback: &Feedback, from: f64, to: f64) -> Vec<Piece> {
-    let mut cuts: Vec<f64> = feedback
-        .signals()
-        .flat_map(|signal| &signal.gains)
-        .flat_map(|gain| match gain {
-            Gain::Table(points) => points.as_slice(),
-            _ => &[],
-        })
-        .map(|&(speed, _)| speed)
-        .filter(|speed| from < *speed && *speed < to)
-        .chain([from, to])
-        .collect();
+    let corners = feedback.signals().flat_map(|signal| &signal.gains).flat_map(Gain::corner_speeds);
+    let mut cuts: Vec<f64> = corners.filter(|speed| from < *speed && *speed < to).chain([from, to]).collect();
     cuts.sort_by(f64::total_cmp);
     cuts.dedup();
     let at = |speed| Quadratic::of(&ClosedLoop::new(rotor, feedback, speed, &[]));

@@ -435,7 +435,7 @@ impl Plant {
 
     /// Speeds at which the coefficients of something that holds the rotor have a corner, rising.
     #[must_use]
-    pub fn corners(&self) -> Vec<f64> {
+    pub fn corner_speeds(&self) -> Vec<f64> {
         let mut speeds: Vec<f64> = self.tabulated.iter().flat_map(|of| of.table.iter().map(|(s, _)| *s)).collect();
         speeds.sort_by(f64::total_cmp);
         speeds.dedup();

@@ -106,8 +106,11 @@ pub fn range_numbers(typed: &str) -> Result<[f64; 2], RangeError> {
     if unit.is_empty() && from >= to { Err(RangeError::Form) } else { Ok([from, to]) }
 }
 
-/// What stands on both sides of the two dots.
-fn ends(typed: &str) -> Result<(&str, &str), RangeError> {
+/// What stands on both sides of the two dots of a range as typed.
+///
+/// # Errors
+/// No two dots, or three, which could be read as two and a number that begins with one.
+pub fn ends(typed: &str) -> Result<(&str, &str), RangeError> {
     if typed.contains("...") {
         return Err(RangeError::Dots);
     }

@@ -108,7 +108,7 @@ impl Options {
         let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
         Ok(match &self.profile {
             Some(profile) => Program::compile_profile(rotor, settings, profile, pace)?,
-            None => Program::compile(rotor, settings, settings.speed, pace)?,
+            None => Program::compile(rotor, settings, [settings.speed; 2], pace)?,
         })
     }
 }

@@ -284,10 +284,9 @@ impl<'a> RequestThread<'a> {
                     Some(profile) if !self.leaves_profile(settings) => {
                         Program::compile_profile(self.rotor, settings, profile, pace).map_err(|error| error.to_string())
                     }
-                    profile => {
-                        // A ramp passes the speeds from the one in force on: where it has got to meanwhile lies between.
-                        let from = profile.as_ref().map_or(self.settings.speed, |profile| profile.speeds()[1]);
-                        Program::compile(self.rotor, settings, from, pace).map_err(|error| error.to_string())
+                    _ => {
+                        let have = self.speeds_ahead(settings);
+                        Program::compile(self.rotor, settings, have, pace).map_err(|error| error.to_string())
                     }
                 };
                 let program = Box::new(program?);
@@ -314,6 +313,19 @@ impl<'a> RequestThread<'a> {
             Change::EndExcitation => Order::Excite(None),
         };
         Ok((change, order))
+    }
+
+    /// Between which speeds the machine is when new settings are taken: at theirs if it jumps there; otherwise between where it is now and
+    /// where it goes meanwhile.
+    fn speeds_ahead(&self, settings: &Settings) -> [f64; 2] {
+        if self.bench_status.trip.coasts() {
+            return [0.0, self.speed()];
+        }
+        match &self.profile {
+            _ if settings.ramp.is_infinite() => [settings.speed; 2],
+            Some(profile) => profile.speeds(),
+            None => [self.speed(), self.settings.speed],
+        }
     }
 
     /// Whether these settings give the speed another aim than its profile has.

@@ -326,6 +326,26 @@ fn stiff_settings_are_stepped_finer_and_what_cannot_be_followed_is_refused_to_an
     });
 }
 
+/// A gain that is stiff about R = 2 alone: a machine that is below it and was sent beyond comes through it, wherever else it is sent then.
+#[test]
+fn a_machine_on_its_way_is_stepped_as_fine_as_what_lies_between() {
+    beside("composite", 1000.0, |bench, settings| {
+        let mut settings = settings.clone();
+        settings.ramp = 0.005;
+        let gain = settings.feedback.first_mut().signals[0].gain_mut(rotor::GainKind::Kd);
+        *gain = rotor::Gain::Table(vec![(1.9, gain.at(0.0)), (2.0, 90000.0), (2.1, gain.at(0.0))]);
+        let mut ask = |revision, speed| {
+            settings.speed = speed;
+            bench.ask(&Change::Settings { base_revision: revision, settings: settings.clone() })
+        };
+        let through = ask(1, 1.5);
+        assert!(through.is_accepted() && through.substeps[0] > 10, "{through:?}");
+        // It is still above R = 2, though what is in force ends below.
+        let back = ask(2, 1.4);
+        assert!(back.is_accepted() && back.substeps[0] == through.substeps[0], "{back:?}");
+    });
+}
+
 #[test]
 fn wrong_options_and_taken_names_are_refused() {
     let rotor = builtin::rotor("jeffcott").unwrap();
@@ -380,7 +400,7 @@ fn a_snapshot_goes_on_to_the_last_bit_as_the_bench_did() {
         });
         let rotor = builtin::rotor("three-mass").unwrap();
         let pace = machine::Pace { dtau: 0.01, rate_hz: 1000.0 };
-        let program = machine::Program::compile(&rotor, &settings, settings.speed, pace).unwrap();
+        let program = machine::Program::compile(&rotor, &settings, [settings.speed; 2], pace).unwrap();
         let mut machine = machine::Machine::new(program);
         assert!(machine.restore(&mut machine::StateWords::from_saved(words)));
         assert_eq!(machine.tau(), head.tau);

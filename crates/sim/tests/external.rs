@@ -84,7 +84,7 @@ fn control<C: Controlling>(controller: &mut C, mut done: impl FnMut() -> bool) -
 /// The machine that nobody outside controls, step by step.
 fn alone((rotor, settings): &(Rotor, Settings)) -> Machine {
     let pace = Pace { dtau: Options::DEFAULT_DTAU, rate_hz: Options::DEFAULT_RATE_HZ };
-    Machine::new(Program::compile(rotor, settings, settings.speed, pace).unwrap())
+    Machine::new(Program::compile(rotor, settings, [settings.speed; 2], pace).unwrap())
 }
 
 /// Everything of a step that the law has a part in, as bits.

@@ -28,7 +28,7 @@ impl WhatIf {
 
     /// The same on a bench that makes steps of `dtau`, so many a second.
     pub fn on(mut self, rotor: &Rotor, dtau: f64, rate_hz: f64) -> Self {
-        self.refusal = Program::compile(rotor, &self.settings, self.settings.speed, Pace { dtau, rate_hz }).err();
+        self.refusal = Program::compile(rotor, &self.settings, [self.settings.speed; 2], Pace { dtau, rate_hz }).err();
         self
     }
 

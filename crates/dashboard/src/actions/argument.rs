@@ -61,7 +61,12 @@ pub(super) fn run_up(text: &str) -> Result<Action, String> {
         return Err(format!("'{text}': expected where the speed goes and how fast: 6 0.01"));
     };
     // A coast-down is a range that falls.
-    let ends = way.split_once("..").map_or((None, way.as_str()), |(from, to)| (Some(from), to));
+    let ends = match way.contains("..") {
+        true => {
+            rotor::typed::ends(way).map(|(from, to)| (Some(from), to)).map_err(|error| format!("'{way}': {error}"))?
+        }
+        false => (None, way.as_str()),
+    };
     let speed = |text| quantity(Dimension::Speed, text);
     let to = speed(ends.1)?;
     let from = ends.0.map(speed).transpose()?;

@@ -155,6 +155,7 @@ mod tests {
                 "scale poles 0..1 0..2 0..3: expected one scale, or two for a plot with two axes of values",
             ),
             ("run-up 3100N 10", "run-up '3100N': expected a number, alone or in rpm, Hz, rad/s"),
+            ("run-up 0...6 0.01", "run-up '0...6': more than two dots in a row: expected A..B such as 0..3, or 0..0.3"),
             (
                 "run-up 1rpm..3 10",
                 "run-up '1rpm..3': expected a unit at the upper end, which is that of both, or at each, such as 0..300Hz",

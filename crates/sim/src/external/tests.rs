@@ -92,7 +92,7 @@ fn program(set: &[(&str, &str)]) -> Program {
     for (key, value) in set {
         settings.assign(key, value).unwrap();
     }
-    Program::compile(&rotor, &settings, 2.5, Pace { dtau: 0.01, rate_hz: 1000.0 }).unwrap()
+    Program::compile(&rotor, &settings, [2.5; 2], Pace { dtau: 0.01, rate_hz: 1000.0 }).unwrap()
 }
 
 fn with<P: ControlHost>(port: P, set: &[(&str, &str)], lockstep: bool) -> (Engine, External<P>, Exchange) {

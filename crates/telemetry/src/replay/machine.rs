@@ -56,7 +56,7 @@ impl BranchPoint {
             return Ok(recorded.1);
         }
         let pace = Pace { dtau: self.dtau, rate_hz: self.rate_hz };
-        Ok(Program::compile(&self.rotor, wanted, wanted.speed, pace)?.substeps())
+        Ok(Program::compile(&self.rotor, wanted, [wanted.speed; 2], pace)?.substeps())
     }
 
     fn program(&self, settings: &Settings, substeps: u32) -> Result<Program, ProgramError> {

@@ -83,7 +83,7 @@ fn recorded(settings: &Settings) -> Recorded {
 
 fn run(rotor: Rotor, begun: Settings, script: &[(u64, Done)]) -> Recorded {
     let pace = Pace { dtau: DTAU, rate_hz: 1000.0 };
-    let compile = |settings: &Settings, from: f64| Program::compile(&rotor, settings, from, pace).unwrap();
+    let compile = |settings: &Settings, from: f64| Program::compile(&rotor, settings, [from; 2], pace).unwrap();
     let program = compile(&begun, begun.speed);
     let mut revisions = vec![(0, begun, program.substeps())];
     let mut machine = Machine::new(program);
