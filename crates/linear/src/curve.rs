@@ -17,6 +17,8 @@ const LEAST: f64 = 1e-7;
 const ABOUT: [f64; 4] = [0.3, 0.6, 0.85, 0.97];
 /// The most halvings of a stretch.
 const DEPTH: usize = 40;
+/// How much farther than tangents say something may turn between two points.
+const REACH: f64 = 2.0;
 /// The most points of a curve.
 const MOST: usize = 400_000;
 
@@ -114,15 +116,37 @@ impl LoopGain {
     }
 }
 
-/// Pairs of neighbours between which `of` changes sign.
-pub(crate) fn changes<'a>(
-    curve: &'a [FrequencyGain],
-    of: impl Fn(&FrequencyGain) -> f64 + 'a,
-) -> impl Iterator<Item = [&'a FrequencyGain; 2]> + 'a {
-    curve.windows(2).filter_map(move |pair| {
-        let [a, b] = [of(&pair[0]), of(&pair[1])];
-        (a.is_finite() && b.is_finite() && (a > 0.0) != (b > 0.0)).then(|| [&pair[0], &pair[1]])
-    })
+impl LoopGain {
+    /// Every place on a curve at which `of`, of `[value, slope]`, is 0: where it changes sign between two neighbours, and where it heads for 0
+    /// from both and goes past it between them.
+    pub(crate) fn zeros(&self, curve: &[FrequencyGain], of: &dyn Fn(&FrequencyGain) -> [f64; 2]) -> Vec<FrequencyGain> {
+        let mut found = Vec::new();
+        for pair in curve.windows(2) {
+            let [a, b] = [of(&pair[0]), of(&pair[1])];
+            let ends = [0, 1].map(|k| pair[k].frequency);
+            if !(a[0].is_finite() && b[0].is_finite()) {
+                continue;
+            }
+            if (a[0] > 0.0) != (b[0] > 0.0) {
+                found.push(self.zero(ends[0], ends[1], of));
+                continue;
+            }
+            let away = if a[0] > 0.0 { 1.0 } else { -1.0 };
+            // Seen from the side that both are on, a bowl does not go below where its tangents meet.
+            let ([a, falls], [b, rises]) = (a.map(|x| away * x), b.map(|x| away * x));
+            let width = ends[1] - ends[0];
+            let meets = (b - a - rises * width) / (falls - rises);
+            if !(falls < 0.0 && rises > 0.0 && a + falls * meets * REACH < 0.0) {
+                continue;
+            }
+            let turn = self.zero(ends[0], ends[1], &|p| [of(p)[1], f64::NAN]);
+            if (of(&turn)[0] > 0.0) != (away > 0.0) {
+                found.push(self.zero(ends[0], turn.frequency, of));
+                found.push(self.zero(turn.frequency, ends[1], of));
+            }
+        }
+        found
+    }
 }
 
 /// `ln |x|^2` changes at this rate when `x` does at `slope`.

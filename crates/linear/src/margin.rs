@@ -1,10 +1,9 @@
 //! How long a delay may be before a root reaches the axis.
 
-use std::f64::consts::TAU;
-
 use nalgebra::DMatrix;
 
 use crate::inverse::invert;
+use crate::loci::borne;
 use crate::{C64, DelayError, DelaySystem, eigenvalues};
 
 /// The smallest delay that puts a root on the imaginary axis, and where.
@@ -43,12 +42,8 @@ impl DelaySystem {
                 continue;
             }
             let Some((w, gain)) = self.crossing_near(s.im) else { continue };
-            let mut turn = gain.arg();
-            // exp(j w T) = H: the angle that w T has to have, the least not negative T.
-            if turn * w < 0.0 {
-                turn += TAU.copysign(w);
-            }
-            let delay = turn / w;
+            // exp(j w T) = H.
+            let delay = borne(-gain, w);
             if delay.is_finite() && least.is_none_or(|least| delay < least.delay) {
                 least = Some(DelayMargin { delay, frequency: w });
             }

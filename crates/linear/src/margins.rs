@@ -4,9 +4,8 @@
 //! Everything is found on the curve of the loop's gain ([`crate::curve`]) and made exact by Newton's method between two
 //! neighbouring points: crossings of the unit circle and of the negative real axis, and maxima, which are zeros of slopes.
 
-use std::f64::consts::TAU;
-
-use crate::curve::{changes, growth};
+use crate::curve::growth;
+use crate::loci::borne;
 use crate::{C64, DelayMargin, FrequencyGain, LoopGain};
 
 /// The largest factor on the loop's gain that is looked at: a loop that would have to be stronger has no gain margin.
@@ -91,23 +90,19 @@ impl LoopGain {
             complementary: self.peak(curve.iter(), &complementary, 0.0),
             curve: Vec::new(),
         };
-        for [a, b] in changes(&curve, |p| p.value.norm_sqr() - 1.0) {
-            let size = |p: &FrequencyGain| [p.value.norm_sqr().ln(), growth(p.value, p.slope)];
-            let FrequencyGain { frequency, value, .. } = self.zero(a.frequency, b.frequency, &size);
-            let angle = (-value).arg();
-            if margins.phase.is_none_or(|known| angle.abs() < known.angle) {
-                margins.phase = Some(PhaseMargin { angle: angle.abs(), frequency });
+        for FrequencyGain { frequency, value, .. } in
+            self.zeros(&curve, &|p| [p.value.norm_sqr().ln(), growth(p.value, p.slope)])
+        {
+            let angle = (-value).arg().abs();
+            if margins.phase.is_none_or(|known| angle < known.angle) {
+                margins.phase = Some(PhaseMargin { angle, frequency });
             }
-            // exp(-j w T) turns -L onto 1: T w = angle, up to whole turns, T not negative.
-            let turn = if angle * frequency < 0.0 { angle + TAU.copysign(frequency) } else { angle };
-            let delay = turn / frequency;
+            let delay = borne(value, frequency);
             if delay.is_finite() && margins.delay.is_none_or(|known| delay < known.delay) {
                 margins.delay = Some(DelayMargin { delay, frequency });
             }
         }
-        for [a, b] in changes(&curve, |p| p.value.im) {
-            let FrequencyGain { frequency, value, .. } =
-                self.zero(a.frequency, b.frequency, &|p| [p.value.im, p.slope.im]);
+        for FrequencyGain { frequency, value, .. } in self.zeros(&curve, &|p| [p.value.im, p.slope.im]) {
             // Between two points on either side of 0 the gain may jump through a pole.
             if value.re.is_finite() && value.re < 0.0 && value.im.abs() <= 1e-6 * value.re.abs() {
                 let factor = -1.0 / value.re;

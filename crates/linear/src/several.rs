@@ -4,12 +4,8 @@
 //!   `det(I + L(j w) exp(-j w T)) = 0`, so an eigenvalue of `L(j w)` has size 1 and `T = (pi + arg) / w`.
 //! * The **largest singular value of `S`** over frequency: what the worst mixture of disturbances at all commands is amplified by.
 
-use std::f64::consts::TAU;
-
-use crate::{AmplitudePeak, C64, DelayError, DelayMargin, LoopGain, eigenvalues};
-
-/// Frequencies are pinned down to this part of the distance of two neighbours on the curve.
-const PINNED: f64 = 1e-13;
+use crate::loci::{borne, loci, unit_loci};
+use crate::{AmplitudePeak, C64, DelayError, DelayMargin, LoopGain};
 
 /// What several loops have together.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,52 +30,16 @@ impl SeveralLoops {
         }
         at.sort_by(f64::total_cmp);
         at.dedup();
-        Ok(Self { delay: delay(any, &at)?, largest_sensitivity: largest(any, &at) })
+        Ok(Self { delay: delay(any, &at), largest_sensitivity: largest(any, &at) })
     }
 }
 
-fn delay(gain: &LoopGain, at: &[f64]) -> Result<Option<DelayMargin>, DelayError> {
-    let mut least: Option<DelayMargin> = None;
-    let mut before: Option<(f64, Vec<C64>)> = None;
-    for &frequency in at {
-        let now = eigenvalues(gain.matrix(frequency).gain)?;
-        if let Some((from, then)) = &before {
-            for start in then {
-                let Some(end) = nearest(&now, *start) else { continue };
-                if (start.norm() > 1.0) == (end.norm() > 1.0) {
-                    continue;
-                }
-                let (w, value) = crossing(gain, (*from, *start), (frequency, end))?;
-                let angle = (-value).arg();
-                let turn = if angle * w < 0.0 { angle + TAU.copysign(w) } else { angle };
-                let delay = turn / w;
-                if delay.is_finite() && least.is_none_or(|known| delay < known.delay) {
-                    least = Some(DelayMargin { delay, frequency: w });
-                }
-            }
-        }
-        before = Some((frequency, now));
-    }
-    Ok(least)
-}
-
-fn nearest(among: &[C64], to: C64) -> Option<C64> {
-    among.iter().copied().min_by(|a, b| (a - to).norm_sqr().total_cmp(&(b - to).norm_sqr()))
-}
-
-/// Where an eigenvalue of the gain has size 1 between two frequencies, by halving.
-fn crossing(gain: &LoopGain, mut low: (f64, C64), mut high: (f64, C64)) -> Result<(f64, C64), DelayError> {
-    let width = high.0 - low.0;
-    while high.0 - low.0 > PINNED * width {
-        let middle = 0.5 * (low.0 + high.0);
-        if middle <= low.0 || middle >= high.0 {
-            break;
-        }
-        let all = eigenvalues(gain.matrix(middle).gain)?;
-        let Some(value) = nearest(&all, (low.1 + high.1) * 0.5) else { break };
-        if (value.norm() > 1.0) == (low.1.norm() > 1.0) { low = (middle, value) } else { high = (middle, value) }
-    }
-    Ok(high)
+fn delay(gain: &LoopGain, at: &[f64]) -> Option<DelayMargin> {
+    let of = |w: f64| loci(&gain.matrix(w).gain);
+    let curve: Vec<(f64, Vec<C64>)> = at.iter().map(|w| (*w, of(*w))).collect();
+    let crossings = unit_loci(&curve, &of, 1.0).into_iter().filter(|locus| locus.crosses);
+    let each = crossings.map(|l| DelayMargin { delay: borne(l.gain, l.frequency), frequency: l.frequency });
+    each.filter(|margin| margin.delay.is_finite()).min_by(|a, b| a.delay.total_cmp(&b.delay))
 }
 
 fn largest(gain: &LoopGain, at: &[f64]) -> AmplitudePeak {
@@ -107,7 +67,7 @@ mod tests {
     use nalgebra::DMatrix;
 
     use super::*;
-    use crate::DelaySystem;
+    use crate::{DelaySystem, eigenvalues};
 
     fn of(number: impl Fn(usize, usize) -> f64, rows: usize, columns: usize) -> DMatrix<C64> {
         DMatrix::from_fn(rows, columns, |i, k| C64::from(number(i, k)))

@@ -49,7 +49,7 @@ pub use frequency::{
 };
 pub use linear::STRONGEST_LATE;
 pub use machine::{ClockOrigin, Machine, Sample, Sensed};
-pub use margins::{BearingMargins, MachineLoop, MachineMargins, MarginsError, margins};
+pub use margins::{BearingMargins, LoopMargins, MachineLoop, MachineMargins, MarginsError, loop_margins, margins};
 pub use margins_over::{WORST, in_hand, margins_at, worst_among, worst_margins};
 pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};

@@ -2,7 +2,7 @@
 //!
 //! Everything counts every support bearing at its full stiffness, as poles do. Noise, resolution and limits play no part.
 
-use control::LinearLoop;
+use control::{Feedback, LinearLoop};
 use linear::peak::top;
 use linear::{
     AmplitudePeak, CertifiedPeak, DelayError, DelayMargin, DelaySystem, GainMargin, LoopGain, Margins, SeveralLoops,
@@ -104,15 +104,19 @@ impl MachineLoop {
     /// # Errors
     /// A loop that does not fit, or eigenvalues that cannot be had.
     pub fn each(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Vec<Self>, MarginsError> {
-        let (feedback, plant, at) = (&settings.feedback, Plant::of(rotor), OperatingPoint::at(speed));
-        let form = LinearForm::of(&plant, feedback, &at)?;
+        Self::of_plant(&Plant::of(rotor), &settings.feedback, &OperatingPoint::at(speed))
+    }
+
+    /// The same of any plant at any operating point.
+    fn of_plant(plant: &Plant, feedback: &Feedback, at: &OperatingPoint) -> Result<Vec<Self>, MarginsError> {
+        let form = LinearForm::of(plant, feedback, at)?;
         let gains = match (form.sampled(), form.continuous()) {
             (Some(step), _) => LoopGain::each_sampled(step.open, &step.b, &step.c, step.period)?,
             (None, Some([a, b, c])) => LoopGain::each(&DelaySystem::new(a, b, c, form.delay)?)?,
             (None, None) => unreachable!("a loop is sampled or continuous"),
         };
         let opened = feedback.bearings.iter().zip(gains).enumerate().map(|(bearing, (of, gain))| {
-            let around = LinearLoop::new(of, plant.stations().len(), speed)?;
+            let around = LinearLoop::new(of, plant.stations().len(), at.speed)?;
             Ok(Self { plant: plant.clone(), bearing, station: of.station, form: form.clone(), around, gain })
         });
         opened.collect()
@@ -194,6 +198,44 @@ pub fn margins(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Machine
         return Err(MarginsError::Unstable { speed, pole: worst.pole });
     }
     let poles = roots.iter().map(|root| root.pole).collect();
+    let LoopMargins { margins, bearings, together } =
+        of_loops(&each, &Plant::of(rotor), &settings.feedback, &OperatingPoint::at(speed))?;
+    let larger = |a: AmplitudePeak, b: AmplitudePeak| if b.amplitude > a.amplitude { b } else { a };
+    let masses = ControlMasses::of(rotor, &settings.feedback);
+    let forces = bearings
+        .iter()
+        .enumerate()
+        .map(|(k, of)| AmplitudePeak { amplitude: masses.as_of_first(k, of.force.amplitude), ..of.force });
+    let force = forces.reduce(larger).unwrap_or(none());
+    Ok(MachineMargins { speed, poles, margins, force, bearings, together })
+}
+
+/// The margins of a loop that is known to be stable.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoopMargins {
+    /// Of the whole: see [`MachineMargins::margins`].
+    pub margins: Margins,
+    /// Of each control bearing, opened with the others closed.
+    pub bearings: Vec<BearingMargins>,
+    /// What several bearings have together; `None` of one.
+    pub together: Option<SeveralLoops>,
+}
+
+/// The margins of a plant under some feedback at an operating point at which it is known to be stable: all that judges margins does it
+/// here.
+///
+/// # Errors
+/// A loop that does not fit, or eigenvalues that cannot be had.
+pub fn loop_margins(plant: &Plant, feedback: &Feedback, at: &OperatingPoint) -> Result<LoopMargins, MarginsError> {
+    of_loops(&MachineLoop::of_plant(plant, feedback, at)?, plant, feedback, at)
+}
+
+fn of_loops(
+    each: &[MachineLoop],
+    plant: &Plant,
+    feedback: &Feedback,
+    at: &OperatingPoint,
+) -> Result<LoopMargins, MarginsError> {
     let bearings: Vec<BearingMargins> = (each.iter())
         .map(|machine| {
             let margins = machine.gain.margins();
@@ -209,16 +251,9 @@ pub fn margins(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Machine
         margins.delay = together.delay;
     }
     if each[0].gain.period() > 0.0 {
-        margins.delay = sampled_delay(rotor, settings, speed)?;
+        margins.delay = sampled_delay(plant, feedback, at)?;
     }
-    let larger = |a: AmplitudePeak, b: AmplitudePeak| if b.amplitude > a.amplitude { b } else { a };
-    let masses = ControlMasses::of(rotor, &settings.feedback);
-    let forces = bearings
-        .iter()
-        .enumerate()
-        .map(|(k, of)| AmplitudePeak { amplitude: masses.as_of_first(k, of.force.amplitude), ..of.force });
-    let force = forces.reduce(larger).unwrap_or(none());
-    Ok(MachineMargins { speed, poles, margins, force, bearings, together })
+    Ok(LoopMargins { margins, bearings, together })
 }
 
 fn none() -> AmplitudePeak {
@@ -249,14 +284,13 @@ fn worst_of(bearings: &[BearingMargins]) -> Margins {
 }
 
 /// What delay more a sampled loop bears: its step is made anew for each, as a delay shifts when a held command acts.
-fn sampled_delay(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<Option<DelayMargin>, MarginsError> {
-    let plant = Plant::of(rotor);
-    let (own, period) = (settings.feedback.delay(), settings.feedback.sample());
+fn sampled_delay(plant: &Plant, feedback: &Feedback, at: &OperatingPoint) -> Result<Option<DelayMargin>, MarginsError> {
+    let (own, period) = (feedback.delay(), feedback.sample());
     // The outermost root, with `more` delay.
     let outermost = |more: f64| -> Result<C64, MarginsError> {
-        let mut feedback = settings.feedback.clone();
+        let mut feedback = feedback.clone();
         feedback.set_delay(own + more);
-        let form = LinearForm::of(&plant, &feedback, &OperatingPoint::at(speed))?;
+        let form = LinearForm::of(plant, &feedback, at)?;
         let roots = Characteristic::of(&form)?.roots()?;
         let outermost = roots.iter().map(|root| root.root).max_by(|a, b| a.norm_sqr().total_cmp(&b.norm_sqr()));
         Ok(outermost.unwrap_or(C64::ZERO))

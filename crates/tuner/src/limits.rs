@@ -68,7 +68,7 @@ impl Evaluator<'_> {
             return known.places.clone();
         }
         let poles = self.readings.iter().filter(|r| r.condition == condition);
-        let near: Vec<f64> = poles.map(|r| r.pole.im).collect();
+        let near: Vec<C64> = poles.map(|r| r.pole).collect();
         let places = opened.places(self.problem, gains, &near);
         *known = Some(Sought { gains: gains.to_vec(), places: places.clone() });
         places

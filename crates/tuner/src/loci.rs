@@ -1,9 +1,8 @@
-//! The loci of a loop of one or several commands, and where along them something happens.
+//! The loop of one bearing among several, and what its loci have to do with it.
 
 use std::convert::Infallible;
-use std::f64::consts::TAU;
 
-use linear::{eigenvalues_in_place, least};
+use linear::least;
 use nalgebra::DMatrix;
 use rotor::C64;
 
@@ -22,22 +21,6 @@ pub(crate) fn opened(gain: &DMatrix<C64>, bearing: usize) -> C64 {
     }
 }
 
-/// The eigenvalues of a loop, the largest first.
-pub(crate) fn loci(gain: &DMatrix<C64>) -> Vec<C64> {
-    let m = gain.nrows();
-    if m == 1 {
-        return vec![gain[0]];
-    }
-    let (mut rows, mut values): (Vec<C64>, _) = (gain.transpose().as_slice().to_vec(), vec![C64::ZERO; m]);
-    match eigenvalues_in_place(&mut rows, &mut values) {
-        Ok(()) => {
-            values.sort_by(|a, b| b.norm_sqr().total_cmp(&a.norm_sqr()));
-            values
-        }
-        Err(_) => vec![C64::ZERO; m],
-    }
-}
-
 pub(crate) fn nearest(loci: &[C64], to: C64) -> C64 {
     let distance = |l: &C64| (l - to).norm_sqr();
     loci.iter().copied().min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(to)
@@ -52,28 +35,8 @@ pub(crate) fn adjugate(of: &DMatrix<C64>) -> DMatrix<C64> {
     })
 }
 
-/// The delay that turns a gain at a frequency onto the negative real axis.
-pub(crate) fn borne(gain: C64, frequency: f64) -> f64 {
-    let angle = (-gain).arg();
-    let turn = if angle * frequency < 0.0 { angle + TAU.copysign(frequency) } else { angle };
-    if frequency == 0.0 { f64::INFINITY } else { turn / frequency }
-}
-
 /// Where `of` is smallest between two places around one minimum.
 pub(crate) fn minimum(low: f64, high: f64, of: impl Fn(f64) -> f64) -> f64 {
     let Ok((at, _)) = least([low, high], NEAR * (high - low), |x| Ok::<_, Infallible>(of(x)));
     at
-}
-
-/// Where `of` changes sign between two places, by halving.
-pub(crate) fn zero(mut low: f64, mut high: f64, of: impl Fn(f64) -> f64) -> f64 {
-    let is_low = of(low) < 0.0;
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if middle <= low || middle >= high {
-            break;
-        }
-        if (of(middle) < 0.0) == is_low { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
 }

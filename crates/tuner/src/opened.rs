@@ -18,13 +18,14 @@
 mod margins;
 mod slope;
 
+use linear::{borne, loci, unit_loci};
 use nalgebra::DMatrix;
 use rotor::C64;
 
 use crate::Problem;
 use crate::answers::Answers;
 use crate::corners::Weights;
-use crate::loci::{borne, loci, minimum, nearest, opened, zero};
+use crate::loci::{minimum, nearest, opened};
 
 pub use margins::LoopMargins;
 pub(crate) use margins::margins_at;
@@ -40,8 +41,12 @@ const DECADES_OF_SHAFTS: f64 = 5.0;
 const BAND: f64 = 4.0;
 /// Gains of the loop this little below 1 may soon cross it.
 const NEARLY: f64 = 0.8;
-/// Loci whose sizes differ by less pass each other.
-const CORNER: f64 = 1e-5;
+/// Points about a pole, in its distances from the axis, ...
+const ABOUT: [f64; 4] = [0.0, 0.3, 1.0, 2.0];
+/// ... and from the last of them on each so many times as far out, ...
+const FARTHER: f64 = 4.0;
+/// ... up to this part of its frequency, where the others are as near.
+const OUT: f64 = 0.1;
 /// What has so many times what is asked for is far from falling short.
 const FAR: f64 = 1.6;
 
@@ -100,10 +105,8 @@ impl Opened {
             let w = end * 10.0_f64.powf(-decades * k as f64 / (points - 1) as f64);
             grid.extend([w, -w]);
         }
-        // Where the open loop resonates the gain changes fastest.
-        for pole in &poles {
-            grid.extend([-2.0, -1.0, -0.3, 0.0, 0.3, 1.0, 2.0].map(|part| pole.im + part * pole.re));
-        }
+        // Where the open loop resonates the gain changes fastest, and the flank of a resonance may be 1 anywhere on it.
+        poles.iter().for_each(|pole| grid.extend(about(*pole)));
         grid.sort_by(f64::total_cmp);
         grid.dedup();
         let own = structure.own();
@@ -145,9 +148,9 @@ impl Opened {
         nearest(&loci(&self.gain(problem, law, frequency)), to)
     }
 
-    /// Every place at which the loop with these variables has no more than `far` times what is asked for, `near` being frequencies
-    /// worth a look (its poles').
-    fn places_within(&self, problem: &Problem, variables: &[f64], near: &[f64], far: f64) -> Vec<Place> {
+    /// Every place at which the loop with these variables has so little of what is asked for that it matters to a search, `near` being its
+    /// poles, about which it may be near -1.
+    pub(crate) fn places(&self, problem: &Problem, variables: &[f64], near: &[C64]) -> Vec<Place> {
         let law = Weights::of(&problem.structure, variables, self.speed);
         let many = law.gains.len() * self.open.count();
         let mut curve: Vec<(f64, DMatrix<C64>)> = self
@@ -156,7 +159,8 @@ impl Opened {
             .zip(self.answers.chunks(many))
             .map(|(w, answer)| (*w, self.sum(answer, &law, *w)))
             .collect();
-        let looked = near.iter().map(|w| (*w, self.gain(problem, &law, *w)));
+        let frequencies = near.iter().flat_map(|pole| [-1.0, 0.0, 1.0].map(|part| pole.im + part * pole.re));
+        let looked = frequencies.map(|w| (w, self.gain(problem, &law, w)));
         curve.extend(looked.filter(|(_, gain)| gain.iter().all(|z| z.is_finite())));
         curve.sort_by(|a, b| a.0.total_cmp(&b.0));
         curve.dedup_by(|a, b| a.0 == b.0);
@@ -168,7 +172,7 @@ impl Opened {
                 for p in distances.windows(3) {
                     let [a, b, c] = [0, 1, 2].map(|k| p[k].1);
                     // The minimum is below the least of the three, by less than half of what they differ by.
-                    if b <= a && b < c && (b - 0.5 * (a.max(c) - b)) * limit < far {
+                    if b <= a && b < c && (b - 0.5 * (a.max(c) - b)) * limit < FAR {
                         let distance = |w: f64| (C64::ONE + opened(&self.gain(problem, &law, w), bearing)).norm();
                         let at = minimum(p[0].0, p[2].0, distance);
                         let gain = opened(&self.gain(problem, &law, at), bearing);
@@ -178,60 +182,17 @@ impl Opened {
             }
         }
         if let Some(asked) = problem.min_delay {
-            let loci: Vec<(f64, Vec<C64>)> = curve.iter().map(|(w, gain)| (*w, loci(gain))).collect();
-            for rank in 0..self.open.count() {
-                let branch: Vec<(f64, C64)> = loci.iter().map(|(w, all)| (*w, all[rank])).collect();
-                self.delays(problem, &law, (rank, &branch), (asked, far), &mut places);
+            let loci_at: Vec<(f64, Vec<C64>)> = curve.iter().map(|(w, gain)| (*w, loci(gain))).collect();
+            let of = |w: f64| loci(&self.gain(problem, &law, w));
+            for locus in unit_loci(&loci_at, &of, NEARLY) {
+                let ask = if locus.crosses { Ask::Delay } else { Ask::Gain };
+                if locus.crosses || borne(locus.gain, locus.frequency) < asked {
+                    places.push(self.place(problem, ask, 0, (locus.frequency, locus.gain)));
+                }
             }
         }
-        places.retain(|place| place.in_hand + 1.0 < far);
+        places.retain(|place| place.in_hand + 1.0 < FAR);
         places
-    }
-
-    /// Places where the locus of a rank bears little delay. The largest locus, or the next, is never one and the same thing for long,
-    /// but its size is continuous, and so are its crossings.
-    fn delays(
-        &self,
-        problem: &Problem,
-        law: &Weights<'_>,
-        (rank, branch): (usize, &[(f64, C64)]),
-        (asked, far): (f64, f64),
-        places: &mut Vec<Place>,
-    ) {
-        let of = |w: f64| loci(&self.gain(problem, law, w))[rank];
-        // Of several loci the ends need not be the same one, and say little of what is between them.
-        let several = self.open.count() > 1;
-        for p in branch.windows(2) {
-            let [a, b] = [0, 1].map(|k| p[k].1.norm() - 1.0);
-            let bears = || [0, 1].map(|k| borne(p[k].1, p[k].0)).into_iter().fold(f64::INFINITY, f64::min);
-            // Between two points the delay may jump by a turn, from much to nothing.
-            let jumps = || (p[0].1.im < 0.0) != (p[1].1.im < 0.0);
-            if (a < 0.0) != (b < 0.0) && (several || bears() < 1.5 * far * asked || jumps()) {
-                let at = zero(p[0].0, p[1].0, |w| of(w).norm() - 1.0);
-                places.push(self.place(problem, Ask::Delay, 0, (at, of(at))));
-            }
-        }
-        for p in branch.windows(3) {
-            let [a, b, c] = [0, 1, 2].map(|k| p[k].1.norm());
-            if b >= a && b > c && b > 0.5 * NEARLY {
-                let at = minimum(p[0].0, p[2].0, |w| -of(w).norm());
-                let all = loci(&self.gain(problem, law, at));
-                let top = all[rank];
-                // Where two loci pass each other in size, the smaller of the two has a corner and neither a maximum.
-                let corner = all.iter().filter(|l| (l.norm() - top.norm()).abs() < CORNER).count() > 1;
-                if corner {
-                    continue;
-                }
-                if top.norm() < 1.0 && top.norm() > NEARLY && borne(top, at) < asked {
-                    places.push(self.place(problem, Ask::Gain, 0, (at, top)));
-                }
-            }
-        }
-    }
-
-    /// The same of those that matter to a search.
-    pub(crate) fn places(&self, problem: &Problem, variables: &[f64], near: &[f64]) -> Vec<Place> {
-        self.places_within(problem, variables, near, FAR)
     }
 
     fn place(&self, problem: &Problem, ask: Ask, bearing: usize, (frequency, gain): (f64, C64)) -> Place {
@@ -242,4 +203,16 @@ impl Opened {
         };
         Place { ask, bearing, frequency, gain, in_hand }
     }
+}
+
+/// Frequencies about a pole.
+fn about(pole: C64) -> impl Iterator<Item = f64> {
+    let width = pole.re.abs();
+    let last = ABOUT[ABOUT.len() - 1];
+    let farther = std::iter::successors(Some(FARTHER * last), |part| Some(FARTHER * part));
+    let parts = ABOUT.into_iter().chain(farther.take_while(move |part| part * width < OUT * pole.norm()));
+    let is_apart = width > 0.0;
+    parts
+        .take_while(move |part| is_apart || *part == 0.0)
+        .flat_map(move |part| [pole.im - part * width, pole.im + part * width])
 }

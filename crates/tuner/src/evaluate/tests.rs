@@ -74,7 +74,7 @@ fn slopes_agree(problem: &Problem, gains: &[f64], point: &[f64], h: f64) -> Resu
             );
         }
         // Margins: each place beside the same one a little further on.
-        let near: Vec<f64> = places.iter().map(|(place, _)| place.frequency).collect();
+        let near: Vec<C64> = places.iter().map(|(place, _)| C64::new(0.0, place.frequency)).collect();
         let opened = evaluator.conditions[0].opened.as_ref().expect("margins are asked for");
         let shifts = [h, -h, h / 4.0, -h / 4.0].map(|by| opened.places(problem, &shifted(by), &near));
         let same = |all: &[Place], place: &Place| {

@@ -1,12 +1,13 @@
 //! What a place where margins may fall short has in hand, with its slope in each variable.
 
+use linear::{borne, loci};
 use nalgebra::DMatrix;
 use rotor::C64;
 
 use super::{Ask, Opened, Place};
 use crate::Problem;
 use crate::corners::Weights;
-use crate::loci::{adjugate, borne, loci, nearest};
+use crate::loci::{adjugate, nearest};
 
 impl Opened {
     /// What the loop of a place changes by with the weight of each gain's answer, and what it is.
