@@ -161,6 +161,63 @@ fn what_control_cannot_do_is_told() {
     assert_eq!(simulation.end().code, Some(0));
 }
 
+/// `whirl control` at work, and what it says on stderr.
+struct Controlled {
+    process: Ended,
+    told: PathBuf,
+}
+
+impl Controlled {
+    fn start(root: &Root, folder: &Path, bench: &str, program: &[&str]) -> Self {
+        let told = folder.join("told");
+        let mut control = root.whirl();
+        control.args(["control", "--bench", bench, "--"]).args(program).stdout(Stdio::null());
+        Self { process: Ended(control.stderr(std::fs::File::create(&told).unwrap()).spawn().unwrap()), told }
+    }
+
+    fn says(&self, what: &str) {
+        patiently(what, || std::fs::read_to_string(&self.told).unwrap().contains(what).then_some(()));
+    }
+
+    /// Ends it as an operator would, who waits for a second at most.
+    fn end(mut self) -> Option<i32> {
+        let (asked, process) = (Instant::now(), &mut self.process.0);
+        kill_process(Pid::from_child(process), Signal::TERM).unwrap();
+        let code = process.wait().unwrap().code();
+        assert!(asked.elapsed() < PATIENCE, "{:?}", asked.elapsed());
+        code
+    }
+}
+
+#[test]
+fn control_says_why_nothing_comes_and_what_is_no_command() {
+    let (root, folder) = (Root::new(), tempfile::tempdir().unwrap());
+    let alone = root.simulate(&["three-mass", "--bench", "alone"]);
+    let unasked = Controlled::start(&root, folder.path(), "alone", &["cat"]);
+    unasked.says("bench 'alone' asks for no commands: it does once 'external' is set");
+    assert_eq!(unasked.end(), Some(130));
+    assert_eq!(alone.end().code, Some(0));
+
+    let arguments = ["three-mass", "--bench", "a", "--feedback", "individual", "--set=sample=0.01", "--set=delay=0.05"];
+    let simulation = root.simulate(&[&arguments[..], &["--set=external=20"]].concat());
+    // One that reads and never answers holds nobody up, a signal least of all.
+    let silent = Controlled::start(&root, folder.path(), "a", &["sleep", "1000"]);
+    silent.says("sleep has not answered readings");
+    assert_eq!(silent.end(), Some(130));
+    // Words are no commands, and neither are the readings themselves.
+    for program in [&["yes"][..], &["cat"]] {
+        let mistaken = root.run(&[&["control", "--bench", "a", "--"], program].concat());
+        let what = "expected run_id and number as they were given";
+        assert_eq!((mistaken.code, mistaken.stderr.contains(what)), (Some(1), true), "{mistaken:?}");
+    }
+    if let Some(controller) = compiled(folder.path()) {
+        let working = Controlled::start(&root, folder.path(), "a", &[&controller.display().to_string()]);
+        working.says("commands from outside act from tau");
+        assert_eq!(working.end(), Some(130));
+    }
+    assert_eq!(simulation.end().code, Some(0));
+}
+
 /// Clients of every kind, killed at any moment: the bench goes on, others hear it in order, and nothing is left.
 #[test]
 fn clients_that_are_killed_leave_bench_other_clients_and_memory_whole() {

@@ -1,12 +1,15 @@
 //! `whirl control`: a program of any kind as the controller outside of a running bench, by way of its standard input and output.
 
-use std::io::{Read, Write};
-use std::process::{Child, Command, Stdio};
+mod notices;
+mod program;
+
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-use wire::{ControlCommand, Controlling, HostState, Readings};
+use wire::{Controlling, HostState, Readings};
 
+use self::notices::Notices;
+use self::program::{Answer, Program, mistaken};
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
 use crate::{interrupt, output};
@@ -16,9 +19,7 @@ const SPIN: Duration = Duration::from_micros(100);
 /// Then, how long to sleep between two looks.
 const NAP: Duration = Duration::from_micros(50);
 /// How often to see whether the bench and the program are still there.
-const LOOK: Duration = Duration::from_millis(500);
-/// How long the program may take to end once its standard input has.
-const FAREWELL: Duration = Duration::from_secs(2);
+const LOOK: Duration = Duration::from_millis(200);
 
 /// Options of `whirl control`.
 #[derive(Debug, clap::Args)]
@@ -33,36 +34,25 @@ pub(crate) struct ControlArgs {
 /// Hands every sample's readings to the program, and its commands to the bench, until either ends.
 ///
 /// # Errors
-/// No such bench, one that is controlled already, or a program that cannot be started or ends.
+/// No such bench, one that is controlled already, or a program that cannot be started, ends, or writes what is no command.
 pub(crate) fn run(args: &ControlArgs) -> Result<(), Failure> {
     let bench = args.bench.name()?;
     let stop = interrupt::flag()?;
     let carrier = attach::carrier("control")?;
     let mut controller = attach::controller(&carrier, &bench)?;
-    let (program, arguments) = args.program.split_first().ok_or_else(|| Failure::Usage("no program".into()))?;
-    let child = Command::new(program).args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
-    let mut child = child.map_err(|error| Failure::Usage(format!("{program}: cannot be started: {error}")))?;
-    let ran = serve(&mut controller, &mut child, &stop);
-    // Its input has ended with the pipes: whoever does not heed that is ended.
-    let began = Instant::now();
-    let ended = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => break Some(status),
-            Ok(None) if began.elapsed() < FAREWELL => std::thread::sleep(Duration::from_millis(5)),
-            _ => {
-                let _ = child.kill();
-                let _ = child.wait();
-                break None;
-            }
-        }
-    };
+    let mut program = Program::start(&args.program)?;
+    let mut notices = Notices::new(&carrier, &bench);
+    let ran = serve(&mut controller, &mut program, &mut notices, &stop);
+    let name = program.name().to_owned();
+    let ended = program.end();
     match ran? {
         End::Bench(count) => output::print_text(&format!("the bench has ended after {count} commands\n")),
         End::Stopped => Err(Failure::Interrupted),
         End::Program(count) => {
             let how = ended.map_or_else(|| "did not end".to_owned(), |status| status.to_string());
-            Err(Failure::Work(format!("{program} sent no further command after {count} ({how})")))
+            Err(Failure::Work(format!("{name} sent no further command after {count} ({how})")))
         }
+        End::Mistaken(count, what) => Err(Failure::Work(format!("{name}, after {count} commands: {what}"))),
     }
 }
 
@@ -70,14 +60,17 @@ pub(crate) fn run(args: &ControlArgs) -> Result<(), Failure> {
 enum End {
     Bench(u64),
     Program(u64),
+    /// The program wrote what is no command.
+    Mistaken(u64, String),
     Stopped,
 }
 
-fn serve(controller: &mut impl Controlling, child: &mut Child, stop: &AtomicBool) -> Result<End, Failure> {
-    let (Some(mut to), Some(mut from)) = (child.stdin.take(), child.stdout.take()) else {
-        return Err(Failure::Work("no pipes to the program".into()));
-    };
-    let mut answer = [0; ControlCommand::SIZE];
+fn serve(
+    controller: &mut impl Controlling,
+    program: &mut Program,
+    notices: &mut Notices<'_>,
+    stop: &AtomicBool,
+) -> Result<End, Failure> {
     let (mut count, mut idle, mut looked) = (0, Instant::now(), Instant::now());
     while !stop.load(Ordering::Relaxed) {
         let Some(readings) = newest(controller)? else {
@@ -86,21 +79,33 @@ fn serve(controller: &mut impl Controlling, child: &mut Child, stop: &AtomicBool
                 if controller.host() == HostState::Gone {
                     return Ok(End::Bench(count));
                 }
-                if child.try_wait().is_ok_and(|status| status.is_some()) {
+                if program.has_ended() {
                     return Ok(End::Program(count));
                 }
+                notices.bench_is_silent();
             } else if idle.elapsed() > SPIN {
                 std::thread::sleep(NAP);
             }
             continue;
         };
-        // A pipe that is closed: the program has ended.
-        if to.write_all(&readings.to_bytes()).and_then(|()| to.flush()).is_err()
-            || from.read_exact(&mut answer).is_err()
-        {
-            return Ok(if stop.load(Ordering::Relaxed) { End::Stopped } else { End::Program(count) });
+        notices.heard(&readings);
+        if !program.give(&readings) {
+            return Ok(End::Program(count));
         }
-        let mut command = ControlCommand::from_bytes(&answer);
+        let given = Instant::now();
+        let mut command = loop {
+            match program.answer(LOOK) {
+                Answer::Command(command) => break command,
+                Answer::Ended if stop.load(Ordering::Relaxed) => return Ok(End::Stopped),
+                Answer::Ended => return Ok(End::Program(count)),
+                Answer::NotYet if stop.load(Ordering::Relaxed) => return Ok(End::Stopped),
+                Answer::NotYet if controller.host() == HostState::Gone => return Ok(End::Bench(count)),
+                Answer::NotYet => notices.program_is_silent(program.name(), given, &readings),
+            }
+        };
+        if let Some(what) = mistaken(&command, &readings) {
+            return Ok(End::Mistaken(count, what));
+        }
         command.stamp();
         controller.command(&command)?;
         (count, idle) = (count + 1, Instant::now());
