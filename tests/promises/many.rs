@@ -151,6 +151,38 @@ fn any_root_will_do_by_whirl_root_and_by_the_runtime_folder() {
 }
 
 #[test]
+fn a_trip_limit_below_the_present_orbit_is_refused_unless_forced() {
+    let root = Root::new();
+    let simulation = root.simulate(&["three-mass", "--bench", "a", "--speed", "2.5"]);
+    root.run(&["tail", "--bench", "a", "--count", "2000"]);
+    let ran = root.run(&["set", "--bench", "a", "trip=0.5", "--json"]);
+    let told: Value = serde_json::from_str(&ran.stdout).unwrap();
+    assert_eq!(
+        (ran.code, &told["accepted"], &told["orbit"]["limit"]),
+        (Some(1), &false.into(), &0.5.into()),
+        "{ran:?}"
+    );
+    let orbit = told["orbit"]["now"].as_f64().unwrap();
+    assert!(orbit > 0.5 && told.get("min_damping").is_none(), "{told}");
+    for words in ["trips at once: its orbit is ", " e_t, past a limit of 0.500 e_t; --force makes it all the same"] {
+        assert!(ran.stderr.contains(words), "{ran:?}");
+    }
+    // Above the orbit it goes through, and so does what is forced, which trips as it was said.
+    let above = format!("trip={}", 2.0 * orbit);
+    assert_eq!(root.run(&["set", "--bench", "a", &above]).code, Some(0));
+    assert_eq!(root.run(&["set", "--bench", "a", "trip=0.5", "--force"]).code, Some(0));
+    let tripped = || root.run(&["status", "--json"]).json()["benches"][0]["tripped"] == true;
+    let begun = std::time::Instant::now();
+    while !tripped() {
+        assert!(begun.elapsed().as_secs() < 60, "no trip");
+        std::thread::sleep(std::time::Duration::from_millis(50));
+    }
+    // What stands still has no orbit to speak of.
+    assert_eq!(root.run(&["set", "--bench", "a", "trip=0.1"]).code, Some(0));
+    assert_eq!(simulation.end().code, Some(0));
+}
+
+#[test]
 fn a_change_that_makes_a_stable_machine_unstable_is_refused_unless_forced() {
     let root = Root::new();
     let simulation = root.simulate(&["three-mass", "--bench", "a"]);

@@ -37,6 +37,7 @@ use crate::layout::Layout;
 use crate::on_alarm::OnAlarm;
 use crate::options::{DashboardError, Ended, Options};
 use crate::panels::registry::Panels;
+use crate::question::Question;
 use crate::screen;
 use crate::selection::Selection;
 use crate::signals;
@@ -44,7 +45,7 @@ use crate::terminal::{self, Screen};
 use crate::view::{Message, SettingsCursor, View};
 use telemetry::command_history::CommandHistory;
 use telemetry::connection::Connection;
-use telemetry::edits::{Edit, EditOutcome};
+use telemetry::edits::{Edit, EditOutcome, Harm};
 use telemetry::frame_data::FrameData;
 use telemetry::gain_search::GainSearch;
 use telemetry::jobs::Jobs;
@@ -358,22 +359,44 @@ impl<'a> App<'a> {
                 self.tell(Message::Good(text));
             }
             EditOutcome::Refused(text) => self.tell(Message::Bad(text)),
-            EditOutcome::Asks(edit, settings, damping) => {
-                let why = damping.map_or_else(
-                    || "not known to be stable with that: its poles cannot be computed".to_owned(),
-                    |damping| {
-                        let word = crate::theme::verdict(damping).1;
-                        format!("{word} with that: minimum damping {damping:.4}")
-                    },
-                );
+            EditOutcome::Asks(edit, settings, harms) => {
+                let why = self.question_of(&harms);
                 // No key that was meant for something else may answer.
                 if self.layers.is_empty() {
                     self.layers.push(Layer::AskUnstable(edit, settings, why));
                 } else if !matches!(self.layers.last(), Some(Layer::AskUnstable(..))) {
-                    self.tell(Message::Bad(format!("{why}: not done")));
+                    self.tell(Message::Bad(format!("{}: not done", why.whole())));
                 }
             }
         }
+    }
+
+    /// What is asked about a change that would do harm.
+    fn question_of(&self, harms: &[Harm]) -> Question {
+        let units = self.units();
+        let mut parts = Vec::new();
+        for harm in harms {
+            if !parts.is_empty() {
+                parts.push((0, ", and ".to_owned()));
+            }
+            match harm {
+                Harm::Unjudged => parts.extend([
+                    (0, "not known to be stable with that".to_owned()),
+                    (1, ": its poles cannot be computed".to_owned()),
+                ]),
+                Harm::Unstable(damping) => parts.extend([
+                    (0, format!("{} with that", crate::theme::verdict(*damping).1)),
+                    (1, format!(": minimum damping {damping:.4}")),
+                ]),
+                Harm::Trips(trips) => {
+                    let told = trips.words(|length| units.length.told(length, 4));
+                    let (brief, numbers) = told.split_once(':').unwrap_or((&told, ""));
+                    parts.push((0, brief.to_owned()));
+                    parts.push((1, format!(":{numbers}")));
+                }
+            }
+        }
+        Question::of(parts)
     }
 
     /// What time alone brings. Returns whether it shows.

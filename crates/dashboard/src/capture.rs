@@ -100,7 +100,7 @@ pub fn take_screenshot<C: Carrier>(
     let (send_outcome, outcomes) = channel::unbounded();
     let channels = ReaderChannels { news: send_news, wake, idle: Arc::default(), stop: stop.clone() };
     let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), channels)?;
-    let editor = edits::spawn(carrier, bench.clone(), edits, news, send_outcome)?;
+    let editor = edits::spawn(carrier, bench.clone(), feed.clone(), edits, news, send_outcome)?;
     let area = Rect::new(0, 0, width, height);
     let mut app = App::new(bench.to_string(), feed.clone(), send_edit, None, Jobs::inline(), Arc::default(), options);
     let wait = |app: &mut App<'_>, time: Duration| {

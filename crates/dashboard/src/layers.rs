@@ -8,6 +8,7 @@ use telemetry::edits::Edit;
 use crate::actions::Action;
 use crate::input::Mouse;
 use crate::line_editor::{LineEditor, LineEvent};
+use crate::question::Question;
 
 /// The last line from which help and log can be shown: they stop at their end by themselves.
 const LAST_LINE: usize = 5000;
@@ -26,11 +27,11 @@ pub(crate) enum Layer {
     /// What the lists shall show is being typed.
     Filter(LineEditor),
     /// A change that would harm waits for a yes: the settings that it leads to, and how it would harm.
-    AskUnstable(Edit, Box<Settings>, String),
+    AskUnstable(Edit, Box<Settings>, Question),
     /// Gains that a search found wait for a yes, and what they are.
-    AskFound(Edit, String),
+    AskFound(Edit, Question),
     /// Something that cannot be undone waits for a yes, and what it would do away with.
-    AskPreset(PresetChange, String),
+    AskPreset(PresetChange, Question),
 }
 
 /// What is done to files only after a yes.
@@ -187,7 +188,7 @@ mod tests {
 
     #[test]
     fn a_question_is_answered_by_y_and_by_nothing_else() {
-        let asked = Layer::AskFound(Edit::Off, "why".into());
+        let asked = Layer::AskFound(Edit::Off, "why".to_owned().into());
         for code in [KeyCode::Enter, KeyCode::Esc, KeyCode::Char('n'), KeyCode::Char(' '), KeyCode::Left] {
             assert_eq!(press(&mut asked.clone(), code), LayerEvent::No, "{code:?}");
         }
@@ -213,7 +214,7 @@ mod tests {
     fn the_mouse_reaches_the_panels_past_what_is_typed_alone() {
         let mut help = Layer::Help(2);
         assert!(help.mouse(Mouse::Wheel(1)) && help == Layer::Help(5));
-        assert!(Layer::AskFound(Edit::Off, String::new()).mouse(Mouse::Click));
+        assert!(Layer::AskFound(Edit::Off, String::new().into()).mouse(Mouse::Click));
         assert!(!Layer::Command("x".into()).mouse(Mouse::Click));
     }
 }

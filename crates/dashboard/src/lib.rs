@@ -46,6 +46,7 @@ mod options;
 mod panels;
 mod plot;
 mod popup;
+mod question;
 mod replay;
 mod screen;
 mod screenshot;

@@ -52,7 +52,7 @@ pub fn run<'a, C: Carrier>(
     let jobs = Jobs::start(&wake)?;
     let channels = ReaderChannels { news: send_news, wake, idle: idle.clone(), stop: stop.clone() };
     let reader = reader::spawn(carrier.clone(), bench.clone(), feed.clone(), channels)?;
-    let editor = edits::spawn(carrier, bench.clone(), take_edits, news, send_outcome)?;
+    let editor = edits::spawn(carrier, bench.clone(), feed.clone(), take_edits, news, send_outcome)?;
     let screen = Screen::take(Look::of_environment(options.appearance))?;
     input::keyboard(send_input, stop.clone())?;
     let mut app =

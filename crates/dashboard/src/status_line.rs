@@ -232,21 +232,9 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let line = match view.layers.last() {
         Some(Layer::Command(text)) => prompt(":", text),
         Some(Layer::Filter(text)) => prompt("/", text),
-        Some(Layer::AskUnstable(_, _, why)) => Line::from(vec![
-            Span::styled(format!(" {why} "), theme::badge(theme::BAD)),
-            Span::styled(" y ", Style::new().bold()),
-            Span::styled("does it all the same, any other key forgets it", theme::quiet()),
-        ]),
-        Some(Layer::AskPreset(_, why)) => Line::from(vec![
-            Span::styled(format!(" {why} "), theme::badge(theme::WARN)),
-            Span::styled(" y ", Style::new().bold()),
-            Span::styled("does it, any other key forgets it", theme::quiet()),
-        ]),
-        Some(Layer::AskFound(_, why)) => Line::from(vec![
-            Span::styled(format!(" {why} "), theme::badge(theme::CANDIDATE)),
-            Span::styled(" y ", Style::new().bold()),
-            Span::styled("applies it, any other key forgets it", theme::quiet()),
-        ]),
+        Some(Layer::AskUnstable(_, _, why)) => why.line(theme::BAD, "does it all the same", area.width.into()),
+        Some(Layer::AskPreset(_, why)) => why.line(theme::WARN, "does it", area.width.into()),
+        Some(Layer::AskFound(_, why)) => why.line(theme::CANDIDATE, "applies it", area.width.into()),
         _ => told(view, area.width),
     };
     write_line(buffer, area, line);

@@ -60,6 +60,12 @@ impl CountedModes {
         Self { below: Some((TOP_SPEEDS * top_speed.abs()).max(between)).filter(|below| *below > 0.0) }
     }
 
+    /// Those that count of a rotor at a speed at which it has these poles: what a minimum damping is told of where a machine runs.
+    #[must_use]
+    pub fn at(rotor: &Rotor, speed: f64, poles: impl IntoIterator<Item = C64>) -> Self {
+        if rotor.is_chain() { Self::ALL } else { Self::usual_among(poles, speed) }
+    }
+
     /// Up to where modes count, `|lambda|` in radians per `tau`; `None` where all do.
     #[must_use]
     pub fn below(&self) -> Option<f64> {

@@ -39,6 +39,7 @@ mod poles;
 mod program;
 mod stability_loss;
 mod trip;
+mod trip_at_once;
 mod zones;
 
 pub use control::{Excitation, ExcitationError, Multisine, Output, StateWords, Tone};
@@ -53,10 +54,11 @@ pub use margins::{BearingMargins, LoopMargins, MachineLoop, MachineMargins, Marg
 pub use margins_over::{WORST, in_hand, margins_at, worst_among, worst_margins};
 pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
-pub use poles::{MachinePoles, PolesError, min_damping};
+pub use poles::{MachinePoles, PolesError, counted_damping, min_damping};
 pub use program::{Pace, ProfileError, Program, ProgramError, default_step, default_step_over, fastest};
 pub use rotor::profile::Leg;
 pub use rotor::{LinearForm, SampledStep};
 pub use stability_loss::StabilityLoss;
 pub use trip::{Trip, TripCause};
+pub use trip_at_once::TripAtOnce;
 pub use zones::{ISO_14839_3, sensitivity_zone};

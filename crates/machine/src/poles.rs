@@ -12,6 +12,8 @@ use rotor::{
     damping_ratio,
 };
 
+use crate::counted_modes::CountedModes;
+
 /// Why there are no poles.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PolesError {
@@ -96,9 +98,30 @@ impl MachinePoles {
     pub fn into_modes(self) -> Modes {
         Modes { modes: self.modes }
     }
+
+    /// The smallest damping ratio of those that count ([`CountedModes::at`]) of this rotor, at the speed at which these are its poles.
+    #[must_use]
+    pub fn counted_damping(&self, rotor: &Rotor, speed: f64) -> f64 {
+        let poles = || self.modes.iter().map(|mode| mode.pole);
+        CountedModes::at(rotor, speed, poles()).min_damping(poles())
+    }
 }
 
-/// The smallest damping ratio of `rotor` under `settings` at a speed.
+/// The smallest damping ratio of `rotor` under `settings` at a speed, of the modes that count there ([`CountedModes::at`]).
+///
+/// # Errors
+/// A loop that does not fit, or poles that cannot be had.
+pub fn counted_damping(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<f64, PolesError> {
+    if ClosedLoop::describes(rotor, &settings.feedback) {
+        return min_damping(rotor, settings, speed);
+    }
+    let form = LinearForm::of(&Plant::of(rotor), &settings.feedback, &OperatingPoint::at(speed))?;
+    let roots = Characteristic::of(&form)?.roots()?;
+    let poles = || roots.iter().map(|root| root.pole);
+    Ok(CountedModes::at(rotor, speed, poles()).min_damping(poles()))
+}
+
+/// The smallest damping ratio of `rotor` under `settings` at a speed, of all modes.
 ///
 /// # Errors
 /// A loop that does not fit, or poles that cannot be had.

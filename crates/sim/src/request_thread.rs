@@ -397,11 +397,11 @@ impl<'a> RequestThread<'a> {
         let speed = self.speed();
         let mut analysis = Analysis { revision: self.bench_status.revision, speed, ..Analysis::default() };
         let settings = Settings { speed, ..self.settings.clone() };
-        match MachinePoles::of(self.rotor, &settings).map(MachinePoles::into_modes) {
+        match MachinePoles::of(self.rotor, &settings) {
             Ok(spectrum) => {
                 // Of a loop with many states, the least damped.
                 analysis.count = spectrum.modes.len().min(analysis.poles.len()) as u32;
-                analysis.min_damping = spectrum.min_damping();
+                analysis.min_damping = spectrum.counted_damping(self.rotor, speed);
                 for (place, mode) in analysis.poles.iter_mut().zip(&spectrum.modes) {
                     *place = [mode.pole.re, mode.pole.im];
                 }

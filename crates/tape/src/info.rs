@@ -65,7 +65,7 @@ pub struct Info {
     pub alarms: Vec<AlarmInfo>,
     /// What they were held against: warning and alarm, null where there is no limit. Null if nobody judged.
     pub alarm_limits: Option<BTreeMap<&'static str, Option<[f64; 2]>>>,
-    /// The smallest damping ratio under any settings in force; null if no poles are known, or no steps.
+    /// The smallest damping ratio, of the modes that count, under any settings in force; null if no poles are known, or no steps.
     pub min_damping: Option<DampingInfo>,
     /// The largest control force, of several control bearings as that of the first; null without steps.
     pub max_force: Option<PeakInfo>,

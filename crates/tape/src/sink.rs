@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use alarms::{Level, Limits};
 use machine::MachinePoles;
-use rotor::Modes;
 use wire::{BenchStatus, Happening, Moment};
 
 use crate::batch::Batch;
@@ -246,9 +245,9 @@ pub(crate) fn revision_of(
 ) -> Revision {
     // Computed here as the simulation does it: an event carries settings, and no poles.
     let checked = rotor.filter(|rotor| settings.check(rotor).is_ok());
-    let linear = checked.and_then(|rotor| MachinePoles::of(rotor, &settings).ok().map(MachinePoles::into_modes));
-    let min_damping = linear.as_ref().map_or(0.0, Modes::min_damping);
-    let poles = linear.map(|s| s.modes.iter().map(|mode| mode.pole).collect()).unwrap_or_default();
+    let linear = checked.and_then(|rotor| Some((rotor, MachinePoles::of(rotor, &settings).ok()?)));
+    let min_damping = linear.as_ref().map_or(0.0, |(rotor, found)| found.counted_damping(rotor, settings.speed));
+    let poles = linear.map(|(_, s)| s.modes.iter().map(|mode| mode.pole).collect()).unwrap_or_default();
     let (who, why, substeps) = (who.to_owned(), why.to_owned(), substeps.max(1));
     Revision { from, revision, who, why, settings, substeps, poles, min_damping }
 }

@@ -14,7 +14,7 @@ use crate::units::Units;
 #[derive(Clone, Debug, PartialEq)]
 pub struct GainEffects {
     settings: Settings,
-    /// The smallest damping ratio over the speeds that were searched.
+    /// The smallest damping ratio over the speeds that were searched, of the modes that count, as everywhere on the console.
     pub min_damping: f64,
     /// Every range of speeds, from rest to beyond those, in which all modes decay.
     pub stable: Vec<[f64; 2]>,
@@ -54,11 +54,22 @@ impl GainEffects {
             settings: settings.clone(),
             min_damping,
             stable: over.stable,
-            any_deadband: worst_deadband(rotor, settings, [from, to], stop),
+            any_deadband: worst_deadband(rotor, settings, [from, to], stop).map(|worst| worst.min(min_damping)),
             force: steady.iter().map(|orbit| orbit.force).reduce(f64::max),
             margins: opened.peak().map(|(peak, _)| (peak, opened.delay())),
             whirl: cycles.iter().map(circular::Orbit::largest_radius).reduce(f64::max),
         }
+    }
+
+    /// Takes what a search says of the worst damping that it found, of any deadband or of full stiffness: so that all that is told of these
+    /// gains has one number for it. The search gives modes past those that count a weight of their own, and looks where samples do not.
+    pub(crate) fn settle(&mut self, worst: f64, any_deadband: bool) -> f64 {
+        let place = match &mut self.any_deadband {
+            Some(worst) if any_deadband => worst,
+            _ => &mut self.min_damping,
+        };
+        *place = place.min(worst);
+        *place
     }
 
     /// The highest speed up to which it is stable from rest on; 0 if not even there.

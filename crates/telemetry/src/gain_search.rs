@@ -166,8 +166,8 @@ pub struct FoundGains {
     pub settings: Settings,
     /// The smallest damping ratio over all that was asked for.
     pub min_damping: f64,
-    /// The speed where that is.
-    pub worst_speed: f64,
+    /// The speed where that is, if the search has it there.
+    pub worst_speed: Option<f64>,
     /// Whether it is proven for every condition.
     pub proven: bool,
     /// Whether it was stopped before its end.
@@ -213,17 +213,22 @@ impl GainSearch {
         let work = move || {
             let say = |progress: &Progress| fill(&|slot| slot.progress = Some(progress.clone()));
             let tuned = tune(&problem, &options, &say, Stop::when(&flag));
-            let found = tuned.map(|tuned| FoundGains {
-                before: settings.clone(),
-                settings: Settings { feedback: tuned.feedback.clone(), ..settings.clone() },
-                effects: Box::new([settings.feedback.clone(), tuned.feedback].map(|feedback| {
-                    GainEffects::of(&rotor, &Settings { feedback, ..settings.clone() }, speeds, Stop::when(&flag))
-                })),
-                min_damping: tuned.worst.value,
-                worst_speed: tuned.worst.point[0],
-                proven: tuned.worst.proven,
-                stopped: tuned.interrupted,
-                unmet: limits.unmet(tuned.margins.as_ref()),
+            let found = tuned.map(|tuned| {
+                let settings_found = Settings { feedback: tuned.feedback, ..settings.clone() };
+                let [now, mut new] = [&settings, &settings_found]
+                    .map(|settings| GainEffects::of(&rotor, settings, speeds, Stop::when(&flag)));
+                let worst = new.settle(tuned.worst.value, limits.robust);
+                let is_worst = worst == tuned.worst.value;
+                FoundGains {
+                    before: settings.clone(),
+                    settings: settings_found,
+                    min_damping: worst,
+                    worst_speed: is_worst.then_some(tuned.worst.point[0]),
+                    proven: is_worst && tuned.worst.proven,
+                    effects: Box::new([now, new]),
+                    stopped: tuned.interrupted,
+                    unmet: limits.unmet(tuned.margins.as_ref()),
+                }
             });
             fill(&|slot| slot.ended = Some(found.clone()));
         };
@@ -315,7 +320,7 @@ mod tests {
         let goal = SearchGoal { from: 6.0, to: 6.0, ..SearchGoal::default() };
         let found = result(&GainSearch::begin(&rotor, &settings, goal).unwrap()).unwrap();
         assert!(found.min_damping > 0.0291 && found.proven && !found.stopped, "{found:?}");
-        assert_eq!(found.worst_speed, 6.0);
+        assert_eq!(found.worst_speed, Some(6.0));
         let damping = |feedback: &Feedback| {
             let poles = rotor::poles(&ClosedLoop::new(&rotor, feedback, 6.0, &[])).unwrap();
             rotor::damping_ratio(poles[0])
@@ -340,6 +345,22 @@ mod tests {
         let [now, new] = &*found.effects;
         assert!(new.min_damping > now.min_damping && new.stable[0][0] == 0.0 && new.stable[0][1] >= 2.8, "{found:?}");
         assert_eq!(now.stable[0][0], 0.0);
+    }
+
+    #[test]
+    fn an_offer_for_shafts_speaks_of_the_modes_that_the_verdict_speaks_of() {
+        let rotor = builtin::rotor("rig").unwrap();
+        let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "own").unwrap());
+        let goal = SearchGoal { from: 2.5, to: 2.5, ..SearchGoal::default() };
+        let search = GainSearch::begin(&rotor, &settings, goal).unwrap();
+        search.stop();
+        let found = result(&search).unwrap();
+        let [now, new] = &*found.effects;
+        // The verdict of a bench, and what it would be.
+        let verdict = |settings: &Settings| machine::counted_damping(&rotor, settings, 2.5).unwrap();
+        assert!((now.min_damping - verdict(&settings)).abs() < 1e-9, "{} {}", now.min_damping, verdict(&settings));
+        assert!((found.min_damping - verdict(&found.settings)).abs() < 1e-6, "{found:?}");
+        assert_eq!(new.min_damping, found.min_damping);
     }
 
     #[test]

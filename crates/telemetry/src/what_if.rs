@@ -10,7 +10,7 @@ pub struct WhatIf {
     pub settings: Settings,
     /// Their poles, least damped first.
     pub poles: Vec<C64>,
-    /// The smallest damping ratio.
+    /// The smallest damping ratio, of the modes that count.
     pub min_damping: f64,
     /// Why the bench would not take them, as far as that is known.
     pub refusal: Option<ProgramError>,
@@ -20,9 +20,9 @@ impl WhatIf {
     /// What `settings` would mean for `rotor`; nothing if they do not fit it, or have no poles that can be computed.
     pub fn of(rotor: &Rotor, settings: Settings) -> Option<Self> {
         settings.check(rotor).ok()?;
-        let modes = MachinePoles::of(rotor, &settings).ok()?.modes;
-        let min_damping = modes.first()?.damping();
-        let poles = modes.iter().map(|mode| mode.pole).collect();
+        let found = MachinePoles::of(rotor, &settings).ok().filter(|found| !found.modes.is_empty())?;
+        let min_damping = found.counted_damping(rotor, settings.speed);
+        let poles = found.modes.iter().map(|mode| mode.pole).collect();
         Some(Self { settings, poles, min_damping, refusal: None })
     }
 

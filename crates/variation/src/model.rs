@@ -277,7 +277,15 @@ impl Model {
         Ok(made)
     }
 
-    /// Its smallest damping ratio.
+    /// Its smallest damping ratio, of the modes that count at its speed.
+    ///
+    /// # Errors
+    /// Poles that cannot be had.
+    pub fn counted_damping(&self) -> Result<f64, VariationError> {
+        Ok(machine::counted_damping(&self.rotor, &self.settings, self.settings.speed)?)
+    }
+
+    /// Its smallest damping ratio, of all modes.
     ///
     /// # Errors
     /// Poles that cannot be had.

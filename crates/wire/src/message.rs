@@ -163,7 +163,7 @@ message! {
         pub reserved: u32,
         /// Spin speed `R` that it is for: while that changes, the one of some tenth of a second ago.
         pub speed: f64,
-        /// The smallest damping ratio; 0 if there are no poles.
+        /// The smallest damping ratio of the modes that count (of shaft elements not the fastest, as long as they decay); 0 if there are no poles.
         pub min_damping: f64,
         /// The poles `[re, im]`, least damped first.
         pub poles: [[f64; 2]; 2 * MAX_MASSES],

@@ -48,7 +48,7 @@ const OTHERS: [(&str, &str); 14] = [
     ("status", "`benches[]`, with the numbers of its table in full, and `log`"),
     (
         "set",
-        "`accepted`; `changed revision applied_at_step substeps`, or the `reason` why not, with `min_damping` (`now`, `then`) where that is it; `accepted` is `null` where the bench did not answer",
+        "`accepted`; `changed revision applied_at_step substeps`, or the `reason` why not, with `min_damping` (`now`, `then`) or `orbit` (`now`, `limit`) where that is it; `accepted` is `null` where the bench did not answer",
     ),
     (
         "drill",

@@ -13,6 +13,7 @@ use crate::layers::{Layer, PresetChange};
 use crate::line_editor::LineEditor;
 use crate::options::Ended;
 use crate::panels::settings::{every_row, rows, shown_rows};
+use crate::question::Question;
 use crate::screen;
 use crate::screenshot::image::Screenshot;
 use telemetry::edits::Edit;
@@ -235,13 +236,18 @@ impl App<'_> {
                 self.tell(Message::Good("held: change the settings, then swap switches between the two".into()));
             }
             Action::Save(name) if self.presets.has(&name) => {
-                let why = format!("'{name}' is kept already{}: replace?", self.effect_of(&name));
-                self.layers.push(Layer::AskPreset(PresetChange::Replace(name), why));
+                let parts = [
+                    (0, format!("'{name}' is kept already")),
+                    (1, self.effect_of(&name)),
+                    (0, ": replace?".to_owned()),
+                ];
+                self.layers.push(Layer::AskPreset(PresetChange::Replace(name), Question::of(parts)));
             }
             Action::Save(name) => self.save(&name, &settings),
             Action::Delete(name) if self.presets.has(&name) => {
-                let why = format!("delete the gains '{name}'{}?", self.effect_of(&name));
-                self.layers.push(Layer::AskPreset(PresetChange::Delete(name), why));
+                let parts =
+                    [(0, format!("delete the gains '{name}'")), (1, self.effect_of(&name)), (0, "?".to_owned())];
+                self.layers.push(Layer::AskPreset(PresetChange::Delete(name), Question::of(parts)));
             }
             Action::Delete(name) => self.tell(Message::Bad(self.presets.not_found(&name).to_string())),
             _ => {}

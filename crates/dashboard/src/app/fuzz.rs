@@ -162,7 +162,11 @@ fn play(events: u64, seed: u64) {
             // Every third would do harm.
             let settings = lock(&app.feed).settings();
             if let (Some(settings), 0) = (settings, dice.below(3)) {
-                app.take_outcome(EditOutcome::Asks(edit, Box::new(settings), Some(-0.1)));
+                app.take_outcome(EditOutcome::Asks(
+                    edit,
+                    Box::new(settings),
+                    vec![telemetry::edits::Harm::Unstable(-0.1)],
+                ));
             }
         }
         if app.quit.is_some() {

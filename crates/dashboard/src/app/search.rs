@@ -2,6 +2,7 @@
 
 use super::{App, Message};
 use crate::layers::Layer;
+use crate::question::Question;
 use crate::view::PopupRow;
 use telemetry::edits::Edit;
 use telemetry::gain_search::{GainSearch, SearchGoal};
@@ -56,24 +57,27 @@ impl App<'_> {
         match ended {
             Ok(found) => {
                 let proven = if found.proven { "proven" } else { "the worst found" };
-                let early = if found.stopped { ", stopped early" } else { "" };
                 let [now, new] = &*found.effects;
-                let worse = match &now.drawbacks_of(new)[..] {
-                    [] => String::new(),
-                    worse => format!(", but, beside now, {}", worse.join(", ")),
-                };
-                let unmet = match &found.unmet[..] {
-                    [] => String::new(),
-                    unmet => format!(", with {}", unmet.join(" and ")),
-                };
-                let worse = format!("{unmet}{worse}");
                 let compared = telemetry::comparison::rows(now, new, &units).into_iter();
                 self.compared = compared.map(|row| PopupRow { word: row.quantity, detail: row.told }).collect();
-                let what = format!(
-                    "found {goal}{early}: min damping {:.4} at {} ({proven}){worse}",
-                    found.min_damping,
-                    units.speed_told(found.worst_speed)
-                );
+                // What has no room goes in this order: the rest stands above the line too.
+                let mut parts = vec![(0, "found".to_owned()), (5, format!(" {goal}"))];
+                if found.stopped {
+                    parts.push((1, ", stopped early".to_owned()));
+                }
+                parts.push((0, format!(": min damping {:.4}", new.min_damping)));
+                if let (true, Some(worst)) = (robust, new.any_deadband) {
+                    parts.push((2, format!(", any deadband {worst:.4}")));
+                }
+                if let Some(speed) = found.worst_speed {
+                    parts.push((6, format!(" at {}", units.speed_told(speed))));
+                }
+                parts.push((7, format!(" ({proven})")));
+                parts.extend(found.unmet.iter().map(|unmet| (2, format!(", with {unmet}"))));
+                let worse = now.drawbacks_of(new);
+                if !worse.is_empty() {
+                    parts.push((3, format!(", but, beside now, {}", worse.join(", "))));
+                }
                 let change = Box::new((found.before, found.settings));
                 let candidate = Box::new(change.1.clone());
                 self.message = (Message::Hints, std::time::Instant::now());
@@ -81,7 +85,7 @@ impl App<'_> {
                 // What rounding decides is told as exactly zero: no success.
                 let holds = found.min_damping > 0.0 && new.min_damping > 0.0;
                 self.layers.push(if holds {
-                    Layer::AskFound(edit, what)
+                    Layer::AskFound(edit, Question::of(parts))
                 } else {
                     let verdict = crate::theme::verdict(found.min_damping).1;
                     let instead = if robust && !found.stopped {
@@ -89,7 +93,8 @@ impl App<'_> {
                     } else {
                         ": "
                     };
-                    Layer::AskUnstable(edit, candidate, format!("{verdict}{instead}{what}"))
+                    let parts = [(0, verdict.to_owned()), (1, instead.to_owned())].into_iter().chain(parts);
+                    Layer::AskUnstable(edit, candidate, Question::of(parts))
                 });
             }
             Err(why) => self.tell(Message::Bad(format!("search {goal}: {why}"))),

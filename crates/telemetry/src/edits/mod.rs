@@ -2,8 +2,8 @@
 //!
 //! An edit is applied to the newest settings known, whoever made them, and sent whole with the revision it is based on.
 //! If somebody else's change came between, the simulation refuses and the edit is applied anew. A change that would make a
-//! stable rotor unstable is not sent, whatever makes it: a person is asked first. [`edit`] is what can be asked for,
-//! [`undo`] what can be taken back.
+//! stable rotor unstable, or trip it at once, is not sent, whatever makes it: a person is asked first. [`edit`] is what can be
+//! asked for, [`undo`] what can be taken back.
 
 mod edit;
 #[cfg(test)]
@@ -15,10 +15,11 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use crossbeam::channel::{Receiver, RecvTimeoutError, Sender, select_biased};
-use machine::StabilityLoss;
+use machine::{StabilityLoss, TripAtOnce};
 use rotor::{Rotor, Settings};
 use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, WireError};
 
+use crate::reader::{SharedFeed, lock};
 use crate::units::Units;
 pub use edit::{Edit, carry_over};
 use undo::UndoHistory;
@@ -52,9 +53,19 @@ pub enum EditOutcome {
     Swapped(String, Box<Settings>),
     /// It is not, and why.
     Refused(String),
-    /// A person must say yes: the rotor would be unstable with these settings, with this minimum damping; without one that cannot be
-    /// told, and it is stable now.
-    Asks(Edit, Box<Settings>, Option<f64>),
+    /// A person must say yes to these settings, for what they would do to the machine.
+    Asks(Edit, Box<Settings>, Vec<Harm>),
+}
+
+/// What speaks against a change.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Harm {
+    /// A stable rotor would be unstable, with this minimum damping.
+    Unstable(f64),
+    /// Whether a rotor that is stable now would be cannot be told.
+    Unjudged,
+    /// The machine would trip at once.
+    Trips(TripAtOnce),
 }
 
 impl From<String> for EditOutcome {
@@ -63,10 +74,11 @@ impl From<String> for EditOutcome {
     }
 }
 
-/// Starts the edit thread. It ends when `edits` closes.
+/// Starts the edit thread. It ends when `edits` closes. How the machine moves it reads from `feed`.
 pub fn spawn<C: Carrier>(
     carrier: C,
     bench: BenchName,
+    feed: SharedFeed,
     edits: Receiver<Edit>,
     news: Receiver<BenchNews>,
     outcomes: Sender<EditOutcome>,
@@ -76,6 +88,7 @@ pub fn spawn<C: Carrier>(
         let mut edit_thread = EditThread {
             carrier,
             bench,
+            feed,
             who,
             news,
             commander: None,
@@ -123,6 +136,7 @@ struct AppliedChange {
 struct EditThread<C: Carrier> {
     carrier: C,
     bench: BenchName,
+    feed: SharedFeed,
     who: String,
     news: Receiver<BenchNews>,
     commander: Option<C::Commander>,
@@ -227,8 +241,8 @@ impl<C: Carrier> EditThread<C> {
         Ok(EditOutcome::Done(told(&applied.answer, &format!("{}: {difference}{who}", edit.describe(&units)))))
     }
 
-    /// Changes the newest settings and has the result put in force; asks first if the rotor would become unstable, unless
-    /// that result has been agreed to.
+    /// Changes the newest settings and has the result put in force; asks first if the rotor would become unstable or trip at once,
+    /// unless that result has been agreed to.
     fn apply(
         &mut self,
         edit: &Edit,
@@ -240,11 +254,9 @@ impl<C: Carrier> EditThread<C> {
             let Some(KnownSettings { run, revision, settings: before, .. }) = self.known.clone() else { break };
             let mut after = before.clone();
             change(&mut after)?;
-            if agreed != Some(&after)
-                && let Some(loss) = self.would_be_unstable(&before, &after)
-            {
-                let min_damping = loss.then.map(|(_, damping)| damping);
-                return Err(EditOutcome::Asks(edit.clone(), Box::new(after), min_damping));
+            let harms = if agreed == Some(&after) { Vec::new() } else { self.harms(&before, &after) };
+            if !harms.is_empty() {
+                return Err(EditOutcome::Asks(edit.clone(), Box::new(after), harms));
             }
             let request = Change::Settings { base_revision: revision, settings: after.clone() };
             let answer = self.ask(&request, &edit.reason())?;
@@ -262,9 +274,15 @@ impl<C: Carrier> EditThread<C> {
         Err(refusal.into())
     }
 
-    /// What a change takes from a machine that is stable, as far as can be told.
-    fn would_be_unstable(&self, before: &Settings, after: &Settings) -> Option<StabilityLoss> {
-        StabilityLoss::between(self.rotor.as_ref()?, before, after, self.present_speed)
+    /// What a change would do to the machine, as far as can be told.
+    fn harms(&self, before: &Settings, after: &Settings) -> Vec<Harm> {
+        let loss = self.rotor.as_ref().and_then(|rotor| {
+            let loss = StabilityLoss::between(rotor, before, after, self.present_speed)?;
+            Some(loss.then.map_or(Harm::Unjudged, |(_, damping)| Harm::Unstable(damping)))
+        });
+        let orbit = lock(&self.feed).present_orbit();
+        let trips = orbit.and_then(|orbit| TripAtOnce::between(before, after, orbit)).map(Harm::Trips);
+        loss.into_iter().chain(trips).collect()
     }
 
     /// Waits until every change that led to the newest settings has come as an event. Those that have not come in time count as one.

@@ -13,6 +13,23 @@ type Elsewhere<'a> = &'a [(usize, &'a str, f64)];
 /// An edit thread with a simulation that takes every change and tells of it as the real one does; returns the outcomes of the
 /// edits and the last settings. What others do is told only after the edit thread's next request was refused.
 fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<EditOutcome>, Settings) {
+    carried_at(0.0, edits, elsewhere)
+}
+
+/// The same of a machine whose last mass whirls on an orbit so large.
+fn carried_at(orbit: f64, edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<EditOutcome>, Settings) {
+    let feed = SharedFeed::new(std::sync::Mutex::new(crate::feed::Feed::new("")));
+    for seq in 0..100 {
+        let (z, y) = (0.1 * seq as f64).sin_cos();
+        let point = wire::Point { y: orbit * y, z: orbit * z, ..wire::Point::default() };
+        lock(&feed).push_step(
+            &crate::test_support::state(3, seq)
+                .with_point(0, wire::Point::default())
+                .with_point(1, wire::Point::default())
+                .with_point(2, point),
+            Instant::now(),
+        );
+    }
     let carrier = Memory::default();
     let bench = BenchName::default();
     let host = carrier.host(&bench).unwrap();
@@ -30,7 +47,7 @@ fn carried(edits: &[Edit], elsewhere: Elsewhere<'_>) -> (Vec<EditOutcome>, Setti
     };
     tell.send(BenchNews::BenchStatus(Arc::new((*current).clone()))).unwrap();
     tell.send(event(&current, Happening::Started, "sim", "")).unwrap();
-    spawn(carrier.clone(), bench, edit, news, outcome).unwrap();
+    spawn(carrier.clone(), bench, feed, edit, news, outcome).unwrap();
     let mut told = Vec::new();
     let mut untold = Vec::new();
     let mut inbox = host.inbox().unwrap();
@@ -139,7 +156,7 @@ fn whatever_makes_a_stable_rotor_unstable_asks_first_and_yes_means_what_was_show
     for edit in [Edit::Off, Edit::Swap(Box::new(off.clone())), become_off(), set("speed", 9.0)] {
         let (outcomes, settings) = carried(std::slice::from_ref(&edit), &[]);
         assert!(
-            matches!(&outcomes[..], [EditOutcome::Asks(asked, _, Some(damping))] if *asked == edit && *damping < 0.0)
+            matches!(&outcomes[..], [EditOutcome::Asks(asked, _, harms)] if *asked == edit && matches!(harms[..], [Harm::Unstable(damping)] if damping < 0.0))
         );
         assert_eq!(settings, start(), "{edit:?}");
     }
@@ -165,6 +182,26 @@ fn whatever_makes_a_stable_rotor_unstable_asks_first_and_yes_means_what_was_show
     // Yes to other settings than would come into force is no yes.
     let (outcomes, _) = carried(&[sure(Edit::Off, &back)], &[]);
     assert!(matches!(&outcomes[0], EditOutcome::Asks(Edit::Off, ..)), "{outcomes:?}");
+}
+
+#[test]
+fn a_limit_below_the_present_orbit_asks_first_also_where_undo_puts_it_there() {
+    let below = [set("trip", 5.0)];
+    let (outcomes, settings) = carried_at(12.5, &below, &[]);
+    let EditOutcome::Asks(asked, then, harms) = &outcomes[0] else { panic!("{outcomes:?}") };
+    assert_eq!((asked, then.trip, &settings), (&below[0], 5.0, &start()));
+    assert!(matches!(harms[..], [Harm::Trips(TripAtOnce { orbit, limit: 5.0 })] if (orbit - 12.5).abs() < 1e-9));
+    // With both reasons where there are both, and agreed to in one.
+    let off = Edit::Swap(Box::new(Settings { feedback: start().feedback.off(), trip: 5.0, ..start() }));
+    let (outcomes, _) = carried_at(12.5, &[off], &[]);
+    let EditOutcome::Asks(.., harms) = &outcomes[0] else { panic!("{outcomes:?}") };
+    assert!(matches!(harms[..], [Harm::Unstable(_), Harm::Trips(_)]), "{harms:?}");
+    // Down to what is above the orbit, and up from below it, nothing is asked; back down, by undo, it is.
+    let sure = |trip| Edit::Sure(Box::new(set("trip", trip)), Box::new(Settings { trip, ..start() }));
+    let (outcomes, settings) = carried_at(12.5, &[set("trip", 13.0), sure(5.0), set("trip", 50.0), Edit::Undo], &[]);
+    let done = |outcome: &EditOutcome| matches!(outcome, EditOutcome::Done(_));
+    assert!(outcomes[..3].iter().all(done) && matches!(outcomes[3], EditOutcome::Asks(Edit::Undo, ..)), "{outcomes:?}");
+    assert_eq!(settings.trip, 50.0);
 }
 
 #[test]

@@ -24,7 +24,7 @@ pub struct Era {
     pub speed: f64,
     /// The poles, least damped first; none if they are not known.
     pub poles: Vec<C64>,
-    /// The smallest damping ratio; 0 without poles.
+    /// The smallest damping ratio, of the modes that count; 0 without poles.
     pub min_damping: f64,
 }
 
@@ -55,8 +55,9 @@ impl Era {
     #[must_use]
     pub fn at_speed(&self, speed: f64) -> Option<Self> {
         let settings = Settings { speed, ..self.settings.clone() };
-        let linear = MachinePoles::of(self.rotor.as_ref()?, &settings).ok()?.into_modes();
-        let min_damping = linear.min_damping();
+        let rotor = self.rotor.as_ref()?;
+        let linear = MachinePoles::of(rotor, &settings).ok()?;
+        let min_damping = linear.counted_damping(rotor, speed);
         let poles = linear.modes.into_iter().map(|mode| mode.pole).collect();
         Some(Self { speed, min_damping, poles, ..self.clone() })
     }

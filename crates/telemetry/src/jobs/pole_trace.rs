@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use rotor::{C64, Feedback, Rotor, Settings, damping_ratio};
+use machine::CountedModes;
+use rotor::{C64, Feedback, Rotor, Settings};
 
 use crate::history::Era;
 
@@ -43,7 +44,7 @@ impl PoleTraceRequest {
     }
 
     fn min_damping(&self, speed: f64) -> f64 {
-        machine::min_damping(&self.rotor, &self.settings(), speed).unwrap_or(f64::NAN)
+        machine::counted_damping(&self.rotor, &self.settings(), speed).unwrap_or(f64::NAN)
     }
 
     /// Poles as branches over speeds, and the smallest damping at each.
@@ -54,8 +55,10 @@ impl PoleTraceRequest {
             return Some((trace.branches.into_iter().map(|b| b.poles).collect(), min_damping));
         }
         let branches = machine::trace(&self.rotor, &self.settings(), speeds).ok()?;
-        let damping =
-            |at: usize| branches.iter().filter_map(|b| b[at]).map(damping_ratio).fold(f64::INFINITY, f64::min);
+        let damping = |at: usize| {
+            let poles = || branches.iter().filter_map(|b| b[at]);
+            CountedModes::at(&self.rotor, speeds[at], poles()).min_damping(poles())
+        };
         let min_damping = (0..speeds.len()).map(damping).collect();
         // A branch that a delay keeps out of sight at some speed is not drawn; its damping counts all the same.
         Some((branches.into_iter().filter_map(|b| b.into_iter().collect()).collect(), min_damping))
@@ -79,7 +82,7 @@ pub struct PoleTrace {
     pub speeds: Vec<f64>,
     /// Continuous branches of poles over the speeds; empty where modes cannot be told apart.
     pub branches: Vec<Vec<C64>>,
-    /// The smallest damping ratio at each speed; not a number where there is none.
+    /// The smallest damping ratio at each speed, of the modes that count there; not a number where there is none.
     pub min_damping: Vec<f64>,
     /// Every range of speeds, `[from, to]` and rising, in which all modes decay.
     pub stable: Vec<[f64; 2]>,

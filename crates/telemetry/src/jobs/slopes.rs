@@ -40,7 +40,7 @@ impl SettingSlopes {
         };
         let own: Vec<Parameter> = model.parameters().into_iter().filter(|of| key_of(of).is_some()).collect();
         let Ok(found) = damping_sensitivities(&model, &own) else { return Self::default() };
-        let shown = machine::min_damping(rotor, settings, settings.speed);
+        let shown = machine::counted_damping(rotor, settings, settings.speed);
         if !shown.is_ok_and(|shown| (shown - found.min_damping).abs() <= SAME * shown.abs()) {
             return Self::default();
         }

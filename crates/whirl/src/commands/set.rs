@@ -1,10 +1,10 @@
 //! `whirl set`: changes the settings of a running bench, all or nothing, and waits for its answer.
 
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use machine::StabilityLoss;
+use machine::{StabilityLoss, TripAtOnce};
 use serde::Serialize;
-use wire::{Answer, Change, Commander, WireError};
+use wire::{Answer, BenchName, BenchStatus, Change, Commander, Listener, SharedMemory, Step, WireError};
 
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
@@ -15,6 +15,9 @@ use crate::{catalog, output};
 const PATIENCE: Duration = Duration::from_secs(5);
 /// How often a change is tried again when somebody else's change comes between looking and asking.
 const TRIES: usize = 5;
+/// How long the motion is looked at, at least and at most, before a limit comes down on it.
+const LEAST_LOOK: Duration = Duration::from_millis(50);
+const LOOK: Duration = Duration::from_millis(500);
 
 /// Options of `whirl set`.
 #[derive(Debug, clap::Args)]
@@ -28,7 +31,7 @@ pub(crate) struct SetArgs {
     /// Why, for the log of events: `whirl tail --events` shows it
     #[arg(long, value_name = "TEXT", default_value = "", hide_default_value = true)]
     why: String,
-    /// Make the change even if a stable machine becomes unstable by it
+    /// Make the change even if a stable machine becomes unstable by it, or trips at once
     #[arg(long)]
     force: bool,
     /// Print one JSON document
@@ -55,6 +58,9 @@ enum Document {
         /// Refused because of them: the minimum damping now and then.
         #[serde(skip_serializing_if = "Option::is_none")]
         min_damping: Option<Damping>,
+        /// Refused because of it: the orbit now, and the limit that it is past, in `e_t`.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        orbit: Option<Orbit>,
     },
     /// The bench was asked and has not answered: it may yet make the change.
     Unknown { accepted: Option<bool>, reason: String },
@@ -65,6 +71,12 @@ struct Damping {
     /// `null` where the poles cannot be computed.
     now: Option<f64>,
     then: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+struct Orbit {
+    now: f64,
+    limit: f64,
 }
 
 /// A change that has been made, or was not needed.
@@ -80,6 +92,8 @@ struct Done {
 enum NotDone {
     /// It would make a stable machine unstable.
     Unstable(StabilityLoss),
+    /// It would trip the machine at once, and how that is told.
+    Trips(TripAtOnce, String),
     /// It was asked for, and no answer came.
     Unanswered(WireError),
     /// Anything else.
@@ -97,7 +111,8 @@ impl<F: Into<Failure>> From<F> for NotDone {
 /// # Errors
 /// A wrong key or value, no such bench, or a refusal.
 pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
-    let (reason, min_damping) = match change(args) {
+    let (mut min_damping, mut orbit) = (None, None);
+    let reason = match change(args) {
         Ok(Done { changed, revision, step, substeps: [substeps, before] }) => {
             if args.json {
                 let document =
@@ -109,7 +124,7 @@ pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
             return output::print_text(&format!("{already}revision {revision} from step {step}{pace}\n"));
         }
         // What is wrong with a change is a refusal, whoever notices it: the bench, or we before asking it.
-        Err(NotDone::Failed(Failure::Usage(reason) | Failure::Work(reason))) => (reason, None),
+        Err(NotDone::Failed(Failure::Usage(reason) | Failure::Work(reason))) => reason,
         Err(NotDone::Failed(failure)) => return Err(failure),
         Err(NotDone::Unanswered(silence)) => {
             if args.json {
@@ -118,12 +133,16 @@ pub(crate) fn run(args: &SetArgs) -> Result<(), Failure> {
             return Err(attach::unanswered(&silence));
         }
         Err(NotDone::Unstable(loss)) => {
-            let damping = Damping { now: loss.now, then: loss.then.map(|(_, damping)| damping) };
-            (format!("{loss}; --force makes it all the same"), Some(damping))
+            min_damping = Some(Damping { now: loss.now, then: loss.then.map(|(_, damping)| damping) });
+            format!("{loss}; --force makes it all the same")
+        }
+        Err(NotDone::Trips(TripAtOnce { orbit: now, limit }, told)) => {
+            orbit = Some(Orbit { now, limit });
+            format!("{told}; --force makes it all the same")
         }
     };
     if args.json {
-        output::print_json(&Document::Refused { accepted: false, reason: reason.clone(), min_damping })?;
+        output::print_json(&Document::Refused { accepted: false, reason: reason.clone(), min_damping, orbit })?;
     }
     Err(Failure::Work(format!("not changed: {reason}")))
 }
@@ -148,6 +167,13 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         {
             return Err(NotDone::Unstable(loss));
         }
+        if !args.force && settings.trip < before.trip && !bench_status.trip.is_tripped() {
+            let orbit = present_orbit(&carrier, &bench, &bench_status)?;
+            if let Some(trips) = orbit.and_then(|orbit| TripAtOnce::between(&before, &settings, orbit)) {
+                let length = telemetry::units::Units::of_machine(&rotor, &before.feedback).length;
+                return Err(NotDone::Trips(trips, trips.words(|value| length.told(value, 4))));
+            }
+        }
         let base_revision = bench_status.revision;
         let request = Change::Settings { base_revision, settings }.request(&who, &args.why)?;
         let answer = match commander.ask(&request, PATIENCE) {
@@ -165,4 +191,20 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         outdated = Some(answer);
     }
     Err(Failure::Work(outdated.map_or_else(String::new, |answer| answer.reason.as_str().to_owned())).into())
+}
+
+/// The largest orbit of any place over a turn of the rotor, or as much of one as there is patience for; nothing where no step comes.
+fn present_orbit(carrier: &SharedMemory, bench: &BenchName, status: &BenchStatus) -> Result<Option<f64>, Failure> {
+    let turn = std::f64::consts::TAU / status.present_speed().abs() / (status.dtau * status.rate_hz);
+    let patience = LEAST_LOOK.max(Duration::try_from_secs_f64(turn).map_or(LOOK, |turn| turn.min(LOOK)));
+    let mut listener = attach::listen(carrier, bench)?;
+    let (began, mut largest) = (Instant::now(), None);
+    while began.elapsed() < patience {
+        listener.drain(|step| {
+            let radius = step.largest_radius();
+            largest = Some(largest.map_or(radius, |largest: f64| largest.max(radius)));
+        })?;
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    Ok(largest)
 }
