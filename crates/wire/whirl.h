@@ -77,7 +77,8 @@ struct whirl_analysis { /* 544 bytes, whirl.Analysis */
     uint32_t reserved;
     /* 16: Spin speed R that it is for: while that changes, the one of some tenth of a second ago. */
     double speed;
-    /* 24: The smallest damping ratio; 0 if there are no poles. */
+    /* 24: The smallest damping ratio of the modes that count (of shaft elements not the fastest, as long as they
+       decay); 0 if there are no poles. */
     double min_damping;
     /* 32: The poles re, im, least damped first. */
     double poles[32][2];

@@ -169,7 +169,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand config; and __fish_seen_subc
 complete -c whirl -n "__fish_whirl_using_subcommand config; and __fish_seen_subcommand_from defaults" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand set" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand set" -l why -d 'Why, for the log of events: `whirl tail --events` shows it' -r
-complete -c whirl -n "__fish_whirl_using_subcommand set" -l force -d 'Make the change even if a stable machine becomes unstable by it'
+complete -c whirl -n "__fish_whirl_using_subcommand set" -l force -d 'Make the change even if a stable machine becomes unstable by it, or trips at once'
 complete -c whirl -n "__fish_whirl_using_subcommand set" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand set" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand drill" -l at -d 'Where a fault is: the number or name of a mass or control bearing' -r

@@ -47,10 +47,20 @@ pub(crate) fn completions(line: &str, layouts: &[String], presets: &[String]) ->
     candidates.into_iter().filter(|candidate| candidate.starts_with(word)).map(whole).collect()
 }
 
-/// What a completion means: what a command does, what a setting is. Empty for anything else.
-pub(crate) fn meaning(word: &str) -> String {
-    let word = word.trim_end();
-    if let Some(row) = ACTIONS.iter().find(|row| row.name == word) {
+/// What the last word of a line that can follow means there: what a command does, what a setting is. Empty for anything else.
+pub(crate) fn meaning(line: &str) -> String {
+    let line = line.trim_end();
+    let (before, word) = line.rsplit_once(' ').map_or(("", line), |(before, word)| (before, word));
+    match (before.split_whitespace().next(), word) {
+        (Some("drill"), "off") => return "the fault put back".to_owned(),
+        (Some("alarm"), "off") => return "no limit".to_owned(),
+        (Some("alarm"), "machine") => return "limits that follow the machine".to_owned(),
+        _ => {}
+    }
+    // Only the first word is a command.
+    if before.is_empty()
+        && let Some(row) = ACTIONS.iter().find(|row| row.name == word)
+    {
         return format!("{} {}", row.argument, row.meaning).trim_start().to_owned();
     }
     if let Ok(fault) = Fault::named(word) {
@@ -71,6 +81,14 @@ pub(crate) fn common(lines: &[String]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_word_means_what_it_does_where_it_stands() {
+        assert_eq!(meaning("drill off"), "the fault put back");
+        assert_eq!(meaning("alarm force off"), "no limit");
+        assert!(meaning("off").contains("control off"), "{}", meaning("off"));
+        assert!(!meaning("set kd=").is_empty() && !meaning("drill sensor-lost ").is_empty());
+    }
 
     #[test]
     fn completion_offers_names_settings_and_what_commands_take() {

@@ -8,7 +8,7 @@ use ratatui::widgets::{Block, Clear, Paragraph, Widget};
 use rotor::PARAMETERS;
 
 use crate::actions::{ACTIONS, MOUSE};
-use crate::fit_text::{cut_line, padded};
+use crate::fit_text::{cut_line, padded, width};
 use crate::list::passes;
 use crate::theme;
 use crate::view::View;
@@ -32,10 +32,12 @@ const SIGNS: [(&str, &str); 12] = [
 /// Draws it over `area`, from line `from` on.
 pub(crate) fn draw(view: &View<'_>, from: usize, area: Rect, buffer: &mut Buffer) {
     let matches = |line: &Line<'_>| passes(view.filter, &line.to_string());
-    let lines: Vec<Line<'_>> = lines(view).into_iter().filter(matches).collect();
+    let width = 104.min(area.width);
+    let room = usize::from(width.saturating_sub(2));
+    let matching = lines(view).into_iter().filter(matches);
+    let lines: Vec<Line<'_>> = matching.flat_map(|line| wrapped(line, room.saturating_sub(1))).collect();
     let count = lines.len();
     let height = (count as u16 + 2).min(area.height);
-    let width = 104.min(area.width);
     let [middle] = Layout::horizontal([Constraint::Length(width)]).flex(ratatui::layout::Flex::Center).areas(area);
     let [middle] = Layout::vertical([Constraint::Length(height)]).flex(ratatui::layout::Flex::Center).areas(middle);
     Clear.render(middle, buffer);
@@ -43,10 +45,52 @@ pub(crate) fn draw(view: &View<'_>, from: usize, area: Rect, buffer: &mut Buffer
     let from = from.min(count.saturating_sub(shown));
     let more = if from + shown < count { ", up and down move it" } else { "" };
     let block = Block::bordered().title(format!(" help: ? or esc closes it, / filters it{more} "));
-    let room = usize::from(width.saturating_sub(2));
     Paragraph::new(lines.into_iter().skip(from).map(|line| cut_line(line, room)).collect::<Vec<_>>())
         .block(block)
         .render(middle, buffer);
+}
+
+/// Cells before what a key does.
+const INDENT: usize = 29;
+
+/// A line on as many as it takes, its second part below itself, and below a first part that fills the line.
+fn wrapped(line: Line<'_>, room: usize) -> Vec<Line<'_>> {
+    let [key, meaning] = &line.spans[..] else { return vec![line] };
+    let keys = filled(key.content.trim_end(), [room, room.saturating_sub(4)]);
+    let lone = width(&key.content) >= room;
+    let first = if lone { 0 } else { room.saturating_sub(width(&key.content)) };
+    let mut meanings = filled(&meaning.content, [first, room.saturating_sub(INDENT)]).into_iter();
+    let rows = |indent: usize, text: String, style: Style| {
+        Line::from(vec![Span::raw(" ".repeat(indent)), Span::styled(text, style)])
+    };
+    let mut lines: Vec<Line<'_>> = if lone {
+        keys.into_iter().enumerate().map(|(at, text)| rows(if at == 0 { 0 } else { 4 }, text, key.style)).collect()
+    } else {
+        Vec::new()
+    };
+    let head = meanings.next().unwrap_or_default();
+    if !lone {
+        lines.push(Line::from(vec![key.clone(), Span::styled(head, meaning.style)]));
+    }
+    lines.extend(meanings.map(|text| rows(INDENT, text, meaning.style)));
+    lines
+}
+
+/// The words of a text in rows: so many cells in the first, so many in each of the others.
+fn filled(text: &str, [first, rest]: [usize; 2]) -> Vec<String> {
+    let mut rows = vec![String::new()];
+    for word in text.split(' ') {
+        let room = if rows.len() == 1 { first } else { rest };
+        match rows.last_mut() {
+            Some(last) if last.is_empty() && width(word) <= room => last.push_str(word),
+            Some(last) if !last.is_empty() && width(last) + 1 + width(word) <= room => {
+                last.push(' ');
+                last.push_str(word);
+            }
+            _ => rows.push(word.to_owned()),
+        }
+    }
+    rows
 }
 
 fn lines<'a>(view: &'a View<'_>) -> Vec<Line<'a>> {
@@ -103,6 +147,18 @@ mod tests {
         let cut: Vec<&str> = frame.lines().filter(|line| line.ends_with('│') && !line.ends_with(" │")).collect();
         assert_eq!(cut, [""; 0], "lines that do not fit");
         insta::assert_snapshot!("help", frame);
+    }
+
+    #[test]
+    fn on_a_narrow_screen_what_is_long_goes_on_below_itself() {
+        let data = telemetry::test_support::frame_data();
+        let view = crate::view::tests::view(&data);
+        let frame = drawn(60, 300, |area, buffer| draw(&view, 0, area, buffer));
+        assert!(!frame.contains('…'), "{frame}");
+        let flat: String = frame.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+        for row in ACTIONS.iter().flat_map(|row| row.keys.iter().map(|keys| keys.meaning)) {
+            assert!(flat.contains(row), "{row}:\n{frame}");
+        }
     }
 
     #[test]

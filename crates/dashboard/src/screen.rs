@@ -10,7 +10,7 @@ use crate::drawing::write;
 use crate::layers::Layer;
 use crate::layout::{Layout, SMALLEST};
 use crate::panels::panel::PanelCommand;
-use crate::panels::registry::{PANELS, Panels};
+use crate::panels::registry::{PANELS, Panels, rows_needed};
 use crate::theme;
 use crate::view::{Message, View};
 use crate::{help, log, popup, status_line, time_line};
@@ -39,7 +39,7 @@ pub(crate) fn draw(view: &View<'_>, layout: &Layout, panels: &mut Panels, area: 
     panels.command_any(&PanelCommand::StripsOfLayout(strips));
     let over = view.pointer.map(Position::from).filter(|_| view.layers.is_empty());
     let mut told = None;
-    for (kind, place) in places {
+    for (kind, place) in with_room_for_settings(places, view) {
         panels.draw(kind, view, place, buffer);
         if PANELS[kind].is_of_motion && view.standstill().is_some() {
             dim(place, buffer);
@@ -107,7 +107,44 @@ fn mark_chosen(area: Rect, buffer: &mut Buffer) {
 /// Where the panels are on a screen of this size; nowhere if it is too small for them.
 pub(crate) fn panels(view: &View<'_>, layout: &Layout, area: Rect) -> Vec<(usize, Rect)> {
     let is_enough = area.width >= SMALLEST.0 && area.height >= SMALLEST.1;
-    if is_enough { layout.places(parts(area, view.replay.is_some())[2]) } else { Vec::new() }
+    if is_enough {
+        with_room_for_settings(layout.places(parts(area, view.replay.is_some())[2]), view)
+    } else {
+        Vec::new()
+    }
+}
+
+/// The same places, but the settings take of the panels above and below them in their column the rows that those have nothing for.
+fn with_room_for_settings(mut places: Vec<(usize, Rect)>, view: &View<'_>) -> Vec<(usize, Rect)> {
+    let Some(&(kind, own)) = places.iter().find(|(kind, _)| PANELS[*kind].name == "settings") else { return places };
+    let wanted = rows_needed(kind, view).unwrap_or(0).saturating_sub(own.height);
+    // What stands in the same column, from the top.
+    let mut column: Vec<usize> =
+        (0..places.len()).filter(|at| (places[*at].1.x, places[*at].1.width) == (own.x, own.width)).collect();
+    column.sort_by_key(|at| places[*at].1.y);
+    let Some(&first) = column.first() else { return places };
+    let is_whole = column.windows(2).all(|pair| places[pair[0]].1.bottom() == places[pair[1]].1.y);
+    if wanted == 0 || !is_whole {
+        return places;
+    }
+    let (top, mut left) = (places[first].1.y, wanted);
+    for at in &column {
+        let (kind, place) = &mut places[*at];
+        if let Some(needed) = rows_needed(*kind, view).filter(|_| PANELS[*kind].name != "settings") {
+            let given = place.height.saturating_sub(needed.max(PANELS[*kind].least.1)).min(left);
+            (place.height, left) = (place.height - given, left - given);
+        }
+    }
+    let mut y = top;
+    for at in column {
+        let (kind, place) = &mut places[at];
+        if PANELS[*kind].name == "settings" {
+            place.height += wanted - left;
+        }
+        place.y = y;
+        y += place.height;
+    }
+    places
 }
 
 /// The line at the top, the line of time if there is one, the panels, and the line at the foot.

@@ -33,7 +33,8 @@ pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color)
         Connection::Stalled => ("STALLED", theme::BAD),
         Connection::Live if data.tripped => ("TRIPPED", theme::BAD),
         Connection::Live if paused => ("PAUSED", theme::WARN),
-        Connection::Live => ("RUNNING", theme::GOOD),
+        // Of a machine that runs the colour is that of its stability, as far as that is known.
+        Connection::Live => ("RUNNING", data.poles().map_or(theme::CURSOR, |(least, _)| theme::verdict(least).0)),
     }
 }
 
@@ -43,36 +44,41 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     // Each with how soon it goes where there is no room for all: the largest first, whole. What is healthy goes before what tells how
     // the machine stands.
     let mut line = vec![(0, Span::styled(format!(" {word} "), theme::badge(color)))];
-    let mut add = |soon: u8, text: String, style: Style| line.push((soon, Span::styled(format!("  {text}"), style)));
+    let part = |soon: u8, text: String, style: Style| (soon, Span::styled(format!("  {text}"), style));
     let plain = Style::new();
     // A machine that stands still is first told why.
     if let Some(trip) = data.trip().filter(|_| data.connection == Connection::Live) {
-        add(2, format!("{}: R restarts", data.units().trip(&trip)), theme::loud(theme::BAD));
+        line.push(part(2, format!("{}: R restarts", data.units().trip(&trip)), theme::loud(theme::BAD)));
     }
-    let starts = || ("● REC starting".to_owned(), theme::loud(theme::CURSOR));
+    let starts = || ("● REC".to_owned(), " starting".to_owned(), theme::loud(theme::CURSOR));
     let told = data.recorder.as_deref().filter(|status| status.is_recording() || !data.recorder_starts);
     let sign = told.and_then(recording).or_else(|| data.recorder_starts.then(starts));
-    if let Some((sign, style)) = sign {
-        add(1, sign, style);
+    if let Some((sign, told, style)) = sign {
+        line.push(part(1, sign, style));
+        // Behind its sign without the blanks between parts.
+        if !told.is_empty() {
+            line.push((5, Span::styled(told, style)));
+        }
     }
     if let Connection::Waiting(why) = &data.connection {
-        add(1, why.clone(), theme::loud(theme::WARN));
+        line.push(part(1, why.clone(), theme::loud(theme::WARN)));
     }
     if !view.time.is_live()
         && let Some(now) = data.now
     {
         let (ago, moment) = (data.ago().as_secs_f64(), data.units().moment_told(data.track.tau(now), 6));
-        add(1, format!("-{ago:.3} s  {moment}"), theme::loud(theme::WARN));
+        line.push(part(1, format!("-{ago:.3} s"), theme::loud(theme::WARN)));
+        line.push(part(6, moment, theme::loud(theme::WARN)));
     }
     if view.read_only {
-        add(4, "read-only".to_owned(), theme::loud(theme::CURSOR));
+        line.push(part(4, "read-only".to_owned(), theme::loud(theme::CURSOR)));
     }
     if view.locked {
-        add(4, "LOCKED".to_owned(), theme::loud(theme::CURSOR));
+        line.push(part(4, "LOCKED".to_owned(), theme::loud(theme::CURSOR)));
     }
-    add(6, view.bench.to_owned(), plain.bold());
+    line.push(part(6, view.bench.to_owned(), plain.bold()));
     if let (Some(bench_status), Some(settings)) = (&data.bench_status, &data.settings) {
-        add(7, bench_status.rotor_name.as_str().to_owned(), plain);
+        line.push(part(7, bench_status.rotor_name.as_str().to_owned(), plain));
         // Old recordings, and benches that have told no poles yet, know of no other speed.
         let told = data.era.as_ref().filter(|era| !era.poles.is_empty() && era.settings == *settings);
         let [leg, legs] = if view.time.is_live() { bench_status.leg } else { [0; 2] };
@@ -93,35 +99,35 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
                 None => format!("R {}", units.value_digits(aim)),
             },
         };
-        add(1, speed, plain);
+        line.push(part(1, speed, plain));
         if let Some(now) = on_its_way
             && let Some(told) = rate_told(data, now)
         {
-            add(5, told, plain);
+            line.push(part(5, told, plain));
         }
         if legs > 0 {
-            add(5, format!("leg {leg} of {legs}"), plain);
+            line.push(part(5, format!("leg {leg} of {legs}"), plain));
         }
-        add(9, format!("{:.0}/s", data.rate), plain);
+        line.push(part(9, format!("{:.0}/s", data.rate), plain));
         if bench_status.substeps > 1 {
-            add(8, format!("{} substeps", bench_status.substeps), plain);
+            line.push(part(8, format!("{} substeps", bench_status.substeps), plain));
         }
         let health = &bench_status.health;
         let (p50, p99) = (health.lateness_p50_us, health.lateness_p99_us);
-        add(10, format!("late {p50:.0}/{p99:.0} us"), plain);
+        line.push(part(10, format!("late {p50:.0}/{p99:.0} us"), plain));
         if health.missed > 0 {
-            add(3, format!("missed {}", health.missed), theme::loud(theme::WARN));
+            line.push(part(3, format!("missed {}", health.missed), theme::loud(theme::WARN)));
         }
         match data.lost {
-            0 => add(11, "lost 0".to_owned(), plain),
-            lost => add(3, format!("lost {lost}"), theme::loud(theme::WARN)),
+            0 => line.push(part(11, "lost 0".to_owned(), plain)),
+            lost => line.push(part(3, format!("lost {lost}"), theme::loud(theme::WARN))),
         }
     }
     if let Some(age) = data.age {
         if matches!(data.connection, Connection::Gone | Connection::Stalled) {
-            add(1, format!("last step {:.1} s ago", age.as_secs_f64()), theme::loud(theme::BAD));
+            line.push(part(1, format!("last step {:.1} s ago", age.as_secs_f64()), theme::loud(theme::BAD)));
         } else {
-            add(12, format!("age {} ms", age.as_millis()), plain);
+            line.push(part(12, format!("age {} ms", age.as_millis()), plain));
         }
     }
     // Alarms have their place whatever else is told, but their names make room for how the machine stands: other panels tell them.
@@ -161,11 +167,13 @@ fn fitted(mut parts: Vec<(u8, Span<'_>)>, room: usize) -> Line<'_> {
     Line::from(parts.into_iter().map(|(_, part)| part).collect::<Vec<_>>())
 }
 
-/// The alarms with the names of as many levels as `room` has, the worst first; of the others how many there are.
+/// The alarms with the names of as many levels as `room` has, the worst first; of the others how many there are, and as the last resort
+/// their signs alone.
 fn alarms_within(alarms: &Alarms, room: usize) -> Line<'static> {
-    let told = |named: &[Level]| Line::from(alarms_told(alarms, named).collect::<Vec<_>>());
-    let named: [&[Level]; 2] = [&[Level::Alarm, Level::Warning], &[Level::Alarm]];
-    named.into_iter().map(told).find(|line| line.width() <= room).unwrap_or_else(|| told(&[]))
+    let told = |named: &[Level]| Line::from(alarms_told(alarms, named, false).collect::<Vec<_>>());
+    let named: [&[Level]; 3] = [&[Level::Alarm, Level::Warning], &[Level::Alarm], &[]];
+    let signs = || Line::from(alarms_told(alarms, &[], true).collect::<Vec<_>>());
+    named.into_iter().map(told).find(|line| line.width() <= room).unwrap_or_else(signs)
 }
 
 /// Alarms at the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
@@ -177,7 +185,7 @@ pub(crate) fn draw_alarms(alarms: &Alarms, area: Rect, buffer: &mut Buffer) {
 
 /// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit, or for levels that are not
 /// among `named` how many. On a bar until they are acknowledged.
-fn alarms_told(alarms: &Alarms, named: &[Level]) -> impl Iterator<Item = Span<'static>> {
+fn alarms_told(alarms: &Alarms, named: &[Level], signs: bool) -> impl Iterator<Item = Span<'static>> {
     [Level::Alarm, Level::Warning].into_iter().flat_map(move |level| {
         [true, false].into_iter().filter_map(move |unseen| {
             let here = alarms.standings().filter(|(_, standing, _)| standing.shown() == level);
@@ -186,7 +194,9 @@ fn alarms_told(alarms: &Alarms, named: &[Level]) -> impl Iterator<Item = Span<'s
                 .map(|(watch, ..)| watch.name())
                 .collect();
             let what = if named.contains(&level) { names.join(", ") } else { names.len().to_string() };
-            let text = format!(" {} {what} ", theme::level_words(level));
+            let words = theme::level_words(level);
+            let words = if signs { words.split(' ').next().unwrap_or(words) } else { words };
+            let text = format!(" {words} {what} ");
             let color = theme::level_color(level);
             let style = if unseen { theme::badge(color) } else { theme::loud(color) };
             (!names.is_empty()).then(|| Span::styled(text, style))
@@ -197,28 +207,26 @@ fn alarms_told(alarms: &Alarms, named: &[Level]) -> impl Iterator<Item = Span<'s
 /// Silence of a living recorder that is worth a word: it shall speak at least once a second.
 const SILENT: u64 = 3_000_000_000;
 
-/// The sign of a recording, with time, size and losses while it runs.
-fn recording(status: &RecorderStatus) -> Option<(String, Style)> {
+/// The sign of a recording, and behind it time, size and losses while it runs.
+fn recording(status: &RecorderStatus) -> Option<(String, String, Style)> {
     let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
     let told = match status.state() {
         RecorderState::Recording if now.saturating_sub(status.wall_ns) > SILENT => {
-            return Some((
-                format!("● REC hangs for {} s", now.saturating_sub(status.wall_ns) / 1_000_000_000),
-                theme::badge(theme::BAD),
-            ));
+            let hangs = format!("● REC hangs for {} s", now.saturating_sub(status.wall_ns) / 1_000_000_000);
+            return Some((hangs, String::new(), theme::badge(theme::BAD)));
         }
         RecorderState::Recording => {
             let seconds = status.wall_ns.saturating_sub(status.started_ns) / 1_000_000_000;
             let held = if matches!(status.keeping(), Keeping::Pretrigger(_)) { " armed" } else { "" };
             let (minutes, rest, size) = (seconds / 60, seconds % 60, status.bytes as f64 / 1e6);
-            let told = format!("● REC{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost);
-            return Some((told, theme::loud(theme::CURSOR)));
+            let told = format!("{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost);
+            return Some(("● REC".to_owned(), told, theme::loud(theme::CURSOR)));
         }
         RecorderState::Failed => format!("REC FAILED: {}", status.error.as_str()),
         RecorderState::Died => "REC DIED: what it wrote is there".to_owned(),
         RecorderState::Stopped => return None,
     };
-    Some((told, theme::loud(theme::BAD)))
+    Some((told, String::new(), theme::loud(theme::BAD)))
 }
 
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
@@ -324,6 +332,37 @@ mod tests {
         let mut data = tests::frame_data();
         data.recorder = Some(Box::new(status));
         assert!(top(&data, false).contains("REC FAILED: disk full"));
+    }
+
+    #[test]
+    fn on_the_smallest_screen_state_offset_speed_recording_and_alarms_stay() {
+        let mut data = tests::frame_data();
+        let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap().as_nanos() as u64;
+        let mut status = wire::RecorderStatus { bytes: 3_440_000, wall_ns: now, ..wire::RecorderStatus::default() };
+        status.set_state(RecorderState::Recording);
+        (data.recorder, data.behind, data.seconds) = (Some(Box::new(status)), 12_345, 1e-3);
+        let mut alarms = Alarms::default();
+        alarms.read(&damping(1, -0.3));
+        alarms.read(&damping(2, -0.3).with(alarms::Watch::Saturation, 1.0).with(alarms::Watch::Orbit, 1e9));
+        let mut time = ViewTime::LIVE;
+        time.pause(&(0..3000));
+        let seen = View { time: &time, alarms: &alarms, ..view(&data) };
+        let frame = drawn(60, 1, |area, buffer| draw_top(&seen, area, buffer));
+        for told in [" PAUSED ", "-12.345 s", "R 2.5", "● REC", "!!"] {
+            assert!(frame.contains(told), "{told}: {frame}");
+        }
+    }
+
+    #[test]
+    fn what_runs_has_the_colour_of_its_stability() {
+        let mut data = tests::frame_data();
+        for (least, color) in [(0.3, theme::GOOD), (0.001, theme::WARN), (-0.1, theme::BAD)] {
+            let era = std::sync::Arc::make_mut(data.era.as_mut().unwrap());
+            era.min_damping = least;
+            assert_eq!(run_state(&data, false), ("RUNNING", color));
+        }
+        data.era = None;
+        assert_eq!(run_state(&data, false), ("RUNNING", theme::CURSOR));
     }
 
     #[test]

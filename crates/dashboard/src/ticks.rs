@@ -3,7 +3,7 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
-use text::number::neat;
+use text::number::{neat, significant};
 
 use crate::drawing::write;
 use crate::fit_text::width;
@@ -27,6 +27,17 @@ pub(crate) fn round_values([low, high]: [f64; 2], most: usize) -> Vec<f64> {
     (0..=(last - first).max(-1.0) as i64).map(|k| (first + k as f64) * step + 0.0).take(most + 1).collect()
 }
 
+/// What some values of an axis are called: as short as they can be told, with as many more digits as it takes to tell them apart.
+pub(crate) fn labels(values: &[f64], told: impl Fn(f64) -> String) -> Vec<String> {
+    let short: Vec<String> = values.iter().map(|value| told(*value)).collect();
+    let differ = |labels: &[String]| labels.windows(2).all(|pair| pair[0] != pair[1]);
+    let longer = (4..17).map(|digits| {
+        let exact = |value: &f64| significant(*value, digits).to_string();
+        values.iter().map(exact).collect::<Vec<_>>()
+    });
+    if differ(&short) { short } else { { longer }.find(|labels| differ(labels)).unwrap_or(short) }
+}
+
 /// Marks an upright axis with the values `range` at the left of `frame`; `row` is where a value stands.
 pub(crate) fn upright(
     frame: Rect,
@@ -36,22 +47,24 @@ pub(crate) fn upright(
     told: impl Fn(f64) -> String,
     buffer: &mut Buffer,
 ) {
-    for value in round_values(range, usize::from(rows.height / APART.0)) {
+    let values = round_values(range, usize::from(rows.height / APART.0));
+    for (value, label) in values.iter().zip(labels(&values, told)) {
+        let value = *value;
         let Some(y) = row(value).filter(|y| (rows.top()..rows.bottom()).contains(y)) else { continue };
         if let Some(edge) = buffer.cell_mut((frame.x, y)).filter(|cell| matches!(cell.symbol(), "│" | "┃")) {
             edge.set_symbol("├");
         }
-        write_blank(buffer, rows, y, &told(value));
+        write_blank(buffer, rows, y, &label);
     }
 }
 
 /// Marks a level axis with the values `range` on the lower edge of `frame`; `column` is where a value stands.
 pub(crate) fn level(frame: Rect, range: [f64; 2], column: impl Fn(f64) -> Option<u16>, buffer: &mut Buffer) {
     let y = frame.bottom().saturating_sub(1);
-    for value in round_values(range, usize::from(frame.width / APART.1)) {
-        let label = neat(value);
+    let values = round_values(range, usize::from(frame.width / APART.1));
+    for (value, label) in values.iter().zip(labels(&values, neat)) {
         let wide = width(&label) as u16;
-        let Some(x) = column(value).map(|x| x.saturating_sub(wide / 2)) else { continue };
+        let Some(x) = column(*value).map(|x| x.saturating_sub(wide / 2)) else { continue };
         let (from, to) = (x.saturating_sub(1), x + wide + 1);
         let is_free = |x: u16| buffer.cell((x, y)).is_some_and(|cell| matches!(cell.symbol(), "─" | "━"));
         if frame.height > 1 && from > frame.x && to < frame.right() && (from..to).all(is_free) {
@@ -93,6 +106,15 @@ mod tests {
                 "{found:?}"
             );
         }
+    }
+
+    #[test]
+    fn labels_of_an_axis_tell_its_values_apart() {
+        let told = |range| labels(&round_values(range, 4), neat);
+        assert_eq!(told([0.0, 8.0]), ["0", "2", "4", "6", "8"]);
+        assert_eq!(told([0.0, 0.015]), ["0", "0.005", "0.01", "0.015"]);
+        assert_eq!(told([4980.0, 4984.0]), ["4980", "4981", "4982", "4983", "4984"]);
+        assert_eq!(told([0.500_1, 0.500_5]), ["0.5001", "0.5002", "0.5003", "0.5004", "0.5005"]);
     }
 
     proptest! {

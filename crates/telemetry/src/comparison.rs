@@ -18,6 +18,8 @@ pub struct GainEffects {
     pub min_damping: f64,
     /// Every range of speeds, from rest to beyond those, in which all modes decay.
     pub stable: Vec<[f64; 2]>,
+    /// How far up they were looked for.
+    top: f64,
     /// The smallest damping ratio over those speeds with any share of its stiffness left to each support bearing; none where no
     /// bearing has a clearance, or there are too many to look at.
     pub any_deadband: Option<f64>,
@@ -53,6 +55,7 @@ impl GainEffects {
         Self {
             settings: settings.clone(),
             min_damping,
+            top: over.top(),
             stable: over.stable,
             any_deadband: worst_deadband(rotor, settings, [from, to], stop).map(|worst| worst.min(min_damping)),
             force: steady.iter().map(|orbit| orbit.force).reduce(f64::max),
@@ -121,6 +124,18 @@ pub(crate) fn worst_deadband(rotor: &Rotor, settings: &Settings, [from, to]: [f6
     tuner::evaluate(&problem, &options, &gains, stop).ok().map(|found| found.worst.value)
 }
 
+/// Ranges of speeds in words, of which the last may end where nobody looked any further, at `top`: `0 to 7.074`, `0 to 15942 rpm at
+/// least`.
+#[must_use]
+pub fn ranges_told(ranges: &[[f64; 2]], top: f64, units: &Units, between: &str) -> String {
+    let unit = if units.scales.is_some() { " rpm" } else { "" };
+    let told = ranges.iter().map(|[from, to]| {
+        let further = if *to >= top { " at least" } else { "" };
+        format!("{} to {}{unit}{further}", units.speed(*from), units.speed(*to))
+    });
+    told.collect::<Vec<_>>().join(between)
+}
+
 /// One quantity under the gains in force and under those found, in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Compared {
@@ -140,11 +155,8 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
     let ranges = |effects: &GainEffects| match &effects.stable[..] {
         [] => "nowhere".to_owned(),
         ranges => {
-            let told = ranges.iter().map(|[from, to]| match units.scales {
-                Some(_) => format!("{} to {} rpm", units.speed(*from), units.speed(*to)),
-                None => format!("R {} to {}", units.speed(*from), units.speed(*to)),
-            });
-            told.collect::<Vec<_>>().join(" and ")
+            let name = if units.scales.is_some() { "" } else { "R " };
+            format!("{name}{}", ranges_told(ranges, effects.top, units, " and "))
         }
     };
     let force =

@@ -74,6 +74,13 @@ impl FrameData {
         (!era.poles.is_empty()).then_some((era.min_damping, &era.poles))
     }
 
+    /// The least damped of the poles that count, whose damping is the minimum damping.
+    pub fn least_damped(&self) -> Option<C64> {
+        let (least, poles) = self.poles()?;
+        let away = |pole: &C64| (rotor::damping_ratio(*pole) - least).abs();
+        poles.iter().copied().min_by(|a, b| away(a).total_cmp(&away(b)))
+    }
+
     /// What turns control into a force at each control bearing.
     pub fn masses_of_bearings(&self) -> ControlMasses {
         let masses = self.era.as_ref().and_then(|era| {

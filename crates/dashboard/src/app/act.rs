@@ -64,6 +64,10 @@ impl App<'_> {
     }
 
     pub(super) fn act(&mut self, action: Action) {
+        // What went wrong before is over with the next thing done, though that says nothing itself.
+        if matches!(self.message.0, Message::Bad(_)) {
+            self.tell(Message::Hints);
+        }
         if self.act_on_recording(&action) {
             return;
         }

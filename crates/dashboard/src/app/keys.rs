@@ -135,7 +135,7 @@ impl App<'_> {
             let word = whole.trim_end().rsplit(' ').next().unwrap_or_default().to_owned();
             let detail = match known {
                 Some((rotor, settings)) => self.presets.describe(&word, rotor, settings),
-                None => complete::meaning(&word),
+                None => complete::meaning(&whole),
             };
             PopupRow { word, detail }
         };

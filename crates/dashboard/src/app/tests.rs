@@ -104,6 +104,17 @@ fn asks_about_off(app: &mut App<'_>) -> Settings {
 }
 
 #[test]
+fn what_went_wrong_is_forgotten_with_the_next_thing_that_is_done() {
+    let (_, mut app) = pressed(&[]);
+    type_in(&mut app, ":layout nowhere");
+    press(&mut app, &[Enter]);
+    assert!(matches!(&app.message.0, Message::Bad(told) if told.contains("no layout")));
+    type_in(&mut app, ":layout operator");
+    press(&mut app, &[Enter]);
+    assert_eq!(app.message.0, Message::Hints);
+}
+
+#[test]
 fn a_limit_below_the_orbit_is_asked_about_in_the_units_of_the_rotor() {
     let (_, mut app) = pressed(&[]);
     let trips = machine::TripAtOnce { orbit: 12.5, limit: 5.0 };
@@ -254,7 +265,8 @@ fn gains_of_a_name_that_is_taken_are_replaced_and_deleted_only_after_a_yes() {
     assert!(file.exists());
     commanded(&mut app, "Dgood", Char('y'));
     assert!(!file.exists() && matches!(&app.message.0, Message::Good(told) if told.contains("'good' deleted")));
-    commanded(&mut app, ":delete good", Esc);
+    type_in(&mut app, ":delete good");
+    press(&mut app, &[Enter]);
     assert_eq!(app.message.0, Message::Bad("no gains are kept as 'good': there are none yet".into()));
 }
 

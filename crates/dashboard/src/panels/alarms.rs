@@ -19,7 +19,7 @@ use ratatui::text::{Line, Span};
 
 use super::panel::{Panel, PanelRequest};
 use crate::drawing::{framed, write};
-use crate::fit_text::longest;
+use crate::fit_text::{longest, width};
 use crate::input::Mouse;
 use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
@@ -152,12 +152,20 @@ fn draw_standings(
         let unit = if units.scales.is_some() { unit.name } else { "" };
         (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
     });
-    for ((name, [now, warning, alarm], state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
+    for ((name, [now, warning, alarm], mut state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
         // What it is and how it stands come before the limits, and those before the name's last letters.
         let text = match row.width {
-            47.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
-            38.. => format!("{name:<12}{now:>8}{alarm:>9}  "),
-            _ => format!("{name:<12}{now:>7} "),
+            49.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
+            40.. => format!("{name:<12}{now:>8}{alarm:>9}  "),
+            wide => {
+                // The name and the number are whole; of the state the sign says enough.
+                let left = |state: &Span<'_>| usize::from(wide).saturating_sub(width(&now).max(6) + 1 + state.width());
+                if left(&state) < width(&name) {
+                    state.content = state.content.split(' ').next().unwrap_or_default().to_owned().into();
+                }
+                let named = 12.min(left(&state)).max(width(&name));
+                format!("{name:<named$}{now:>6} ")
+            }
         };
         let style = if name.is_empty() { theme::quiet() } else { Style::new() };
         let x = write(buffer, row, row.x, row.y, &text, style);
@@ -186,14 +194,27 @@ pub(crate) fn what(entry: &Entry, units: &Units) -> String {
 }
 
 fn draw_entry(entry: &Entry, units: &Units, row: Rect, buffer: &mut Buffer) {
-    let (when, what) = (when(entry), what(entry, units));
     let color = theme::level_color(entry.level);
-    let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
-    let words = format!(" {} ", theme::level_words(entry.level));
+    let words = theme::level_words(entry.level);
+    let sign = words.split(' ').next().unwrap_or(words);
     let style = if entry.seen_ns.is_none() { theme::badge(color) } else { theme::loud(color) };
-    let x = write(buffer, row, x, row.y, &words, style);
     let seen = if entry.seen_ns.is_none() { "  not acknowledged" } else { "" };
-    write(buffer, row, x, row.y, &format!(" {what}{seen}"), Style::new());
+    let (name, rose) = (entry.watch.name(), format!("{} ", clock(entry.rose.wall_ns)));
+    // What it is of comes before how much it is, and before how long; the time it rose, and a sign, always stand there.
+    let what = what(entry, units);
+    let full = [when(entry), format!(" {words} "), format!(" {what}{seen}")];
+    let told = |level: &str, what: &str| [rose.clone(), format!(" {level} "), format!(" {what}")];
+    let brief = [told(words, &what), told(sign, &what), told(words, name), told(sign, name)];
+    let wide = |parts: &[String; 3]| parts.iter().map(|part| width(part)).sum::<usize>();
+    // A cause is a sentence, which may be cut where its beginning can be read.
+    let long = if entry.cause.is_empty() { wide(&full) - width(seen) } else { width(&full[0]) + width(&full[1]) + 24 };
+    let mut ways = vec![(long, full)];
+    ways.extend(brief.map(|parts| (wide(&parts), parts)));
+    let found = ways.into_iter().find(|(long, _)| *long <= usize::from(row.width));
+    let [when, words, what] = found.map_or_else(|| told(sign, name), |(_, parts)| parts);
+    let x = write(buffer, row, row.x, row.y, &when, theme::quiet());
+    let x = write(buffer, row, x, row.y, &words, style);
+    write(buffer, row, x, row.y, &what, Style::new());
 }
 
 /// The time of day of nanoseconds since 1970, UTC.
@@ -236,6 +257,24 @@ pub(crate) mod tests {
         let cause = "orbit of mass 2 reached 1000.5000 e_t, past the limit of 1000 e_t";
         alarms.read(&at(50_620).tripped(cause));
         alarms
+    }
+
+    #[test]
+    fn names_and_numbers_are_whole_in_the_narrowest_column() {
+        let mut alarms = history();
+        let reading = Watch::ALL.into_iter().filter(|watch| *watch != Watch::Trip);
+        alarms.read(&reading.fold(at(50_630), |reading, watch| {
+            reading.with(watch, if watch == Watch::Damping { -0.0306 } else { 12.345 })
+        }));
+        for wide in [30, 32, 40] {
+            let frame = frame(&alarms, wide, 24);
+            for watch in Watch::ALL {
+                let row = frame.lines().find(|row| row.starts_with(&format!("│{}", watch.name())));
+                assert!(row.is_some_and(|row| !row.contains('…')), "{watch} at {wide}:\n{frame}");
+            }
+            assert!(frame.contains("!! ") && frame.contains("-0.0306"), "{frame}");
+            assert!(frame.contains("14:03:27"), "{frame}");
+        }
     }
 
     #[test]

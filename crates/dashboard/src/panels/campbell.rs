@@ -9,6 +9,7 @@
 //! └─────────2─────────4───────────────────┘
 //! ```
 
+use machine::CountedModes;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
 use ratatui::text::Line;
@@ -81,7 +82,12 @@ fn draw(view: &View<'_>, panel: &mut Campbell, area: Rect, buffer: &mut Buffer) 
     let inner = framed(Line::from(title), area, buffer);
     let top = pole_trace.top();
     panel.top = Some(top);
-    let highest = pole_trace.branches.iter().flatten().map(|pole| pole.im.abs()).fold(0.0, f64::max);
+    // Of shafts those that count: the fastest are decades above any speed. The scale reaches them.
+    let poles = pole_trace.branches.iter().filter_map(|branch| branch.last().copied());
+    let counted = era.rotor.as_ref().and_then(|rotor| CountedModes::at(rotor, top, poles).below());
+    let reach = counted.unwrap_or(f64::INFINITY);
+    let highest = pole_trace.branches.iter().flatten().filter(|pole| pole.norm() <= reach).map(|pole| pole.im.abs());
+    let highest = highest.fold(top * f64::from(u8::from(reach.is_finite())), f64::max);
     let factor = units.frequency.factor;
     let [bottom, most] = panel.value.over([0.0, nice_ceiling(1.05 * highest * factor)]);
     let [bottom, most] = [bottom, most].map(|end| end / factor);
@@ -138,6 +144,17 @@ fn critical_speeds(pole_trace: &PoleTrace) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_shafts_the_speeds_and_the_modes_that_count_fill_the_view() {
+        let data = telemetry::test_support::frame_data_of_shafts();
+        let mut panel = Campbell::default();
+        let area = Rect::new(0, 0, 80, 24);
+        panel.draw(&crate::view::tests::view(&data), area, &mut Buffer::empty(area));
+        // Speeds to 15942 rpm are 266 Hz; four forward modes reach to 1168 Hz, and the fastest of the shaft to 15 kHz.
+        let [_, top] = panel.value.shown().expect("drawn");
+        assert!((1168.0..3000.0).contains(&top), "{top}");
+    }
     use crate::drawing::tests::drawn;
     use crate::view::tests::view;
     use telemetry::test_support::{frame_data, pole_trace};

@@ -92,7 +92,7 @@ fn parts(inner: Rect, min_damping: f64, word: &str, notes: usize) -> Parts {
 fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
     let inner = framed(Line::from(" minimum damping "), area, buffer);
-    let Some((min_damping, poles)) = data.poles() else { return };
+    let Some((min_damping, _)) = data.poles() else { return };
     let (color, word) = theme::verdict(min_damping);
     let word = view.standstill().unwrap_or(word);
     let number = format!("{min_damping:.4}");
@@ -101,7 +101,7 @@ fn draw(view: &View<'_>, axis: &mut PlotAxis, area: Rect, buffer: &mut Buffer) {
     let notes = notes(view, usize::from(inner.width));
     let Parts { notes: below, large, fits_beside, head, history } = parts(inner, min_damping, word, notes.len());
     let log_decrement =
-        poles.first().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
+        data.least_damped().map(|pole| std::f64::consts::TAU * -pole.re / pole.im.abs()).filter(|d| d.is_finite());
     let told = log_decrement.map(|d| short(d, 5));
     let then = view.what_if.map(|candidate| {
         let (color, word) = theme::verdict(candidate.min_damping);

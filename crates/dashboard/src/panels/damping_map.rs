@@ -16,7 +16,7 @@ use ratatui::layout::Rect;
 use ratatui::text::Line;
 use rotor::Settings;
 use telemetry::jobs::{DampingMap, DampingMapRequest};
-use text::number::short;
+use text::number::{short, trimmed};
 
 use super::settings::rows;
 use crate::drawing::{framed, write};
@@ -54,7 +54,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     };
     let (units, largest) = (data.units(), map.largest());
     let over = format!("over speed and {}", settings.label(map.key));
-    let title = [format!(" map  damping to {} {over} ", short(largest, 2)), format!(" map  {over} "), " map ".into()];
+    let title = [format!(" map  damping to {} {over} ", trimmed(largest, 2)), format!(" map  {over} "), " map ".into()];
     let title = longest(&title.each_ref().map(String::as_str), area.width.saturating_sub(2).into());
     let inner = framed(Line::from(title), area, buffer);
     let of_value = |value: f64| short(value * units.setting(map.key).factor, 3);

@@ -30,7 +30,7 @@ use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::{PoleTrace, PoleTraceRequest};
 use telemetry::units::Units;
-use text::number::{neat, nice_ceiling, short};
+use text::number::{neat, nice_ceiling};
 
 /// What the panel shows.
 #[derive(Clone, Copy, Debug)]
@@ -242,7 +242,7 @@ fn draw_curves(
     curve(pole_trace, |damping| theme::verdict(damping).0, false, &mut plot);
     plot.paint(buffer);
 
-    write_free(buffer, area, area.left(), area.top(), &format!("{}{}", value.sign(), short(top, 2)), theme::quiet());
+    write_free(buffer, area, area.left(), area.top(), &format!("{}{}", value.sign(), neat(top)), theme::quiet());
     if let Some((_, y)) = plot.cell(speeds[0], 0.0).filter(|(_, y)| *y > area.top()) {
         write(buffer, area, area.left(), y, "0", theme::quiet());
     }
@@ -302,11 +302,9 @@ fn dotted_line(speed: f64, [bottom, top]: [f64; 2], color: Color, area: Rect, pl
 
 /// Where all modes decay, in words.
 pub(super) fn stable_words(pole_trace: &PoleTrace, units: &Units) -> String {
-    let ranges: Vec<String> =
-        pole_trace.stable.iter().map(|[from, to]| format!("{} to {}", units.speed(*from), units.speed(*to))).collect();
-    match ranges.len() {
-        0 => "UNSTABLE throughout".to_owned(),
-        _ => format!("stable {}", ranges.join(", ")),
+    match &pole_trace.stable[..] {
+        [] => "UNSTABLE throughout".to_owned(),
+        ranges => format!("stable {}", telemetry::comparison::ranges_told(ranges, pole_trace.top(), units, ", ")),
     }
 }
 

@@ -11,6 +11,7 @@
 //! └ ◆ -0.1216 +2.2693j  ζ 0.0535 ─0─┘   of the least damped mode, or ◈ of the one that is pointed at
 //! ```
 
+use machine::CountedModes;
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Margin, Position, Rect};
 use ratatui::text::Line;
@@ -20,7 +21,7 @@ use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
 use crate::axis::{PlotAxis, Scaling};
 use crate::drawing::{framed, write, write_free, write_right};
-use crate::fit_text::width;
+use crate::fit_text::{longest, width};
 use crate::input::Mouse;
 use crate::plot::{Plot, Window};
 use crate::selection::ReadoutMove;
@@ -28,12 +29,16 @@ use crate::selection::SelectedItem;
 use crate::theme;
 use crate::ticks;
 use crate::view::View;
+use telemetry::history::Era;
 use telemetry::jobs::PoleTraceRequest;
 use telemetry::units::Units;
 use text::number::{neat, nice_ceiling, short};
 
 /// Damping ratios that get a ray.
 const RAYS: [f64; 4] = [0.05, 0.1, 0.2, 0.5];
+
+/// What is damped better than this whirls little: it is a state of the loop.
+const WHIRLS: f64 = 0.75;
 
 /// What the right side is called.
 const UNSTABLE: &str = "unstable";
@@ -50,8 +55,22 @@ pub(crate) struct Poles {
 
 impl Panel for Poles {
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
-        let inner = framed(Line::from(" poles ▲forward ▼backward "), area, buffer);
-        if let Some(window) = self.window(view) {
+        let window = self.window(view);
+        let beyond = window.zip(view.data.poles()).map_or(0, |(window, (_, poles))| {
+            let is_in = |value: f64, [low, high]: [f64; 2]| (low..=high).contains(&value);
+            poles.iter().filter(|pole| !is_in(pole.re, window.x) || !is_in(pole.im, window.y)).count()
+        });
+        // What is out of sight is said to be there.
+        let title = match beyond {
+            0 => " poles ▲forward ▼backward ".to_owned(),
+            _ => {
+                let ways = [" poles ▲forward ▼backward  ", " poles ▲▼  ", " poles "]
+                    .map(|name| format!("{name}{beyond} further out "));
+                longest(&ways.each_ref().map(String::as_str), usize::from(area.width.saturating_sub(2)))
+            }
+        };
+        let inner = framed(Line::from(title), area, buffer);
+        if let Some(window) = window {
             draw(view, self, window, area, inner, buffer);
         }
     }
@@ -142,11 +161,14 @@ impl Poles {
         let (_, poles) = view.data.poles()?;
         let factor = view.data.units().rate.factor;
         let candidates = view.what_if.iter().flat_map(|candidate| &candidate.poles);
-        let near = within(poles);
+        let near = view.data.era.as_ref().map_or(f64::INFINITY, |era| within(era, poles));
         let shown = || poles.iter().chain(candidates.clone()).filter(|pole| pole.norm() <= near || pole.re >= 0.0);
         let reach = |part: fn(&C64) -> f64| factor * shown().map(part).fold(0.0, f64::max);
         let top = nice_ceiling(reach(|p| p.im.abs()) * 1.05);
-        let left = nice_ceiling(reach(|p| -p.re) * 1.05);
+        // Of shafts, whose loop has states far left on the real axis, as far as what whirls, and far enough to tell rays apart.
+        let whirls = |p: &C64| if near.is_finite() && damping_ratio(*p) > WHIRLS { 0.0 } else { -p.re };
+        let furthest_left = factor * shown().map(whirls).fold(0.0, f64::max);
+        let left = nice_ceiling((furthest_left * 1.05).max(if near.is_finite() { 0.1 * top } else { 0.0 }));
         // The unstable side is always in view, wide enough to see a pole arrive.
         let furthest = reach(|p| p.re);
         let right = if furthest > 0.0 { nice_ceiling(furthest * 1.05) } else { 0.0 }.max(0.25 * left);
@@ -155,16 +177,11 @@ impl Poles {
     }
 }
 
-/// How far from the origin poles are shown unasked: all of a machine of few modes; of one of many, as shaft elements have, the slower half,
-/// with room around, because the fastest are decades away from those that anybody turns.
-fn within(poles: &[C64]) -> f64 {
-    const FEW: usize = 16;
-    if poles.len() <= FEW {
-        return f64::INFINITY;
-    }
-    let mut sizes: Vec<f64> = poles.iter().map(|pole| pole.norm()).collect();
-    sizes.sort_by(f64::total_cmp);
-    1.5 * sizes[sizes.len() / 2]
+/// How far from the origin poles are shown unasked: all of a chain; of shaft elements, whose fastest modes are decades away from those that
+/// anybody turns, those that count.
+fn within(era: &Era, poles: &[C64]) -> f64 {
+    let counted = era.rotor.as_ref().map(|rotor| CountedModes::at(rotor, era.speed, poles.iter().copied()));
+    counted.and_then(|counted| counted.below()).unwrap_or(f64::INFINITY)
 }
 
 /// Writes a scale at the right of the first of these rows in which no mark would hide a part of its numbers; else nowhere.
@@ -250,7 +267,8 @@ fn draw(view: &View<'_>, axes: &Poles, window: Window, area: Rect, inner: Rect, 
     if let Some((x, y)) = selection.and_then(|pole| plot.cell(pole.re, pole.im)) {
         write(buffer, inner, x, y, "◈", theme::loud(theme::CURSOR));
     }
-    if let Some((sign, pole)) = selection.map(|pole| ("◈", pole)).or(poles.first().map(|pole| ("◆", *pole))) {
+    if let Some((sign, pole)) = selection.map(|pole| ("◈", pole)).or(view.data.least_damped().map(|pole| ("◆", pole)))
+    {
         // On the lower edge of the frame, where no pole is hidden by it.
         let edge = Rect { width: area.width.saturating_sub(2), ..area };
         let label = format!(" {sign} {} ", told(pole, &units, usize::from(edge.width)));
@@ -292,6 +310,21 @@ mod tests {
         assert_eq!(count('◆'), 2, "the pole and its label:\n{frame}");
         assert!(frame.contains("unstable"), "{frame}");
         insta::assert_snapshot!("poles", frame);
+    }
+
+    #[test]
+    fn of_shafts_the_modes_that_count_fill_the_view_and_the_rest_is_named() {
+        let data = tests::frame_data_of_shafts();
+        let mut panel = Poles::default();
+        let area = Rect::new(0, 0, 60, 20);
+        let mut buffer = ratatui::buffer::Buffer::empty(area);
+        panel.draw(&view(&data), area, &mut buffer);
+        // As `whirl poles rig` has them: up to 1750 Hz, the least damped of those at -66.84 +7337.7j 1/s.
+        let [re, im] = [panel.re.shown().unwrap(), panel.im.shown().unwrap()];
+        assert!(im[1] >= 7337.7 && im[1] <= 11_000.0, "{im:?}");
+        assert!(re[0] <= -66.0 && re[0] >= -1500.0 && re[1] > 0.0, "{re:?}");
+        let frame = crate::screenshot::image::text(&buffer);
+        assert!(frame.contains("◆ -66.840 +7337.7j") && frame.contains(" further out "), "{frame}");
     }
 
     #[test]

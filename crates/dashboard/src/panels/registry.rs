@@ -231,6 +231,26 @@ pub(crate) fn plots() -> impl Iterator<Item = &'static str> {
     PANELS.iter().filter(|kind| kind.is_plot).map(|kind| kind.name)
 }
 
+/// The rows that a panel has something for, with its frame, on a screen of this view; nothing of those that draw as much as there is room
+/// for.
+pub(crate) fn rows_needed(kind: usize, view: &View<'_>) -> Option<u16> {
+    let list = |rows: usize| u16::try_from(rows + 2).unwrap_or(u16::MAX);
+    match PANELS[kind].name {
+        "settings" => {
+            let settings = view.data.settings.as_ref()?;
+            Some(list(settings::shown_rows(settings, view.data.rotor.as_deref(), view.filter, view.cursor.row).len()))
+        }
+        "alarms" => Some(list(1 + alarms::Watch::ALL.len() + in_steps(view.alarms.entries().count().max(1)))),
+        "events" => Some(list(in_steps(view.data.events.len()))),
+        _ => None,
+    }
+}
+
+/// So that panels do not move with every entry of a list.
+fn in_steps(rows: usize) -> usize {
+    rows.next_multiple_of(4)
+}
+
 /// The panels of one dashboard, made when they are first shown and kept, with what they remember, while others are.
 pub(crate) struct Panels(Vec<Option<Box<dyn Panel>>>);
 

@@ -17,7 +17,7 @@ use ratatui::layout::{Constraint, Layout, Position, Rect};
 use ratatui::style::Color;
 use ratatui::text::{Line, Span};
 use telemetry::jobs::run_up::{RunUpRequest, SpeedLeg, SpeedLegs, TrackedTurn};
-use text::number::{nice_ceiling, short};
+use text::number::{neat, nice_ceiling, short};
 
 use super::panel::{Panel, PanelCommand, PanelRequest};
 use super::wheel_times;
@@ -102,6 +102,17 @@ pub(crate) struct RunUp {
     shown: Option<(Window, [Rect; 2])>,
 }
 
+/// Where a run-up may go and how fast, as it is typed, in the units of the rotor: somewhat past the present speed, in a minute or so.
+fn example(view: &View<'_>) -> String {
+    let units = view.data.units();
+    if units.scales.is_none() {
+        return "6 0.01".to_owned();
+    }
+    let present = view.data.settings.as_ref().map_or(0.0, |settings| units.speed.factor * settings.speed);
+    let to = nice_ceiling(1.2 * present.max(1000.0));
+    format!("{}rpm {}rpm/s", neat(to), neat(nice_ceiling(to / 60.0)))
+}
+
 impl Panel for RunUp {
     fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let mass = mass_of(self.mass, view);
@@ -111,8 +122,8 @@ impl Panel for RunUp {
         self.shown = None;
         let Some(legs) = legs_of(mass, view).filter(|_| inner.height > 2) else { return };
         if legs.legs.iter().all(|leg| leg.turns.is_empty()) {
-            let told = "no run-up yet: `:run-up 6 0.01`";
-            write(buffer, inner, inner.left(), inner.top(), told, theme::quiet());
+            let told = format!("no run-up yet: `:run-up {}`", example(view));
+            write(buffer, inner, inner.left(), inner.top(), &told, theme::quiet());
             return;
         }
         draw(view, &legs, self, (area, inner), buffer);

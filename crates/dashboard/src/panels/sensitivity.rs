@@ -173,7 +173,7 @@ fn draw(
         mark(candidate, "◇", theme::CANDIDATE);
     }
     mark(now, "◆", theme::sensitivity(peak.amplitude));
-    let highest = format!("{}{}", panel.value.sign(), short(top, 2));
+    let highest = format!("{}{}", panel.value.sign(), neat(top));
     write_free(buffer, plotted, plotted.left(), plotted.top(), &highest, theme::quiet());
     // A zone's letter stands above its lower end, at the right.
     let floors = [0.0].into_iter().chain(ISO_14839_3).zip(["A", "B", "C", "D"]);

@@ -17,7 +17,7 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Rotor, Scope, Settings};
 use telemetry::jobs::{SettingSlopes, SlopeRequest};
-use text::number::{short, significant};
+use text::number::{short, significant, trimmed};
 
 use super::damping_map::speed_of;
 use super::panel::{Panel, PanelRequest};
@@ -132,11 +132,14 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         .clone()
         .and_then(|rotor| view.jobs.slopes(&SlopeRequest::with(rotor, settings, speed_of(view, settings))));
     let first = first_row(&shown, cursor.row, inner.height);
-    for (y, at) in (inner.top()..inner.bottom()).zip(&shown[first..]) {
+    let in_view = || shown[first..].iter().take(usize::from(inner.height));
+    // One column for all, so that the values stand below each other.
+    let column = in_view().map(|at| width(&step_of(&units, keys[*at], inner.width))).max().unwrap_or(0);
+    for (y, at) in (inner.top()..inner.bottom()).zip(in_view()) {
         let row = Rect { y, height: 1, ..inner };
         let other = other_of(view, settings, &units, keys[*at]);
         let beside = Beside { other, arrow: slopes.as_ref().and_then(|slopes| arrow(slopes, &units, keys[*at])) };
-        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), beside, row, buffer);
+        draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), beside, (row, column), buffer);
     }
     // On the frame, where no value is hidden by it.
     let last = (first + usize::from(inner.height)).min(shown.len());
@@ -164,7 +167,12 @@ fn arrow(slopes: &SettingSlopes, units: &Units, key: Key) -> Option<String> {
     }
     let change = slope.up * units.step(key) / units.setting(key).factor;
     let sign = if change > 0.0 { '▲' } else { '▼' };
-    (change.abs() > LEAST && change.is_finite()).then(|| format!("{sign}{}", short(change.abs(), 2)))
+    (change.abs() > LEAST && change.is_finite()).then(|| format!("{sign}{}", tiny(change.abs())))
+}
+
+/// Two digits, none of them a zero that says nothing.
+fn tiny(value: f64) -> String {
+    if value < 1e-3 { short(value, 2) } else { trimmed(value, 2) }
 }
 
 /// What stands beside a value.
@@ -178,7 +186,7 @@ fn draw_row(
     key: Key,
     cursor: Option<&SettingsCursor>,
     Beside { other, arrow }: Beside,
-    row: Rect,
+    (row, column): (Rect, usize),
     buffer: &mut Buffer,
 ) {
     let style = if cursor.is_some() { Style::new().add_modifier(Modifier::BOLD) } else { Style::new() };
@@ -196,36 +204,61 @@ fn draw_row(
         Some((number, _)) if value.width() > usize::from(room) => Line::styled(number.to_owned(), style),
         _ => value,
     };
-    // As much of the step as there is room for; the value always is. What a number counts in matters more than its step.
-    let (step, unit) = (units.step(key), units.setting(key).name);
-    let step = match (row.width, units.scales) {
-        (0..26, _) => String::new(),
-        (26..34, None) => format!("±{}", compact(step)),
-        (26..34, Some(_)) => format!("{unit:<5}"),
-        (_, None) => format!("±{:<4} {unit:<3}", compact(step)),
-        (_, Some(_)) => format!("±{:<5} {unit:<5}", compact(step)),
-    };
+    let step = step_of(units, key, row.width);
     // What it may become stands in place of the step.
     let (step, color) = match other {
         Some(other) => (other, theme::loud(theme::CANDIDATE)),
         None => (step, theme::quiet()),
     };
-    let beside = if step.is_empty() { 0 } else { width(&step).max(5) as u16 + 2 };
-    let beside = if value.width() as u16 + beside > room { 0 } else { beside };
+    let own = if step.is_empty() { 0 } else { width(&step).max(5) as u16 + 2 };
+    let common = if own == 0 { 0 } else { own.max(column as u16 + 2) };
+    // A number that leaves no room for what it counts in is told in four digits, with its unit.
+    let value = match (units.scales, typed) {
+        (Some(_), None) if own > 0 && value.width() as u16 + own > room => {
+            in_brief(settings, units, key, style).unwrap_or(value)
+        }
+        _ => value,
+    };
+    let has_room = |beside: &u16| value.width() as u16 + *beside <= room;
+    let beside = [common, own].into_iter().find(has_room).unwrap_or(0);
     if beside > 0 {
         write(buffer, row, row.right().saturating_sub(beside - 2), row.top(), &step, color);
     }
     let wide = (value.width() as u16).min(room);
     let place = Rect { x: row.right() - beside - wide, width: wide, ..row };
     if let Some(arrow) = arrow.filter(|_| typed.is_none()) {
-        // One column free towards the name, two towards the value.
-        let end = place.x.saturating_sub(2);
+        // One column free towards the name, two towards the value, or one where there is no more.
         let long = width(&arrow) as u16;
-        if end >= row.left() + name + 1 + long {
+        let ends = [2, 1].map(|free| place.x.saturating_sub(free));
+        if let Some(end) = ends.into_iter().find(|end| *end >= row.left() + name + 1 + long) {
             write(buffer, row, end - long, row.top(), &arrow, theme::quiet());
         }
     }
     write_line(buffer, place, value);
+}
+
+/// The step of a setting, or what it counts in: as much as there is room for in a row; the value always is. What a number counts in matters
+/// more than its step.
+fn step_of(units: &Units, key: Key, wide: u16) -> String {
+    let (step, unit) = (units.step(key), units.setting(key).name);
+    match (wide, units.scales) {
+        (0..26, None) => String::new(),
+        (26..34, None) => format!("±{}", compact(step)),
+        (0..34, Some(_)) => format!("{unit:<5}"),
+        (_, None) => format!("±{:<4} {unit:<3}", compact(step)),
+        (_, Some(_)) => format!("±{:<5} {unit:<5}", brief(step)),
+    }
+}
+
+/// A large number in few digits with an exponent; others as they are.
+fn brief(value: f64) -> String {
+    if value.abs() >= 1e5 { format!("{:e}", significant(value, 4)) } else { compact(value) }
+}
+
+/// A large value in four digits; nothing of others, which are as short already.
+fn in_brief(settings: &Settings, units: &Units, key: Key, style: Style) -> Option<Line<'static>> {
+    let value = settings.get(key).ok()? * units.setting(key).factor;
+    (value.is_finite() && value.abs() >= 1e5).then(|| Line::styled(brief(value), style))
 }
 
 /// A value as short as it can be told, with a word if it is a schedule.
@@ -282,10 +315,10 @@ mod tests {
         held.set("cd".parse().unwrap(), 0.25).unwrap();
         let of = |view: View<'_>| drawn(36, 10, |area, buffer| draw(&view, area, buffer));
         let beside = of(View { held: Some(&held), ..view(&data) });
-        assert!(beside.contains("0.4948  held 0.25│") && beside.matches("held").count() == 1, "{beside}");
+        assert!(beside.contains("0.4948  held 0.25 ") && beside.matches("held").count() == 1, "{beside}");
         let what_if = telemetry::what_if::WhatIf::of(data.rotor.as_ref().unwrap(), held.clone()).unwrap();
         let then = of(View { held: Some(&held), what_if: Some(&what_if), ..view(&data) });
-        assert!(then.contains("0.4948  -> 0.25│") && !then.contains("held"), "{then}");
+        assert!(then.contains("0.4948  -> 0.25 ") && !then.contains("held"), "{then}");
     }
 
     #[test]

@@ -85,6 +85,28 @@ pub fn frame_data() -> FrameData {
     feed.frame_data(&ViewTime::default(), now)
 }
 
+/// The data of a frame of the rig, of shaft elements in SI units, after a second or three.
+#[must_use]
+pub fn frame_data_of_shafts() -> FrameData {
+    let rotor = builtin::rotor("rig").unwrap();
+    let settings = Settings::new(&rotor, 2.5, builtin::feedback(&rotor, "own").unwrap());
+    let mut bench_status = bench_status("three-mass", "composite");
+    bench_status.set_rotor(&rotor);
+    bench_status.scales = rotor.scales().map_or([0.0; 4], |s| [s.w0, s.k_t, s.m_t, s.e_t]);
+    bench_status.settings = SettingsDocument::of(&settings);
+    let found = machine::MachinePoles::of(&rotor, &settings).unwrap();
+    bench_status.analysis.min_damping = found.counted_damping(&rotor, settings.speed);
+    bench_status.analysis.count = found.modes.len().min(bench_status.analysis.poles.len()) as u32;
+    for (place, mode) in bench_status.analysis.poles.iter_mut().zip(&found.modes) {
+        *place = [mode.pole.re, mode.pole.im];
+    }
+    let now = Instant::now();
+    let mut feed = Feed::new("");
+    feed.push_bench_status(bench_status);
+    (0..3000).for_each(|seq| feed.push_step(&state(rotor.len(), seq), now));
+    feed.frame_data(&ViewTime::LIVE, now)
+}
+
 /// The data of a frame of a rotor in SI units of 30 kg and 10 kg with a control bearing each, `left` on the second, after a few steps with
 /// a control of 3 and of 2: `K_t e_t` are 72 N, so that 1 is 18 N on `left` and 54 N on `right`.
 #[must_use]

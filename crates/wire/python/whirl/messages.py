@@ -81,7 +81,8 @@ class Analysis(ctypes.Structure):
     reserved: int
     #: Spin speed `R` that it is for: while that changes, the one of some tenth of a second ago.
     speed: float
-    #: The smallest damping ratio; 0 if there are no poles.
+    #: The smallest damping ratio of the modes that count (of shaft elements not the fastest, as long as
+    #: they decay); 0 if there are no poles.
     min_damping: float
     #: The poles `[re, im]`, least damped first.
     poles: ctypes.Array[Any]
