@@ -129,6 +129,25 @@ impl Row {
             let distance = |r: &&Reading| (r.pole - to.pole).norm_sqr();
             same.min_by(|a, b| distance(a).total_cmp(&distance(b))).copied().unwrap_or(to)
         };
+        // Of a condition that was unstable, and of one that is, another thing is judged: a cost in place of decay rates, or the other way round.
+        // What counts there now is the worst of it.
+        let worst = |evaluator: &Evaluator, of: Reading| {
+            let there = evaluator.readings.iter().filter(|r| r.condition == of.condition);
+            there.min_by(|a, b| a.value.total_cmp(&b.value)).copied()
+        };
+        let is_judged = |evaluator: &Evaluator, of: Reading| {
+            evaluator.readings.iter().any(|r| (r.condition, r.aspect) == (of.condition, of.aspect))
+        };
+        if let Source::Mode(of) | Source::Mean(of, _) | Source::Skew(of, _) | Source::Spread(of, _) = self.source
+            && !is_judged(evaluator, of)
+            && let Some(worst) = worst(evaluator, of)
+        {
+            return match self.source {
+                Source::Mode(_) | Source::Mean(..) => Self::of(Source::Mode(worst), evaluator, gains),
+                // No pair any more.
+                _ => Self { value: 0.0, slope: vec![0.0; gains.len()], ..self.clone() },
+            };
+        }
         let both = |evaluator: &Evaluator, a: Reading, b: Reading| {
             let first = nearest(evaluator, a, None);
             (first, nearest(evaluator, b, Some(first.pole)))
@@ -331,4 +350,34 @@ fn is_pair(a: Reading, b: Reading, merge: f64) -> bool {
         && 2.0 * half < merge * mean.norm()
         && half < 0.5 * mean.im.abs()
         && half > 0.0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::minimax::polish;
+    use crate::stop::Stop;
+    use crate::{Cost, Family, Measure, Problem, Schedule, Structure};
+
+    /// What is judged of an unstable condition are decay rates, of a stable one its cost: a step from one to the other was refused, for
+    /// its row kept the decay rate that it had before.
+    #[test]
+    fn regress_a_climb_leads_from_unstable_gains_to_a_finite_cost() {
+        let rotor = rotor::builtin::rotor("three-mass").unwrap();
+        for (make, speeds) in [
+            (Structure::composite as fn(usize, usize, &[usize]) -> rotor::Feedback, [4.0, 4.0]),
+            (Structure::individual, [2.0, 6.0]),
+        ] {
+            let structure = Structure::new(&rotor, &make(3, 0, &[0, 1]), Schedule::Fixed).unwrap();
+            let family = Family::new(&rotor, speeds[0], speeds[1]).unwrap();
+            let problem = Problem { measure: Measure::Cost(Cost::default()), ..Problem::new(family, structure, 20.0) };
+            let points = problem.family.grid(&crate::conditions::counts(&problem.family, 5));
+            let mut evaluator = Evaluator::new(&problem, &points);
+            let mut gains = vec![0.0; problem.structure.variables()];
+            assert!(evaluator.evaluate(&gains) < 0.0, "off it is unstable");
+            polish(&mut evaluator, &mut gains, [0.2, 1e-6], 0.02, &Stop::NEVER);
+            let worst = evaluator.evaluate(&gains);
+            assert!(worst > 0.0 && evaluator.readings.iter().all(|r| r.aspect == Aspect::Cost), "{worst} {gains:?}");
+        }
+    }
 }
