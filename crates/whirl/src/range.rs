@@ -28,6 +28,20 @@ impl std::fmt::Display for Range {
 }
 
 impl Range {
+    /// This range as a part of another: an end that is off one of the other's by no more than rounding, of a value that was typed in another
+    /// unit, is that end. `None` of one that reaches beyond.
+    #[must_use]
+    pub(crate) fn within(self, whole: Self) -> Option<Self> {
+        const ROUNDING: f64 = 1e-12;
+        let size = whole.from.abs().max(whole.to.abs());
+        let snapped = |end: f64| {
+            let near = |other: &f64| (end - other).abs() <= ROUNDING * size;
+            [whole.from, whole.to].into_iter().find(near).unwrap_or(end)
+        };
+        let part = Self { from: snapped(self.from), to: snapped(self.to) };
+        (part.from >= whole.from && part.to <= whole.to && part.from < part.to).then_some(part)
+    }
+
     /// `count` evenly spaced points with both ends among them, exactly; a single one is the lower end.
     #[must_use]
     pub(crate) fn points(self, count: usize) -> Vec<f64> {
@@ -46,6 +60,17 @@ mod tests {
         assert_eq!("-1.5..2e3".parse(), Ok(Range { from: -1.5, to: 2e3 }));
         assert_eq!("0...3".parse::<Range>(), Err(RangeError::Dots));
         assert_eq!("6..0".parse::<Range>(), Err(RangeError::Form));
+    }
+
+    #[test]
+    fn a_part_of_a_range_ends_where_the_range_does_whatever_unit_it_was_typed_in() {
+        let whole = Range { from: 0.1 + 0.2, to: 314.159_265_358_979_3 };
+        let part = Range { from: 0.3, to: whole.to.next_up() };
+        assert!(part.to > whole.to && part.from < whole.from);
+        assert_eq!(part.within(whole), Some(whole));
+        assert_eq!(Range { from: 1.0, to: 2.0 }.within(whole), Some(Range { from: 1.0, to: 2.0 }));
+        assert_eq!(Range { from: 1.0, to: 314.16 }.within(whole), None);
+        assert_eq!(Range { from: 0.29, to: 2.0 }.within(whole), None);
     }
 
     #[test]

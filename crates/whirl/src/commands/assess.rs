@@ -269,10 +269,8 @@ fn check(path: &Path, force: Force) -> Result<(), Failure> {
 fn operating(args: &AssessArgs, over: QuantityRange, all: Range, units: Units) -> Result<Range, Failure> {
     let Some(typed) = args.operating else { return Ok(all) };
     let range = units.read_range("--operating", typed)?;
-    if range.from < all.from || range.to > all.to {
-        return Err(Failure::Usage(format!("--operating {typed}: expected a range within --over {over}")));
-    }
-    Ok(range)
+    let outside = || Failure::Usage(format!("--operating {typed}: expected a range within --over {over}"));
+    range.within(all).ok_or_else(outside)
 }
 
 /// Lines in the words and units of a person.
