@@ -222,3 +222,48 @@ fn a_unit_of_something_else_or_of_a_rotor_without_scales_is_refused_in_words() {
         assert!(stderr.contains(why), "{arguments:?}: {stderr}");
     }
 }
+
+#[test]
+fn regions_of_poles_and_costs_take_units_as_other_options_do() {
+    let file = fixture();
+    let tune = |measure: &str, value: &str| {
+        let option = format!("--{measure}");
+        let rest = ["tune", &file, "--speed", "11459rpm", "--signal", "composite", "--starts", "1"];
+        let mut document = run(&[&rest[..], &["--measure", measure, &option, value, "--json"]].concat()).json();
+        document.as_object_mut().expect("an object").remove("seconds");
+        document
+    };
+    // 150 Hz, 18 1/s; 2 um, 480 Hz.
+    let region = tune("region", "damping=0.1,decay=18,frequency=150");
+    assert_eq!(region, tune("region", "damping=0.1, decay=18 1/s, frequency=0.15kHz"));
+    let cost = tune("cost", "force=0.2,noise=2e-6,corner=480");
+    assert_eq!(cost, tune("cost", "force=0.2,noise=2um,corner=480Hz"));
+    assert_ne!(cost, tune("cost", "force=0.2,noise=3um,corner=480Hz"));
+    for (measure, value, words) in [
+        ("region", "damping=0.1,frequency=3m", "frequency = 3m: expected a number, alone or in Hz"),
+        ("region", "damping=0.1s", "damping = 0.1s: expected a number without a unit"),
+        ("cost", "colour=1", "expected force=NUMBER, noise=NUMBER or corner=NUMBER"),
+    ] {
+        let ran = run(&["tune", &file, "--speed", "4 w0", "--measure", measure, &format!("--{measure}"), value]);
+        assert!(ran.code == Some(2) && ran.stderr.contains(words), "{value}: {}", ran.stderr);
+    }
+    let ran = run(&["tune", "three-mass", "--speed", "4", "--measure", "cost", "--cost", "noise=1um"]);
+    assert!(ran.code == Some(2) && ran.stderr.contains("the rotor is not one in SI units"), "{}", ran.stderr);
+}
+
+#[test]
+fn regress_an_operating_range_may_end_where_all_speeds_do_in_another_unit() {
+    let file = fixture();
+    for (rpm, hertz) in [("3000rpm", "50Hz"), ("4200rpm", "70Hz"), ("5400rpm", "90Hz"), ("6600rpm", "110Hz")] {
+        let (over, operating) = (format!("0..{rpm}"), format!("10..{hertz}"));
+        for (over, operating) in [(&over, &operating), (&operating.replace("10..", "0.."), &over.replace("0..", "9.."))]
+        {
+            let ran = run(&["assess", &file, "--over", over, "--operating", operating, "--json"]);
+            assert!(
+                !ran.stdout.is_empty() && !ran.stderr.contains("expected a range"),
+                "{over} {operating}: {}",
+                ran.stderr
+            );
+        }
+    }
+}

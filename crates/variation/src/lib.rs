@@ -34,6 +34,6 @@ mod worst;
 
 pub use model::{Model, VariationError};
 pub use parameter::{Parameter, Quantity};
-pub use samples::{Distribution, Samples, SamplesError, Share, draw, samples, values};
+pub use samples::{Distribution, Samples, SamplesError, Share, draw, quantile, samples, values};
 pub use sensitivity::{DampingSlope, NoSlope, Sensitivities, Sensitivity, damping_sensitivities, sensitivities};
 pub use worst::{Range, Worst, worst};

@@ -84,14 +84,22 @@ impl Samples {
         Self { stable: Share::of(stable as u64, min_damping.len() as u64), min_damping, sorted }
     }
 
-    /// The damping below which the part `part` (0 to 1) of the samples is, linear between neighbours: NumPy's default.
+    /// The damping below which the part `part` (0 to 1) of the samples is: see [`quantile`].
     #[must_use]
     pub fn quantile(&self, part: f64) -> f64 {
-        let place = part.clamp(0.0, 1.0) * (self.sorted.len() - 1) as f64;
-        let (low, rest) = (place.floor() as usize, place.fract());
-        let next = self.sorted[(low + 1).min(self.sorted.len() - 1)];
-        self.sorted[low] + (next - self.sorted[low]) * rest
+        quantile(&self.sorted, part)
     }
+}
+
+/// What the part `part` (0 to 1) of some values is below: linear between neighbours, NumPy's default. The values are sorted, at least one,
+/// and may end in infinite ones.
+#[must_use]
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
+    let place = part.clamp(0.0, 1.0) * (sorted.len() - 1) as f64;
+    let (at, rest) = (place.floor() as usize, place.fract());
+    let (low, next) = (sorted[at], sorted[(at + 1).min(sorted.len() - 1)]);
+    // Nothing of an infinite distance is no number.
+    if rest == 0.0 || low == next { low } else { low + (next - low) * rest }
 }
 
 /// The smallest damping of `count` machines whose parameters are drawn from `ranges`, from sample `first` on. `done` hears how many more
@@ -224,5 +232,9 @@ mod tests {
         assert_eq!([0.0, 0.5, 1.0].map(|part| samples.quantile(part)), [-1.0, 1.5, 3.0]);
         assert_eq!(samples.stable.share, 0.75);
         assert_eq!(Samples::of(vec![0.5]).quantile(0.3), 0.5);
+        // Of sizes the largest may be out of bounds.
+        let sizes = [1.0, 2.0, f64::INFINITY, f64::INFINITY, f64::INFINITY];
+        assert_eq!([0.0, 0.25, 0.3, 0.5, 0.6, 1.0].map(|part| quantile(&sizes, part))[..2], [1.0, 2.0]);
+        assert!([0.3, 0.5, 0.6, 1.0].iter().all(|part| quantile(&sizes, *part) == f64::INFINITY));
     }
 }

@@ -135,12 +135,6 @@ impl Units {
         self.table(1.0).shown(Dimension::Speed, speed)
     }
 
-    /// Length in `e_t` of a length as typed.
-    #[must_use]
-    pub(crate) fn length_from_typed(self, typed: f64) -> f64 {
-        self.table(1.0).typed(Dimension::Length, typed)
-    }
-
     /// Length as shown of a length in `e_t`.
     #[must_use]
     pub(crate) fn length(self, length: f64) -> f64 {

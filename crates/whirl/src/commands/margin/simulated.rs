@@ -70,15 +70,11 @@ pub(super) fn simulated(
         let size = |one: &Extent| if one.diverged_at.is_none() { of(one) } else { f64::INFINITY };
         let mut sizes: Vec<f64> = found.iter().map(size).collect();
         sizes.sort_by(f64::total_cmp);
-        let quantile = |name: &str| {
-            let place = name.parse().unwrap_or(0.5) * (sizes.len() - 1) as f64;
-            let (low, high) = (sizes[place.floor() as usize], sizes[place.ceil() as usize]);
-            if low == high { low } else { low + (high - low) * place.fract() }
-        };
+        let quantile = |name: &str| variation::quantile(&sizes, name.parse().unwrap_or(0.5));
         let quantiles: Map<String, Value> =
             QUANTILES.iter().map(|name| ((*name).to_owned(), json!(quantile(name)))).collect();
         fields[name] = Value::Object(quantiles);
-        if bounded.share < 1.0 {
+        if QUANTILES.iter().any(|name| quantile(name).is_infinite()) {
             fields[format!("{name}_null")] = json!("the motion left all bounds");
         }
         let told = |name: &&str| match quantile(name) {

@@ -126,8 +126,8 @@ impl Criterion {
             Self::All | Self::Ratio | Self::Sensitivity => Measure::default(),
             Self::Decay => Measure::Decay,
             Self::Weighted => question::weights(args)?.unwrap_or(Measure::Ratio { forward, backward }),
-            Self::Region => question::region(args, asked.units()).unwrap_or(Measure::Region(REGION)),
-            Self::Cost => question::cost(args, asked.units()),
+            Self::Region => question::region(args, asked.units())?.unwrap_or(Measure::Region(REGION)),
+            Self::Cost => question::cost(args, asked.units())?,
         };
         let max_sensitivity = (self == Self::Sensitivity).then(|| args.max_sensitivity.unwrap_or(PEAK));
         Ok(Problem { measure, max_sensitivity, ..base.clone() })
@@ -293,7 +293,7 @@ impl<'a> Row<'a> {
             self.sensitivity = Some(peak.sensitivity.0).filter(|peak| holds && peak.is_finite());
             self.delay = least.delay.map(|(delay, _)| delay).filter(|_| holds);
         }
-        let cost = judged(question::cost(args, asked.units()), false)?.map(|judged| judged.worst.value);
+        let cost = judged(question::cost(args, asked.units())?, false)?.map(|judged| judged.worst.value);
         self.cost = cost.filter(|worth| *worth > 0.0 && holds).map(|worth| worth.sqrt().recip());
         let why = if holds { "not for such a loop" } else { UNSTABLE };
         self.sensitivity_null = self.sensitivity.is_none().then_some(why);

@@ -117,11 +117,11 @@ pub(crate) struct TuneArgs {
     )]
     mode_weights: Option<Vec<f64>>,
     /// The region of poles of --measure region: a damping ratio, a decay rate per tau (SI rotors: per s) and a largest |lambda| in radians
-    /// per tau (SI rotors: in Hz), or some of them. A machine is worth t if its poles are in the region made t times as tight
+    /// per tau (SI rotors: in Hz), or some of them, with or without units (frequency=300Hz). A machine is worth t if its poles are in the region made t times as tight
     #[arg(long, value_name = "damping=Z,decay=D,frequency=W", allow_hyphen_values = true, help_heading = "Objective")]
     region: Option<TypedRegion>,
     /// What --measure cost weighs: the force beside the orbit, standard deviation of the sensors' noise in e_t (SI rotors: in m), and its
-    /// corner in radians per tau (SI rotors: in Hz) [default: force=0.1,noise=0.1,corner=10, dimensionless]
+    /// corner in radians per tau (SI rotors: in Hz), with or without units (noise=2um,corner=1kHz) [default: force=0.1,noise=0.1,corner=10, dimensionless]
     #[arg(long, value_name = "force=F,noise=S,corner=W", allow_hyphen_values = true, help_heading = "Objective")]
     cost: Option<TypedCost>,
 

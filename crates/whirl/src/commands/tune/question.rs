@@ -6,7 +6,7 @@ use rotor::typed::pair;
 use rotor::{Feedback, Rotor};
 use tuner::{
     Corner, Cost, Family, FamilyAxis, FamilyError, FamilyQuantity, Measure, PlacementProblem, Problem, ProblemError,
-    Region, Schedule, Structure,
+    Schedule, Structure,
 };
 
 use super::typed::{Criterion, Gains, MeasureName, Robust, Signal, axis};
@@ -319,10 +319,10 @@ fn measure(args: &TuneArgs, units: Units) -> Result<Measure, Failure> {
     match name {
         MeasureName::Decay => Ok(Measure::Decay),
         MeasureName::Ratio => Ok(weights(args)?.unwrap_or_default()),
-        MeasureName::Region => region(args, units).ok_or_else(|| {
+        MeasureName::Region => region(args, units)?.ok_or_else(|| {
             Failure::Usage("--measure region: expected --region, such as damping=0.1,decay=0.1,frequency=4".into())
         }),
-        MeasureName::Cost => Ok(cost(args, units)),
+        MeasureName::Cost => cost(args, units),
     }
 }
 
@@ -339,21 +339,13 @@ pub(super) fn weights(args: &TuneArgs) -> Result<Option<Measure>, Failure> {
 }
 
 /// The region that is typed.
-pub(super) fn region(args: &TuneArgs, units: Units) -> Option<Measure> {
-    let Region { damping, decay, frequency } = args.region?.0;
-    let decay = decay.map(|decay| decay / units.rate(1.0));
-    Some(Measure::Region(Region { damping, decay, frequency: frequency.map(|typed| typed / units.frequency(1.0)) }))
+pub(super) fn region(args: &TuneArgs, units: Units) -> Result<Option<Measure>, Failure> {
+    args.region.map(|typed| Ok(Measure::Region(typed.value(units)?))).transpose()
 }
 
 /// The cost that is typed, or usual.
-pub(super) fn cost(args: &TuneArgs, units: Units) -> Measure {
-    let usual = Cost::default();
-    let Some(typed) = args.cost else { return Measure::Cost(usual) };
-    Measure::Cost(Cost {
-        force: typed.force.unwrap_or(usual.force),
-        noise: typed.noise.map_or(usual.noise, |noise| units.length_from_typed(noise)),
-        corner: typed.corner.map_or(usual.corner, |corner| corner / units.frequency(1.0)),
-    })
+pub(super) fn cost(args: &TuneArgs, units: Units) -> Result<Measure, Failure> {
+    args.cost.map_or(Ok(Measure::Cost(Cost::default())), |typed| Ok(Measure::Cost(typed.value(units)?)))
 }
 
 impl From<FamilyError> for Failure {

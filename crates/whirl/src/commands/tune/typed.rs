@@ -2,7 +2,7 @@
 
 use std::str::FromStr;
 
-use rotor::typed::{RangeError, TypedRange};
+use rotor::typed::{PairError, RangeError, TypedRange, pairs};
 use rotor::{FIELDS, Rotor};
 use tuner::{FamilyAxis, FamilyQuantity};
 use units::{Dimension, Typed};
@@ -80,24 +80,24 @@ impl Criterion {
     }
 }
 
-/// A region of poles, as typed.
+/// A region of poles, as typed: damping ratio, decay rate and frequency.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TypedRegion(pub(super) tuner::Region);
+pub(super) struct TypedRegion([Option<TypedQuantity>; 3]);
 
-/// What a cost weighs, as typed.
+/// What a cost weighs, as typed: force, noise and its corner.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TypedCost {
-    pub(super) force: Option<f64>,
-    pub(super) noise: Option<f64>,
-    pub(super) corner: Option<f64>,
-}
+pub(super) struct TypedCost([Option<TypedQuantity>; 3]);
+
+const REGION: [(&str, Dimension); 3] =
+    [("damping", Dimension::Number), ("decay", Dimension::Rate), ("frequency", Dimension::Frequency)];
+const COST: [(&str, Dimension); 3] =
+    [("force", Dimension::Number), ("noise", Dimension::Length), ("corner", Dimension::Frequency)];
 
 impl FromStr for TypedRegion {
     type Err = String;
 
     fn from_str(typed: &str) -> Result<Self, String> {
-        let [damping, decay, frequency] = parts(typed, ["damping", "decay", "frequency"])?;
-        Ok(Self(tuner::Region { damping, decay, frequency }))
+        Ok(Self(parts(typed, REGION)?))
     }
 }
 
@@ -105,25 +105,54 @@ impl FromStr for TypedCost {
     type Err = String;
 
     fn from_str(typed: &str) -> Result<Self, String> {
-        let [force, noise, corner] = parts(typed, ["force", "noise", "corner"])?;
-        Ok(Self { force, noise, corner })
+        Ok(Self(parts(typed, COST)?))
     }
 }
 
-/// `NAME=NUMBER,NAME=NUMBER`, each name once.
-fn parts(typed: &str, names: [&str; 3]) -> Result<[Option<f64>; 3], String> {
+impl TypedRegion {
+    /// The region, dimensionless.
+    ///
+    /// # Errors
+    /// A unit of a machine that has none.
+    pub(super) fn value(self, units: Units) -> Result<tuner::Region, Failure> {
+        let [damping, decay, frequency] = self.0.map(|part| part.map(|of| units.read("--region", of)).transpose());
+        Ok(tuner::Region { damping: damping?, decay: decay?, frequency: frequency? })
+    }
+}
+
+impl TypedCost {
+    /// The cost, dimensionless; what was not typed is as usual.
+    ///
+    /// # Errors
+    /// A unit of a machine that has none.
+    pub(super) fn value(self, units: Units) -> Result<tuner::Cost, Failure> {
+        let [force, noise, corner] = self.0.map(|part| part.map(|of| units.read("--cost", of)).transpose());
+        let usual = tuner::Cost::default();
+        Ok(tuner::Cost {
+            force: force?.unwrap_or(usual.force),
+            noise: noise?.unwrap_or(usual.noise),
+            corner: corner?.unwrap_or(usual.corner),
+        })
+    }
+}
+
+/// `NAME=QUANTITY,NAME=QUANTITY`, each name once.
+fn parts(typed: &str, names: [(&str, Dimension); 3]) -> Result<[Option<TypedQuantity>; 3], String> {
     let expected = || {
-        let [a, b, c] = names;
+        let [a, b, c] = names.map(|(name, _)| name);
         format!("'{typed}': expected {a}=NUMBER, {b}=NUMBER or {c}=NUMBER, one or more with commas between")
     };
     let mut made = [None; 3];
-    for part in typed.split(',') {
-        let (name, number) = part.split_once('=').ok_or_else(expected)?;
-        let place = names.iter().position(|known| *known == name.trim()).ok_or_else(expected)?;
-        let number = number.trim().parse::<f64>().map_err(|_| expected())?;
-        if made[place].replace(number).is_some() {
-            return Err(format!("'{typed}': {} is given twice", names[place]));
-        }
+    let read = pairs(typed.split(',')).map_err(|error| match error {
+        PairError::Twice { .. } => format!("'{typed}': {error}"),
+        PairError::Form(_) => expected(),
+    })?;
+    for (name, value) in read {
+        let place = names.iter().position(|(known, _)| *known == name).ok_or_else(expected)?;
+        let dimension = names[place].1;
+        let quantity =
+            Typed::read(dimension, value).map_err(|error| format!("'{typed}': {name} = {value}: {error}"))?;
+        made[place] = Some(TypedQuantity { dimension, typed: quantity });
     }
     Ok(made)
 }
