@@ -56,6 +56,24 @@ fn a_box_is_proven_where_that_can_be_and_samples_lie_in_it() {
 }
 
 #[test]
+fn regress_a_box_of_a_drawing_moves_together_what_cannot_move_alone() {
+    let of = |rest: &[&str]| run(&[&["margin", "rig", "--speed", "6000"][..], rest, &["--json"]].concat()).json();
+    let document = of(&["--box", "10%", "--samples", "50"]);
+    let worst = &document["box"];
+    let members = ["disc.1.mass", "disc.1.polar_inertia", "disc.1.diametral_inertia"];
+    assert_eq!(worst["together"]["disc.1.inertia"], Value::from(members.to_vec()), "{worst}");
+    assert_eq!(worst["over"]["material.1.moduli"], Value::from(vec![0.9, 1.1]));
+    assert!(worst["over"].get("material.1.youngs_modulus").is_none() && worst["over"].get("disc.1.mass").is_none());
+    let least = number(&document["samples"]["quantiles"]["0.01"]);
+    assert!(number(&worst["worst_damping"]) < least && worst["proven"] == false, "{worst} {least}");
+    // What is named by itself is all that moves of its part.
+    let named = of(&["--box", "10%", "--vary", "disc.1.mass=2%"]);
+    let over = &named["box"]["over"];
+    assert!(over.get("disc.1.inertia").is_none() && over.get("disc.2.inertia").is_some(), "{over}");
+    assert!(over.get("disc.1.mass").is_some(), "{over}");
+}
+
+#[test]
 fn what_cannot_vary_is_refused_with_the_reason() {
     for (rest, words) in [
         (&["--vary", "colour=1..2"][..], "no parameter 'colour': there are speed"),

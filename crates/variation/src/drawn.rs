@@ -69,6 +69,38 @@ pub(crate) const DRAWN: [Drawn; 22] = [
     number!("magnetic", magnetics, negative_stiffness),
 ];
 
+/// Numbers of one part of a drawing that no maker's error moves one by one, and that cannot move far alone: they are multiplied by one factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Together {
+    /// Which part, as files call it.
+    pub part: &'static str,
+    /// What they are called as one.
+    pub name: &'static str,
+    /// Which of its numbers.
+    pub fields: &'static [&'static str],
+}
+
+/// Moduli apart leave Poisson's ratio behind, and inertias apart what anything round can have: `Ip <= 2 Id`. Moved together a material is
+/// as stiff as another of its kind, and a disc as heavy as one of the same shape.
+pub(crate) const TOGETHER: [Together; 2] = [
+    Together { part: "material", name: "moduli", fields: &["youngs_modulus", "shear_modulus"] },
+    Together { part: "disc", name: "inertia", fields: &["mass", "polar_inertia", "diametral_inertia"] },
+];
+
+impl Together {
+    /// The numbers that are moved, of the part at a place: those that are not 0.
+    pub(crate) fn rows(self, sketch: &Sketch, at: usize) -> Vec<Drawn> {
+        let is_one = |row: &Drawn| row.part == self.part && self.fields.contains(&row.field);
+        let is_there = |row: &Drawn| (row.get)(sketch, at).is_some_and(|value| value != 0.0);
+        DRAWN.into_iter().filter(|row| is_one(row) && is_there(row)).collect()
+    }
+
+    /// What a number of a drawing moves with.
+    pub(crate) fn of(row: &Drawn) -> Option<Self> {
+        TOGETHER.into_iter().find(|of| of.part == row.part && of.fields.contains(&row.field))
+    }
+}
+
 /// A coefficient as one number: at its lowest speed.
 fn first(coefficient: &Coefficient) -> f64 {
     coefficient.values().next().unwrap_or_default()

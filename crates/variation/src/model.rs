@@ -8,7 +8,7 @@ use rotor::{
     FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings, SettingsError,
 };
 
-use crate::drawn::DRAWN;
+use crate::drawn::{DRAWN, Drawn, TOGETHER, Together};
 use crate::parameter::{Parameter, Quantity};
 
 /// Why a number cannot be another, or nothing can be said of a machine.
@@ -78,7 +78,7 @@ impl Model {
     }
 
     /// The parameter that is typed as `name`: a setting as `whirl set` has it, a parameter of a mass such as `damping.1`, `shaft.2`,
-    /// `factor.1`, a number of a drawing such as `bearing.1.stiffness`, `gain` or a filter's `filter.1.corner`.
+    /// `factor.1`, a number of a drawing such as `bearing.1.stiffness` or several by one factor as `disc.1.inertia`, `gain` or a filter's `filter.1.corner`.
     ///
     /// # Errors
     /// No such parameter: what there is.
@@ -105,9 +105,12 @@ impl Model {
         let (first, rest) = name.split_once('.')?;
         if let Some(beam) = self.rotor.beam() {
             let (number, field) = rest.split_once('.')?;
-            let row = *DRAWN.iter().find(|row| (row.part, row.field) == (first, field))?;
             let of_name = || beam.drawing().magnetics.iter().position(|m| first == "magnetic" && m.name == number);
             let at = counted(number).or_else(of_name)?;
+            if let Some(of) = TOGETHER.into_iter().find(|of| (of.part, of.name) == (first, field)) {
+                return (!of.rows(beam.drawing(), at).is_empty()).then_some(Quantity::Together { of, at });
+            }
+            let row = *DRAWN.iter().find(|row| (row.part, row.field) == (first, field))?;
             return (row.get)(beam.drawing(), at).map(|_| Quantity::Drawn { row, at });
         }
         let at = counted(rest)?;
@@ -188,12 +191,59 @@ impl Model {
         all
     }
 
+    /// The parameters of the rotor of which a machine is unsure as a whole, beside those that are `said` one by one: every one that is not 0;
+    /// of a drawing those that hang together as one factor, and none of these where one of them is said.
+    #[must_use]
+    pub fn unsure(&self, said: &[&Parameter]) -> Vec<Parameter> {
+        let is_said = |quantity: &Quantity| said.iter().any(|of| of.quantity == *quantity);
+        let mut made: Vec<Parameter> = Vec::new();
+        for parameter in self.parameters() {
+            if !parameter.is_of_rotor() || self.value(&parameter) == 0.0 || is_said(&parameter.quantity) {
+                continue;
+            }
+            let joined = match &parameter.quantity {
+                Quantity::Drawn { row, at } => Together::of(row).map(|of| (of, *at)),
+                _ => None,
+            };
+            let Some((of, at)) = joined else {
+                made.push(parameter);
+                continue;
+            };
+            let one = Parameter {
+                quantity: Quantity::Together { of, at },
+                name: format!("{}.{}.{}", of.part, at + 1, of.name),
+            };
+            let members = self.members(&one);
+            let is_any_said = is_said(&one.quantity) || members.iter().any(|member| is_said(&member.quantity));
+            if members.len() < 2 {
+                made.push(parameter);
+            } else if !is_any_said && !made.contains(&one) {
+                made.push(one);
+            }
+        }
+        made
+    }
+
+    /// The parameters that one multiplies by its factor; none of what is a number itself.
+    #[must_use]
+    pub fn members(&self, parameter: &Parameter) -> Vec<Parameter> {
+        let (Quantity::Together { of, at }, Some(beam)) = (&parameter.quantity, self.rotor.beam()) else {
+            return Vec::new();
+        };
+        let (at, drawing) = (*at, beam.drawing());
+        let named = |row: Drawn| Parameter {
+            quantity: Quantity::Drawn { row, at },
+            name: format!("{}.{}.{}", row.part, at + 1, row.field),
+        };
+        of.rows(drawing, at).into_iter().map(named).collect()
+    }
+
     /// The value of a parameter.
     #[must_use]
     pub fn value(&self, parameter: &Parameter) -> f64 {
         match &parameter.quantity {
             Quantity::Setting(key) => self.settings.get(*key).unwrap_or(f64::NAN),
-            Quantity::LoopGain(_) | Quantity::Factor(_) => 1.0,
+            Quantity::LoopGain(_) | Quantity::Factor(_) | Quantity::Together { .. } => 1.0,
             Quantity::Filter { filter, number } => {
                 let of = filters(&self.settings.feedback).nth(*filter);
                 of.and_then(|of| of.positive().get(*number).map(|(_, value)| *value)).unwrap_or(f64::NAN)
@@ -214,6 +264,8 @@ impl Model {
         let mut made = Self { rotor: self.rotor.clone(), settings: self.settings.clone() };
         let mut chain: Option<(Vec<Mass>, Vec<f64>)> = None;
         let mut sketch: Option<Sketch> = None;
+        let of_beam = |beam: &rotor::BeamRotor| beam.drawing().clone().into_sketch();
+        let drawn = || self.rotor.beam().map(of_beam).unwrap_or_default();
         let lumped = || (self.rotor.masses().to_vec(), self.rotor.shafts().to_vec());
         for (parameter, value) in changes {
             let value = *value;
@@ -240,13 +292,11 @@ impl Model {
                 }
                 Quantity::Drawn { row, at } => {
                     admit(value.is_finite(), "a finite number")?;
-                    let of = |beam: &rotor::BeamRotor| beam.drawing().clone().into_sketch();
-                    let sketch = sketch.get_or_insert_with(|| self.rotor.beam().map(of).unwrap_or_default());
-                    (row.set)(sketch, *at, value);
+                    (row.set)(sketch.get_or_insert_with(drawn), *at, value);
                 }
                 Quantity::Factor(_) => admit((0.0..=1.0).contains(&value), "a number from 0 to 1")?,
                 Quantity::LoopGain(_) => admit(value.is_finite(), "a finite number")?,
-                Quantity::Filter { .. } => {
+                Quantity::Filter { .. } | Quantity::Together { .. } => {
                     admit(value.is_finite() && value > 0.0, "a finite number greater than 0")?;
                 }
             }
@@ -256,6 +306,13 @@ impl Model {
             match &parameter.quantity {
                 Quantity::Factor(mass) => {
                     chain.get_or_insert_with(lumped).0[*mass].bearing_stiffness *= value;
+                }
+                Quantity::Together { of, at } => {
+                    let sketch = sketch.get_or_insert_with(drawn);
+                    for row in of.rows(sketch, *at) {
+                        let own = (row.get)(sketch, *at).unwrap_or_default();
+                        (row.set)(sketch, *at, own * value);
+                    }
                 }
                 Quantity::LoopGain(bearing) => scale(&mut made.settings.feedback, *bearing, *value),
                 Quantity::Filter { filter, number } => {

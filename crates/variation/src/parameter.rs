@@ -4,7 +4,7 @@ use std::fmt;
 
 use rotor::{FIELDS, Key};
 
-use crate::drawn::Drawn;
+use crate::drawn::{Drawn, Together};
 use crate::stencil::{STEP, STEP_OF_DRAWINGS};
 
 /// What a [`Parameter`] is.
@@ -41,6 +41,13 @@ pub enum Quantity {
         /// Of which part, from 0.
         at: usize,
     },
+    /// A factor on several numbers of one part of a drawing: `disc.1.inertia`, `material.1.moduli`. It is 1 as the machine stands.
+    Together {
+        /// Which.
+        of: Together,
+        /// Of which part, from 0.
+        at: usize,
+    },
 }
 
 /// A number that a machine is made of. Made by [`crate::Model::parameter`].
@@ -61,12 +68,16 @@ impl Parameter {
     /// Whether it is of the rotor, and not of what holds it by feedback or of its speed: what `whirl margin --box` takes to be unsure.
     #[must_use]
     pub fn is_of_rotor(&self) -> bool {
-        matches!(self.quantity, Quantity::Field { .. } | Quantity::Shaft(_) | Quantity::Drawn { .. })
+        matches!(self.quantity, Quantity::Field { .. } | Quantity::Shaft(_)) || self.is_drawn()
+    }
+
+    fn is_drawn(&self) -> bool {
+        matches!(self.quantity, Quantity::Drawn { .. } | Quantity::Together { .. })
     }
 
     /// The step of differences by it, relative to its value.
     pub(crate) fn step(&self) -> f64 {
-        if matches!(self.quantity, Quantity::Drawn { .. }) { STEP_OF_DRAWINGS } else { STEP }
+        if self.is_drawn() { STEP_OF_DRAWINGS } else { STEP }
     }
 
     /// Whether linear analysis knows it: clearance, unbalance, noise and limits play no part there.

@@ -149,20 +149,30 @@ fn search(model: &Model, ranges: &[Range], seed: u64) -> Result<Worst, Variation
         .map(|parts| {
             let mut place = Place { value: value(&parts)?, parts };
             let mut looked_at = 1;
-            // One end after the other, the steepest first, until no other end is worse.
+            // Every other end by itself, until none is worse: all of those that are, at once if that is worse still, else the worst alone.
             loop {
-                let mut best: Option<Place> = None;
+                let flipped = |mut parts: Vec<f64>, ends: &[usize]| {
+                    ends.iter().for_each(|k| parts[*k] = 1.0 - parts[*k]);
+                    parts
+                };
+                let mut worse: Vec<(f64, usize)> = Vec::new();
                 for k in 0..count {
-                    let mut parts = place.parts.clone();
-                    parts[k] = 1.0 - parts[k];
-                    let value = value(&parts)?;
+                    let value = value(&flipped(place.parts.clone(), &[k]))?;
                     looked_at += 1;
-                    if value < best.as_ref().map_or(place.value, |best| best.value) {
-                        best = Some(Place { parts, value });
+                    if value < place.value {
+                        worse.push((value, k));
                     }
                 }
-                let Some(better) = best else { break };
-                place = better;
+                let Some(&(alone, worst)) = worse.iter().min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+                let ends: Vec<usize> = worse.iter().map(|(_, k)| *k).collect();
+                let parts = flipped(place.parts.clone(), &ends);
+                let together = value(&parts)?;
+                looked_at += 1;
+                place = if together < alone {
+                    Place { parts, value: together }
+                } else {
+                    Place { parts: flipped(place.parts, &[worst]), value: alone }
+                };
             }
             Ok((place, looked_at))
         })

@@ -70,3 +70,45 @@ fn val_a_worst_inside_a_range_is_found_and_said_to_be_no_proof_where_the_loop_is
     let least = least.fold(f64::INFINITY, f64::min);
     assert!(!found.proven && found.value <= least + 1e-9, "{found:?} {least}");
 }
+
+/// The blower of the book, whose numbers are few enough for every corner of a box to be looked at.
+fn blower() -> Model {
+    let page = include_str!("../../../docs/book/src/bring-a-rotor.md");
+    let drawing = page.split("```toml blower.toml\n").nth(1).and_then(|rest| rest.split("```").next()).expect("there");
+    let rotor = rotor::file::read_rotor(drawing, "blower").expect("it is in the book");
+    let own = builtin::feedback(&rotor, "own").expect("it has a law");
+    let settings = Settings::new(&rotor, 4.0, own);
+    Model::new(rotor, settings)
+}
+
+#[test]
+fn val_the_worst_of_a_drawing_is_that_of_every_corner_and_every_corner_can_be() {
+    let model = blower();
+    let ranges: Vec<Range> = model.unsure(&[]).into_iter().map(|of| about(&model, of, 0.2)).collect();
+    let names: Vec<&str> = ranges.iter().map(|range| range.parameter.name()).collect();
+    assert!(names.contains(&"disc.1.inertia") && names.contains(&"material.1.moduli"), "{names:?}");
+    assert!(names.contains(&"material.1.density") && !names.contains(&"disc.1.mass"), "{names:?}");
+    let count = ranges.len();
+    assert!((5..11).contains(&count), "{names:?}");
+    let corner = |bits: u32| (0..count).map(|k| f64::from(bits >> k & 1)).collect::<Vec<f64>>();
+    let least = (0..1 << count).map(|bits| damping(&model, &ranges, &corner(bits))).fold(f64::INFINITY, f64::min);
+    let found = worst(&model, &ranges, 1e-3, 1, Stop::NEVER).expect("poles");
+    assert!(found.value <= least + 1e-12 && found.value > least - 0.05, "{found:?} {least}");
+}
+
+#[test]
+fn what_moves_together_is_multiplied_by_one_factor_and_left_where_one_of_it_is_said() {
+    let model = blower();
+    let inertia = model.parameter("disc.1.inertia").expect("there is");
+    let members = model.members(&inertia);
+    assert_eq!(members.len(), 3);
+    let heavier = model.with(&[(&inertia, 1.25)]).expect("can be");
+    for member in &members {
+        assert!((heavier.value(member) / model.value(member) - 1.25).abs() < 1e-12, "{member}");
+    }
+    let mass = model.parameter("disc.1.mass").expect("there is");
+    let rest = model.unsure(&[&mass]);
+    assert!(rest.iter().all(|of| !of.name().starts_with("disc.1.")), "{rest:?}");
+    assert!(rest.iter().any(|of| of.name() == "material.1.moduli"));
+    assert!(model.with(&[(&inertia, 0.0)]).is_err() && model.parameter("disc.9.inertia").is_err());
+}

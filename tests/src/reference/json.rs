@@ -9,12 +9,13 @@ use serde_json::Value;
 use super::{begin, code, table};
 
 /// Commands whose document is told, with what makes it.
-const EXAMPLES: [&str; 23] = [
+const EXAMPLES: [&str; 24] = [
     "poles three-mass --speed 6 --feedback composite",
     "thresholds three-mass --over 0..6",
     "trace three-mass --over 0..6 --points 5 --feedback composite --campbell",
     "modes three-mass --speed 4",
     "margin three-mass --speed 6 --feedback individual --sensitivities --box 10% --samples 100 --simulate",
+    "margin rig --speed 6000 --box 10%",
     "bode three-mass --feedback individual --speed 6",
     "bode three-mass --feedback individual --over 0..6 --of unbalance",
     "assess three-mass --feedback individual --over 0..6",

@@ -44,7 +44,8 @@ pub(super) struct Unsure {
     /// What every parameter does to damping and margins, the largest effects first; `--csv` has these rows
     #[arg(long, conflicts_with = "over", help_heading = "Not quite what is thought")]
     sensitivities: bool,
-    /// The worst damping when every parameter of the rotor that is not 0 lies anywhere within so much of its value
+    /// The worst damping when every parameter of the rotor that is not 0 lies anywhere within so much of its value; of a drawing
+    /// the mass and inertias of a disc by one factor (disc.1.inertia), and the moduli of a material (material.1.moduli)
     #[arg(id = "wide", long = "box", value_name = "P%", value_parser = part, help_heading = "Not quite what is thought")]
     wide: Option<f64>,
     /// The same of one parameter: damping.1=0.2..0.3, delay=0..0.1, shaft.2=10%; repeatable, and before what `--box` says. Settings are
@@ -140,8 +141,9 @@ impl Unsure {
         let linear: Vec<Range> = ranges.iter().filter(|range| range.parameter.is_linear()).cloned().collect();
         if !linear.is_empty() {
             let worst = variation::worst(&model, &linear, self.tolerance, self.seed, Stop::NEVER)?;
-            told.fields.insert("box".into(), of_box(&linear, &worst));
-            told.text += &box_text(machine, &linear, &worst);
+            let joined = joined(&model, &linear);
+            told.fields.insert("box".into(), of_box(&linear, &worst, &joined));
+            told.text += &box_text(machine, &linear, &worst, &joined);
         }
         if let Some(count) = self.samples {
             let word = match self.distribution {
@@ -221,12 +223,10 @@ impl Unsure {
             ranges.push(range);
         }
         if let Some(part) = self.wide {
-            let of_rotor = model.parameters().into_iter().filter(|of| of.is_of_rotor() && model.value(of) != 0.0);
-            for parameter in of_rotor.collect::<Vec<_>>() {
-                if ranges.iter().all(|other| other.parameter.quantity != parameter.quantity) {
-                    let varied = Varied { key: parameter.name().to_owned(), by: By::Part(part) };
-                    ranges.push(varied::range(machine, model, &varied)?);
-                }
+            let said: Vec<_> = ranges.iter().map(|range| &range.parameter).collect();
+            for parameter in model.unsure(&said) {
+                let varied = Varied { key: parameter.name().to_owned(), by: By::Part(part) };
+                ranges.push(varied::range(machine, model, &varied)?);
             }
         }
         Ok(ranges)
@@ -303,7 +303,17 @@ fn table(machine: &Machine, found: &Sensitivities) -> Table {
 const FOUND: &str =
     "the worst that was found: a proof is had of a chain of masses under gains alone, in not too large a box";
 
-fn of_box(ranges: &[Range], worst: &Worst) -> Value {
+/// What moves together, by one factor: its name, and those of its numbers.
+fn joined(model: &Model, ranges: &[Range]) -> Vec<(String, Vec<String>)> {
+    let of = |range: &Range| {
+        let members = model.members(&range.parameter);
+        let names: Vec<String> = members.iter().map(|member| member.name().to_owned()).collect();
+        (!names.is_empty()).then(|| (range.parameter.name().to_owned(), names))
+    };
+    ranges.iter().filter_map(of).collect()
+}
+
+fn of_box(ranges: &[Range], worst: &Worst, joined: &[(String, Vec<String>)]) -> Value {
     let at: Map<String, Value> =
         ranges.iter().zip(&worst.at).map(|(range, at)| (range.parameter.name().to_owned(), json!(at))).collect();
     let over: Map<String, Value> =
@@ -316,6 +326,10 @@ fn of_box(ranges: &[Range], worst: &Worst) -> Value {
         "looked_at": worst.looked_at,
         "boxes": worst.boxes,
     });
+    if !joined.is_empty() {
+        made["together"] =
+            joined.iter().map(|(name, names)| (name.clone(), json!(names))).collect::<Map<_, _>>().into();
+    }
     if worst.proven {
         made["tolerance"] = json!(worst.tolerance);
     } else {
@@ -324,7 +338,7 @@ fn of_box(ranges: &[Range], worst: &Worst) -> Value {
     made
 }
 
-fn box_text(machine: &Machine, ranges: &[Range], worst: &Worst) -> String {
+fn box_text(machine: &Machine, ranges: &[Range], worst: &Worst, joined: &[(String, Vec<String>)]) -> String {
     let end = |range: &Range, at: f64| {
         let value = rounded(varied::shown(machine, &range.parameter, at));
         format!("{} = {value}", range.parameter.name())
@@ -334,10 +348,26 @@ fn box_text(machine: &Machine, ranges: &[Range], worst: &Worst) -> String {
         true => format!("proven within {} over the whole box ({} boxes)", worst.tolerance, worst.boxes),
         false => FOUND.to_owned(),
     };
+    let together = match joined {
+        [] => String::new(),
+        some => {
+            // Discs are many, and what is said of one is said of all.
+            let mut kinds: Vec<String> = some.iter().map(|(name, names)| kind(name, names)).collect();
+            kinds.dedup();
+            format!("by one factor each, together: {}\n", kinds.join("; "))
+        }
+    };
     let stands = if worst.value > 0.0 { "stable" } else { "UNSTABLE" };
     let (count, value) = (ranges.len(), rounded(worst.value));
     format!(
-        "\nworst damping when {count} parameters lie anywhere in their ranges: {value}, {stands}\n{how}\nat {}\n",
+        "\nworst damping when {count} parameters lie anywhere in their ranges: {value}, {stands}\n{how}\nat {}\n{together}",
         at.join(", ")
     )
+}
+
+/// What moves together in words, whichever part it is of: `disc.N.inertia = mass, polar_inertia`.
+fn kind(name: &str, names: &[String]) -> String {
+    let last = |name: &str| name.rsplit('.').next().unwrap_or_default().to_owned();
+    let fields: Vec<String> = names.iter().map(|name| last(name)).collect();
+    format!("{}.N.{} = {}", name.split('.').next().unwrap_or_default(), last(name), fields.join(", "))
 }
