@@ -69,8 +69,8 @@ complete -c whirl -n "__fish_whirl_using_subcommand up" -l set -d 'Any other set
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l profile -d 'Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`' -r
-complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second' -r
-complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l rate -d 'Steps a second, also as 2kHz' -r
+complete -c whirl -n "__fish_whirl_using_subcommand up" -l dtau -d 'Advance of tau = w0 t per step (of an SI rotor also 20us); it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l coast-down -d 'Coast down after a trip, at first at this rate, in R per tau (SI rotors: rpm/s) [default: hold the machine where it is]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand up" -l history -d 'Megabytes that the steps kept for looking back may take' -r
@@ -89,8 +89,8 @@ complete -c whirl -n "__fish_whirl_using_subcommand sim" -l set -d 'Any other se
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l bench -d 'Name of the bench' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l speed -d 'Spin speed R = w / w0 at the start (SI rotors: in rpm) [default: R = 2.5]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l profile -d 'Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`' -r
-complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second' -r
-complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l rate -d 'Steps a second, also as 2kHz' -r
+complete -c whirl -n "__fish_whirl_using_subcommand sim" -l dtau -d 'Advance of tau = w0 t per step (of an SI rotor also 20us); it is made in as many substeps as keep numbers within 1e-4' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l trip -d 'Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l coast-down -d 'Coast down after a trip, at first at this rate, in R per tau (SI rotors: rpm/s) [default: hold the machine where it is]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand sim" -l lockstep -d 'Not in real time: wait at every sample for the command of a controller outside (`external`), and go as fast as that, bit for bit repeatable'
@@ -133,7 +133,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand replay" -s h -l help -d 'Pri
 complete -c whirl -n "__fish_whirl_using_subcommand info" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand info" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l out -d 'Write this file instead: .csv or .parquet' -r -F
-complete -c whirl -n "__fish_whirl_using_subcommand export" -l from -d 'Steps from this tau on; after a restart tau begins at 0 again, and each stretch has its share' -r
+complete -c whirl -n "__fish_whirl_using_subcommand export" -l from -d 'Steps from this tau on (of an SI rotor also 2s or 50ms); after a restart tau begins at 0 again, and each stretch has its share' -r
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l to -d 'Steps up to this tau' -r
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l every -d 'Steps whose number is a multiple of N' -r
 complete -c whirl -n "__fish_whirl_using_subcommand export" -l csv -d 'Write FILE.csv beside it'
@@ -308,7 +308,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand run" -l profile -d 'Legs of 
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l duration -d 'How long, in tau = w0 t for any rotor [default: as long as the profile]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l dtau -d 'Step of the integration, in tau [default: 126 steps to the fastest turn of any mode or the spin, at most 0.05]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l settle -d 'Take maxima and means from this tau on [default: 0 with impulses or a profile, else from where transients have died]' -r
-complete -c whirl -n "__fish_whirl_using_subcommand run" -l impulse -d 'A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand run" -l impulse -d 'A sudden change of velocity in w0 e_t (SI rotors: in m/s, or as it says), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l out -d 'Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd' -r -F
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l every -d 'Write one step in every N' -r
 complete -c whirl -n "__fish_whirl_using_subcommand run" -l psd -d 'Two-sided power spectral density of y + j z at a mass, once settled' -r
@@ -471,9 +471,9 @@ complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subco
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l name -d 'What the rotor is called [default: as its file]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l average -d 'Go on with the mean where the two directions differ'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -s h -l help -d 'Print help'
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l over -d 'Look at this range of spin speeds (rpm)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l over -d 'Look at this range of spin speeds (in rpm, or as it says)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l points -d 'How many speeds of the range to look at' -r
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l up-to -d 'Compare poles up to this frequency (Hz) [default: ten times the highest speed, at least that of the fourth mode]' -r
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l up-to -d 'Compare poles up to this frequency (in Hz, or as it says) [default: ten times the highest speed, at least that of the fourth mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l coordinates -d 'Keep this many coordinates in place of those of the file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l check -d 'Fail if a pole is off by more than this part of its size' -r
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l json -d 'Print one JSON document'

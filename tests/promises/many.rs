@@ -151,10 +151,39 @@ fn any_root_will_do_by_whirl_root_and_by_the_runtime_folder() {
 }
 
 #[test]
+fn a_bench_that_is_not_there_is_answered_with_those_that_are() {
+    let root = Root::new();
+    let refused = |arguments: &[&str]| {
+        let ran = root.run(arguments);
+        assert!(ran.code != Some(0), "{arguments:?}: {ran:?}");
+        ran.stderr
+    };
+    let asked: [&[&str]; 4] = [
+        &["set", "--bench", "c", "speed=1"],
+        &["tail", "--bench", "c", "--count", "1"],
+        &["note", "--bench", "c", "here"],
+        &["drill", "off", "--bench", "c"],
+    ];
+    // Nothing runs: how to start it.
+    assert!(refused(asked[0]).contains("whirl sim --bench c"), "{}", refused(asked[0]));
+    let first = root.simulate(&["jeffcott", "--bench", "a"]);
+    for arguments in asked {
+        assert!(refused(arguments).contains("no bench 'c' is running; there is a\n"), "{}", refused(arguments));
+    }
+    let second = root.simulate(&["jeffcott", "--bench", "b"]);
+    for arguments in asked {
+        let told = refused(arguments);
+        let both = ["there are a, b\n", "there are b, a\n"].iter().any(|all| told.ends_with(all));
+        assert!(told.contains("no bench 'c' is running; ") && both, "{told}");
+    }
+    assert_eq!((first.end().code, second.end().code), (Some(0), Some(0)));
+}
+
+#[test]
 fn a_trip_limit_below_the_present_orbit_is_refused_unless_forced() {
     let root = Root::new();
     let simulation = root.simulate(&["three-mass", "--bench", "a", "--speed", "2.5"]);
-    root.run(&["tail", "--bench", "a", "--count", "2000"]);
+    assert_eq!(root.run(&["tail", "--bench", "a", "--count", "2000"]).code, Some(0));
     let ran = root.run(&["set", "--bench", "a", "trip=0.5", "--json"]);
     let told: Value = serde_json::from_str(&ran.stdout).unwrap();
     assert_eq!(

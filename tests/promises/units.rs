@@ -167,6 +167,18 @@ fn val_options_may_say_what_they_are_counted_in() {
         &["response", "--over", "0.5..3w0", "--points", "3", "--deadband", "0.02mm"],
         &["run", "--deadband", "0um", "--speed", "300rad/s", "--duration", "0.1s", "--settle", "50ms"],
         &["map", "--x", "speed=40..120Hz", "--y", "delay=100..200us", "--points", "3x2"],
+        // A velocity of 1 is 6 mm/s.
+        &[
+            "run",
+            "--deadband",
+            "0",
+            "--speed",
+            "1w0",
+            "--duration",
+            "30",
+            "--impulse",
+            "mass=1,vy=6mm/s,vz=-0.003m/s,at=20ms",
+        ],
     ];
     let plain: &[&[&str]] = &[
         &["poles", "--speed", "2.5"],
@@ -188,9 +200,25 @@ fn val_options_may_say_what_they_are_counted_in() {
         &["response", "--over", "0.5..3", "--points", "3", "--deadband", "1"],
         &["run", "--deadband", "0", "--speed", "1", "--duration", "30", "--settle", "15"],
         &["map", "--x", "speed=0.8377580409572781..2.5132741228718345", "--y", "delay=0.03..0.06", "--points", "3x2"],
+        &["run", "--deadband", "0", "--speed", "1", "--duration", "30", "--impulse", "mass=1,vy=1,vz=-0.5,at=6"],
     ];
     for (si, plain) in si.iter().zip(plain) {
         both(plain[0], &plain[1..], &owned(&si[1..]), 1e-6);
+    }
+}
+
+#[test]
+fn val_a_reduction_is_looked_at_over_what_it_says() {
+    let reduced =
+        |over: &str, up_to: &str| run(&["rotor", "reduce", "rig", "--over", over, "--up-to", up_to, "--json"]).json();
+    let plain = reduced("0..6000", "800");
+    assert_eq!(
+        (&plain["up_to_hz"], plain["poles"].as_array().unwrap().last().unwrap()["rpm"].as_f64()),
+        (&800.0.into(), Some(6000.0))
+    );
+    // 6000 rpm are 100 Hz, and 800 Hz 48000 rpm.
+    for (over, up_to) in [("0..100Hz", "0.8kHz"), ("0rpm..6000rpm", "48000rpm")] {
+        same(&reduced(over, up_to), &plain, 1e-9, over);
     }
 }
 
@@ -207,6 +235,11 @@ fn a_unit_of_something_else_or_of_a_rotor_without_scales_is_refused_in_words() {
         (&["tune", "--over", "0..3", "--delay", "200us"], no_scales),
         (&["run", "--speed", "1", "--duration", "3s"], no_scales),
         (&["sim", "--trip", "4mm"], no_scales),
+        (&["sim", "--dtau", "20us"], no_scales),
+        (&["sim", "--rate", "2rpm"], "expected a number, alone or in Hz, kHz"),
+        (&["run", "--speed", "1", "--duration", "3", "--impulse", "mass=1,vy=6mm/s"], no_scales),
+        (&["rotor", "reduce", "rig", "--over", "0..50N"], "expected"),
+        (&["rotor", "reduce", "rig", "--up-to", "0kHz"], "expected a finite number greater than 0"),
         (&["assess", "--over", "0..3", "--force-limit", "2N"], no_scales),
         (&["poles", file, "--speed", "3000N"], "expected a number, alone or in rpm, Hz, rad/s"),
         (

@@ -8,6 +8,8 @@ use units::{Dimension, Typed, TypedError};
 
 pub use units::Unit;
 
+/// The part of the largest gain of a signal that a step of one of them is at least, but for rounding down.
+const OF_LARGEST: f64 = 0.01;
 /// Significant digits of a value in a message.
 const DIGITS: usize = 7;
 
@@ -187,10 +189,30 @@ impl Units {
 
     /// What one key press adds to a setting, as it is shown: a round number.
     pub fn step(&self, key: Key) -> f64 {
+        self.step_of(key, key.parameter.step)
+    }
+
+    /// The same among these settings: of a gain no less than a part of the largest gain of its signal, as gains in front of a filter are
+    /// large, and what is round for those of others moves nothing.
+    pub fn step_among(&self, key: Key, settings: &Settings) -> f64 {
+        let own = key.parameter.step;
+        let of_signal =
+            |other: &Key| other.parameter.gain.is_some() && other.index.unwrap_or(0) == key.index.unwrap_or(0);
+        let gains = settings.keys().into_iter().filter(|other| key.parameter.gain.is_some() && of_signal(other));
+        let largest = gains.filter_map(|key| settings.get(key).ok()).map(f64::abs).fold(0.0, f64::max);
+        if OF_LARGEST * largest <= own {
+            return self.step(key);
+        }
+        let decade = 10_f64.powf(largest.log10().floor());
+        let round = [5.0, 2.0, 1.0].into_iter().map(|digit| digit * decade).find(|round| *round <= largest);
+        self.step_of(key, own.max(significant(OF_LARGEST * round.unwrap_or(decade), 4)))
+    }
+
+    fn step_of(&self, key: Key, step: f64) -> f64 {
         match self.setting(key).factor {
-            1.0 => key.parameter.step,
+            1.0 => step,
             // What the product of round numbers leaves behind their digits is not part of them.
-            factor => significant(nice_ceiling(key.parameter.step * factor), 4),
+            factor => significant(nice_ceiling(step * factor), 4),
         }
     }
 
@@ -340,6 +362,27 @@ mod tests {
         let nudged = crate::edits::Edit::Nudge(kd, 0.01).applied(&before).unwrap();
         // m_b w0^2 = 2 kg (1000/s)^2.
         assert_eq!(units.difference(&before, &nudged), "kd.1 -1175800 N/m -> -1155800 N/m");
+    }
+
+    #[test]
+    fn gains_before_a_filter_are_nudged_by_a_part_of_what_they_are() {
+        let rotor = rotor::builtin::rotor("rig").unwrap();
+        let settings = Settings::new(&rotor, 2.5, rotor::builtin::feedback(&rotor, "own").unwrap());
+        let units = Units::of_machine(&rotor, &settings.feedback);
+        for name in ["left.kd", "right.kd"] {
+            let key = settings.key(name).unwrap();
+            let value = settings.get(key).unwrap().abs() * units.setting(key).factor;
+            let part = units.step_among(key, &settings) / value;
+            assert!((0.004..0.02).contains(&part), "{name}: {part} of {value}");
+        }
+        // A gain that is nothing yet, by that of its signal; small gains and what is no gain as ever.
+        let cd = settings.key("left.cd").unwrap();
+        assert!(units.step_among(cd, &settings) > 100.0 * units.step(cd));
+        let three_mass = rotor::builtin::rotor("three-mass").unwrap();
+        let own = Settings::new(&three_mass, 2.5, rotor::builtin::feedback(&three_mass, "composite").unwrap());
+        for key in own.keys() {
+            assert_eq!(Units::DIMENSIONLESS.step_among(key, &own), Units::DIMENSIONLESS.step(key), "{key}");
+        }
     }
 
     #[test]

@@ -47,7 +47,7 @@ fn in_one_of(names: &[&str]) -> String {
 impl From<f64> for Typed {
     /// A number alone.
     fn from(number: f64) -> Self {
-        Self { number, counted: Counted::Plain }
+        Self::alone(number)
     }
 }
 
@@ -61,6 +61,12 @@ impl fmt::Display for Typed {
 }
 
 impl Typed {
+    /// A number alone.
+    #[must_use]
+    pub const fn alone(number: f64) -> Self {
+        Self { number, counted: Counted::Plain }
+    }
+
     /// Reads a quantity.
     ///
     /// # Errors

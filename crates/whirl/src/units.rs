@@ -141,12 +141,6 @@ impl Units {
         self.table(1.0).shown(Dimension::Length, length)
     }
 
-    /// Velocity in `e_t` per unit of `tau` of a velocity as typed.
-    #[must_use]
-    pub(crate) fn velocity_from_typed(self, typed: f64) -> f64 {
-        self.table(1.0).typed(Dimension::Velocity, typed)
-    }
-
     /// Velocity as shown of a velocity in `e_t` per unit of `tau`.
     #[must_use]
     pub(crate) fn velocity(self, velocity: f64) -> f64 {

@@ -40,13 +40,16 @@ const EXAMPLES: [&str; 24] = [
 const OTHERS: [(&str, &str); 14] = [
     (
         "tail",
-        "an object a step: `seq lost tau speed revision run_id` (hexadecimal), `masses[]` with `y z vy vz`, `force` with `y z`, `flags` in words, and every other channel under its name (`uy_commanded`, `reading_y1` ..)",
+        "an object a step: `seq lost tau speed revision run_id` (hexadecimal), `masses[]` with `y z vy vz`, `force` with `y z`, `flags` in words, and every other channel under its name (`uy_commanded`, `reading_y1` ..); of an SI rotor `si` too, with `time` (s) `speed_rpm masses[]` (m, m/s) and `force` (N)",
     ),
     (
         "tail --events",
         "an object an event: `number lost event seq tau wall_ns who why text run_id`, with `revision` and `settings` after it, and what else it has, as `late missed`",
     ),
-    ("status", "`benches[]`, with the numbers of its table in full, and `log`"),
+    (
+        "status",
+        "`benches[]`, with the numbers of its table in full, of an SI rotor `speed_rpm` and `scales` too, and `log`",
+    ),
     (
         "set",
         "`accepted`; `changed revision applied_at_step substeps`, or the `reason` why not, with `min_damping` (`now`, `then`) or `orbit` (`now`, `limit`) where that is it; `accepted` is `null` where the bench did not answer",

@@ -43,8 +43,9 @@ impl App<'_> {
     /// A setting raised by so many of its steps.
     pub(super) fn nudge(&self, key: Key, steps: f64) -> Edit {
         let units = self.units();
-        let delta = steps * units.step(key) / units.setting(key).factor;
         let (settings, rotor) = self.settings_and_rotor();
+        let step = settings.as_ref().map_or_else(|| units.step(key), |settings| units.step_among(key, settings));
+        let delta = steps * step / units.setting(key).factor;
         let each = rotor.zip(settings).and_then(|(rotor, settings)| settings.each(&rotor, key).ok());
         match each {
             Some(keys) if keys.len() > 1 => Edit::NudgeAll(keys, delta),

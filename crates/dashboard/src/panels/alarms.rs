@@ -74,7 +74,9 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
     let alarms = view.alarms;
     let mut title = vec![Span::raw(" alarms ")];
     if alarms.unseen() > 0 {
-        let text = format!(" {} not acknowledged: a ", alarms.unseen());
+        let (unseen, room) = (alarms.unseen(), usize::from(area.width).saturating_sub(2 + " alarms ".len()));
+        let ways = [format!(" {unseen} not acknowledged: a "), format!(" {unseen} new: a ")];
+        let text = longest(&ways.each_ref().map(String::as_str), room);
         title.push(Span::styled(text, theme::badge(theme::level_color(alarms.shown()))));
     }
     let judged = view.replay.as_ref().is_none_or(|show| show.judged);
@@ -155,18 +157,18 @@ fn draw_standings(
     for ((name, [now, warning, alarm], mut state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
         // What it is and how it stands come before the limits, and those before the name's last letters.
         let text = match row.width {
-            49.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
-            40.. => format!("{name:<12}{now:>8}{alarm:>9}  "),
+            48.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
+            39.. => format!("{name:<12}{now:>8}{alarm:>9}  "),
             wide => {
-                // The name and the number are whole; of the state the sign says enough.
-                let left = |state: &Span<'_>| usize::from(wide).saturating_sub(width(&now).max(6) + 1 + state.width());
-                if left(&state) < width(&name) {
-                    state.content = state.content.split(' ').next().unwrap_or_default().to_owned().into();
-                }
-                let named = 12.min(left(&state)).max(width(&name));
-                format!("{name:<named$}{now:>6} ")
+                // The name and the number are whole.
+                let left = usize::from(wide).saturating_sub(width(&now).max(6) + 1 + "!! ALARM".len());
+                format!("{name:<named$}{now:>6} ", named = left.min(13).max(width(&name)))
             }
         };
+        // Of a warning four letters say enough.
+        if width(&text) + state.width() > usize::from(row.width) && state.content.starts_with("! ") {
+            state.content = "! WARN".into();
+        }
         let style = if name.is_empty() { theme::quiet() } else { Style::new() };
         let x = write(buffer, row, row.x, row.y, &text, style);
         write(buffer, row, x, row.y, &state.content, state.style);

@@ -134,11 +134,12 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let first = first_row(&shown, cursor.row, inner.height);
     let in_view = || shown[first..].iter().take(usize::from(inner.height));
     // One column for all, so that the values stand below each other.
-    let column = in_view().map(|at| width(&step_of(&units, keys[*at], inner.width))).max().unwrap_or(0);
+    let column = in_view().map(|at| width(&step_of(settings, &units, keys[*at], inner.width))).max().unwrap_or(0);
     for (y, at) in (inner.top()..inner.bottom()).zip(in_view()) {
         let row = Rect { y, height: 1, ..inner };
         let other = other_of(view, settings, &units, keys[*at]);
-        let beside = Beside { other, arrow: slopes.as_ref().and_then(|slopes| arrow(slopes, &units, keys[*at])) };
+        let beside =
+            Beside { other, arrow: slopes.as_ref().and_then(|slopes| arrow(slopes, settings, &units, keys[*at])) };
         draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), beside, (row, column), buffer);
     }
     // On the frame, where no value is hidden by it.
@@ -160,12 +161,12 @@ const LEAST: f64 = 1e-9;
 
 /// What a step up does to the smallest damping: where to and by how much, or a diamond where it falls either way. Nothing where it does
 /// nothing, or that is not known.
-fn arrow(slopes: &SettingSlopes, units: &Units, key: Key) -> Option<String> {
+fn arrow(slopes: &SettingSlopes, settings: &Settings, units: &Units, key: Key) -> Option<String> {
     let slope = slopes.slope(key)?;
     if slope.up < 0.0 && slope.down > 0.0 {
         return Some("◆".into());
     }
-    let change = slope.up * units.step(key) / units.setting(key).factor;
+    let change = slope.up * units.step_among(key, settings) / units.setting(key).factor;
     let sign = if change > 0.0 { '▲' } else { '▼' };
     (change.abs() > LEAST && change.is_finite()).then(|| format!("{sign}{}", tiny(change.abs())))
 }
@@ -204,7 +205,7 @@ fn draw_row(
         Some((number, _)) if value.width() > usize::from(room) => Line::styled(number.to_owned(), style),
         _ => value,
     };
-    let step = step_of(units, key, row.width);
+    let step = step_of(settings, units, key, row.width);
     // What it may become stands in place of the step.
     let (step, color) = match other {
         Some(other) => (other, theme::loud(theme::CANDIDATE)),
@@ -239,8 +240,8 @@ fn draw_row(
 
 /// The step of a setting, or what it counts in: as much as there is room for in a row; the value always is. What a number counts in matters
 /// more than its step.
-fn step_of(units: &Units, key: Key, wide: u16) -> String {
-    let (step, unit) = (units.step(key), units.setting(key).name);
+fn step_of(settings: &Settings, units: &Units, key: Key, wide: u16) -> String {
+    let (step, unit) = (units.step_among(key, settings), units.setting(key).name);
     match (wide, units.scales) {
         (0..26, None) => String::new(),
         (26..34, None) => format!("±{}", compact(step)),

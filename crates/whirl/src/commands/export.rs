@@ -6,10 +6,13 @@ use std::path::PathBuf;
 use files::FileError;
 use study::table::{ColumnKind, Form, FormError, Table};
 use tape::{Damage, Recording};
+use units::Dimension;
 use wire::Step;
 
 use crate::failure::Failure;
 use crate::place::Force;
+use crate::quantity::{self, TypedQuantity};
+use crate::units::Units;
 use crate::{interrupt, output};
 
 /// Options of `whirl export`.
@@ -29,12 +32,12 @@ pub(crate) struct ExportArgs {
     out: Option<PathBuf>,
     #[command(flatten)]
     force: Force,
-    /// Steps from this tau on; after a restart tau begins at 0 again, and each stretch has its share
-    #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
-    from: Option<f64>,
+    /// Steps from this tau on (of an SI rotor also 2s or 50ms); after a restart tau begins at 0 again, and each stretch has its share
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time))]
+    from: Option<TypedQuantity>,
     /// Steps up to this tau
-    #[arg(long, value_name = "TAU", allow_negative_numbers = true)]
-    to: Option<f64>,
+    #[arg(long, value_name = "TAU", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time))]
+    to: Option<TypedQuantity>,
     /// Steps whose number is a multiple of N
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     every: u64,
@@ -78,14 +81,18 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
         None if args.parquet => (file.with_extension("parquet"), Form::Parquet.available().map_err(usage)?),
         None => (file.with_extension("csv"), Form::Csv),
     };
-    let (from, to) = (args.from.unwrap_or(f64::NEG_INFINITY), args.to.unwrap_or(f64::INFINITY));
+    args.force.check(&target)?;
+    let mut recording = Recording::open_row(&args.files)?;
+    let units = Units::with(recording.scales());
+    let end = |option: &str, typed: Option<TypedQuantity>, without: f64| {
+        typed.map_or(Ok(without), |typed| units.read_dimensionless(option, typed))
+    };
+    let (from, to) = (end("--from", args.from, f64::NEG_INFINITY)?, end("--to", args.to, f64::INFINITY)?);
     if from.is_nan() || to.is_nan() || from > to {
         return Err(Failure::Usage(format!(
             "from = {from}, to = {to}: expected two times, the first not after the second"
         )));
     }
-    args.force.check(&target)?;
-    let mut recording = Recording::open_row(&args.files)?;
     let notices = recording.notices();
     for notice in &notices {
         output::warn(&format!("{}: {notice}", file.display()));
@@ -127,11 +134,12 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
 fn nothing(recording: &Recording, args: &ExportArgs) -> String {
     let file = recording.path().display();
     let Some(span) = recording.span() else { return format!("'{file}': there are no steps in it") };
+    let told = |typed: TypedQuantity| if typed.typed.is_alone() { format!("tau {typed}") } else { typed.to_string() };
     let asked = match (args.from, args.to) {
         (None, None) => return format!("'{file}': no step in it has a number that is a multiple of {}", args.every),
-        (Some(from), None) => format!("from tau {from} on"),
-        (None, Some(to)) => format!("up to tau {to}"),
-        (Some(from), Some(to)) => format!("from tau {from} to {to}"),
+        (Some(from), None) => format!("from {} on", told(from)),
+        (None, Some(to)) => format!("up to {}", told(to)),
+        (Some(from), Some(to)) => format!("from {} to {to}", told(from)),
     };
     let every = if args.every > 1 { format!(", one in {}", args.every) } else { String::new() };
     let (first, last) = (span.first.tau, span.last.tau);

@@ -8,13 +8,14 @@ use std::time::Duration;
 use rotor::Settings;
 use rotor::profile::Profile;
 use sim::Options;
-use units::Dimension;
+use units::{Dimension, Typed};
 
 use crate::attach::{self, BenchArgs};
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::quantity::{self, TypedQuantity};
+use crate::units::Units;
 use crate::{interrupt, output};
 
 /// What a child says once it has what it needs: the first word of its first line.
@@ -33,12 +34,12 @@ pub(crate) struct LiveArgs {
     /// Legs of speed from a file, from the start on, until somebody sets `speed` or `ramp`
     #[arg(long, value_name = "FILE", conflicts_with = "speed")]
     pub(crate) profile: Option<String>,
-    /// Steps a second
-    #[arg(long, value_name = "HZ", default_value_t = Options::DEFAULT_RATE_HZ, allow_negative_numbers = true)]
+    /// Steps a second, also as 2kHz
+    #[arg(long, value_name = "HZ", default_value_t = Options::DEFAULT_RATE_HZ, allow_negative_numbers = true, value_parser = steps_a_second)]
     pub(crate) rate: f64,
-    /// Advance of tau = w0 t per step; it is made in as many substeps as keep numbers within 1e-4
-    #[arg(long, value_name = "H", default_value_t = Options::DEFAULT_DTAU, allow_negative_numbers = true)]
-    pub(crate) dtau: f64,
+    /// Advance of tau = w0 t per step (of an SI rotor also 20us); it is made in as many substeps as keep numbers within 1e-4
+    #[arg(long, value_name = "H", default_value_t = DTAU, allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time))]
+    pub(crate) dtau: TypedQuantity,
     /// Orbit radius at which the machine trips, in e_t (SI rotors: in m) [default: 1000 e_t]
     #[arg(long, value_name = "RADIUS", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Length))]
     pub(crate) trip: Option<TypedQuantity>,
@@ -63,6 +64,16 @@ pub(crate) struct SimArgs {
     /// Make no step before the parent has said something
     #[arg(long, hide = true, requires = "as_child")]
     when_told: bool,
+}
+
+/// The usual advance of a step.
+const DTAU: TypedQuantity = TypedQuantity { dimension: Dimension::Time, typed: Typed::alone(Options::DEFAULT_DTAU) };
+
+/// Reads steps a second, which are of the clock on the wall and so the same for any rotor.
+fn steps_a_second(typed: &str) -> Result<f64, String> {
+    let named = [("kHz", 1e3), ("Hz", 1.0), ("", 1.0)];
+    let read = |(name, times): (&str, f64)| Some(times * typed.trim().strip_suffix(name)?.trim().parse::<f64>().ok()?);
+    named.into_iter().find_map(read).ok_or_else(|| "expected a number, alone or in Hz, kHz".to_owned())
 }
 
 impl LiveArgs {
@@ -122,7 +133,8 @@ impl LiveArgs {
     /// Not a bench name, or a profile that is none.
     pub(crate) fn options(&self, rotor: &rotor::Rotor) -> Result<Options, Failure> {
         let profile = self.read_profile(rotor)?;
-        Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau: self.dtau, profile, ..Options::default() })
+        let dtau = Units::of(rotor).read_dimensionless("--dtau", self.dtau)?;
+        Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau, profile, ..Options::default() })
     }
 }
 

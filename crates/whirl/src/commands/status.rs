@@ -40,6 +40,12 @@ struct Bench {
     why: Option<String>,
     rotor: Option<String>,
     speed: Option<f64>,
+    /// The same of an SI rotor in rpm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    speed_rpm: Option<f64>,
+    /// What turns the dimensionless numbers of an SI rotor into those in SI units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    scales: Option<rotor::Scales>,
     /// Those in which people are told; scripts read `R`.
     #[serde(skip)]
     units: Units,
@@ -217,6 +223,8 @@ impl Bench {
             rotor: bench_status.map(|bench_status| bench_status.rotor_name.as_str().to_owned()),
             // Which may be on its way to the one that is set.
             speed: bench_status.map(|bench_status| bench_status.present_speed()),
+            speed_rpm: bench_status.and_then(|status| Some(status.scales()?.rpm(status.present_speed()))),
+            scales: bench_status.and_then(|bench_status| bench_status.scales()),
             units: Units::with(bench_status.and_then(|bench_status| bench_status.scales())),
             leg: bench_status.map(|bench_status| bench_status.leg).filter(|[_, legs]| *legs > 0),
             rate_hz: bench_status.map(|bench_status| bench_status.rate_hz),

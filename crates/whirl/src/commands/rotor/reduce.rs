@@ -1,11 +1,12 @@
 //! `whirl rotor reduce`: which places stand for a rotor of shaft elements, and what is lost by it.
 
 use serde::Serialize;
+use units::Dimension;
 
 use crate::catalog;
 use crate::failure::Failure;
 use crate::output::{Cell, Format, Table, rounded};
-use crate::range::Range;
+use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::units::Units;
 
 /// Options of `whirl rotor reduce`.
@@ -14,15 +15,15 @@ pub(super) struct ReduceArgs {
     /// The rotor: rig, or a TOML file with sections
     #[arg(value_name = "ROTOR")]
     rotor: String,
-    /// Look at this range of spin speeds (rpm)
-    #[arg(long, value_name = "A..B", default_value = "0..6000")]
-    over: Range,
+    /// Look at this range of spin speeds (in rpm, or as it says)
+    #[arg(long, value_name = "A..B", default_value = "0..6000", value_parser = quantity::range(Dimension::Speed))]
+    over: QuantityRange,
     /// How many speeds of the range to look at
     #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u32).range(2..=1000))]
     points: u32,
-    /// Compare poles up to this frequency (Hz) [default: ten times the highest speed, at least that of the fourth mode]
-    #[arg(long, value_name = "HZ")]
-    up_to: Option<f64>,
+    /// Compare poles up to this frequency (in Hz, or as it says) [default: ten times the highest speed, at least that of the fourth mode]
+    #[arg(long, value_name = "HZ", value_parser = quantity::of(Dimension::Frequency))]
+    up_to: Option<TypedQuantity>,
     /// Keep this many coordinates in place of those of the file
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=16))]
     coordinates: Option<u32>,
@@ -82,25 +83,30 @@ pub(super) fn run(args: &ReduceArgs) -> Result<(), Failure> {
     let asked = args.coordinates.map(|n| full.reduce(beam.drawing(), n as usize)).transpose();
     let asked = asked.map_err(|error| Failure::Usage(error.to_string()))?;
     let reduced = asked.as_ref().unwrap_or(own);
-    let speeds: Vec<f64> = args.over.points(args.points as usize).iter().map(|rpm| rpm * RAD_PER_S).collect();
+    // Of a drawing in SI units everything is per second.
+    let w0 = rotor.scales().map_or(1.0, |scales| scales.w0);
+    let over = units.read_range("--over", args.over)?;
+    let speeds: Vec<f64> = over.points(args.points as usize).iter().map(|speed| speed * w0).collect();
     let failed = |error: beam::PoleError| Failure::Work(error.to_string());
     let up_to = match args.up_to {
-        Some(hertz) if hertz.is_finite() && hertz > 0.0 => hertz * std::f64::consts::TAU,
-        Some(hertz) => return Err(Failure::Usage(format!("--up-to {hertz}: expected a finite number greater than 0"))),
+        Some(typed) => match units.read("--up-to", typed)? * w0 {
+            up_to if up_to.is_finite() && up_to > 0.0 => up_to,
+            _ => return Err(Failure::Usage(format!("--up-to {typed}: expected a finite number greater than 0"))),
+        },
         None => {
             let mut frequencies: Vec<f64> =
                 full.eigenvalues(0.0).map_err(failed)?.iter().map(|s| s.im.abs()).filter(|w| *w > 0.0).collect();
             frequencies.sort_by(f64::total_cmp);
             // Each mode is there twice: forward and backward.
             let fourth = frequencies.get(7).copied().unwrap_or(f64::INFINITY);
-            (10.0 * args.over.to * RAD_PER_S).max(1.01 * fourth)
+            (10.0 * over.to * w0).max(1.01 * fourth)
         }
     };
     let lost = beam::lost(full, reduced, &speeds, up_to).map_err(failed)?;
     let mut table = Table::new(&COLUMNS);
     for of in &lost.poles {
         table.row([
-            Cell::from(of.speed / RAD_PER_S),
+            Cell::from(rpm(of.speed)),
             Cell::from(of.full.re),
             Cell::from(of.full.im),
             Cell::from(of.frequency),
@@ -127,7 +133,7 @@ pub(super) fn run(args: &ReduceArgs) -> Result<(), Failure> {
         worst_damping: lost.worst_damping(),
         poles: (lost.poles.iter())
             .map(|of| Compared {
-                rpm: of.speed / RAD_PER_S,
+                rpm: rpm(of.speed),
                 full: pole(of.full),
                 reduced: pole(of.reduced),
                 frequency_error: of.frequency,
@@ -166,3 +172,8 @@ pub(super) fn run(args: &ReduceArgs) -> Result<(), Failure> {
 }
 
 const RAD_PER_S: f64 = std::f64::consts::PI / 30.0;
+
+/// Revolutions per minute of radians per second, without what the way through `w0` leaves in the last places.
+fn rpm(speed: f64) -> f64 {
+    text::number::significant(speed / RAD_PER_S, 12)
+}

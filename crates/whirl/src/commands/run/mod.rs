@@ -44,7 +44,7 @@ pub(crate) struct RunArgs {
     /// Take maxima and means from this tau on [default: 0 with impulses or a profile, else from where transients have died]
     #[arg(long, value_name = "T0", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Time))]
     settle: Option<TypedQuantity>,
-    /// A sudden change of velocity in w0 e_t (SI rotors: in m/s), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)
+    /// A sudden change of velocity in w0 e_t (SI rotors: in m/s, or as it says), mass=N[,vy=V][,vz=V][,at=TAU] (repeatable)
     #[arg(long, value_name = "IMPULSE", allow_hyphen_values = true)]
     impulse: Vec<ImpulseArg>,
     /// Write the trajectory, dimensionless for any rotor, to FILE.csv, FILE.parquet or, as a recording, FILE.rrd
@@ -128,14 +128,14 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
             return usage(format!("{what} at mass {mass}, but {} has masses 1 to {}", rotor.name(), rotor.len()));
         }
     }
+    let mut impulses = Vec::new();
     for impulse in &args.impulse {
+        let (change, at) = impulse.value(units)?;
         // One at the very end would move nothing that is simulated.
-        if impulse.at >= duration {
-            return usage(format!(
-                "impulse at {}, but the run ends at {duration}: expected a time before its end",
-                impulse.at
-            ));
+        if at >= duration {
+            return usage(format!("impulse at {at}, but the run ends at {duration}: expected a time before its end"));
         }
+        impulses.push(Impulse { mass: impulse.mass - 1, change, at });
     }
     if args.psd.is_some() && args.format.csv {
         return usage("--psd has no place in the rows of --csv: --json has the spectrum whole".into());
@@ -166,11 +166,7 @@ fn plan(args: &RunArgs, machine: &Machine, profile: Option<&Profile>) -> Result<
     let mut plan = Plan {
         program: program(dtau)?,
         start: None,
-        impulses: args
-            .impulse
-            .iter()
-            .map(|i| Impulse { mass: i.mass - 1, change: i.change * units.velocity_from_typed(1.0), at: i.at })
-            .collect(),
+        impulses,
         dtau,
         duration,
         settle: match settle {

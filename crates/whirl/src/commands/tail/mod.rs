@@ -56,6 +56,9 @@ struct Line {
     revision: u64,
     flags: Vec<String>,
     run_id: String,
+    /// The same of an SI rotor in its units.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    si: Option<InSi>,
     /// Every other channel of the table, by its name in files.
     #[serde(flatten)]
     others: Map<String, Value>,
@@ -91,8 +94,38 @@ struct Force {
     z: f64,
 }
 
+/// What a line tells, in SI units.
+#[derive(Debug, Serialize)]
+struct InSi {
+    /// Seconds since the machine began to move.
+    time: f64,
+    speed_rpm: f64,
+    /// In m and m/s.
+    masses: Vec<Place>,
+    /// In N, of the first control bearing.
+    force: Force,
+}
+
+impl InSi {
+    fn of(state: &impl Step, units: &Units) -> Option<Self> {
+        let scales = units.scales?;
+        let place = |p: wire::Point| {
+            let [y, z] = [p.y, p.z].map(|length| scales.metres(length));
+            let [vy, vz] = [p.vy, p.vz].map(|velocity| scales.metres(velocity) * scales.w0);
+            Place { y, z, vy, vz }
+        };
+        let [y, z] = state.force_delivered().map(|force| force * units.force.factor);
+        Some(Self {
+            time: scales.seconds(state.tau()),
+            speed_rpm: scales.rpm(state.speed()),
+            masses: state.points().map(place).collect(),
+            force: Force { y, z },
+        })
+    }
+}
+
 impl Line {
-    fn new(state: &impl Step, lost: u64) -> Self {
+    fn new(state: &impl Step, lost: u64, units: &Units) -> Self {
         let [y, z] = state.force_delivered();
         let others = state.layout().columns().zip(state.words()).filter(|(column, _)| !TOLD.contains(&column.channel));
         let value = |channel: Channel, word: u64| {
@@ -108,6 +141,7 @@ impl Line {
             revision: state.revision(),
             flags: state.flags().names(),
             run_id: format!("{:016x}", state.run_id()),
+            si: InSi::of(state, units),
             others: others.map(|(column, word)| (column.name(), value(column.channel, *word))).collect(),
         }
     }
@@ -165,7 +199,7 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
             (crate::units::Units::with(bench_status.scales()), events::Teller::of(bench_status.rotor().ok().as_ref()));
         Box::new(Happenings { teller, units, json: args.json })
     } else {
-        let units = if args.json { Units::DIMENSIONLESS } else { units_of(&mut listener, &bench)? };
+        let units = units_of(&mut listener, &bench)?;
         Box::new(Steps { every: args.every, json: args.json, units, last: None, untold: 0, lost: 0 })
     };
     let mut left = args.count.unwrap_or(u64::MAX);
@@ -208,7 +242,7 @@ trait Printer {
 struct Steps {
     every: u64,
     json: bool,
-    /// Those in which people are told; scripts read dimensionless numbers.
+    /// Those in which people are told; scripts read dimensionless numbers too.
     units: Units,
     last: Option<(u64, u64)>,
     /// Lost since the last line.
@@ -232,7 +266,7 @@ impl Printer for Steps {
                 let untold = std::mem::take(&mut self.untold);
                 if self.json {
                     // A line of plain numbers and words always serialises.
-                    *lines += &serde_json::to_string(&Line::new(&state, untold)).unwrap_or_default();
+                    *lines += &serde_json::to_string(&Line::new(&state, untold, &self.units)).unwrap_or_default();
                 } else {
                     *lines += &for_people(&state, untold, &self.units);
                 }
@@ -286,7 +320,7 @@ mod tests {
         for (at, column) in layout.number_columns().enumerate() {
             state = state.with(column.channel, column.index, 0.5 + at as f64);
         }
-        let line = serde_json::to_value(Line::new(&state, 0)).unwrap();
+        let line = serde_json::to_value(Line::new(&state, 0, &Units::DIMENSIONLESS)).unwrap();
         for column in layout.columns() {
             let told = line[column.name()].as_f64();
             if column.channel.is_number() && !TOLD.contains(&column.channel) {
@@ -306,5 +340,34 @@ mod tests {
         numbers.sort_by(f64::total_cmp);
         assert!(numbers.iter().copied().eq(state.numbers()), "{line}");
         assert_eq!(CHANNELS.iter().filter(|row| TOLD.contains(&row.channel)).count(), TOLD.len());
+    }
+
+    #[test]
+    fn val_a_line_of_an_si_rotor_has_its_numbers_in_si_units_beside() {
+        // w0 = 300 rad/s, e_t = 20 um, and a quarter of 40 kg at the bearing: 10 kg (300/s)^2 20e-6 m = 18 N.
+        let scales = rotor::Scales { w0: 300.0, k_t: 3.6e6, m_t: 40.0, e_t: 20e-6 };
+        let mass = |mass| rotor::PhysicalMass { mass, bearing_stiffness: 1.8e6, unbalance: 1e-5, ..Default::default() };
+        let two = rotor::Rotor::from_si("two", vec![mass(30.0), mass(10.0)], vec![1e6], None).unwrap();
+        let units = Units::of(Some(scales), rotor::ControlMasses::of(&two, &rotor::Feedback::new(1, vec![])));
+        let state = State::new(StepLayout::new(1)).with_point(0, wire::Point { y: 2.0, z: -1.0, vy: 0.5, vz: 0.0 });
+        let state = state.with(Channel::Tau, 0, 30.0).with(Channel::Speed, 0, 1.0).with(Channel::ForceY, 0, 3.0);
+        let line = serde_json::to_value(Line::new(&state, 0, &units)).unwrap();
+        let found = |pointer: &str| line.pointer(pointer).and_then(Value::as_f64).unwrap();
+        for (pointer, value) in [
+            ("/si/time", 0.1),
+            ("/si/speed_rpm", 2864.788975654116),
+            ("/si/masses/0/y", 4e-5),
+            ("/si/masses/0/z", -2e-5),
+            ("/si/masses/0/vy", 3e-3),
+            ("/si/force/y", 54.0),
+            // As they were.
+            ("/tau", 30.0),
+            ("/speed", 1.0),
+            ("/masses/0/y", 2.0),
+            ("/force/y", 3.0),
+        ] {
+            assert!((found(pointer) / value - 1.0).abs() < 1e-12, "{pointer}: {line}");
+        }
+        assert!(serde_json::to_value(Line::new(&state, 0, &Units::DIMENSIONLESS)).unwrap().get("si").is_none());
     }
 }
