@@ -101,6 +101,11 @@ impl LayerEvent {
 }
 
 impl Layer {
+    /// Whether it waits for a yes.
+    pub(crate) fn is_question(&self) -> bool {
+        matches!(self, Self::AskUnstable(..) | Self::AskFound(..) | Self::AskPreset(..))
+    }
+
     /// Whether letters are typed on it, whatever they stand for elsewhere.
     pub(crate) fn takes_letters(&self) -> bool {
         matches!(self, Self::Command(_) | Self::Filter(_))

@@ -235,6 +235,10 @@ pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let bold = Style::new().bold();
         let mut spans = vec![Span::styled(format!(" {sign}"), bold)];
         spans.extend(line.spans(bold));
+        // What is wrong stands beside it, as far as there is room.
+        if let Message::Bad(why) = view.message {
+            spans.push(Span::styled(format!("   {why}"), theme::loud(theme::BAD)));
+        }
         Line::from(spans)
     };
     let line = match view.layers.last() {

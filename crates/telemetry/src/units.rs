@@ -196,9 +196,12 @@ impl Units {
     /// large, and what is round for those of others moves nothing.
     pub fn step_among(&self, key: Key, settings: &Settings) -> f64 {
         let own = key.parameter.step;
+        if key.parameter.gain.is_none() {
+            return self.step(key);
+        }
         let of_signal =
             |other: &Key| other.parameter.gain.is_some() && other.index.unwrap_or(0) == key.index.unwrap_or(0);
-        let gains = settings.keys().into_iter().filter(|other| key.parameter.gain.is_some() && of_signal(other));
+        let gains = settings.keys().into_iter().filter(of_signal);
         let largest = gains.filter_map(|key| settings.get(key).ok()).map(f64::abs).fold(0.0, f64::max);
         if OF_LARGEST * largest <= own {
             return self.step(key);

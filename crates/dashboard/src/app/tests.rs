@@ -462,6 +462,19 @@ fn a_burst_of_letters_that_no_hand_types_drives_no_machine() {
     assert_eq!(of("llllllllllllllll").0, 16, "a key that is held down");
     assert_eq!(of("llu").0, 3, "a quick hand");
     assert_eq!(of(":kd=0.25\n").0, 1, "a line that begins as a command");
+    // More behind its end was pasted: it waits, and says so.
+    let (edits, mut app) = of(":kd=0.25\n0iR\n:cd=0.5\n");
+    assert_eq!((edits, &app.message.0), (0, &Message::Bad(LINES.into())));
+    let shown = frame(&mut app);
+    assert!(shown.contains(":kd=0.25_") && shown.contains("the first waits for enter"), "{shown}");
+    press(&mut app, &[Enter]);
+    assert!(app.layers.is_empty());
+    // And no question is answered by what begins with a y.
+    let (mut app, taken) = dashboard(&Options::default());
+    asks_about_off(&mut app);
+    let keys = "yesterday 0".chars().map(|letter| Input::Key(KeyEvent::new(Char(letter), KeyModifiers::NONE)));
+    app.take_all(keys.collect());
+    assert!(taken.is_empty() && app.layers.len() == 1, "{:?}", app.layers);
 }
 
 #[test]

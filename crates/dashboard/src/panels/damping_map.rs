@@ -11,13 +11,16 @@
 //! └─────────────────────────────────────────┘
 //! ```
 
+use std::sync::Arc;
+
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::text::Line;
-use rotor::Settings;
+use rotor::{Key, Rotor, Settings};
 use telemetry::jobs::{DampingMap, DampingMapRequest};
 use text::number::{short, trimmed};
 
+use super::panel::Panel;
 use super::settings::rows;
 use crate::drawing::{framed, write};
 use crate::fit_text::{longest, width};
@@ -28,8 +31,44 @@ use crate::view::View;
 const SHADES: [&str; 4] = ["░", "▒", "▓", "█"];
 const UNSTABLE: &str = "·";
 
-/// Draws the panel.
-pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+/// The panel.
+#[derive(Debug, Default)]
+pub(crate) struct DampingMapPanel {
+    /// What was asked last: whether linear analysis knows a setting takes a model of the whole machine to say, and is asked anew only where
+    /// something has changed.
+    asked: Option<Asked>,
+}
+
+/// A question, and what it is about.
+#[derive(Debug)]
+struct Asked {
+    rotor: Arc<Rotor>,
+    settings: Settings,
+    key: Key,
+    request: Option<DampingMapRequest>,
+}
+
+impl DampingMapPanel {
+    /// What to ask about settings, at the speed that they have, up along one of them.
+    fn request(&mut self, rotor: Arc<Rotor>, settings: &Settings, key: Key) -> Option<DampingMapRequest> {
+        let is_same =
+            |asked: &&Asked| Arc::ptr_eq(&asked.rotor, &rotor) && asked.key == key && asked.settings == *settings;
+        if let Some(asked) = self.asked.as_ref().filter(is_same) {
+            return asked.request.clone();
+        }
+        let request = DampingMapRequest::with(rotor.clone(), settings, settings.speed, key);
+        self.asked = Some(Asked { rotor, settings: settings.clone(), key, request: request.clone() });
+        request
+    }
+}
+
+impl Panel for DampingMapPanel {
+    fn draw(&mut self, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
+        draw(self, view, area, buffer);
+    }
+}
+
+fn draw(panel: &mut DampingMapPanel, view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let data = view.data;
     let known = || Some((data.rotor.clone()?, data.settings.as_ref()?));
     let Some((rotor, settings)) = known() else {
@@ -39,7 +78,7 @@ pub(crate) fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let keys = rows(settings, Some(&rotor));
     let selected = keys.get(view.cursor.row.min(keys.len().saturating_sub(1))).copied();
     let here = Settings { speed: speed_of(view, settings), ..settings.clone() };
-    let request = selected.and_then(|key| DampingMapRequest::with(rotor, settings, here.speed, key));
+    let request = selected.and_then(|key| panel.request(rotor, &here, key));
     let Some(request) = request else {
         let inner = framed(Line::from(" map "), area, buffer);
         let label = selected.map_or(String::new(), |key| settings.label(key));
@@ -130,11 +169,31 @@ mod tests {
         other.set("kd".parse().unwrap(), -0.2).unwrap();
         let what_if = telemetry::what_if::WhatIf::of(data.rotor.as_ref().unwrap(), other).unwrap();
         let seen = View { cursor: &cursor, what_if: Some(&what_if), ..view(&data) };
-        let frame = drawn(44, 12, |area, buffer| draw(&seen, area, buffer));
+        let frame = drawn(44, 12, |area, buffer| DampingMapPanel::default().draw(&seen, area, buffer));
         assert!(frame.contains('┼') && frame.contains('◇') && frame.contains("over speed and kd"), "{frame}");
         insta::assert_snapshot!("damping_map", frame);
         let cursor = SettingsCursor { row: row_of("trip"), typed: None };
-        let frame = drawn(60, 6, |area, buffer| draw(&View { cursor: &cursor, ..view(&data) }, area, buffer));
+        let frame = drawn(60, 6, |area, buffer| {
+            DampingMapPanel::default().draw(&View { cursor: &cursor, ..view(&data) }, area, buffer);
+        });
         assert!(frame.contains("trip"), "{frame}");
+    }
+
+    #[test]
+    fn what_was_asked_is_asked_anew_only_where_something_has_changed() {
+        let data = tests::frame_data();
+        let (rotor, settings) = (data.rotor.clone().unwrap(), data.settings.clone().unwrap());
+        let mut panel = DampingMapPanel::default();
+        let [kd, cd, trip] = ["kd", "cd", "trip"].map(|name| name.parse::<Key>().unwrap());
+        let fresh = |settings: &Settings, key| DampingMapRequest::with(rotor.clone(), settings, settings.speed, key);
+        let other = Settings { speed: 3.0, ..settings.clone() };
+        for (settings, key) in
+            [(&settings, kd), (&settings, kd), (&settings, cd), (&other, cd), (&other, trip), (&settings, kd)]
+        {
+            assert_eq!(panel.request(rotor.clone(), settings, key), fresh(settings, key), "{key}");
+        }
+        assert!(
+            panel.request(rotor.clone(), &settings, kd).is_some() && panel.request(rotor, &settings, trip).is_none()
+        );
     }
 }

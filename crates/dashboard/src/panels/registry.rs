@@ -113,7 +113,7 @@ pub(crate) const PANELS: &[PanelKind] = &[
         least: (24, 6),
         is_plot: false,
         is_of_motion: true,
-        make: || Box::new(damping_map::draw),
+        make: || Box::<damping_map::DampingMapPanel>::default(),
     },
     PanelKind {
         name: "campbell",
