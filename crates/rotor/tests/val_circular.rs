@@ -1,7 +1,7 @@
 //! Exact circular whirl against closed forms, the report's numbers, and the integrator.
 
 use nalgebra::{DMatrix, DVector};
-use rotor::circular::{Circular, End, Orbit, cycles, synchronous};
+use rotor::circular::{Circular, CircularError, End, Orbit, cycles, synchronous, synchronous_orbits};
 use rotor::{C64, ClosedLoop, Feedback, J, Mass, Rotor, Signal, builtin, stepper};
 
 fn machine(rotor: &str, feedback: &str) -> (Rotor, Feedback) {
@@ -332,5 +332,50 @@ fn silly_machines_give_no_orbit_and_no_nan() {
                 assert!(orbit.force.is_finite() && orbit.growth.is_finite() && orbit.frequency.is_finite());
             }
         }
+    }
+}
+
+/// Without their branches, which may lead to orbits that a search at one speed has missed; of shaft elements on magnetic bearings, a chain with
+/// few clearances, and one with so many that branches are followed all the same.
+#[test]
+fn orbits_alone_are_those_that_the_branches_go_through_and_are_left_when_asked() {
+    let (rig, own) = machine("rig", "own");
+    let (three, individual) = machine("three-mass", "individual");
+    let (many, feedback, deadband) = five();
+    let touchdown: Vec<f64> = vec![0.4; rig.len()];
+    for (rotor, feedback, deadband, over) in [
+        (&rig, &own, &touchdown, speeds(1.0, 4.0, 5)),
+        (&three, &individual, &vec![1.0; 3], speeds(0.5, 6.0, 12)),
+        (&many, &feedback, &deadband, speeds(0.5, 3.0, 6)),
+    ] {
+        let never = || false;
+        let whole = synchronous(rotor, feedback, deadband, &over).expect("found");
+        let alone = synchronous_orbits(rotor, feedback, deadband, &over, &never).expect("found");
+        assert_eq!((alone.speeds, &alone.complete), (whole.speeds, &whole.complete));
+        for (alone, whole) in alone.orbits.iter().zip(&whole.orbits) {
+            assert_eq!(alone.len(), whole.len(), "{}: {alone:?} {whole:?}", rotor.name());
+            for (a, b) in alone.iter().zip(whole) {
+                assert!((a.largest_radius() - b.largest_radius()).abs() <= 1e-9 * b.largest_radius(), "{a:?} {b:?}");
+                assert_eq!(a.is_stable(), b.is_stable());
+            }
+        }
+        let stopped = synchronous_orbits(rotor, feedback, deadband, &over, &|| true);
+        assert_eq!(stopped.expect_err("asked to stop"), CircularError::Stopped);
+    }
+}
+
+/// With nothing in contact a disturbance is that of the linear machine, in coordinates that turn: as far from the axis as its poles.
+#[test]
+fn val_an_orbit_that_touches_nothing_decays_as_the_slowest_pole_does() {
+    let (rig, own) = machine("rig", "own");
+    for speed in [1.0, 3.0] {
+        let found = synchronous(&rig, &own, &vec![1e3; rig.len()], &[speed]).expect("found");
+        let [orbit] = &found.orbits[0][..] else { panic!("{found:?}") };
+        assert_eq!(orbit.contact, 0);
+        let at = rotor::OperatingPoint::at(speed);
+        let form = rotor::LinearForm::of(&rotor::Plant::of(&rig), &own, &at).expect("fits");
+        let roots = rotor::Characteristic::of(&form).expect("finite").roots().expect("found");
+        let slowest = roots.iter().map(|root| root.pole.re).fold(f64::NEG_INFINITY, f64::max);
+        assert!((orbit.growth - slowest).abs() < 1e-6 * slowest.abs(), "{} {slowest}", orbit.growth);
     }
 }

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 use machine::{Machine, Pace, Program};
 use rotor::profile::{Leg, Profile};
 use rotor::{C64, Feedback, Mass, Rotor, Settings, Signal, builtin};
-use study::runup::{OrderSample, RecordedCourse, RunUp, RunUpPlan};
+use study::runup::{OrderSample, RecordedCourse, RunUp, RunUpError, RunUpPlan};
 
 fn reference() -> serde_json::Value {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../tests/reference/runup.json");
@@ -258,4 +258,23 @@ fn jumps_restarts_and_steps_far_apart() {
     assert_eq!((again.len(), again[1].tau), (2, [0.0, 0.1 * 19.0]));
     let coarse = legs(&(0..40).map(|k| (f64::from(k), f64::from(k), 1.0 + f64::from(k / 20))).collect::<Vec<_>>());
     assert!(coarse.iter().all(|leg| leg.criticals.is_none()), "{coarse:?}");
+}
+
+/// What comes after the last step, the steady response, is the longest part of a run-up of a shaft.
+#[test]
+fn a_run_up_that_is_over_and_is_asked_to_stop_stops() {
+    let rotor = builtin::rotor("rig").expect("built in");
+    let own = builtin::feedback(&rotor, "own").expect("it has a law");
+    let settings = Settings::new(&rotor, 0.0, own);
+    let profile = Profile { from: 2.0, legs: vec![Leg::To { speed: 4.0, rate: 0.05 }], lines: vec![0] };
+    let duration = profile.duration();
+    let plan = RunUpPlan::new(rotor, settings, profile, 10).expect("can be stepped");
+    let stop = AtomicBool::new(false);
+    let mut see = |machine: &Machine| {
+        if machine.tau() > duration - 2.0 * plan.dtau {
+            stop.store(true, std::sync::atomic::Ordering::Relaxed);
+        }
+    };
+    assert!(matches!(plan.run(&mut see, &stop), Err(RunUpError::Interrupted)));
+    assert!(study::runup::steady_response(&plan, &stop).is_none());
 }

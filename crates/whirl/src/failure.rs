@@ -105,6 +105,7 @@ impl From<rotor::circular::CircularError> for Failure {
     fn from(error: rotor::circular::CircularError) -> Self {
         use rotor::circular::CircularError;
         match error {
+            CircularError::Stopped => Self::Interrupted,
             CircularError::Sampled | CircularError::Feedback(_) => Self::Usage(error.to_string()),
             CircularError::Poles(_) | CircularError::Roots(_) => Self::Work(error.to_string()),
         }

@@ -121,34 +121,35 @@ impl Around {
         let (n, size) = (pushed.len(), a.nrows());
         let delay = self.delay;
         let late = (-J * frequency * delay).exp();
-        let mut joined = DMatrix::zeros(2 * size, 2 * size);
-        for i in 0..size {
-            for k in 0..size {
-                joined[(i, k)] = a[(i, k)];
-                joined[(size + i, size + k)] = a[(i, k)].conj();
+        // Where nothing presses `conj(q)` moves by itself, as the mirror image of `q`: one of the two tells all.
+        let halves =
+            if free_phase || pushed.iter().flat_map(|by| by.iter()).any(|by| *by != C64::ZERO) { 2 } else { 1 };
+        let whole = halves * size;
+        let mut joined = DMatrix::zeros(whole, whole);
+        joined.view_mut((0, 0), (size, size)).copy_from(&a);
+        if halves == 2 {
+            joined.view_mut((size, size), (size, size)).copy_from(&a.conjugate());
+            for (k, pushed) in pushed.iter().enumerate() {
+                for (i, by) in pushed.iter().enumerate() {
+                    joined[(n + i, size + k)] -= by;
+                    joined[(size + n + i, k)] -= by.conj();
+                }
             }
-            joined[(i, i)] -= J * frequency;
-            joined[(size + i, size + i)] += J * frequency;
         }
-        for (k, pushed) in pushed.iter().enumerate() {
-            for (i, by) in pushed.iter().enumerate() {
-                joined[(n + i, size + k)] -= by;
-                joined[(size + n + i, k)] -= by.conj();
-            }
-        }
+        (0..whole).for_each(|i| joined[(i, i)] += if i < size { -J * frequency } else { J * frequency });
         let count = b.ncols();
-        let (mut column, mut row) = (DMatrix::zeros(2 * size, 2 * count), DMatrix::zeros(2 * count, 2 * size));
-        for i in 0..size {
-            for k in 0..count {
-                column[(i, k)] = b[(i, k)] * late;
-                column[(size + i, count + k)] = column[(i, k)].conj();
-                row[(k, i)] = c[(k, i)];
-                row[(count + k, size + i)] = c[(k, i)].conj();
-            }
+        let (mut column, mut row) = (DMatrix::zeros(whole, halves * count), DMatrix::zeros(halves * count, whole));
+        let b = b * late;
+        column.view_mut((0, 0), (size, count)).copy_from(&b);
+        row.view_mut((0, 0), (count, size)).copy_from(&c);
+        if halves == 2 {
+            column.view_mut((size, count), (size, count)).copy_from(&b.conjugate());
+            row.view_mut((count, size), (count, size)).copy_from(&c.conjugate());
         }
         let closed = &joined + &column * &row;
-        let rounding = LAST_PLACES * f64::EPSILON * closed.nrows() as f64 * closed.norm();
-        let largest = closed.norm();
+        // As of both halves.
+        let largest = closed.norm() * (2.0 / halves as f64).sqrt();
+        let rounding = LAST_PLACES * f64::EPSILON * (2 * size) as f64 * largest;
         let system = DelaySystem::new(joined, column, row, delay)?;
         let end = if delay > 0.0 { system.echo_line() } else { f64::NEG_INFINITY };
         let mut line = if delay > 0.0 { FIRST_LINE.max(end) } else { end };

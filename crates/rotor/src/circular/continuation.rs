@@ -26,20 +26,30 @@ pub struct Curve {
     pub ends: [End; 2],
 }
 
-/// Every orbit at every speed, and the branches through them.
-pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, CircularError> {
+/// Every orbit at every speed, and the branches through them; without those where orbits `alone` are asked for and all of them are known.
+pub(super) fn all(
+    problem: &Problem<'_>,
+    speeds: &[f64],
+    alone: bool,
+    stop: &dyn Fn() -> bool,
+) -> Result<Circular, CircularError> {
     let mut orbits: Vec<Vec<Orbit>> = Vec::with_capacity(speeds.len());
     let mut starts: Vec<Vec<Node>> = Vec::with_capacity(speeds.len());
     let mut complete = Vec::with_capacity(speeds.len());
     let mut beyond_limits = Vec::with_capacity(speeds.len());
     // The longest search at a few speeds: what it finds is followed to all others.
     let apart = speeds.len().div_ceil(THOROUGH).max(1);
+    let mut are_all = true;
     for (i, &speed) in speeds.iter().enumerate() {
+        if stop() {
+            return Err(CircularError::Stopped);
+        }
         let AtSpeed { found, complete: all } = if problem.forced {
             response::at_speed(problem, speed)
         } else {
             cycle::at_speed(problem, speed, i % apart == 0 || i + 1 == speeds.len())?
         };
+        are_all &= all;
         // At its limits the actuator may hold other orbits.
         complete.push(all && !problem.is_limited());
         let (mut here, mut nodes): (Vec<Orbit>, Vec<Node>) = (Vec::new(), Vec::new());
@@ -63,8 +73,13 @@ pub(super) fn all(problem: &Problem<'_>, speeds: &[f64]) -> Result<Circular, Cir
     let range = speeds.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &s| (a.min(s), b.max(s)));
     let mut curves = Vec::new();
     let mut covered: Vec<Vec<bool>> = orbits.iter().map(|here| vec![false; here.len()]).collect();
-    for i in 0..speeds.len() {
+    // Branches lead to orbits that a search at one speed may have missed: where it cannot have, they are followed for their own sake.
+    let from = if alone && are_all { speeds.len() } else { 0 };
+    for i in from..speeds.len() {
         for k in 0..starts[i].len() {
+            if stop() {
+                return Err(CircularError::Stopped);
+            }
             let start = &starts[i][k];
             // The resting centre is on a branch only as its end.
             if covered[i][k] || range.0 >= range.1 || orbits[i][k].largest_radius() == 0.0 {

@@ -89,6 +89,9 @@ pub enum CircularError {
          more delay in their place, or simulate with `run`"
     )]
     Sampled,
+    /// Asked to stop.
+    #[error("stopped")]
+    Stopped,
 }
 
 /// The synchronous response `p = c exp(j R tau)` under the rotor's unbalance at every one of `speeds`, all branches.
@@ -106,7 +109,23 @@ pub fn synchronous(
     speeds: &[f64],
 ) -> Result<Circular, CircularError> {
     let problem = problem::Problem::new(rotor, feedback, deadband, true)?;
-    continuation::all(&problem, speeds)
+    continuation::all(&problem, speeds, false, &|| false)
+}
+
+/// The orbits of [`synchronous`] alone: no curves where all orbits are known speed by speed, which spares most of the time. Once `stop` says
+/// so it ends with [`CircularError::Stopped`].
+///
+/// # Errors
+/// As for [`synchronous`], or `stop`.
+pub fn synchronous_orbits(
+    rotor: &Rotor,
+    feedback: &Feedback,
+    deadband: &[f64],
+    speeds: &[f64],
+    stop: &dyn Fn() -> bool,
+) -> Result<Circular, CircularError> {
+    let problem = problem::Problem::new(rotor, feedback, deadband, true)?;
+    continuation::all(&problem, speeds, true, stop)
 }
 
 /// Self-excited circular limit cycles `p = c exp(j w tau)` of the balanced rotor at every one of `speeds`, all branches.
@@ -118,5 +137,5 @@ pub fn synchronous(
 /// As for [`synchronous`].
 pub fn cycles(rotor: &Rotor, feedback: &Feedback, deadband: &[f64], speeds: &[f64]) -> Result<Circular, CircularError> {
     let problem = problem::Problem::new(rotor, feedback, deadband, false)?;
-    continuation::all(&problem, speeds)
+    continuation::all(&problem, speeds, false, &|| false)
 }

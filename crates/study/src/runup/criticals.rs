@@ -1,6 +1,8 @@
 //! Critical speeds that a motion at a changing speed shows: peaks of its first order over each leg, beside those of the steady
 //! response.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rotor::circular::{self, Orbit};
 use rotor::{Rotor, Settings};
 use spectrum::{PER_TURN, Revolution};
@@ -13,9 +15,11 @@ const SHARPER: f64 = 2.0;
 const NARROW_TURNS: usize = 2;
 /// Speeds at which the steady response is looked at over a leg.
 const STEADY_POINTS: usize = 400;
-/// The same about each of its peaks, over twice its half-power width: with eighty to a width a parabola is within 1e-6 of the height of a
-/// resonance, and straight lines between them within 1e-4 of its width.
-const PEAK_POINTS: usize = 160;
+/// The same to the half-power width of a peak, over twice that: a parabola is within 1e-6 of the height of a resonance then, and straight
+/// lines between them within 1e-4 of its width.
+const POINTS_A_WIDTH: f64 = 80.0;
+/// No more than these, where a sharp peak lies on the flank of a wide one.
+const MOST_POINTS: f64 = 2000.0;
 
 /// A critical speed: a peak of the first order at a station.
 #[derive(Clone, Debug, PartialEq)]
@@ -117,8 +121,9 @@ impl Readings {
         rotor: &Rotor,
         legs: &[Passed],
         settings: &dyn Fn(usize) -> Option<&'s Settings>,
+        stop: &AtomicBool,
     ) -> Vec<Critical> {
-        let mut criticals = Vec::new();
+        let mut criticals: Vec<Critical> = Vec::new();
         // A whirl of its own ripples the first order from turn to turn: narrower than some turns, or less than the rest, is no
         // critical speed.
         let narrow = NARROW_TURNS * PER_TURN / self.every as usize;
@@ -136,11 +141,18 @@ impl Readings {
             if *course == Course::Driven && !readings.speed.is_sorted() {
                 continue;
             }
-            let steady = settings(leg).map_or(Vec::new(), |settings| steady_peaks(rotor, settings, *speed));
+            let mut moved: Vec<Vec<ResonancePeak>> =
+                readings.first.iter().map(|height| peaks(&readings.speed, height)).collect();
+            for (found, rest) in moved.iter_mut().zip(&readings.rest) {
+                found.retain(|peak| peak.width > narrow && rest[peak.at] < peak.height);
+            }
+            // Nothing to set the steady response beside.
+            if moved.iter().all(Vec::is_empty) {
+                continue;
+            }
+            let steady = settings(leg).map_or(Vec::new(), |settings| steady_peaks(rotor, settings, *speed, stop));
             let first = criticals.len();
-            for (station, height) in readings.first.iter().enumerate() {
-                let mut found = peaks(&readings.speed, height);
-                found.retain(|peak| peak.width > narrow && readings.rest[station][peak.at] < peak.height);
+            for (station, mut found) in moved.into_iter().enumerate() {
                 let steady = steady.get(station).map_or(&[][..], |peaks| peaks);
                 drop_beats(&mut found, steady, is_down);
                 for peak in &found {
@@ -148,6 +160,9 @@ impl Readings {
                     let mine = nearest(steady, peak).filter(|s| nearest(&found, s).is_some_and(|p| p.at == peak.at));
                     criticals.push(Critical { leg, station, peak: *peak, steady: mine.copied() });
                 }
+            }
+            if let Some(settings) = settings(leg) {
+                refine(rotor, settings, is_down, &mut criticals[first..], stop);
             }
             criticals[first..].sort_by(|a, b| a.peak.speed.total_cmp(&b.peak.speed));
         }
@@ -180,22 +195,59 @@ fn nearest<'p>(peaks: &'p [ResonancePeak], peak: &ResonancePeak) -> Option<&'p R
 
 /// Peaks of the steady response between two speeds, per station: along the stable orbits that lie nearest to each other in the
 /// order in which the leg passes them. None where it cannot be had.
-fn steady_peaks(rotor: &Rotor, settings: &Settings, [from, to]: [f64; 2]) -> Vec<Vec<ResonancePeak>> {
+fn steady_peaks(
+    rotor: &Rotor,
+    settings: &Settings,
+    [from, to]: [f64; 2],
+    stop: &AtomicBool,
+) -> Vec<Vec<ResonancePeak>> {
     let over = steady_grid(from.min(to), from.max(to));
-    let Some((speeds, heights)) = followed(rotor, settings, over, from > to) else {
+    let Some((speeds, heights)) = followed(rotor, settings, over, from > to, stop) else {
         return Vec::new();
     };
-    let refined = |station: usize, peak: ResonancePeak| {
-        let [Some(low), Some(high)] = peak.half_power else { return peak };
-        let margin = 0.5 * (high - low);
-        let closer = followed(rotor, settings, grid((low - margin).max(0.0), high + margin, PEAK_POINTS), from > to);
-        let found = closer.map(|(speeds, heights)| peaks(&speeds, &heights[station]));
-        let near = |p: &ResonancePeak| (p.speed - peak.speed).abs();
-        found.and_then(|found| found.into_iter().min_by(|a, b| near(a).total_cmp(&near(b)))).unwrap_or(peak)
-    };
-    let all = heights.iter().enumerate();
-    all.map(|(station, height)| peaks(&speeds, height).into_iter().map(|peak| refined(station, peak)).collect())
-        .collect()
+    heights.iter().map(|height| peaks(&speeds, height)).collect()
+}
+
+/// Makes the steady peaks of critical speeds as sharp as they are: looked at anew, closely, over twice their half-power widths. Stations
+/// peak at nearly the same speeds, and what lies together is looked at once.
+fn refine(rotor: &Rotor, settings: &Settings, is_down: bool, criticals: &mut [Critical], stop: &AtomicBool) {
+    struct Stretch {
+        ends: [f64; 2],
+        narrowest: f64,
+        of: Vec<usize>,
+    }
+    let mut stretches: Vec<Stretch> = Vec::new();
+    let mut each: Vec<Stretch> = (criticals.iter().enumerate())
+        .filter_map(|(k, critical)| {
+            let [Some(low), Some(high)] = critical.steady?.half_power else { return None };
+            let width = high - low;
+            Some(Stretch { ends: [(low - 0.5 * width).max(0.0), high + 0.5 * width], narrowest: width, of: vec![k] })
+        })
+        .collect();
+    each.sort_by(|a, b| a.ends[0].total_cmp(&b.ends[0]));
+    for next in each {
+        match stretches.last_mut() {
+            Some(last) if next.ends[0] <= last.ends[1] => {
+                last.ends[1] = last.ends[1].max(next.ends[1]);
+                last.narrowest = last.narrowest.min(next.narrowest);
+                last.of.extend(next.of);
+            }
+            _ => stretches.push(next),
+        }
+    }
+    for Stretch { ends: [low, high], narrowest, of } in stretches {
+        let count = (POINTS_A_WIDTH * (high - low) / narrowest).ceil().clamp(2.0, MOST_POINTS) as usize;
+        let Some((speeds, heights)) = followed(rotor, settings, grid(low, high, count), is_down, stop) else {
+            continue;
+        };
+        for k in of {
+            let Critical { station, steady: Some(coarse), .. } = &criticals[k] else { continue };
+            let found = peaks(&speeds, &heights[*station]);
+            if let Some(sharp) = nearest(&found, coarse) {
+                criticals[k].steady = Some(*sharp);
+            }
+        }
+    }
 }
 
 /// Evenly spaced speeds, two at least.
@@ -209,14 +261,16 @@ pub(super) fn steady_grid(low: f64, high: f64) -> Vec<f64> {
 }
 
 /// Radii per station over rising `speeds`; `downward` says that the orbits are followed from the highest speed down. Not a number
-/// where no orbit is stable.
+/// where no orbit is stable. Nothing once `stop` is set.
 pub(super) fn followed(
     rotor: &Rotor,
     settings: &Settings,
     speeds: Vec<f64>,
     downward: bool,
+    stop: &AtomicBool,
 ) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
-    let found = circular::synchronous(rotor, &settings.feedback, &settings.deadband, &speeds).ok()?;
+    let stop = || stop.load(Ordering::Relaxed);
+    let found = circular::synchronous_orbits(rotor, &settings.feedback, &settings.deadband, &speeds, &stop).ok()?;
     let mut heights = vec![vec![f64::NAN; speeds.len()]; rotor.len()];
     let mut before: Option<Vec<f64>> = None;
     let mut order: Vec<usize> = (0..speeds.len()).collect();

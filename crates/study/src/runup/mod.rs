@@ -187,8 +187,12 @@ impl RunUpPlan {
             }
             book.see(&machine);
         }
+        let criticals = book.readings.criticals(rotor, &passed(profile, &course), &|_| Some(settings), stop);
+        if stop.load(Ordering::Relaxed) {
+            return Err(RunUpError::Interrupted);
+        }
         Ok(RunUp {
-            criticals: book.readings.criticals(rotor, &passed(profile, &course), &|_| Some(settings)),
+            criticals,
             course,
             largest: book.largest,
             points: book.points,
@@ -289,9 +293,9 @@ impl Book {
 }
 
 /// The steady response over all speeds of a profile, as the way up finds it: speeds, and the radius of every station at each, not a
-/// number where no orbit is stable. Nothing where it cannot be had, as of a sampled loop.
+/// number where no orbit is stable. Nothing where it cannot be had, as of a sampled loop, and once `stop` is set.
 #[must_use]
-pub fn steady_response(plan: &RunUpPlan) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
+pub fn steady_response(plan: &RunUpPlan, stop: &AtomicBool) -> Option<(Vec<f64>, Vec<Vec<f64>>)> {
     let [low, high] = plan.profile.speeds();
-    followed(&plan.rotor, &plan.settings, steady_grid(low, high), false)
+    followed(&plan.rotor, &plan.settings, steady_grid(low, high), false, stop)
 }

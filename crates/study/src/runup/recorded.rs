@@ -1,6 +1,8 @@
 //! What a motion that was recorded shows of its speed: legs, told from the steps themselves, and the critical speeds passed on them,
 //! found as a run-up finds them.
 
+use std::sync::atomic::AtomicBool;
+
 use rotor::{Rotor, Settings};
 use spectrum::{OrderSample, OrderTracker};
 
@@ -142,7 +144,8 @@ impl RecordedCourse {
         let passed: Vec<Passed> = present.iter().map(Growing::passed).collect();
         let mut present: Vec<RecordedLeg> = present.into_iter().map(|leg| leg.leg).collect();
         let in_force = |leg: usize| settings(present[leg].steps[0]);
-        let found = (!self.coarse).then(|| readings.criticals(&self.rotor, &passed, &in_force));
+        let found =
+            (!self.coarse).then(|| readings.criticals(&self.rotor, &passed, &in_force, &AtomicBool::new(false)));
         self.coarse = false;
         for (k, leg) in present.iter_mut().enumerate() {
             let all = found.as_ref();

@@ -196,7 +196,10 @@ pub(crate) fn run(args: &RunupArgs) -> Result<(), Failure> {
     }
     let picture_path = args.out.as_deref().filter(|_| tape_path.is_none());
     if picture_path.is_some() || args.draw {
-        let steady = study::runup::steady_response(&plan);
+        let steady = study::runup::steady_response(&plan, &stop);
+        if stop.load(std::sync::atomic::Ordering::Relaxed) {
+            return Err(Failure::Interrupted);
+        }
         let charts = draw::charts(&plan, &found, steady.as_ref(), units);
         if let Some(path) = picture_path {
             picture::draw(path, args.force, &charts)?;
