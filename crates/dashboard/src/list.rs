@@ -39,6 +39,9 @@ pub(crate) fn row_of(area: Rect, at: Position) -> Option<usize> {
 
 /// Whether a row is shown under a filter: all words of it are in the row, in any order and case.
 pub(crate) fn passes(filter: &str, row: &str) -> bool {
+    if filter.is_empty() {
+        return true;
+    }
     let row = row.to_lowercase();
     filter.to_lowercase().split_whitespace().all(|word| row.contains(word))
 }

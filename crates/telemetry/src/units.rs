@@ -2,7 +2,7 @@
 //! micrometres, newtons, rpm and hertz, of any other what it is counted in. `tau` stays `tau`, with seconds beside it where there is room.
 
 use alarms::Watch;
-use rotor::{ChangedValue, ControlMasses, Difference, Feedback, Key, Rotor, Scales, Settings, SettingsError};
+use rotor::{ChangedValue, ControlMasses, Difference, Feedback, GainKind, Key, Rotor, Scales, Settings, SettingsError};
 use text::number::{nice_ceiling, short, significant};
 use units::{Dimension, Typed, TypedError};
 
@@ -199,10 +199,10 @@ impl Units {
         if key.parameter.gain.is_none() {
             return self.step(key);
         }
-        let of_signal =
-            |other: &Key| other.parameter.gain.is_some() && other.index.unwrap_or(0) == key.index.unwrap_or(0);
-        let gains = settings.keys().into_iter().filter(of_signal);
-        let largest = gains.filter_map(|key| settings.get(key).ok()).map(f64::abs).fold(0.0, f64::max);
+        let signal = settings.feedback.signals().nth(key.index.unwrap_or(0));
+        let gains =
+            signal.into_iter().flat_map(|signal| GainKind::ALL.map(|kind| signal.gain(kind).at(settings.speed)));
+        let largest = gains.map(f64::abs).fold(0.0, f64::max);
         if OF_LARGEST * largest <= own {
             return self.step(key);
         }

@@ -64,6 +64,9 @@ pub(crate) fn rows(settings: &Settings, rotor: Option<&Rotor>) -> Vec<Key> {
 pub(crate) fn shown_rows(settings: &Settings, rotor: Option<&Rotor>, filter: &str, selected: usize) -> Vec<usize> {
     let row = |key: &Key| format!("{key} {} {}", settings.label(*key), key.parameter.meaning);
     let keys = rows(settings, rotor);
+    if filter.is_empty() {
+        return (0..keys.len()).collect();
+    }
     let places = keys.iter().enumerate().filter(|(at, key)| *at == selected || passes(filter, &row(key)));
     places.map(|(at, _)| at).collect()
 }
@@ -134,12 +137,13 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let first = first_row(&shown, cursor.row, inner.height);
     let in_view = || shown[first..].iter().take(usize::from(inner.height));
     // One column for all, so that the values stand below each other.
-    let column = in_view().map(|at| width(&step_of(settings, &units, keys[*at], inner.width))).max().unwrap_or(0);
-    for (y, at) in (inner.top()..inner.bottom()).zip(in_view()) {
+    let steps: Vec<String> = in_view().map(|at| step_of(settings, &units, keys[*at], inner.width)).collect();
+    let column = steps.iter().map(|step| width(step)).max().unwrap_or(0);
+    for ((y, at), step) in (inner.top()..inner.bottom()).zip(in_view()).zip(steps) {
         let row = Rect { y, height: 1, ..inner };
         let other = other_of(view, settings, &units, keys[*at]);
-        let beside =
-            Beside { other, arrow: slopes.as_ref().and_then(|slopes| arrow(slopes, settings, &units, keys[*at])) };
+        let arrow = slopes.as_ref().and_then(|slopes| arrow(slopes, settings, &units, keys[*at]));
+        let beside = Beside { step, other, arrow };
         draw_row((settings, &units), keys[*at], (*at == cursor.row).then_some(cursor), beside, (row, column), buffer);
     }
     // On the frame, where no value is hidden by it.
@@ -178,6 +182,7 @@ fn tiny(value: f64) -> String {
 
 /// What stands beside a value.
 struct Beside {
+    step: String,
     other: Option<String>,
     arrow: Option<String>,
 }
@@ -186,7 +191,7 @@ fn draw_row(
     (settings, units): (&Settings, &Units),
     key: Key,
     cursor: Option<&SettingsCursor>,
-    Beside { other, arrow }: Beside,
+    Beside { step, other, arrow }: Beside,
     (row, column): (Rect, usize),
     buffer: &mut Buffer,
 ) {
@@ -205,7 +210,6 @@ fn draw_row(
         Some((number, _)) if value.width() > usize::from(room) => Line::styled(number.to_owned(), style),
         _ => value,
     };
-    let step = step_of(settings, units, key, row.width);
     // What it may become stands in place of the step.
     let (step, color) = match other {
         Some(other) => (other, theme::loud(theme::CANDIDATE)),
