@@ -1,6 +1,7 @@
 //! The loop: input first, then answers, then the clock. What an action does is [`act`]'s.
 
 mod act;
+mod bursts;
 mod edits;
 #[cfg(test)]
 mod fuzz;
@@ -15,7 +16,6 @@ mod search;
 mod tests;
 mod watch;
 
-use std::collections::BTreeSet;
 use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -24,7 +24,6 @@ use std::time::{Duration, Instant};
 
 use alarms::Alarms;
 use crossbeam::channel::{self, Receiver, Sender, select_biased};
-use crossterm::event::{KeyCode, KeyModifiers};
 use ratatui::layout::Rect;
 use rotor::Settings;
 
@@ -37,7 +36,6 @@ use crate::layout::Layout;
 use crate::on_alarm::OnAlarm;
 use crate::options::{DashboardError, Ended, Options};
 use crate::panels::registry::Panels;
-use crate::question::Question;
 use crate::screen;
 use crate::selection::Selection;
 use crate::signals;
@@ -45,7 +43,7 @@ use crate::terminal::{self, Screen};
 use crate::view::{Message, SettingsCursor, View};
 use telemetry::command_history::CommandHistory;
 use telemetry::connection::Connection;
-use telemetry::edits::{Edit, EditOutcome, Harm};
+use telemetry::edits::{Edit, EditOutcome};
 use telemetry::frame_data::FrameData;
 use telemetry::gain_search::GainSearch;
 use telemetry::jobs::Jobs;
@@ -60,12 +58,6 @@ use pacing::{FeedState, Pacing};
 
 /// What is said of a key that would act on a locked machine.
 const LOCKED: &str = "locked: ctrl-l unlocks the machine, ctrl-c quits";
-/// So many keys at once, of several kinds, come from no hand.
-const BURST: usize = 8;
-/// What is said of them.
-const TOO_FAST: &str = "keys that came all at once did nothing: `:` takes them as a command";
-/// What is said of several lines at once.
-const LINES: &str = "of lines that came all at once the first waits for enter, the others did nothing";
 /// How long a message stays at the foot.
 const MESSAGE: Duration = Duration::from_secs(6);
 
@@ -373,34 +365,6 @@ impl<'a> App<'a> {
         }
     }
 
-    /// What is asked about a change that would do harm.
-    fn question_of(&self, harms: &[Harm]) -> Question {
-        let units = self.units();
-        let mut parts = Vec::new();
-        for harm in harms {
-            if !parts.is_empty() {
-                parts.push((0, ", and ".to_owned()));
-            }
-            match harm {
-                Harm::Unjudged => parts.extend([
-                    (0, "not known to be stable with that".to_owned()),
-                    (1, ": its poles cannot be computed".to_owned()),
-                ]),
-                Harm::Unstable(damping) => parts.extend([
-                    (0, format!("{} with that", crate::theme::verdict(*damping).1)),
-                    (1, format!(": minimum damping {damping:.4}")),
-                ]),
-                Harm::Trips(trips) => {
-                    let told = trips.words(|length| units.length.told(length, 4));
-                    let (brief, numbers) = told.split_once(':').unwrap_or((&told, ""));
-                    parts.push((0, brief.to_owned()));
-                    parts.push((1, format!(":{numbers}")));
-                }
-            }
-        }
-        Question::of(parts)
-    }
-
     /// What time alone brings. Returns whether it shows.
     pub(crate) fn tick(&mut self) -> bool {
         let mut shows = self.watch_alarms();
@@ -426,50 +390,6 @@ impl<'a> App<'a> {
 
     fn tell(&mut self, message: Message) {
         self.message = (message, Instant::now());
-    }
-
-    /// Takes what has come in at once. Letters that no hand types so fast (text that was pasted into a terminal that does not say so) do
-    /// nothing where they would act as keys or answer a question; a key that is held down, and a line that begins as a command, do. Of
-    /// several lines the first waits for enter.
-    fn take_all(&mut self, inputs: Vec<Input>) {
-        let letter = |input: &Input| match input {
-            Input::Key(key) => match key.code {
-                KeyCode::Char(letter) if !key.modifiers.intersects(KeyModifiers::CONTROL | KeyModifiers::ALT) => {
-                    Some(letter)
-                }
-                KeyCode::Enter => Some('\n'),
-                _ => None,
-            },
-            _ => None,
-        };
-        let letters: Vec<char> = inputs.iter().filter_map(letter).collect();
-        let kinds: BTreeSet<char> = letters.iter().copied().collect();
-        let is_burst = letters.len() >= BURST && kinds.len() >= BURST / 2;
-        let begins_a_line = match self.layers.last() {
-            Some(layer) => !layer.is_question(),
-            None => letters.first().is_some_and(|first| [':', '/'].contains(first)),
-        };
-        // A program that types sends a line with its end; what goes on behind that was pasted.
-        let end = letters.iter().position(|letter| *letter == '\n');
-        let goes_on = end.is_some_and(|end| letters[end + 1..].iter().any(|letter| !letter.is_whitespace()));
-        let (kept, told) = match (is_burst, begins_a_line) {
-            (true, false) => (0, Some(TOO_FAST)),
-            (true, true) if goes_on => (end.unwrap_or(0), Some(LINES)),
-            _ => (letters.len(), None),
-        };
-        let mut left = kept;
-        for input in inputs {
-            if letter(&input).is_some() {
-                if left == 0 {
-                    continue;
-                }
-                left -= 1;
-            }
-            self.take(input);
-        }
-        if let Some(told) = told {
-            self.tell(Message::Bad(told.into()));
-        }
     }
 
     fn take(&mut self, input: Input) {

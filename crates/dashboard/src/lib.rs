@@ -47,6 +47,7 @@ mod panels;
 mod plot;
 mod popup;
 mod question;
+mod recorder_sign;
 mod replay;
 mod screen;
 mod screenshot;

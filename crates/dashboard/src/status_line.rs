@@ -13,14 +13,14 @@ use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
 use ratatui::text::{Line, Span};
 use telemetry::history::StepQuantity;
-use wire::{Channel, Keeping, RecorderState, RecorderStatus};
+use wire::Channel;
 
 use crate::actions::ACTIONS;
 use crate::drawing::write_line;
 use crate::layers::Layer;
 use crate::line_editor::LineEditor;
-use crate::theme;
 use crate::view::{Message, View};
+use crate::{recorder_sign, theme};
 use telemetry::connection::Connection;
 use telemetry::frame_data::FrameData;
 use telemetry::units::Units;
@@ -52,7 +52,7 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     }
     let starts = || ("● REC".to_owned(), " starting".to_owned(), theme::loud(theme::CURSOR));
     let told = data.recorder.as_deref().filter(|status| status.is_recording() || !data.recorder_starts);
-    let sign = told.and_then(recording).or_else(|| data.recorder_starts.then(starts));
+    let sign = told.and_then(recorder_sign::of).or_else(|| data.recorder_starts.then(starts));
     if let Some((sign, told, style)) = sign {
         line.push(part(1, sign, style));
         // Behind its sign without the blanks between parts.
@@ -204,31 +204,6 @@ fn alarms_told(alarms: &Alarms, named: &[Level], signs: bool) -> impl Iterator<I
     })
 }
 
-/// Silence of a living recorder that is worth a word: it shall speak at least once a second.
-const SILENT: u64 = 3_000_000_000;
-
-/// The sign of a recording, and behind it time, size and losses while it runs.
-fn recording(status: &RecorderStatus) -> Option<(String, String, Style)> {
-    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default().as_nanos() as u64;
-    let told = match status.state() {
-        RecorderState::Recording if now.saturating_sub(status.wall_ns) > SILENT => {
-            let hangs = format!("● REC hangs for {} s", now.saturating_sub(status.wall_ns) / 1_000_000_000);
-            return Some((hangs, String::new(), theme::badge(theme::BAD)));
-        }
-        RecorderState::Recording => {
-            let seconds = status.wall_ns.saturating_sub(status.started_ns) / 1_000_000_000;
-            let held = if matches!(status.keeping(), Keeping::Pretrigger(_)) { " armed" } else { "" };
-            let (minutes, rest, size) = (seconds / 60, seconds % 60, status.bytes as f64 / 1e6);
-            let told = format!("{held} {minutes:02}:{rest:02} {size:.1} MB lost {}", status.lost);
-            return Some(("● REC".to_owned(), told, theme::loud(theme::CURSOR)));
-        }
-        RecorderState::Failed => format!("REC FAILED: {}", status.error.as_str()),
-        RecorderState::Died => "REC DIED: what it wrote is there".to_owned(),
-        RecorderState::Stopped => return None,
-    };
-    Some((told, String::new(), theme::loud(theme::BAD)))
-}
-
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
 pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let prompt = |sign: &str, line: &LineEditor| {
@@ -287,6 +262,7 @@ fn told<'a>(view: &'a View<'_>, width: u16) -> Line<'a> {
 mod tests {
     use std::time::Duration;
 
+    use wire::RecorderState;
     use wire::message::Trip;
 
     use super::*;

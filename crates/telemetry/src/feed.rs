@@ -14,7 +14,7 @@ use crate::connection::Connection;
 use crate::drill::{ActiveFault, DrillLog};
 use crate::event_log::EventLog;
 use crate::frame_data::FrameData;
-use crate::history::{Era, History, StepQuantity};
+use crate::history::{Era, History};
 use crate::jobs::LoopRequest;
 use crate::past::Past;
 use crate::replay::RecordedEvent;
@@ -27,8 +27,6 @@ const BEFORE: u64 = 10_240;
 const EVENTS: usize = 500;
 /// Seconds that an overview shows at least.
 const OVERVIEW: f64 = 60.0;
-/// Seconds over which an orbit is the present one: some turns of whatever is not very slow.
-const OF_LATE: f64 = 0.5;
 
 /// See the module. Its memory is bounded. The reader thread (or the player of a recording) writes it, the drawing thread takes the data of
 /// one frame at a time.
@@ -247,18 +245,6 @@ impl Feed {
     /// The steps that are kept, with the settings they were made under.
     pub fn history(&self) -> &History {
         &self.history
-    }
-
-    /// The largest orbit of any place of late, in `e_t`; nothing of a machine that has tripped, or has not moved yet.
-    pub fn present_orbit(&self) -> Option<f64> {
-        let kept = self.history.kept();
-        if kept.is_empty() || self.history.is_tripped() {
-            return None;
-        }
-        let steps = ViewTime::steps_of(OF_LATE, self.step_seconds()).max(1);
-        let track = self.history.track(&(kept.end.saturating_sub(steps).max(kept.start)..kept.end));
-        let radii = (0..track.masses()).filter_map(|mass| track.range(StepQuantity::radius(mass), 0..track.len()));
-        radii.map(|[_, most]| most).reduce(f64::max)
     }
 
     /// Seconds from step to step, as the simulation means it; 0 while unknown.

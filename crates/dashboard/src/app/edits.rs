@@ -2,13 +2,14 @@
 
 use rotor::{C64, Key, Settings};
 use telemetry::drill::{self, DrillError, FaultOrder};
-use telemetry::edits::Edit;
+use telemetry::edits::{Edit, Harm};
 use telemetry::reader::lock;
 use telemetry::units::Units;
 use units::Typed;
 
 use super::{App, LOCKED};
 use crate::actions::Action;
+use crate::question::Question;
 use crate::view::Message;
 
 /// The impulse of the impulse key, along y in `e_t` per unit of `tau`: the one of the report's Figs. 3.8 to 3.10.
@@ -194,6 +195,34 @@ impl App<'_> {
             }
             _ => return None,
         })
+    }
+
+    /// What is asked about a change that would do harm.
+    pub(super) fn question_of(&self, harms: &[Harm]) -> Question {
+        let units = self.units();
+        let mut parts = Vec::new();
+        for harm in harms {
+            if !parts.is_empty() {
+                parts.push((0, ", and ".to_owned()));
+            }
+            match harm {
+                Harm::Unjudged => parts.extend([
+                    (0, "not known to be stable with that".to_owned()),
+                    (1, ": its poles cannot be computed".to_owned()),
+                ]),
+                Harm::Unstable(damping) => parts.extend([
+                    (0, format!("{} with that", crate::theme::verdict(*damping).1)),
+                    (1, format!(": minimum damping {damping:.4}")),
+                ]),
+                Harm::Trips(trips) => {
+                    let told = trips.words(|length| units.length.told(length, 4));
+                    let (brief, numbers) = told.split_once(':').unwrap_or((&told, ""));
+                    parts.push((0, brief.to_owned()));
+                    parts.push((1, format!(":{numbers}")));
+                }
+            }
+        }
+        Question::of(parts)
     }
 
     /// Restarts the rotor; or the simulation, if that has ended and was ours.

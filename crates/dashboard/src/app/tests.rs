@@ -7,6 +7,7 @@ use std::sync::Mutex;
 use crossterm::event::{KeyCode, KeyEvent, KeyModifiers};
 use rotor::{C64, Key};
 
+use super::bursts::{LINES, TOO_FAST};
 use super::*;
 use KeyCode::{Char, Down, Enter, Esc, Left, Right, Tab, Up};
 use telemetry::feed::Feed;
@@ -99,7 +100,11 @@ fn an_impulse_strikes_the_mass_with_the_bearing() {
 /// The edit thread asks whether all gains shall be zero.
 fn asks_about_off(app: &mut App<'_>) -> Settings {
     let settings = tests::bench_status("three-mass", "off").settings.get().clone();
-    app.take_outcome(EditOutcome::Asks(Edit::Off, Box::new(settings.clone()), vec![Harm::Unstable(-0.0306)]));
+    app.take_outcome(EditOutcome::Asks(
+        Edit::Off,
+        Box::new(settings.clone()),
+        vec![telemetry::edits::Harm::Unstable(-0.0306)],
+    ));
     settings
 }
 
@@ -119,8 +124,8 @@ fn a_limit_below_the_orbit_is_asked_about_in_the_units_of_the_rotor() {
     let (_, mut app) = pressed(&[]);
     let trips = machine::TripAtOnce { orbit: 12.5, limit: 5.0 };
     let settings = tests::bench_status("three-mass", "composite").settings.get().clone();
-    let asks = |harms: Vec<Harm>| EditOutcome::Asks(Edit::Undo, Box::new(settings.clone()), harms);
-    app.take_outcome(asks(vec![Harm::Trips(trips)]));
+    let asks = |harms: Vec<telemetry::edits::Harm>| EditOutcome::Asks(Edit::Undo, Box::new(settings.clone()), harms);
+    app.take_outcome(asks(vec![telemetry::edits::Harm::Trips(trips)]));
     let shown = frame(&mut app);
     assert!(shown.contains("trips at once: its orbit is 12.50 e_t, past a limit of 5.000 e_t  y "), "{shown}");
 }

@@ -22,6 +22,7 @@ pub(crate) mod raw;
 pub(crate) mod registry;
 pub(crate) mod run_up;
 pub(crate) mod sensitivity;
+mod setting_numbers;
 pub(crate) mod settings;
 pub(crate) mod spectral;
 pub(crate) mod spectrum;

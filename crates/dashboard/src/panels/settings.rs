@@ -17,10 +17,11 @@ use ratatui::style::{Modifier, Style};
 use ratatui::text::Line;
 use rotor::{Gain, Key, Rotor, Scope, Settings};
 use telemetry::jobs::{SettingSlopes, SlopeRequest};
-use text::number::{short, significant, trimmed};
+use text::number::significant;
 
 use super::damping_map::speed_of;
 use super::panel::{Panel, PanelRequest};
+use super::setting_numbers::{compact, in_brief, step_of, tiny};
 use crate::drawing::{framed, write, write_line};
 use crate::fit_text::width;
 use crate::input::Mouse;
@@ -175,11 +176,6 @@ fn arrow(slopes: &SettingSlopes, settings: &Settings, units: &Units, key: Key) -
     (change.abs() > LEAST && change.is_finite()).then(|| format!("{sign}{}", tiny(change.abs())))
 }
 
-/// Two digits, none of them a zero that says nothing.
-fn tiny(value: f64) -> String {
-    if value < 1e-3 { short(value, 2) } else { trimmed(value, 2) }
-}
-
 /// What stands beside a value.
 struct Beside {
     step: String,
@@ -242,30 +238,6 @@ fn draw_row(
     write_line(buffer, place, value);
 }
 
-/// The step of a setting, or what it counts in: as much as there is room for in a row; the value always is. What a number counts in matters
-/// more than its step.
-fn step_of(settings: &Settings, units: &Units, key: Key, wide: u16) -> String {
-    let (step, unit) = (units.step_among(key, settings), units.setting(key).name);
-    match (wide, units.scales) {
-        (0..26, None) => String::new(),
-        (26..34, None) => format!("±{}", compact(step)),
-        (0..34, Some(_)) => format!("{unit:<5}"),
-        (_, None) => format!("±{:<4} {unit:<3}", compact(step)),
-        (_, Some(_)) => format!("±{:<5} {unit:<5}", brief(step)),
-    }
-}
-
-/// A large number in few digits with an exponent; others as they are.
-fn brief(value: f64) -> String {
-    if value.abs() >= 1e5 { format!("{:e}", significant(value, 4)) } else { compact(value) }
-}
-
-/// A large value in four digits; nothing of others, which are as short already.
-fn in_brief(settings: &Settings, units: &Units, key: Key, style: Style) -> Option<Line<'static>> {
-    let value = settings.get(key).ok()? * units.setting(key).factor;
-    (value.is_finite() && value.abs() >= 1e5).then(|| Line::styled(brief(value), style))
-}
-
 /// A value as short as it can be told, with a word if it is a schedule.
 fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
     let unit = units.setting(key);
@@ -281,11 +253,6 @@ fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
         Some(Gain::Table(_)) => format!("{} table", compact(rounded)),
         Some(Gain::Constant(_)) | None => compact(rounded),
     }
-}
-
-/// Every digit there is, without a row of zeros in front: `0.05`, `5e-6`.
-fn compact(value: f64) -> String {
-    if value != 0.0 && value.abs() < 1e-3 { format!("{value:e}") } else { value.to_string() }
 }
 
 #[cfg(test)]

@@ -19,8 +19,11 @@ use machine::{StabilityLoss, TripAtOnce};
 use rotor::{Rotor, Settings};
 use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, WireError};
 
+use crate::feed::Feed;
+use crate::history::StepQuantity;
 use crate::reader::{SharedFeed, lock};
 use crate::units::Units;
+use crate::view_time::ViewTime;
 pub use edit::{Edit, carry_over};
 use undo::UndoHistory;
 
@@ -28,6 +31,8 @@ use undo::UndoHistory;
 const PATIENCE: Duration = Duration::from_secs(1);
 /// How long we wait for the news of a change that we know of.
 const NEWS: Duration = Duration::from_millis(300);
+/// Seconds over which an orbit is the present one: some turns of whatever is not very slow.
+const OF_LATE: f64 = 0.5;
 /// How often an edit is applied anew before we give up.
 const TRIES: usize = 4;
 /// Why settings change, on the record, where we must know it again.
@@ -280,7 +285,7 @@ impl<C: Carrier> EditThread<C> {
             let loss = StabilityLoss::between(rotor, before, after, self.present_speed)?;
             Some(loss.then.map_or(Harm::Unjudged, |(_, damping)| Harm::Unstable(damping)))
         });
-        let orbit = lock(&self.feed).present_orbit();
+        let orbit = present_orbit(&lock(&self.feed));
         let trips = orbit.and_then(|orbit| TripAtOnce::between(before, after, orbit)).map(Harm::Trips);
         loss.into_iter().chain(trips).collect()
     }
@@ -324,6 +329,18 @@ impl<C: Carrier> EditThread<C> {
         };
         commander.ask(&*change.request(&self.who, why)?, PATIENCE)
     }
+}
+
+/// The largest orbit of any place of late, in `e_t`; nothing of a machine that has tripped, or has not moved yet.
+fn present_orbit(feed: &Feed) -> Option<f64> {
+    let (history, kept) = (feed.history(), feed.history().kept());
+    if kept.is_empty() || history.is_tripped() {
+        return None;
+    }
+    let steps = ViewTime::steps_of(OF_LATE, feed.step_seconds());
+    let track = history.track(&(kept.end.saturating_sub(steps).max(kept.start)..kept.end));
+    let radii = (0..track.masses()).filter_map(|mass| track.range(StepQuantity::radius(mass), 0..track.len()));
+    radii.map(|[_, most]| most).reduce(f64::max)
 }
 
 /// Puts an answer in words.
