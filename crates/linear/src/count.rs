@@ -24,6 +24,8 @@ pub(crate) const SAFE: f64 = 0.95;
 const WHOLE: usize = 10;
 /// Steps that a count may take: of matrices as small as that, and of fractions, well below a second's worth.
 pub(crate) const MOST_STEPS: usize = 60_000;
+/// Of a matrix with more rows than this each step takes so long that only as many are taken as take no longer together.
+const LARGE: f64 = 30.0;
 /// A root nearer the line than this, relative to the size of the system or to `1 / T`, is on it.
 const ON: f64 = 1e-8;
 
@@ -85,7 +87,8 @@ impl Balanced {
         let beside = |angle: f64, s: C64| principal(angle - n as f64 * s.arg());
         let first = beside(here.angle, low);
         let mut turned = 0.0;
-        for _ in 0..MOST_STEPS {
+        let most = MOST_STEPS as f64 * (LARGE / n as f64).powi(3).min(1.0);
+        for _ in 0..most as usize {
             let own = root_n * here.inverse.norm();
             let echo = if through > 0.0 { (&here.inverse * &self.b).norm() * self.c.norm() * late } else { 0.0 };
             // The longest t with t own + min(t T, 2) echo <= SAFE.

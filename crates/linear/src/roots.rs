@@ -16,6 +16,10 @@ const CLOSE: f64 = 1e-6;
 const POLISH: usize = 3;
 /// Roots nearer each other than this, relative to the size of the system, are a cluster: Newton's method is no judge of them.
 const CLUSTER: f64 = 1e-4;
+/// Points that tell whether there is but one root in a circle, and how near to one they must come: off by 0.4 to the power of them, with
+/// others as far outside.
+const FEW_POINTS: usize = 12;
+const ONE: f64 = 0.05;
 /// Points on a circle around a cluster: with all others half as far again as it is wide, what is left out is far below rounding.
 const POINTS: usize = 96;
 
@@ -169,12 +173,20 @@ impl Balanced {
 
     /// The roots in a circle; `None` if it runs too near a root to tell.
     fn within(&self, centre: C64, radius: f64) -> Option<Vec<C64>> {
-        let slopes: Vec<(C64, C64)> = (0..POINTS)
-            .map(|k| {
-                let out = C64::cis(std::f64::consts::TAU * k as f64 / POINTS as f64);
+        let around = |points: usize| -> Option<Vec<(C64, C64)>> {
+            let at = |k: usize| {
+                let out = C64::cis(std::f64::consts::TAU * k as f64 / points as f64);
                 Some((out, self.slope(centre + out * radius)?))
-            })
-            .collect::<Option<_>>()?;
+            };
+            (0..points).map(at).collect()
+        };
+        // Most are alone, and that takes few points to see.
+        let few = around(FEW_POINTS)?;
+        let count = few.iter().map(|(out, slope)| out * slope).sum::<C64>() * radius / FEW_POINTS as f64;
+        if (count - 1.0).norm() < ONE {
+            return Some(vec![centre]);
+        }
+        let slopes = around(POINTS)?;
         // In units of the radius.
         let power =
             |k: i32| slopes.iter().map(|(out, slope)| out.powi(k + 1) * slope).sum::<C64>() * radius / POINTS as f64;

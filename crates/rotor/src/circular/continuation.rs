@@ -7,6 +7,7 @@ use super::orbit::Orbit;
 use super::problem::{Contact, Problem};
 use super::response::AtSpeed;
 use super::tracer::{End, Node, Tracer};
+use super::whirl_equation::Equation;
 use super::{Circular, CircularError, cycle, response, stability};
 use crate::C64;
 
@@ -89,14 +90,16 @@ pub(super) fn all(
             for pair in nodes.windows(2) {
                 for (at, &speed) in speeds.iter().enumerate() {
                     let Some(x) = problem.between(&pair[0], &pair[1], speed) else { continue };
-                    let orbit = describe(problem, &x, pair[1].contact)?;
+                    // Most are known, and their stability with them, which is what takes longest.
+                    let equation = problem.at(problem.unpack(&x).2);
+                    let orbit = unjudged(problem, &equation, &x, pair[1].contact);
                     if !problem.delivers(&orbit.forces, orbit.frequency) {
                         continue;
                     }
                     if let Some(known) = orbits[at].iter().position(|o| o.is_same(&orbit, SAME)) {
                         covered[at][known] = true;
                     } else {
-                        orbits[at].push(orbit);
+                        orbits[at].push(describe(problem, &x, pair[1].contact)?);
                         covered[at].push(true);
                     }
                 }
@@ -146,6 +149,12 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
     let (c, frequency, speed) = problem.unpack(x);
     let equation = problem.at(speed);
     let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
+    Ok(Orbit { growth, ..unjudged(problem, &equation, x, contact) })
+}
+
+/// The same without its stability, which is not a number.
+fn unjudged(problem: &Problem<'_>, equation: &Equation, x: &DVector<f64>, contact: Contact) -> Orbit {
+    let (c, frequency, speed) = problem.unpack(x);
     let whole = equation.expanded(&c, frequency, contact);
     let forces = equation.forces(whole.as_slice(), frequency);
     let force = problem.control_masses().largest(forces.iter().copied());
@@ -156,7 +165,7 @@ fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result
         let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });
         amplitude.iter_mut().for_each(|c| *c *= largest.conj() / largest.norm());
     }
-    Ok(Orbit { speed, frequency, amplitude, contact, force, forces, growth })
+    Orbit { speed, frequency, amplitude, contact, force, forces, growth: f64::NAN }
 }
 
 impl Problem<'_> {
