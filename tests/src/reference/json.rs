@@ -134,6 +134,8 @@ fn heading(example: &str) -> String {
         two
     } else if example.contains("--criteria") {
         "tune --criteria".to_owned()
+    } else if example.starts_with("margin rig") {
+        "margin, of a drawing".to_owned()
     } else if example.contains("--of unbalance") {
         "bode --of unbalance".to_owned()
     } else {
