@@ -63,6 +63,7 @@ mod quadratic;
 pub mod report_form;
 mod settings;
 mod settings_error;
+mod shaft_line;
 mod si;
 pub mod step;
 mod stepper;
@@ -93,6 +94,7 @@ pub use plant::{Contact, Direction, MAX_ORDER, Matrices, OperatingPoint, Plant, 
 pub use quadratic::Quadratic;
 pub use settings::Settings;
 pub use settings_error::SettingsError;
+pub use shaft_line::ShaftLine;
 pub use si::{Physical, PhysicalMass};
 pub use stepper::{Motion, Stepper, stepper};
 pub use thresholds::{Threshold, thresholds};

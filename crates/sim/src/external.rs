@@ -5,13 +5,18 @@
 //! samples than `external` says are without their command the law of the bench takes over; and the controller takes over, at first and again, after
 //! that many commands in time. In lockstep the machine waits for the command of every sample, and so `delay` can be 0.
 
-use std::fmt;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+mod answered;
+mod counts;
+
+use std::sync::atomic::Ordering;
 
 use rotor::{MAX_BEARINGS, MAX_MASSES, Settings};
 use wire::message::Trip;
 use wire::{ControlCommand, ControlHost, Readings, WireError};
 
+use self::answered::Answered;
+pub(crate) use self::counts::ExternalCounters;
+pub use self::counts::ExternalCounts;
 use crate::Options;
 use crate::engine::{Engine, Exchange};
 use crate::pacer::Pacer;
@@ -68,72 +73,6 @@ pub(crate) fn check(settings: &Settings, options: &Options) -> Result<(), Extern
         return Err(ExternalError::NoTime { delay, least, steps: share });
     }
     Ok(())
-}
-
-/// How a controller outside does, as the stepping thread counts it.
-#[derive(Debug, Default)]
-pub(crate) struct ExternalCounters {
-    /// Commands that were taken.
-    pub(crate) taken: AtomicU64,
-    pub(crate) late: AtomicU64,
-    pub(crate) missed: AtomicU64,
-    pub(crate) refused: AtomicU64,
-    /// How often commands from outside came to act.
-    pub(crate) took_over: AtomicU64,
-    /// How often the law of the bench had to take over.
-    pub(crate) lost: AtomicU64,
-    /// Whether commands from outside act.
-    pub(crate) acting: AtomicBool,
-}
-
-/// How a controller outside did, since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ExternalCounts {
-    /// Commands that were taken.
-    pub taken: u64,
-    /// Of these, commands that came after their deadline.
-    pub late: u64,
-    /// Samples whose command was not there at its deadline.
-    pub missed: u64,
-    /// Commands that were not taken, because they were not finite, whatever they answered.
-    pub refused: u64,
-    /// How often commands from outside came to act.
-    pub took_over: u64,
-    /// How often the law of the bench had to take over.
-    pub lost: u64,
-    /// Whether commands from outside act.
-    pub acting: bool,
-}
-
-impl ExternalCounters {
-    pub(crate) fn now(&self) -> ExternalCounts {
-        let of = |count: &AtomicU64| count.load(Ordering::Relaxed);
-        ExternalCounts {
-            taken: of(&self.taken),
-            late: of(&self.late),
-            missed: of(&self.missed),
-            refused: of(&self.refused),
-            took_over: of(&self.took_over),
-            lost: of(&self.lost),
-            acting: self.acting.load(Ordering::Relaxed),
-        }
-    }
-
-    /// The counts, if there was a controller.
-    pub(crate) fn told(&self) -> Option<ExternalCounts> {
-        let counts = self.now();
-        (counts.taken + counts.refused > 0).then_some(counts)
-    }
-}
-
-impl fmt::Display for ExternalCounts {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { taken, late, missed, refused, lost, .. } = self;
-        write!(
-            f,
-            "controller outside: {taken} commands, {late} late, {missed} missed, {refused} refused, lost {lost} times"
-        )
-    }
 }
 
 /// What comes of looking before a step.
@@ -416,39 +355,6 @@ impl<P: ControlHost> External<P> {
         self.port.send(&readings)
     }
 }
-
-/// Which of the latest readings were answered.
-struct Answered(Box<[u64]>);
-
-impl Default for Answered {
-    fn default() -> Self {
-        Self(vec![0; REMEMBERED / 64].into())
-    }
-}
-
-impl Answered {
-    fn place(number: u64) -> (usize, u64) {
-        let at = number as usize % REMEMBERED;
-        (at / 64, 1 << (at % 64))
-    }
-
-    fn has(&self, number: u64) -> bool {
-        let (word, bit) = Self::place(number);
-        self.0[word] & bit != 0
-    }
-
-    fn set(&mut self, number: u64, answered: bool) {
-        let (word, bit) = Self::place(number);
-        if answered {
-            self.0[word] |= bit;
-        } else {
-            self.0[word] &= !bit;
-        }
-    }
-}
-
-/// Readings of which it is known whether they were answered: more than a loop can be late by.
-const REMEMBERED: usize = 1 << 17;
 
 /// Readings of which it is known when they were sent.
 const TIMED: usize = 1024;

@@ -3,7 +3,7 @@
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
-use rotor::{BeamRotor, C64, Mode};
+use rotor::{C64, Mode, Rotor, ShaftLine};
 
 use crate::drawing::{write, write_free};
 use crate::plot::{Plot, Window};
@@ -14,31 +14,22 @@ const A_TURN: f64 = 4.0;
 /// How far the largest displacement of a mode reaches, beside half of the height.
 const REACH: f64 = 0.9;
 
-/// The displacement of every node of the elements in a mode, the largest of size 1.
-fn shape(beam: &BeamRotor, mode: &Mode) -> Vec<C64> {
-    let at = |node: usize| -> C64 {
-        beam.reduced().displacement(node).iter().zip(&mode.shape).map(|(part, p)| p * *part).sum()
-    };
-    let mut all: Vec<C64> = (0..beam.full().nodes.len()).map(at).collect();
-    rotor::scale_to_largest(&mut all);
-    all
-}
-
 /// Draws a mode of a shaft as it is after `seconds` of turning: forward whirl one way, backward the other. The dots are how far each
 /// place goes; below stands what holds the shaft.
-pub(super) fn draw(beam: &BeamRotor, mode: &Mode, seconds: f64, area: Rect, buffer: &mut Buffer) {
-    let nodes = &beam.full().nodes;
-    let (Some(first), Some(last)) = (nodes.first(), nodes.last()) else { return };
-    if area.height < 3 || mode.shape.is_empty() || last.position <= first.position {
+pub(super) fn draw(rotor: &Rotor, mode: &Mode, seconds: f64, area: Rect, buffer: &mut Buffer) {
+    let (Some(beam), shaft) = (rotor.beam(), ShaftLine::of(rotor)) else { return };
+    let (Some(&first), Some(&last)) = (shaft.positions().first(), shaft.positions().last()) else { return };
+    if area.height < 3 || mode.shape.is_empty() || last <= first {
         return;
     }
     let turned = C64::cis(std::f64::consts::TAU * seconds / A_TURN * if mode.pole.im < 0.0 { -1.0 } else { 1.0 });
     let line = Rect { height: area.height - 1, ..area };
-    let window = Window { x: [first.position, last.position], y: [-1.0 / REACH, 1.0 / REACH] };
+    let window = Window { x: [first, last], y: [-1.0 / REACH, 1.0 / REACH] };
     let mut plot = Plot::new(line, window);
-    plot.line([first.position, 0.0], [last.position, 0.0], theme::GRID);
-    let shape = shape(beam, mode);
-    let places = || nodes.iter().map(|node| node.position).zip(&shape);
+    plot.line([first, 0.0], [last, 0.0], theme::GRID);
+    let mut shape = shaft.deflection(&mode.shape);
+    rotor::scale_to_largest(&mut shape);
+    let places = || shaft.positions().iter().copied().zip(&shape);
     for side in [1.0, -1.0] {
         places().for_each(|(x, p)| plot.dot(x, side * p.norm(), theme::CLEARANCE));
     }
@@ -48,10 +39,8 @@ pub(super) fn draw(beam: &BeamRotor, mode: &Mode, seconds: f64, area: Rect, buff
 
     let foot = Rect { y: area.bottom() - 1, height: 1, ..area };
     for spring in beam.full().springs.iter().filter(|spring| !spring.is_touchdown()) {
-        let node = spring.node;
-        if let Some((column, _)) =
-            plot.cell(nodes[node].position, 0.0).or_else(|| plot.cell(0.999 * last.position, 0.0))
-        {
+        let at = shaft.positions()[spring.node];
+        if let Some((column, _)) = plot.cell(at, 0.0).or_else(|| plot.cell(0.999 * last, 0.0)) {
             write(buffer, foot, column, foot.y, "▲", theme::quiet());
             let name = beam.coordinate(spring.station).map(|place| beam.place_name(place)).unwrap_or_default();
             write_free(buffer, foot, column + 2, foot.y, &name, theme::quiet());
@@ -73,7 +62,7 @@ mod tests {
         let settings = Settings::new(&rotor, 3.0, builtin::feedback(&rotor, "own").expect("its own"));
         let modes = MachinePoles::of(&rotor, &settings).expect("found").modes;
         let mode = modes.iter().find(|mode| (mode.pole.im > 5.0) == forward && mode.pole.im.abs() > 5.0).expect("one");
-        drawn(60, 11, |area, buffer| draw(rotor.beam().expect("a shaft"), mode, seconds, area, buffer))
+        drawn(60, 11, |area, buffer| draw(&rotor, mode, seconds, area, buffer))
     }
 
     #[test]
@@ -98,7 +87,7 @@ mod tests {
         let modes = MachinePoles::of(&rotor, &settings).expect("found").modes;
         for (width, height) in [(0, 0), (1, 1), (3, 2), (5, 3), (200, 60)] {
             for mode in &modes {
-                drawn(width, height, |area, buffer| draw(rotor.beam().expect("a shaft"), mode, 0.7, area, buffer));
+                drawn(width, height, |area, buffer| draw(&rotor, mode, 0.7, area, buffer));
             }
         }
     }

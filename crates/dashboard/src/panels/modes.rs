@@ -70,8 +70,8 @@ impl Panel for Modes {
         let inner = framed(Line::from(title), area, buffer);
         heading(&units, inner, buffer);
         let mut below = Rect { y: inner.y + 1, height: inner.height.saturating_sub(1), ..inner };
-        if let Some(beam) = era.rotor.as_ref().and_then(|rotor| rotor.beam()).filter(|_| below.height >= ROOM_FOR_SHAFT)
-        {
+        let shaft = era.rotor.as_ref().filter(|rotor| !rotor.is_chain() && below.height >= ROOM_FOR_SHAFT);
+        if let Some(rotor) = shaft {
             let rows = below.height / 2;
             let shaft = Rect { y: below.bottom() - rows, height: rows, ..below };
             below.height -= rows;
@@ -85,7 +85,7 @@ impl Panel for Modes {
                 write(buffer, shaft, shaft.x, shaft.y, &words, theme::quiet());
                 let step = view.data.now.map_or(0, |now| view.data.track.index_of(now));
                 let drawn = Rect { y: shaft.y + 1, height: shaft.height - 1, ..shaft };
-                bent_shaft::draw(beam, mode, step as f64 * view.data.seconds, drawn, buffer);
+                bent_shaft::draw(rotor, mode, step as f64 * view.data.seconds, drawn, buffer);
             }
         }
         let rows = self.list.rows(shown.len(), below.height, 0);

@@ -4,7 +4,7 @@ use control::{PARTS, Parts};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use super::feedback_toml::sensor;
+use super::feedback_text::sensor;
 use crate::{ControlBearing, Feedback, Gain, GainKind, Signal};
 
 /// Feedback that serialises to the content of its file: `{bearing, filter, signal: [{mass | displacement, velocity, kd, cd, kc,

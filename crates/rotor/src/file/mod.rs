@@ -12,6 +12,7 @@
 //!   `{ at_zero, slope }` or `{ speed = [..], value = [..] }`. Feedback is always dimensionless, over speed `R`.
 
 mod document;
+mod feedback_text;
 mod feedback_toml;
 mod loop_toml;
 mod profile_toml;
@@ -19,7 +20,8 @@ mod rotor_toml;
 mod write;
 
 pub use document::FeedbackDocument;
-pub use feedback_toml::{read_feedback, read_feedback_for, write_feedback, write_feedback_for};
+pub use feedback_text::{write_feedback, write_feedback_for};
+pub use feedback_toml::{read_feedback, read_feedback_for};
 pub use profile_toml::read_profile;
 pub use rotor_toml::{read_rotor, read_rotor_with, write_rotor};
 

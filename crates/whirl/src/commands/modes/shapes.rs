@@ -1,7 +1,7 @@
 //! The shapes of the slowest modes as a picture: the shaft bent along its length, at the instant when the mode is widest.
 
 use plot::{Axis, Chart, Color, Look, Note, Series, Side};
-use rotor::{C64, Mode, Rotor};
+use rotor::{C64, Mode, Rotor, ShaftLine};
 
 use crate::units::Units;
 
@@ -10,51 +10,24 @@ const MOST: usize = 6;
 /// A mode that turns less than this part of its size is none that has a shape.
 const TURNS: f64 = 1e-6;
 
-/// Where along the rotor a shape is drawn, and what each place has of it.
-struct Line {
-    /// Metres from the left end, or the number of the mass.
-    at: Vec<f64>,
-    label: &'static str,
-}
-
 /// One chart a mode, the slowest first; both senses of whirl of a mode on one where they are neighbours.
 pub(super) fn charts(rotor: &Rotor, modes: &[Mode], units: Units) -> Vec<Chart> {
-    let line = line(rotor);
+    let shaft = ShaftLine::of(rotor);
     let mut turning: Vec<&Mode> = modes.iter().filter(|m| m.pole.im.abs() > TURNS * (1.0 + m.pole.norm())).collect();
     turning.sort_by(|a, b| a.pole.im.abs().total_cmp(&b.pole.im.abs()));
-    turning.into_iter().take(MOST).map(|mode| chart(rotor, &line, mode, units)).collect()
+    turning.into_iter().take(MOST).map(|mode| chart(rotor, &shaft, mode, units)).collect()
 }
 
-fn line(rotor: &Rotor) -> Line {
-    match rotor.beam() {
-        Some(beam) => {
-            let at = beam.full().nodes.iter().map(|node| node.position).collect();
-            Line { at, label: "along the shaft (m)" }
-        }
-        None => Line { at: (1..=rotor.len()).map(|mass| mass as f64).collect(), label: "mass" },
-    }
-}
-
-fn chart(rotor: &Rotor, line: &Line, mode: &Mode, units: Units) -> Chart {
-    let shape: Vec<C64> = match rotor.beam() {
-        Some(beam) => {
-            let nodes = 0..line.at.len();
-            let at = |node: usize| -> C64 {
-                let row = beam.reduced().displacement(node);
-                row.iter().zip(&mode.shape).map(|(part, p)| p * *part).sum()
-            };
-            nodes.map(at).collect()
-        }
-        None => mode.shape.clone(),
-    };
+fn chart(rotor: &Rotor, shaft: &ShaftLine, mode: &Mode, units: Units) -> Chart {
+    let (at, shape) = (shaft.positions(), shaft.deflection(&mode.shape));
     // Turned so that as much as can be lies in the plane of the paper.
     let square: C64 = shape.iter().map(|p| p * p).sum();
     let turn = C64::cis(-0.5 * square.arg());
     let most = shape.iter().map(|p| p.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let seen = |part: fn(&C64) -> f64| -> Vec<(f64, f64)> {
-        line.at.iter().zip(&shape).map(|(x, p)| (*x, part(&(p * turn / most)))).collect()
+        at.iter().zip(&shape).map(|(x, p)| (*x, part(&(p * turn / most)))).collect()
     };
-    let (from, to) = (line.at[0], line.at[line.at.len() - 1]);
+    let (from, to) = (at[0], at[at.len() - 1]);
     let (from, to) = if to > from { (from, to) } else { (from - 0.5, to + 0.5) };
     let color = if mode.pole.im > 0.0 { Color::BLUE } else { Color::VERMILLION };
     let mut series = vec![
@@ -75,7 +48,7 @@ fn chart(rotor: &Rotor, line: &Line, mode: &Mode, units: Units) -> Chart {
     );
     Chart {
         title,
-        x: Axis::new(line.label, from, to),
+        x: Axis::new(if rotor.is_chain() { "mass" } else { "along the shaft (m)" }, from, to),
         y: Axis::new("of the largest", -1.1, 1.1),
         equal: false,
         series,
