@@ -42,6 +42,8 @@ pub const HEALTH: &str = "health";
 pub const SNAPSHOTS: &str = "snapshots";
 /// Curves for the eye.
 pub const ORBITS: &str = "orbits";
+/// The rotor in space, for the eye.
+pub const SHAFT: &str = "shaft";
 
 /// The component that carries a JSON document of ours.
 pub const DOCUMENT: &str = "whirl:document";

@@ -8,6 +8,7 @@ mod join;
 mod ledger;
 mod read;
 mod scene;
+mod shaft;
 mod view;
 mod viewer;
 mod write;

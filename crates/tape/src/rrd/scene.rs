@@ -1,5 +1,5 @@
-//! What is recorded for the eye: orbits as thinned curves with their clearances, poles as points, settings as series and
-//! as text. All of it could be made again from the exact data; none of it is read back.
+//! What is recorded for the eye: orbits as thinned curves with their clearances, the rotor in space, poles as points, settings as series
+//! and as text. All of it could be made again from the exact data; none of it is read back.
 
 use std::f64::consts::TAU;
 
@@ -13,6 +13,7 @@ use rotor::{C64, Rotor, Settings};
 use wire::Channel;
 
 use super::chunks;
+use super::shaft::{self, Shaft};
 use crate::batch::Batch;
 use crate::schema;
 use crate::session::Revision;
@@ -48,21 +49,25 @@ pub(super) struct Scene {
     drawn: Vec<f64>,
     /// When the last curves were drawn.
     curved_ns: u64,
+    shaft: Shaft,
 }
 
 impl Scene {
     pub(super) fn new(rotor: &Rotor) -> Self {
-        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new(), drawn: Vec::new(), curved_ns: 0 }
+        let shaft = Shaft::new(rotor);
+        Self { masses: rotor.len(), fastest: 1.0, named: Vec::new(), drawn: Vec::new(), curved_ns: 0, shaft }
     }
 
     /// What does not change.
     pub(super) fn still(&self) -> Chunks {
         let still = |entity: String, what: &dyn AsComponents| row(&entity, TimePoint::STATIC, what);
         let line = SeriesLines::new().with_names(["minimum damping ratio"]).with_interpolation_mode(StepAfter);
-        vec![still(format!("{}/min_damping", schema::POLES), &line)]
+        let shaft = self.shaft.still().into_iter().map(|(entity, what)| still(entity, what.as_ref()));
+        shaft.chain([still(format!("{}/min_damping", schema::POLES), &line)]).collect()
     }
 
-    /// The orbits of all masses during a batch, one curve each; none if the last ones are younger than a second.
+    /// The orbits of all masses during a batch, one curve each, and the rotor in space at its end; none if the last ones are younger than a
+    /// second.
     pub(super) fn curves(&mut self, batch: &Batch) -> Chunks {
         let Some((_, last)) = batch.span() else { return Vec::new() };
         if last.wall_ns.saturating_sub(self.curved_ns) < CURVES_APART_NS && batch.len() < MOST_POINTS {
@@ -78,7 +83,17 @@ impl Scene {
             let strip = LineStrips2D::new([points]).with_radii([Radius::new_ui_points(1.0)]);
             row(&orbit_path(mass), chunks::timepoint(last), &strip)
         };
-        (0..self.masses).map(curve).collect()
+        let mut chunks: Chunks = (0..self.masses).map(curve).collect();
+        let orbit = |mass: usize| {
+            let (y, z) = (batch.column(Channel::Y, mass), batch.column(Channel::Z, mass));
+            let rows = (0..batch.len()).rev().step_by(stride).take(shaft::MOST_POINTS);
+            rows.map(|row| C64::new(y[row], z[row])).collect::<Vec<_>>()
+        };
+        let orbits: Vec<Vec<C64>> = (0..self.masses).map(orbit).collect();
+        let now: Vec<C64> = orbits.iter().filter_map(|orbit| orbit.first().copied()).collect();
+        let drawn = self.shaft.bent(&now, &orbits);
+        chunks.extend(drawn.iter().map(|(entity, what)| row(entity, chunks::timepoint(last), what.as_ref())));
+        chunks
     }
 
     /// Every how many steps a curve needs a point.
@@ -113,12 +128,14 @@ impl Scene {
             if self.drawn.get(mass) == Some(gap) {
                 continue;
             }
-            let circle = LineStrips2D::new([circle(*gap)])
+            let circle = LineStrips2D::new([circle(*gap, |p| [p.re as f32, p.im as f32])])
                 .with_colors([Color::from_rgb(200, 150, 40)])
                 .with_radii([Radius::new_ui_points(0.75)]);
             chunks.push(row(&format!("{}/deadband", orbit_path(mass)), at.clone(), &circle));
         }
         self.drawn.clone_from(&settings.deadband);
+        let rings = self.shaft.rings(&settings.deadband);
+        chunks.extend(rings.map(|(entity, what)| row(&entity, at.clone(), what.as_ref())));
         chunks.push(row(schema::POLES, at.clone(), &points(poles)));
         // As long as the poles reach, so that a viewer that fits all in does not shrink them to a point.
         let reach = poles.iter().map(|p| p.im.abs()).fold(0.1, f64::max) as f32 * 1.1;
@@ -143,9 +160,9 @@ fn upright(across: f64, up: f64) -> [f32; 2] {
     [across as f32, -up as f32]
 }
 
-fn circle(radius: f64) -> Vec<[f32; 2]> {
-    let point = |i: i32| C64::from_polar(radius, f64::from(i) / 72.0 * TAU);
-    (0..=72).map(point).map(|p| [p.re as f32, p.im as f32]).collect()
+/// The points of a circle, each as `drawn` has it.
+pub(super) fn circle<const N: usize>(radius: f64, drawn: impl Fn(C64) -> [f32; N]) -> Vec<[f32; N]> {
+    (0..=72).map(|i| drawn(C64::from_polar(radius, f64::from(i) / 72.0 * TAU))).collect()
 }
 
 fn points(poles: &[C64]) -> Points2D {

@@ -5,11 +5,12 @@ use rerun::RecordingStreamBuilder;
 use rerun::archetypes::{Scalars, SeriesLines};
 use rerun::blueprint::components::PanelState;
 use rerun::blueprint::{
-    Blueprint, BlueprintActivation, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Tabs,
-    TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical, VisualizableArchetype as _, Visualizer,
+    Blueprint, BlueprintActivation, ContainerLike, Grid, Horizontal, SelectionPanel, Spatial2DView, Spatial3DView,
+    Tabs, TextDocumentView, TextLogView, TimePanel, TimeSeriesView, Vertical, VisualizableArchetype as _, Visualizer,
     VisualizerComponentMapping,
 };
 use rerun::log::LogMsg;
+use rotor::Rotor;
 use wire::StepLayout;
 
 use super::scene;
@@ -17,14 +18,14 @@ use crate::schema::{self, Column};
 use crate::session::Source;
 
 /// The messages that carry the layout; none if rerun has been switched off by its environment variable.
-pub(super) fn blueprint(steps: StepLayout, source: Source) -> Vec<LogMsg> {
+pub(super) fn blueprint(rotor: &Rotor, steps: StepLayout, source: Source) -> Vec<LogMsg> {
     // Its own builder of layouts obeys the variable and would then have nothing to send.
     if std::env::var("RERUN").is_ok_and(|value| ["0", "false", "off"].contains(&value.to_lowercase().as_str())) {
         return Vec::new();
     }
     let made = RecordingStreamBuilder::new(schema::APPLICATION).enabled(true).memory();
     let Ok((stream, storage)) = made else { return Vec::new() };
-    if layout(steps, source).send(&stream, BlueprintActivation::default()).is_err() {
+    if layout(rotor, steps, source).send(&stream, BlueprintActivation::default()).is_err() {
         return Vec::new();
     }
     // The stream's own recording is empty: only the layout goes into the file.
@@ -32,7 +33,7 @@ pub(super) fn blueprint(steps: StepLayout, source: Source) -> Vec<LogMsg> {
     storage.take().into_iter().filter(is_layout).collect()
 }
 
-fn layout(steps: StepLayout, source: Source) -> Blueprint {
+fn layout(rotor: &Rotor, steps: StepLayout, source: Source) -> Blueprint {
     let masses = steps.masses();
     let orbit = |mass: usize| {
         let path = scene::orbit_path(mass);
@@ -44,6 +45,11 @@ fn layout(steps: StepLayout, source: Source) -> Blueprint {
     } else {
         Grid::new(orbits).with_name("orbits").into()
     };
+    let title = "shaft (across in e_t, z up; along not to scale)";
+    let shaft: ContainerLike = Spatial3DView::new(title).with_origin(schema::SHAFT).into();
+    // A shaft is known by its shape, a chain by the orbits of its few masses.
+    let motion = if rotor.is_chain() { [orbits, shaft] } else { [shaft, orbits] };
+    let motion: ContainerLike = Tabs::new(motion).into();
     let poles: ContainerLike = Spatial2DView::new("poles (w0, im up)").with_origin(schema::POLES).into();
     let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<Column> {
         schema::columns(steps).into_iter().filter(|column| wanted(&column.name)).collect()
@@ -75,7 +81,7 @@ fn layout(steps: StepLayout, source: Source) -> Blueprint {
     let events = TextLogView::new("events").with_origin(schema::EVENTS);
     let in_force = TextDocumentView::new("settings in force").with_origin(schema::SETTINGS);
     let words = Horizontal::new([ContainerLike::from(events), in_force.into()]).with_column_shares([2.0, 1.0]);
-    let top = Horizontal::new([orbits, poles]).with_column_shares([masses.min(4) as f32, 1.0]);
+    let top = Horizontal::new([motion, poles]).with_column_shares([masses.min(4) as f32, 1.0]);
     let root = Vertical::new([ContainerLike::from(top), series.into(), words.into()]).with_row_shares([2.0, 3.0, 2.0]);
     let timeline = if source == Source::Live { schema::WALL } else { schema::TAU };
     Blueprint::new(root)

@@ -118,7 +118,7 @@ impl Writer {
             self.put(chunk)?;
         }
         let steps = StepLayout::new(self.rotor.len()).with_bearings(head.session.bearings);
-        for message in view::blueprint(steps, head.session.source) {
+        for message in view::blueprint(&self.rotor, steps, head.session.source) {
             self.append(&message)?;
         }
         // Without it nothing on file can be read: damage in one place shall not cost all others.
