@@ -699,7 +699,7 @@ _whirl() {
             return 0
             ;;
         whirl__subcmd__map)
-            opts="-h --feedback --deadband --set --speed --x --y --points --quantity --duration --out --force --json --csv --help"
+            opts="-h --feedback --deadband --set --below --speed --x --y --points --quantity --duration --out --force --json --csv --help"
             if [[ ${cur} == -* || ${COMP_CWORD} -eq 2 ]] ; then
                 COMPREPLY=( $(compgen -W "${opts}" -- "${cur}") )
                 return 0
@@ -714,6 +714,10 @@ _whirl() {
                     return 0
                     ;;
                 --set)
+                    COMPREPLY=($(compgen -f "${cur}"))
+                    return 0
+                    ;;
+                --below)
                     COMPREPLY=($(compgen -f "${cur}"))
                     return 0
                     ;;

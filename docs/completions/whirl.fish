@@ -356,6 +356,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand cycles" -s h -l help -d 'Pri
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l feedback -d 'The feedback: off; cancel (jeffcott); composite, individual (three-mass); own (magnetic bearings of a drawing, the default there); or a TOML file' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l deadband -d 'Clearance of every support bearing, in e_t (SI rotors: in m)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l set -d 'Any other setting, such as delay=0.02 or deadband.2=0.5; `off` takes a part of the loop out (repeatable)' -r
+complete -c whirl -n "__fish_whirl_using_subcommand map" -l below -d 'With shaft elements: the damping of modes counts up to this frequency in Hz, while all are to be stable [default: 4 times the top speed, and past the fourth forward mode]' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l speed -d 'Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l x -d 'What varies across: a setting as for `--set`, a parameter of the rotor such as damping.1, or a start such as start.1.y' -r
 complete -c whirl -n "__fish_whirl_using_subcommand map" -l y -d 'What varies up, likewise' -r

@@ -82,3 +82,23 @@ fn a_map_that_takes_a_while_is_shown_as_it_fills() {
     assert!(!text.contains(" of 2501 cells") && text.contains("deadband across, kd up; orbit"), "{text}");
     assert_eq!(text.matches("orbit over deadband and kd").count(), 1, "{text}");
 }
+
+/// A map of a shaft, its middle cell and the machine itself tell the damping of the same modes, and say which.
+#[test]
+fn a_map_of_a_shaft_counts_the_modes_that_others_count() {
+    let number = |value: &serde_json::Value| value.as_f64().unwrap_or_else(|| panic!("{value} is not a number"));
+    for below in [&["--below", "500"][..], &["--below", "2kHz"], &[]] {
+        let map = ["map", "rig", "--speed", "6000", "--x", "left.kd=10%", "--y", "right.kd=10%"];
+        let map = run(&[&map[..], below, &["--points", "3x3", "--json"]].concat()).json();
+        let poles = run(&[&["poles", "rig", "--speed", "6000", "--json"][..], below].concat()).json();
+        assert_eq!(number(&map["below"]), number(&poles["below"]));
+        let [middle, there] = [&map["values"][1][1], &poles["min_damping"]].map(number);
+        assert!((middle - there).abs() < 1e-9, "{below:?}: {middle} and {there}");
+    }
+    let useless = run(&["map", "rig", "--speed", "6000", "--x", "left.kd=10%", "--y", "right.kd=10%"]
+        .into_iter()
+        .chain(["--quantity", "sensitivity", "--below", "500"])
+        .collect::<Vec<_>>());
+    assert_eq!(useless.code, Some(2), "{useless:?}");
+    assert!(useless.stderr.contains("--below does nothing: sensitivity is of no modes"), "{useless:?}");
+}

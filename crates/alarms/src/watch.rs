@@ -8,7 +8,7 @@ use std::str::FromStr;
 pub enum Watch {
     /// The machine has tripped.
     Trip,
-    /// The smallest damping ratio of any mode.
+    /// The smallest damping ratio of the modes that count.
     Damping,
     /// The peak of the loop's sensitivity.
     Sensitivity,
@@ -64,7 +64,7 @@ impl Watch {
     pub fn meaning(self) -> &'static str {
         match self {
             Self::Trip => "1 while the machine is held after a trip",
-            Self::Damping => "smallest damping ratio of any mode",
+            Self::Damping => "smallest damping ratio of the modes that count",
             Self::Sensitivity => "peak of the loop's sensitivity; zones A, B and C of ISO 14839-3 end at 3, 4 and 5",
             Self::DelayMargin => "delay that the loop bears beside its own before it is unstable, in tau",
             Self::Orbit => "largest radius of any mass, in e_t",

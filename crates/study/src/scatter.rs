@@ -30,7 +30,7 @@ pub fn motions(
     let plan = |k: usize| -> Result<Option<Plan>, MapError> {
         let drawn = values(ranges, distribution, seed, k as u64);
         let changes: Vec<(&Parameter, f64)> = ranges.iter().map(|range| &range.parameter).zip(drawn).collect();
-        let Model { rotor, settings } = model.with(&changes)?;
+        let Model { rotor, settings, .. } = model.with(&changes)?;
         let dtau = default_step(&rotor, &settings)?;
         let program = Program::in_substeps(&rotor, &settings, dtau, 1)?;
         let settle = Settle::DetectAndStop;

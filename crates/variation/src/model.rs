@@ -3,9 +3,10 @@
 use beam::{Drawing, Sketch};
 use control::Filter;
 use linear::DelayError;
-use machine::{MachinePoles, MarginsError, PolesError};
+use machine::{CountedModes, MachinePoles, MarginsError, PolesError};
 use rotor::{
-    FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings, SettingsError,
+    C64, Characteristic, FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings,
+    SettingsError,
 };
 
 use crate::drawn::{DRAWN, Drawn, TOGETHER, Together};
@@ -68,13 +69,32 @@ pub struct Model {
     pub rotor: Rotor,
     /// Settings that fit it.
     pub settings: Settings,
+    /// Of which modes its smallest damping is told; where nobody says, of those that count at its speed.
+    counted: Option<CountedModes>,
 }
 
 impl Model {
     /// That of a rotor under settings, which must have passed [`Settings::check`].
     #[must_use]
     pub fn new(rotor: Rotor, settings: Settings) -> Self {
-        Self { rotor, settings }
+        Self { rotor, settings, counted: None }
+    }
+
+    /// The same, its smallest damping that of these modes at every speed.
+    #[must_use]
+    pub fn counting(self, modes: CountedModes) -> Self {
+        Self { counted: Some(modes), ..self }
+    }
+
+    /// The modes that count whatever its poles and speed are, if that was said.
+    #[must_use]
+    pub fn counted_everywhere(&self) -> Option<CountedModes> {
+        self.counted
+    }
+
+    /// The modes that count, of a machine with these poles.
+    pub(crate) fn counted(&self, poles: impl IntoIterator<Item = C64>) -> CountedModes {
+        self.counted.unwrap_or_else(|| CountedModes::at(&self.rotor, self.settings.speed, poles))
     }
 
     /// The parameter that is typed as `name`: a setting as `whirl set` has it, a parameter of a mass such as `damping.1`, `shaft.2`,
@@ -261,7 +281,7 @@ impl Model {
     /// # Errors
     /// A value that a parameter cannot have, or a machine that cannot be.
     pub fn with(&self, changes: &[(&Parameter, f64)]) -> Result<Self, VariationError> {
-        let mut made = Self { rotor: self.rotor.clone(), settings: self.settings.clone() };
+        let mut made = self.clone();
         let mut chain: Option<(Vec<Mass>, Vec<f64>)> = None;
         let mut sketch: Option<Sketch> = None;
         let of_beam = |beam: &rotor::BeamRotor| beam.drawing().clone().into_sketch();
@@ -334,20 +354,17 @@ impl Model {
         Ok(made)
     }
 
-    /// Its smallest damping ratio, of the modes that count at its speed.
-    ///
-    /// # Errors
-    /// Poles that cannot be had.
-    pub fn counted_damping(&self) -> Result<f64, VariationError> {
-        Ok(machine::counted_damping(&self.rotor, &self.settings, self.settings.speed)?)
-    }
-
-    /// Its smallest damping ratio, of all modes.
+    /// Its smallest damping ratio, of the modes that count.
     ///
     /// # Errors
     /// Poles that cannot be had.
     pub fn min_damping(&self) -> Result<f64, VariationError> {
-        Ok(machine::min_damping(&self.rotor, &self.settings, self.settings.speed)?)
+        let (rotor, settings) = (&self.rotor, &self.settings);
+        let Some(counted) = self.counted.filter(|_| !rotor.is_chain()) else {
+            return Ok(machine::counted_damping(rotor, settings, settings.speed)?);
+        };
+        let roots = Characteristic::of(&self.form()?)?.roots()?;
+        Ok(counted.min_damping(roots.iter().map(|root| root.pole)))
     }
 
     /// Its poles.

@@ -133,9 +133,12 @@ fn slopes(
 ) -> Result<Sensitivities, VariationError> {
     let form = model.form()?;
     let roots = Characteristic::of(&form)?.roots()?;
-    let min_damping = roots.iter().map(|root| damping_ratio(root.pole)).fold(f64::INFINITY, f64::min);
+    let poles = || roots.iter().map(|root| root.pole);
+    let counted = model.counted(poles());
+    let min_damping = counted.min_damping(poles());
     let within = min_damping + SHARED * min_damping.abs();
-    let least: Vec<_> = roots.iter().filter(|root| damping_ratio(root.pole) <= within).collect();
+    let is_least = |pole: C64| counted.among([pole]).next().is_some() && damping_ratio(pole) <= within;
+    let least: Vec<_> = roots.iter().filter(|root| is_least(root.pole)).collect();
     let critical = margins.map(|margins| Critical::of(model, &form, margins)).transpose()?;
     let each = parameters.par_iter().map(|parameter| {
         let change = Change::of(model, parameter);

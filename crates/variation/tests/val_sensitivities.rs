@@ -158,3 +158,28 @@ fn a_pole_at_the_origin_has_no_slope() {
     let found = damping_sensitivities(&model, &[model.parameter("damping.1").expect("a parameter")]).expect("poles");
     assert_eq!(found.each[0].min_damping, Err(NoSlope::Origin));
 }
+
+/// Of a shaft the slope is that of the least damped mode that counts, where its fastest modes are less damped; and the smallest damping of a
+/// machine a little different moves by it.
+#[test]
+fn val_slopes_of_a_shaft_are_of_the_modes_that_count() {
+    let counted = CountedModes::up_to(15.0);
+    let [all, some] = [CountedModes::ALL, counted].map(|modes| built_in("rig", "own", 2.5).counting(modes));
+    let poles: Vec<C64> = all.poles().expect("poles").modes.iter().map(|mode| mode.pole).collect();
+    let [all_damping, damping] = [&all, &some].map(|model| model.min_damping().expect("poles"));
+    assert!((damping - counted.min_damping(poles.iter().copied())).abs() < 1e-12);
+    assert!(all_damping < 0.5 * damping, "{all_damping} of all, {damping} of those that count");
+    for name in ["left.kd", "right.kd", "material.1.density"] {
+        let parameter = some.parameter(name).expect("there");
+        let found = damping_sensitivities(&some, std::slice::from_ref(&parameter)).expect("poles");
+        assert!((found.min_damping - damping).abs() < 1e-12);
+        let slope = found.each[0].min_damping.clone().expect("a slope").one().expect("one mode");
+        let value = some.value(&parameter);
+        // Rounding of the poles of a shaft is felt in smaller steps.
+        let h = 1e-2 * value;
+        let at = |value: f64| some.with(&[(&parameter, value)]).expect("allowed").min_damping().expect("poles");
+        let difference = (at(value + h) - at(value - h)) / (2.0 * h);
+        let error = (slope - difference).abs();
+        assert!(error < 2e-3 * slope.abs().max(difference.abs()), "{name}: {slope} and {difference}");
+    }
+}

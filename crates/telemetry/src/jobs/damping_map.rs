@@ -74,7 +74,7 @@ impl DampingMap {
         let damping = |x: usize, y: usize| {
             let (Ok(speed), Some(own)) = (&speed, &own) else { return f64::NAN };
             let changes = [(speed, place(speeds, x, across)), (own, place(values, y, up))];
-            model.with(&changes).and_then(|there| there.counted_damping()).unwrap_or(f64::NAN)
+            model.with(&changes).and_then(|there| there.min_damping()).unwrap_or(f64::NAN)
         };
         let damping = (0..across).map(|x| (0..up).map(|y| damping(x, y)).collect()).collect();
         Self { key: *key, speeds, values, damping }

@@ -5,9 +5,6 @@ use std::sync::Arc;
 use rotor::{Key, Rotor, Settings};
 use variation::{DampingSlope, Model, Parameter, Quantity, damping_sensitivities};
 
-/// The smallest damping that slopes are of may differ by this part from the one that is shown.
-const SAME: f64 = 1e-6;
-
 /// What is asked: everything that the answer depends on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlopeRequest {
@@ -29,8 +26,7 @@ impl SlopeRequest {
 pub struct SettingSlopes(Vec<(Key, DampingSlope)>);
 
 impl SettingSlopes {
-    /// Computes the answer: a tenth of a millisecond for three masses. Nothing is known where the poles cannot be had, nor where the least
-    /// damped mode is one that does not count, as of shafts far above their speeds.
+    /// Computes the answer: a tenth of a millisecond for three masses. Nothing is known where the poles cannot be had.
     pub fn of(request: &SlopeRequest) -> Self {
         let SlopeRequest { rotor, settings } = request;
         let model = Model::new(rotor.as_ref().clone(), settings.clone());
@@ -40,10 +36,6 @@ impl SettingSlopes {
         };
         let own: Vec<Parameter> = model.parameters().into_iter().filter(|of| key_of(of).is_some()).collect();
         let Ok(found) = damping_sensitivities(&model, &own) else { return Self::default() };
-        let shown = machine::counted_damping(rotor, settings, settings.speed);
-        if !shown.is_ok_and(|shown| (shown - found.min_damping).abs() <= SAME * shown.abs()) {
-            return Self::default();
-        }
         let each = found.each.into_iter();
         Self(each.filter_map(|one| Some((key_of(&one.parameter)?, one.min_damping.ok()?))).collect())
     }

@@ -167,7 +167,7 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     };
     let heading =
         format!("{}: margins at {}, deadband neglected", rotor.name(), units.speed_text(machine.settings.speed));
-    let unsure = args.unsure.told(&machine)?;
+    let unsure = args.unsure.told(&machine, modes)?;
     let document = Document { unsure: unsure.fields, ..document };
     let table = unsure.rows.filter(|_| args.format.csv).unwrap_or(table);
     let above = certified.as_ref().map_or(String::new(), |peak| {
@@ -203,7 +203,8 @@ pub(crate) fn task(args: &MarginArgs) -> Result<study::sweep::Task, Failure> {
         return Err(Failure::Usage("--json and --csv are of no use in a sweep: its shards are the result".into()));
     }
     let machine = Machine::open(&args.machine, args.speed, catalog::Default::Analysis)?.whole(args.whole)?;
-    args.unsure.task(&machine)
+    let modes = args.below.modes(&machine.rotor, &machine.settings, machine.settings.speed)?;
+    args.unsure.task(&machine, modes)
 }
 
 /// What no frequency exceeds; nothing of a sampled loop, or where there is no bound.

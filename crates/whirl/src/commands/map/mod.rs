@@ -6,6 +6,7 @@ mod picture;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 
+use machine::CountedModes;
 use serde::Serialize;
 use study::map::{self, Map, MapAxis, MapError, MapKey, MapPlan, MapQuantity, QUANTITIES};
 use study::sweep::Task;
@@ -17,7 +18,7 @@ use super::linear;
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::interrupt;
-use crate::machine_args::MachineArgs;
+use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{self, Format, rounded};
 use crate::picture::is_picture;
 use crate::place::Force;
@@ -53,6 +54,8 @@ impl std::str::FromStr for Points {
 pub(crate) struct MapArgs {
     #[command(flatten)]
     machine: MachineArgs,
+    #[command(flatten)]
+    below: BelowArgs,
     /// Spin speed R = w / w0 where no axis is it (SI rotors: in rpm)
     #[arg(long, value_name = "R", allow_negative_numbers = true, value_parser = quantity::of(Dimension::Speed))]
     speed: Option<TypedQuantity>,
@@ -103,6 +106,9 @@ struct Document<'a> {
     /// `[x][y]`; `null` where there is none.
     values: &'a [Vec<f64>],
     values_null: Option<&'static str>,
+    /// Up to where modes count, `|lambda|` in radians per `tau`, of a map of damping of shafts.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    below: Option<f64>,
     /// Where the smallest damping is 0, of linear quantities.
     boundary: &'a [Vec<[f64; 2]>],
     #[serde(flatten)]
@@ -241,14 +247,33 @@ fn plan(args: &MapArgs) -> Result<(Machine, MapPlan), Failure> {
         let name = args.quantity.row().name;
         return Err(Failure::Usage(format!("--duration does nothing: {name} is not simulated")));
     }
+    let [x, y] = [axis(&args.x, points.x)?, axis(&args.y, points.y)?];
+    // One set of modes all over the map, or it would change where a mode is left out.
+    let speeds = [(&args.x, &x), (&args.y, &y)].into_iter().filter(|(varied, _)| is_speed(varied));
+    let top = speeds.filter_map(|(_, axis)| axis.values.last().copied()).next().unwrap_or(machine.settings.speed);
     let plan = MapPlan {
-        x: axis(&args.x, points.x)?,
-        y: axis(&args.y, points.y)?,
+        model: counting(args, model, top)?,
+        x,
+        y,
         quantity: args.quantity,
         longest: duration.unwrap_or(study::force::LONGEST),
-        model,
     };
     Ok((machine, plan))
+}
+
+/// The machine with the modes that its damping is told of, `top` being the highest speed of the map.
+fn counting(args: &MapArgs, model: Model, top: f64) -> Result<Model, Failure> {
+    let is_damping = args.quantity == MapQuantity::Damping;
+    if args.below.below.is_some() && !is_damping {
+        let name = args.quantity.row().name;
+        return Err(Failure::Usage(format!("--below does nothing: {name} is of no modes. Expected it beside damping")));
+    }
+    match args.below.modes(&model.rotor, &model.settings, top) {
+        Ok(modes) => Ok(model.counting(modes)),
+        // Without poles at the top of the map those count in each cell that count at its speed.
+        Err(Failure::Work(_)) if args.below.below.is_none() => Ok(model),
+        Err(error) => Err(error),
+    }
 }
 
 /// What one of a key is in the unit that it is shown in.
@@ -321,9 +346,15 @@ impl Shown<'_> {
             quantity: self.plan.quantity.row().name,
             values: &self.map.values,
             values_null: (!is_whole).then_some(nowhere(self.plan.quantity)),
+            below: self.counted().and_then(|modes| modes.below()),
             boundary: &self.map.boundary,
             units: self.machine.units().document(),
         })
+    }
+
+    /// The modes that the damping of every cell is told of.
+    fn counted(&self) -> Option<CountedModes> {
+        self.plan.model.counted_everywhere().filter(|_| self.plan.quantity == MapQuantity::Damping)
     }
 
     /// The extremes, where they are, and how much is stable.
@@ -349,6 +380,9 @@ impl Shown<'_> {
         if !self.map.boundary.is_empty() {
             let pieces = text::number::counted(self.map.boundary.len(), "piece", "pieces");
             text += &format!("the boundary of stability is traced in {pieces}\n");
+        }
+        if let Some(told) = self.counted().and_then(|modes| counted(&modes, self.machine.units())) {
+            text += &format!("{told}\n");
         }
         text
     }

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use machine::WORST;
+use machine::{CountedModes, WORST};
 use serde_json::{Map, Value, json};
 use study::sweep::Task;
 use tuner::Stop;
@@ -114,8 +114,8 @@ impl Unsure {
     ///
     /// # Errors
     /// A parameter that is none, or a value that it cannot have.
-    pub(super) fn told(&self, machine: &Machine) -> Result<Told, Failure> {
-        let model = Model::new(machine.rotor.clone(), machine.settings.clone());
+    pub(super) fn told(&self, machine: &Machine, modes: CountedModes) -> Result<Told, Failure> {
+        let model = Model::new(machine.rotor.clone(), machine.settings.clone()).counting(modes);
         let mut told = Told::default();
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             return Err(Failure::Usage(format!("--tolerance {}: expected a finite number above 0", self.tolerance)));
@@ -190,8 +190,8 @@ impl Unsure {
     ///
     /// # Errors
     /// No samples, or a parameter that is none.
-    pub(super) fn task(&self, machine: &Machine) -> Result<Task, Failure> {
-        let model = Model::new(machine.rotor.clone(), machine.settings.clone());
+    pub(super) fn task(&self, machine: &Machine, modes: CountedModes) -> Result<Task, Failure> {
+        let model = Model::new(machine.rotor.clone(), machine.settings.clone()).counting(modes);
         let Some(count) = self.samples else {
             return Err(Failure::Usage("expected --samples N: a sweep cuts samples into shards".into()));
         };
