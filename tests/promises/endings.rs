@@ -96,7 +96,8 @@ fn the_bell_rings_at_every_alarm_and_the_dashboard_goes_on() {
     screen.wait("all alarms", |text| all(text, &["damping", "orbit", "force", "lateness"]));
     screen.wait("the bell", |_| (screen.bells() > 0).then_some(()));
     let before = screen.bells();
-    screen.press(":set trip=0.001\r");
+    screen.press_for(":set trip=0.001\r", "trips at once");
+    screen.press("y");
     screen.wait("the trip", |text| (text.contains("TRIPPED") && all(text, &["trip"]).is_some()).then_some(()));
     screen.wait("the bell again", |_| (screen.bells() > before).then_some(()));
     screen.press("a");
