@@ -56,7 +56,7 @@ mod with {
         let tail = root.run(&["tail", "--count", "4000", "--json"]);
         assert_eq!(root.run(&["set", "kd=0.125", "--why", "to see"]).code, Some(0));
         assert_eq!(root.run(&["note", "here it begins"]).code, Some(0));
-        assert_eq!(root.run(&["set", "trip=0.001"]).code, Some(0));
+        assert_eq!(root.run(&["set", "trip=0.001", "--force"]).code, Some(0));
         wait("the trip", || root.run(&["status", "--json"]).json()["benches"][0]["tripped"] == true);
         let status = root.run(&["status", "--json"]).json();
         let told = &status["benches"][0]["recording"];

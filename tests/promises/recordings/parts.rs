@@ -58,7 +58,7 @@ fn a_recording_is_split_rolled_or_waits_for_a_trip() {
     let begun = newest();
     wait("more than it holds", || newest() > begun + 25_000);
     assert!(!before.exists(), "nothing is written before a trip");
-    assert_eq!(root.run(&["set", "trip=0.001"]).code, Some(0));
+    assert_eq!(root.run(&["set", "trip=0.001", "--force"]).code, Some(0));
     wait("the file", || before.exists());
     let tripped = newest();
     wait("some time after it", || newest() > tripped + 25_000);
