@@ -44,9 +44,18 @@ fn begin(title: &str, about: &str) -> String {
     format!("<!-- Made by `just manual` of the program's tables: do not edit. -->\n\n# {title}\n\n{about}\n")
 }
 
+/// Markdown whose brackets are read as such: outside of code `<enter>` is an element of HTML that nobody sees.
+fn with_brackets(text: &str) -> String {
+    let pieces = text.split('`').enumerate();
+    let each = pieces.map(|(k, piece)| if k % 2 == 0 { piece.replace('<', "\\<") } else { piece.to_owned() });
+    each.collect::<Vec<_>>().join("`")
+}
+
 /// A table, cells as Markdown.
 fn table<const N: usize>(out: &mut String, heading: [&str; N], rows: impl IntoIterator<Item = [String; N]>) {
-    let line = |cells: [String; N]| format!("| {} |\n", cells.map(|cell| cell.replace('|', "\\|")).join(" | "));
+    let line = |cells: [String; N]| {
+        format!("| {} |\n", cells.map(|cell| with_brackets(&cell).replace('|', "\\|")).join(" | "))
+    };
     out.push('\n');
     *out += &line(heading.map(str::to_owned));
     *out += &format!("|{}\n", "---|".repeat(N));
