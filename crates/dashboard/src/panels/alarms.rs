@@ -123,7 +123,17 @@ pub(crate) fn unit_of(watch: Watch, units: &Units) -> Unit {
     }
 }
 
-/// A line for each watched thing, but for the last `spared` rows.
+/// Of some levels the places of so many that are worst, in their order; of equals the first.
+fn worst(levels: &[Level], room: usize) -> Vec<usize> {
+    let mut places: Vec<usize> = (0..levels.len()).collect();
+    places.sort_by_key(|at| std::cmp::Reverse(levels[*at]));
+    places.truncate(room);
+    places.sort_unstable();
+    places
+}
+
+/// A line for each watched thing, but for the last `spared` rows. Where there are too few rows, those that stand worst have one, and the
+/// heading says how many have none.
 fn draw_standings(
     view: &View<'_>,
     units: &Units,
@@ -132,8 +142,14 @@ fn draw_standings(
     buffer: &mut Buffer,
 ) {
     let room = rows.len().saturating_sub(spared);
-    let heading = (String::new(), ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
-    let lines = view.alarms.standings().map(|(watch, standing, limit)| {
+    let all: Vec<_> = view.alarms.standings().collect();
+    let shown = worst(&all.iter().map(|(_, standing, _)| standing.at).collect::<Vec<_>>(), room.saturating_sub(1));
+    let missing = match all.len() - shown.len() {
+        0 => String::new(),
+        count => format!("{count} not shown"),
+    };
+    let heading = (missing, ["now", "warning", "alarm"].map(str::to_owned), Span::styled("", Style::new()));
+    let lines = shown.iter().map(|at| &all[*at]).map(|&(watch, standing, limit)| {
         let unit = unit_of(watch, units);
         let number = |value: Option<f64>| value.map_or_else(|| "-".to_owned(), |value| unit.short(value, 5));
         let of = |level| number(limit.map(|limit| limit.at(level)));
@@ -154,7 +170,9 @@ fn draw_standings(
         let unit = if units.scales.is_some() { unit.name } else { "" };
         (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
     });
-    for ((name, [now, warning, alarm], mut state), row) in std::iter::once(heading).chain(lines).take(room).zip(rows) {
+    let all = std::iter::once(heading).chain(lines).take(room).zip(rows).enumerate();
+    for (place, ((name, [now, warning, alarm], mut state), row)) in all {
+        let style = if place == 0 { theme::quiet() } else { Style::new() };
         // What it is and how it stands come before the limits, and those before the name's last letters.
         let text = match row.width {
             48.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
@@ -169,7 +187,6 @@ fn draw_standings(
         if width(&text) + state.width() > usize::from(row.width) && state.content.starts_with("! ") {
             state.content = "! WARN".into();
         }
-        let style = if name.is_empty() { theme::quiet() } else { Style::new() };
         let x = write(buffer, row, row.x, row.y, &text, style);
         write(buffer, row, x, row.y, &state.content, state.style);
     }
@@ -277,6 +294,20 @@ pub(crate) mod tests {
             assert!(frame.contains("!! ") && frame.contains("-0.0306"), "{frame}");
             assert!(frame.contains("14:03:27"), "{frame}");
         }
+    }
+
+    /// Where there is no room for all, what is past its limit has a line however far down it stands, and it is said that others have none.
+    #[test]
+    fn what_stands_worst_is_shown_in_few_rows() {
+        let mut alarms = Alarms::default();
+        alarms.read(&damping(50_600, 0.05).with(Watch::Lateness, 12.0).with(Watch::Losses, 0.0));
+        for height in 6..=8 {
+            let frame = frame(&alarms, 50, height);
+            let lines = usize::from(height) - 4;
+            assert!(frame.contains("lateness") && frame.contains("ALARM"), "{height}:\n{frame}");
+            assert!(frame.contains(&format!("{} not shown", Watch::ALL.len() - lines)), "{height}:\n{frame}");
+        }
+        assert!(!frame(&alarms, 50, 24).contains("not shown"));
     }
 
     #[test]
