@@ -54,7 +54,7 @@ pub use margins::{BearingMargins, LoopMargins, MachineLoop, MachineMargins, Marg
 pub use margins_over::{WORST, in_hand, margins_at, worst_among, worst_margins};
 pub use motion::MAX_LEGS;
 pub use over_speed::{BranchOverSpeed, Campbell, campbell, thresholds, trace};
-pub use poles::{MachinePoles, PolesError, counted_damping, min_damping};
+pub use poles::{MachinePoles, PolesError, counted_damping, damping_among, min_damping};
 pub use program::{Pace, ProfileError, Program, ProgramError, default_step, default_step_over, fastest};
 pub use rotor::profile::Leg;
 pub use rotor::{LinearForm, SampledStep};

@@ -112,13 +112,7 @@ impl MachinePoles {
 /// # Errors
 /// A loop that does not fit, or poles that cannot be had.
 pub fn counted_damping(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<f64, PolesError> {
-    if ClosedLoop::describes(rotor, &settings.feedback) {
-        return min_damping(rotor, settings, speed);
-    }
-    let form = LinearForm::of(&Plant::of(rotor), &settings.feedback, &OperatingPoint::at(speed))?;
-    let roots = Characteristic::of(&form)?.roots()?;
-    let poles = || roots.iter().map(|root| root.pole);
-    Ok(CountedModes::at(rotor, speed, poles()).min_damping(poles()))
+    damping_among(rotor, settings, speed, |poles| CountedModes::at(rotor, speed, poles.iter().copied()))
 }
 
 /// The smallest damping ratio of `rotor` under `settings` at a speed, of all modes.
@@ -126,12 +120,25 @@ pub fn counted_damping(rotor: &Rotor, settings: &Settings, speed: f64) -> Result
 /// # Errors
 /// A loop that does not fit, or poles that cannot be had.
 pub fn min_damping(rotor: &Rotor, settings: &Settings, speed: f64) -> Result<f64, PolesError> {
+    damping_among(rotor, settings, speed, |_| CountedModes::ALL)
+}
+
+/// The smallest damping ratio of `rotor` under `settings` at a speed, of the modes that count where these are its poles. Of a chain all do.
+///
+/// # Errors
+/// A loop that does not fit, or poles that cannot be had.
+pub fn damping_among(
+    rotor: &Rotor,
+    settings: &Settings,
+    speed: f64,
+    counted: impl FnOnce(&[C64]) -> CountedModes,
+) -> Result<f64, PolesError> {
     let feedback = &settings.feedback;
     if ClosedLoop::describes(rotor, feedback) {
         let poles = rotor::poles(&ClosedLoop::new(rotor, feedback, speed, &settings.deadband))?;
         return Ok(poles.first().map_or(f64::NAN, |pole| damping_ratio(*pole)));
     }
     let form = LinearForm::of(&Plant::of(rotor), feedback, &OperatingPoint::at(speed))?;
-    let roots = Characteristic::of(&form)?.roots()?;
-    Ok(roots.iter().map(|root| damping_ratio(root.pole)).fold(f64::INFINITY, f64::min))
+    let poles: Vec<C64> = Characteristic::of(&form)?.roots()?.iter().map(|root| root.pole).collect();
+    Ok(counted(&poles).min_damping(poles.iter().copied()))
 }

@@ -18,7 +18,13 @@ impl TripAtOnce {
     /// does not come down, or stays above it.
     #[must_use]
     pub fn between(now: &Settings, then: &Settings, orbit: f64) -> Option<Self> {
-        (then.trip < now.trip && orbit > then.trip).then_some(Self { orbit, limit: then.trip })
+        (Self::is_possible(now, then) && orbit > then.trip).then_some(Self { orbit, limit: then.trip })
+    }
+
+    /// Whether a change lets the limit come down at all: the orbit need not be looked for where it does not.
+    #[must_use]
+    pub fn is_possible(now: &Settings, then: &Settings) -> bool {
+        then.trip < now.trip
     }
 
     /// In words, with lengths as `length` tells them.

@@ -5,8 +5,7 @@ use control::Filter;
 use linear::DelayError;
 use machine::{CountedModes, MachinePoles, MarginsError, PolesError};
 use rotor::{
-    C64, Characteristic, FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings,
-    SettingsError,
+    C64, FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings, SettingsError,
 };
 
 use crate::drawn::{DRAWN, Drawn, TOGETHER, Together};
@@ -360,11 +359,8 @@ impl Model {
     /// Poles that cannot be had.
     pub fn min_damping(&self) -> Result<f64, VariationError> {
         let (rotor, settings) = (&self.rotor, &self.settings);
-        let Some(counted) = self.counted.filter(|_| !rotor.is_chain()) else {
-            return Ok(machine::counted_damping(rotor, settings, settings.speed)?);
-        };
-        let roots = Characteristic::of(&self.form()?)?.roots()?;
-        Ok(counted.min_damping(roots.iter().map(|root| root.pole)))
+        let counted = |poles: &[C64]| self.counted(poles.iter().copied());
+        Ok(machine::damping_among(rotor, settings, settings.speed, counted)?)
     }
 
     /// Its poles.

@@ -285,7 +285,7 @@ impl<C: Carrier> EditThread<C> {
             let loss = StabilityLoss::between(rotor, before, after, self.present_speed)?;
             Some(loss.then.map_or(Harm::Unjudged, |(_, damping)| Harm::Unstable(damping)))
         });
-        let orbit = present_orbit(&lock(&self.feed));
+        let orbit = TripAtOnce::is_possible(before, after).then(|| present_orbit(&lock(&self.feed))).flatten();
         let trips = orbit.and_then(|orbit| TripAtOnce::between(before, after, orbit)).map(Harm::Trips);
         loss.into_iter().chain(trips).collect()
     }

@@ -167,7 +167,7 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         {
             return Err(NotDone::Unstable(loss));
         }
-        if !args.force && settings.trip < before.trip && !bench_status.trip.is_tripped() {
+        if !args.force && TripAtOnce::is_possible(&before, &settings) && !bench_status.trip.is_tripped() {
             let orbit = present_orbit(&carrier, &bench, &bench_status)?;
             if let Some(trips) = orbit.and_then(|orbit| TripAtOnce::between(&before, &settings, orbit)) {
                 let length = telemetry::units::Units::of_machine(&rotor, &before.feedback).length;

@@ -15,12 +15,15 @@ const APART: Duration = Duration::from_secs(5);
 pub(super) struct Notices<'a> {
     carrier: &'a SharedMemory,
     bench: &'a BenchName,
+    /// What tells why the bench is silent, while it is.
+    glance: Option<<SharedMemory as Carrier>::Glance>,
     heard: Instant,
     silence: Silence,
     /// Whether its commands act, as last told.
-    acting: Option<bool>,
-    /// Late, missed and refused commands, as last told, and when.
-    counts: [u64; 3],
+    acting: bool,
+    /// Late, missed and refused commands: at first those that were counted before this controller came, then as last told.
+    counts: Option<[u64; 3]>,
+    /// When they were told last.
     counted: Option<Instant>,
 }
 
@@ -35,41 +38,32 @@ enum Silence {
 impl<'a> Notices<'a> {
     pub(super) fn new(carrier: &'a SharedMemory, bench: &'a BenchName) -> Self {
         let heard = Instant::now();
-        Self { carrier, bench, heard, silence: Silence::None, acting: None, counts: [0; 3], counted: None }
+        Self { carrier, bench, glance: None, heard, silence: Silence::None, acting: false, counts: None, counted: None }
     }
 
     /// The bench has sent readings.
     pub(super) fn heard(&mut self, readings: &Readings) {
-        (self.heard, self.silence) = (Instant::now(), Silence::None);
+        (self.heard, self.silence, self.glance) = (Instant::now(), Silence::None, None);
         let acting = readings.acting != 0;
-        if self.acting != Some(acting) && (acting || self.acting.is_some()) {
+        if self.acting != acting {
             let tau = readings.tau;
             output::warn(&match acting {
                 true => format!("commands from outside act from tau {tau:.6} on"),
                 false => format!("the bench's own law acts from tau {tau:.6} on, for want of commands in time"),
             });
-            self.acting = Some(acting);
+            self.acting = acting;
         }
-        // What was counted before this controller came is nothing of its own.
         let counts = [readings.late, readings.missed, readings.refused];
-        let Some(counted) = self.counted else {
-            (self.counts, self.counted) = (counts, Some(Instant::now() - APART));
+        let before = *self.counts.get_or_insert(counts);
+        if counts == before || self.counted.is_some_and(|told| told.elapsed() < APART) {
             return;
-        };
-        if counts != self.counts && counted.elapsed() >= APART {
-            let mut told = Vec::new();
-            for (k, what) in ["too late (longer than the loop's delay)", "missing", "refused, as they are not finite"]
-                .iter()
-                .enumerate()
-            {
-                match counts[k].saturating_sub(self.counts[k]) {
-                    0 => {}
-                    more => told.push(format!("{more} {what}")),
-                }
-            }
-            output::warn(&format!("commands: {}", told.join(", ")));
-            (self.counts, self.counted) = (counts, Some(Instant::now()));
         }
+        let words = ["too late (longer than the loop's delay)", "missing", "refused, as they are not finite"];
+        let more = counts.iter().zip(before).map(|(now, before)| now.saturating_sub(before)).zip(words);
+        let told: Vec<String> =
+            more.filter(|(more, _)| *more > 0).map(|(more, what)| format!("{more} {what}")).collect();
+        output::warn(&format!("commands: {}", told.join(", ")));
+        (self.counts, self.counted) = (Some(counts), Some(Instant::now()));
     }
 
     /// Nothing has come from the bench just now.
@@ -77,18 +71,13 @@ impl<'a> Notices<'a> {
         if self.silence == Silence::Bench || self.heard.elapsed() < SILENCE {
             return;
         }
+        if self.glance.is_none() {
+            self.glance = self.carrier.glance(self.bench).ok();
+        }
         // Without its status it is not known why.
-        let status = self.carrier.glance(self.bench).ok().and_then(|mut glance| first(&mut glance));
-        let Some(status) = status else { return };
-        self.silence = Silence::Bench;
-        let bench = self.bench;
-        output::warn(&match why(&status) {
-            Some(Why::NotAsked) => format!(
-                "bench '{bench}' asks for no commands: it does once 'external' is set, as by whirl set --bench {bench} sample=0.02 delay=0.02 external=20"
-            ),
-            Some(Why::Tripped) => format!("bench '{bench}' has tripped: it sends readings again once it is restarted"),
-            None => format!("bench '{bench}' sends no readings"),
-        });
+        let Some(Ok(Some(status))) = self.glance.as_mut().map(Glance::bench_status) else { return };
+        (self.silence, self.glance) = (Silence::Bench, None);
+        output::warn(&why(&status, self.bench));
     }
 
     /// The program has not answered yet what it was given at a time.
@@ -107,25 +96,14 @@ impl<'a> Notices<'a> {
 }
 
 /// Why a bench sends no readings.
-enum Why {
-    NotAsked,
-    Tripped,
-}
-
-fn why(status: &BenchStatus) -> Option<Why> {
+fn why(status: &BenchStatus, bench: &BenchName) -> String {
     if status.trip.is_tripped() && !status.trip.coasts() {
-        return Some(Why::Tripped);
+        return format!("bench '{bench}' has tripped: it sends readings again once it is restarted");
     }
-    status.settings.get().feedback.external().is_none().then_some(Why::NotAsked)
-}
-
-fn first(glance: &mut impl Glance) -> Option<Box<BenchStatus>> {
-    let began = Instant::now();
-    while began.elapsed() < SILENCE {
-        if let Ok(Some(status)) = glance.bench_status() {
-            return Some(status);
-        }
-        std::thread::sleep(Duration::from_millis(5));
+    match status.settings.get().feedback.external() {
+        None => format!(
+            "bench '{bench}' asks for no commands: it does once 'external' is set, as by whirl set --bench {bench} sample=0.02 delay=0.02 external=20"
+        ),
+        Some(_) => format!("bench '{bench}' sends no readings"),
     }
-    None
 }
