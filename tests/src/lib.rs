@@ -15,15 +15,21 @@ pub use screen::{PATIENCE, Screen};
 /// How long a process that was asked to end may take.
 pub(crate) const FAREWELL: Duration = Duration::from_secs(3);
 
-/// Where the program under test is: cargo builds it beside this package's tests.
+/// Where the program under test is: cargo builds it beside this package's tests, but not beside its examples.
 ///
 /// # Panics
-/// If this process does not run from a cargo target directory.
+/// If this process does not run from a cargo target directory, or the program has not been built; that is said in words that help.
 #[must_use]
 pub fn program() -> PathBuf {
     let test = std::env::current_exe().expect("a running test has a path");
     let target = test.parent().and_then(Path::parent).expect("tests run from target/*/deps");
-    target.join(format!("whirl-under-test{}", std::env::consts::EXE_SUFFIX))
+    let program = target.join(format!("whirl-under-test{}", std::env::consts::EXE_SUFFIX));
+    assert!(
+        program.exists(),
+        "{} is not there: `cargo build -p promises` makes it (with --release for target/release); building examples alone does not",
+        program.display()
+    );
+    program
 }
 
 /// The program under test, ready for arguments.

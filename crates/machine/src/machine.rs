@@ -2,27 +2,27 @@
 //!
 //! Whoever steps a rotor steps this: the live process, a recording's what-if, an offline run. So none of them can differ.
 
+mod advance;
 #[cfg(test)]
 mod coasting;
 mod external;
 mod path;
 #[cfg(test)]
 mod ramps;
+mod sample;
 mod save;
+mod trip;
 
 pub use external::Sensed;
+pub use sample::Sample;
 
 use control::{Excitation, MAX_BEARINGS, Output};
-use rotor::profile::Leg;
 use rotor::{C64, Stepper};
 
 use crate::motion::{Grid, Motion};
 use crate::program::Program;
 use crate::trip::{Trip, TripCause};
 use path::Path;
-
-/// A machine that coasts down after a trip is held after all where its orbit comes to so many times the limit.
-const LOST: f64 = 10.0;
 
 /// Where a clock was set last, and how many steps of integration ago.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,27 +33,6 @@ pub struct ClockOrigin {
     pub angle: f64,
     /// Steps since.
     pub steps: u64,
-}
-
-/// Where a machine is. Borrowed from it.
-#[derive(Clone, Copy, Debug)]
-pub struct Sample<'a> {
-    /// Time, in `tau`.
-    pub tau: f64,
-    /// Spin angle in radians, unwrapped.
-    pub angle: f64,
-    /// Spin speed `R`.
-    pub speed: f64,
-    /// Its rate of change.
-    pub acceleration: f64,
-    /// Displacement of every coordinate (of a chain: every mass), in `e_t`.
-    pub displacement: &'a [C64],
-    /// Their velocities.
-    pub velocity: &'a [C64],
-    /// What the loop of each control bearing asks for and delivers.
-    pub outputs: &'a [Output],
-    /// Bit `i` is set while contact `i` is closed.
-    pub contact: u32,
 }
 
 /// A machine.
@@ -163,30 +142,6 @@ impl Machine {
         machine
     }
 
-    /// Stops it as a trip did of which only that is known.
-    pub fn hold(&mut self) {
-        self.stop(TripCause::Orbit, self.program.trip_limit);
-    }
-
-    /// Lets its speed coast down from now on, at first at `rate`, as a trip of its orbit does under settings that say so: it has tripped, is
-    /// not held, and comes to rest whatever its settings say of the speed, until it is restarted. What the loop does goes on.
-    pub fn coast_down(&mut self, rate: f64) {
-        self.stop(TripCause::CoastDown, self.program.trip_limit);
-        let (tau, angle) = (self.tau(), self.sample().angle);
-        let speed = self.motion.speed_at(tau);
-        self.motion.settle(tau, angle, speed);
-        if rate > 0.0 {
-            self.motion.follow(tau, &[Leg::Decay { speed: 0.0, rate }]);
-        }
-        self.choose_path();
-    }
-
-    /// Whether it stands still after a trip. One that coasts down does not.
-    #[must_use]
-    pub fn is_held(&self) -> bool {
-        self.trip.is_some_and(|trip| trip.cause != TripCause::CoastDown)
-    }
-
     fn settled(mut self) -> Self {
         let speed = self.motion.speed_at(self.tau());
         self.motion.settle(self.grid.tau(), 0.0, speed);
@@ -205,240 +160,12 @@ impl Machine {
         self.trip
     }
 
-    /// Where it is now.
-    #[must_use]
-    pub fn sample(&self) -> Sample<'_> {
-        let tau = self.tau();
-        let rates = (self.motion.speed_at(tau), self.motion.acceleration_at(tau));
-        let (speed, acceleration) = rates;
-        let outputs = &self.outputs[..self.program.bearings()];
-        match &self.fused {
-            Some(fused) if self.path != Path::Integrated => {
-                let motion = fused.motion();
-                let (displacement, velocity) = (motion.displacement, motion.velocity);
-                let angle = if self.path == Path::Steady { motion.angle } else { self.motion.angle_at(tau) };
-                Sample { tau, angle, speed, acceleration, displacement, velocity, outputs, contact: fused.contact() }
-            }
-            _ => {
-                let Program { integrator, .. } = &*self.program;
-                let (displacement, velocity) = (integrator.displacement(), integrator.velocity());
-                let (angle, contact) = (self.motion.angle_at(tau), integrator.contact());
-                Sample { tau, angle, speed, acceleration, displacement, velocity, outputs, contact }
-            }
-        }
-    }
-
-    /// Where it is, as the integrator of the fused path tells it.
-    #[must_use]
-    pub fn motion(&self) -> rotor::Motion<'_> {
-        let Sample { tau, angle, displacement, velocity, .. } = self.sample();
-        rotor::Motion { tau, angle, displacement, velocity }
-    }
-
-    /// What the loop of each control bearing puts out.
-    #[must_use]
-    pub fn outputs(&self) -> &[Output] {
-        &self.outputs[..self.program.bearings()]
-    }
-
-    /// The largest control that is delivered, in `w0^2 e_t`: of several control bearings as that of the first
-    /// ([`rotor::ControlMasses`]).
-    #[must_use]
-    pub fn largest_force(&self) -> f64 {
-        // `norm` guards against overflow, which no force comes near, at the cost of a twentieth of a run-up.
-        self.program.control_masses().largest(self.outputs().iter().map(|output| output.delivered.norm_sqr().sqrt()))
-    }
-
-    /// Bit `i` is set while contact `i` is closed.
-    #[must_use]
-    pub fn contact(&self) -> u32 {
-        self.sample().contact
-    }
-
-    /// What the sensors of a control bearing, counted from 0, read last; nothing where there is no such bearing.
-    #[must_use]
-    pub fn readings(&self, bearing: usize) -> &[C64] {
-        self.program.integrator.controllers.get(bearing).map_or(&[], |controller| controller.readings())
-    }
-
-    /// What the loop reads of the displacement at a station, counted from 0, after lag, noise, quantum and hold; where it does not
-    /// look, and where the loop is ideal, that is the displacement itself.
-    #[must_use]
-    pub fn reading(&self, station: usize) -> C64 {
-        let mut controllers = self.program.integrator.controllers.iter().filter(|_| self.path == Path::Integrated);
-        let read = controllers.find_map(|controller| controller.reading_at(station));
-        read.or_else(|| self.sample().displacement.get(station).copied()).unwrap_or_default()
-    }
-
-    /// One step. Returns the trip if this step caused one; then the machine stands still, or coasts down
-    /// ([`rotor::Settings::coast_down`]). One that coasts down trips once more, and stands still, if its orbit comes to ten times the limit
-    /// all the same: what is linear in the rotor tells nothing any more then.
-    pub fn step(&mut self) -> Option<Trip> {
-        if self.is_held() {
-            return None;
-        }
-        match self.path {
-            Path::Steady => self.step_fused(),
-            Path::Changing => self.step_changing(),
-            Path::Integrated => self.step_integrated(),
-        }
-    }
-
-    /// From here on a step is `dtau` long: no longer than the program's own, for which its loop has room.
-    pub fn pace(&mut self, dtau: f64) {
-        if dtau == self.program.dtau {
-            return;
-        }
-        self.program.dtau = dtau;
-        if self.path == Path::Steady {
-            // As the fused path does itself.
-            let (tau, angle) = (self.tau(), self.sample().angle);
-            let speed = self.motion.speed_at(tau);
-            self.grid = Grid { from: tau, steps: 0, dtau: self.program.inner_step() };
-            self.motion.settle(tau, angle, speed);
-        } else {
-            self.grid.rebase(self.program.inner_step());
-        }
-    }
-
-    /// How long a step is.
-    #[must_use]
-    pub fn dtau(&self) -> f64 {
-        self.program.dtau
-    }
-
-    /// One step of `dtau`, without guard and trip: for runs that judge the motion themselves. No longer than the program's
-    /// own step, for which its loop has room.
-    pub fn step_by(&mut self, dtau: f64) {
-        self.pace(dtau);
-        match self.path {
-            Path::Steady => self.turn_fused(),
-            Path::Changing => self.change_fused(),
-            Path::Integrated => {
-                self.integrate();
-                return self.choose_path();
-            }
-        }
-        self.put_out();
-        if self.path == Path::Changing && !self.motion.is_moving() {
-            self.choose_path();
-        }
-    }
-
     /// Puts every coordinate somewhere; time, angle and what the loop holds go on.
     pub fn place(&mut self, displacement: &[C64], velocity: &[C64]) {
         match &mut self.fused {
             Some(fused) if self.path != Path::Integrated => fused.place(displacement, velocity),
             _ => self.program.integrator.place(displacement, velocity),
         }
-    }
-
-    /// What the ideal loop puts out, on the fused path.
-    #[inline]
-    fn put_out(&mut self) {
-        if let Some(fused) = &self.fused {
-            let control = fused.control();
-            self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
-        }
-    }
-
-    fn step_fused(&mut self) -> Option<Trip> {
-        self.turn_fused();
-        self.guard_fused()
-    }
-
-    fn step_changing(&mut self) -> Option<Trip> {
-        self.change_fused();
-        let ended = self.guard_fused();
-        if !self.motion.is_moving() {
-            self.choose_path();
-        }
-        ended
-    }
-
-    /// The substeps of a step at a steady speed.
-    #[inline]
-    fn turn_fused(&mut self) {
-        let Some(fused) = &mut self.fused else { return };
-        for _ in 0..self.program.substeps {
-            fused.step(self.grid.dtau);
-        }
-        self.grid.steps += u64::from(self.program.substeps);
-    }
-
-    #[inline]
-    fn guard_fused(&mut self) -> Option<Trip> {
-        let fused = self.fused.as_mut()?;
-        let (motion, control) = (fused.motion(), fused.control());
-        let radius = motion.largest_radius();
-        if motion.is_finite() && radius.is_finite() && control.is_finite() {
-            self.good[0].copy_from_slice(motion.displacement);
-            self.good[1].copy_from_slice(motion.velocity);
-            self.outputs[0] = Output { commanded: control, delivered: control, saturated: false };
-            self.judge(radius)
-        } else {
-            fused.place(&self.good[0], &self.good[1]);
-            self.put_out();
-            self.stop(TripCause::NotFinite, self.program.trip_limit)
-        }
-    }
-
-    fn step_integrated(&mut self) -> Option<Trip> {
-        self.integrate();
-        let integrator = &mut self.program.integrator;
-        let radius = integrator.largest_radius();
-        let ended = if integrator.is_finite() && radius.is_finite() {
-            self.good[0].copy_from_slice(integrator.displacement());
-            self.good[1].copy_from_slice(integrator.velocity());
-            self.judge(radius)
-        } else {
-            integrator.place(&self.good[0], &self.good[1]);
-            self.stop(TripCause::NotFinite, self.program.trip_limit)
-        };
-        self.choose_path();
-        ended
-    }
-
-    /// The substeps of a step, plant and loop together.
-    fn integrate(&mut self) {
-        let Program { integrator, substeps, .. } = &mut *self.program;
-        integrator.begin_step();
-        for _ in 0..*substeps {
-            let from = self.grid.tau();
-            self.grid.steps += 1;
-            integrator.advance(from, self.grid.tau(), &mut self.motion);
-        }
-        // What is not finite is never told.
-        for (own, output) in self.outputs.iter_mut().zip(integrator.outputs()) {
-            if output.delivered.is_finite() {
-                *own = output;
-            }
-        }
-    }
-
-    #[inline]
-    fn judge(&mut self, radius: f64) -> Option<Trip> {
-        if radius <= self.program.trip_limit { None } else { self.pass_limit(radius) }
-    }
-
-    /// The orbit is past the limit.
-    #[cold]
-    fn pass_limit(&mut self, radius: f64) -> Option<Trip> {
-        let Program { trip_limit: limit, coast_down, .. } = *self.program;
-        match self.trip {
-            None if coast_down > 0.0 => self.coast_down(coast_down),
-            None => return self.stop(TripCause::Orbit, limit),
-            Some(_) if radius > LOST * limit => return self.stop(TripCause::Orbit, LOST * limit),
-            Some(_) => return None,
-        }
-        self.trip
-    }
-
-    fn stop(&mut self, cause: TripCause, limit: f64) -> Option<Trip> {
-        let radius = |i: &usize| self.good[0][*i].norm();
-        let station = (0..self.good[0].len()).max_by(|a, b| radius(a).total_cmp(&radius(b))).unwrap_or(0);
-        self.trip = Some(Trip { cause, station, radius: radius(&station), limit });
-        self.trip
     }
 
     /// A sudden change of velocity of a coordinate (of a chain: a mass), counted from 0; nothing if there is none such.

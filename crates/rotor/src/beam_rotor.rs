@@ -18,8 +18,8 @@ use units::Scales;
 
 use self::matrices::{Holds, Places, complex, matrices, plant_of, row_of, unbalance_of};
 use crate::parameters::is_setting;
-use crate::params::{BeamError, RotorError};
 use crate::plant::{Direction, Plant, Station};
+use crate::{BeamError, RotorError};
 use crate::{C64, MAX_BEARINGS, MAX_MASSES};
 
 /// Where nothing says how long one dimensionless unit of length is: a micrometre.

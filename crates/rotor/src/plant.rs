@@ -13,182 +13,26 @@
 
 mod chain;
 mod dense;
+mod matrices;
+mod parts;
 
 use chain::Chain;
 use dense::Dense;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use crate::{C64, Rotor};
 
+pub use matrices::{Matrices, PlantError};
+pub use parts::{Contact, Direction, OperatingPoint, Spin, Station, Tabulated};
+
 /// The most coordinates of a plant.
 pub const MAX_ORDER: usize = 512;
-
-/// Where a plant is looked at by linear analysis.
-#[derive(Clone, Debug, PartialEq, Default)]
-pub struct OperatingPoint {
-    /// Spin speed `R`.
-    pub speed: f64,
-    /// The share of its stiffness that each contact has, 0 to 1; those that are missing have all of it, but touchdown bearings none.
-    pub contact_factors: Vec<f64>,
-}
-
-impl OperatingPoint {
-    /// Every contact at its full stiffness.
-    #[must_use]
-    pub fn at(speed: f64) -> Self {
-        Self { speed, contact_factors: vec![] }
-    }
-}
-
-/// How the spin drives a plant in one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Spin {
-    /// Spin speed `R`.
-    pub speed: f64,
-    /// Its rate of change `R'`.
-    pub acceleration: f64,
-    /// `exp(j theta)`, with `theta` the angle of spin.
-    pub direction: C64,
-}
-
-/// A row or a column over the coordinates.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Direction {
-    /// One coordinate, with weight 1.
-    Unit(usize),
-    /// A weight for every coordinate.
-    Dense(Vec<C64>),
-}
-
-impl Direction {
-    /// What it reads of coordinates.
-    #[inline]
-    #[must_use]
-    pub fn read(&self, q: &[C64]) -> C64 {
-        match self {
-            Self::Unit(i) => q[*i],
-            Self::Dense(weights) => weights.iter().zip(q).map(|(w, q)| w * q).sum(),
-        }
-    }
-
-    /// Adds `amount` along it.
-    #[inline]
-    pub fn add(&self, amount: C64, to: &mut [C64]) {
-        match self {
-            Self::Unit(i) => to[*i] += amount,
-            Self::Dense(weights) => to.iter_mut().zip(weights).for_each(|(to, w)| *to += w * amount),
-        }
-    }
-
-    /// Itself in full.
-    #[must_use]
-    pub fn dense(&self, order: usize) -> DVector<C64> {
-        let mut whole = DVector::zeros(order);
-        match self {
-            Self::Unit(i) => whole[*i] = C64::ONE,
-            Self::Dense(weights) => whole.iter_mut().zip(weights).for_each(|(to, w)| *to = *w),
-        }
-        whole
-    }
-}
-
-/// A named place at which displacement is read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Station {
-    /// Its name: `mass 1`, `left bearing`.
-    pub name: String,
-    /// What reads its displacement.
-    pub row: Direction,
-}
-
-/// A support bearing with a clearance.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Contact {
-    /// The station whose displacement presses on it, counted from 0.
-    pub station: usize,
-    /// What it does to the coordinates, per unit of force; of the plant's inverse mass matrix too.
-    pub column: Direction,
-    /// Its stiffness.
-    pub stiffness: f64,
-    /// Whether it is there for the worst alone, and out of what linear analysis looks at.
-    pub is_touchdown: bool,
-}
-
-/// What holds the rotor with coefficients that change with speed: `-(k r + d r')` along its column, where `r` is what its row reads.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Tabulated {
-    /// What reads the displacement.
-    pub row: Direction,
-    /// What its force does to the coordinates; of the plant's inverse mass matrix too.
-    pub column: Direction,
-    /// Rising speeds with `[k, d]` at each: between them linear, beyond them the same. At least one.
-    pub table: Vec<(f64, [C64; 2])>,
-}
-
-impl Tabulated {
-    /// `[k, d]` at a speed.
-    #[must_use]
-    pub fn at(&self, speed: f64) -> [C64; 2] {
-        let after = self.table.partition_point(|(s, _)| *s <= speed);
-        match (after.checked_sub(1).map(|k| self.table[k]), self.table.get(after).copied()) {
-            (Some((s0, a)), Some((s1, b))) => {
-                let part = (speed - s0) / (s1 - s0);
-                [0, 1].map(|k| a[k] + (b[k] - a[k]) * part)
-            }
-            (Some((_, values)), None) | (None, Some((_, values))) => values,
-            (None, None) => [C64::ZERO; 2],
-        }
-    }
-}
 
 /// How the linear part is stored.
 #[derive(Clone, Debug, PartialEq)]
 enum Form {
     Chain(Chain),
     Dense(Dense),
-}
-
-/// A plant of its coordinates' matrices, as they are given to [`Plant::of_matrices`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Matrices {
-    /// Mass matrix `M`.
-    pub mass: DMatrix<C64>,
-    /// `D0` and `D1` of `M q'' = (D0 + R D1) q' + ...`.
-    pub damping: [DMatrix<C64>; 2],
-    /// `S0` and `S1` of `... + (S0 + R S1) q`.
-    pub stiffness: [DMatrix<C64>; 2],
-    /// The stations, in order.
-    pub stations: Vec<Station>,
-    /// Contacts: station, column of force and stiffness.
-    pub contacts: Vec<Contact>,
-    /// Mass times eccentricity per coordinate.
-    pub unbalance: Vec<C64>,
-    /// What the force of each control bearing does to the coordinates.
-    pub columns: Vec<Direction>,
-    /// What holds the rotor over speed.
-    pub tabulated: Vec<Tabulated>,
-}
-
-/// Why matrices are no plant.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlantError {
-    /// None, or more than fit.
-    #[error("{0} coordinates: expected 1 to {MAX_ORDER}")]
-    Order(usize),
-    /// Something of another size than the mass matrix.
-    #[error("{what} does not fit {order} coordinates")]
-    Size {
-        /// What.
-        what: &'static str,
-        /// How many coordinates there are.
-        order: usize,
-    },
-    /// A number that is not finite.
-    #[error("{0} has an entry that is not finite")]
-    NotFinite(&'static str),
-    /// A mass matrix that cannot be inverted.
-    #[error("the mass matrix is singular: every coordinate needs a mass")]
-    Massless,
 }
 
 /// A rotor without control.
@@ -214,102 +58,6 @@ impl Plant {
     #[must_use]
     pub fn of(rotor: &Rotor) -> Self {
         rotor.beam().map_or_else(|| Self::of_chain(rotor), |beam| beam.plant().clone())
-    }
-
-    fn of_chain(rotor: &Rotor) -> Self {
-        let (masses, shafts) = (rotor.masses(), rotor.shafts());
-        let count = masses.len();
-        let shaft = |i: Option<usize>| i.and_then(|i| shafts.get(i)).copied().unwrap_or(0.0);
-        let mut chain = Chain { damping: vec![], stiffness: vec![], before: vec![], after: vec![] };
-        let mut contacts = Vec::new();
-        for (i, m) in masses.iter().enumerate() {
-            let (before, after) = (shaft(i.checked_sub(1)), shaft(Some(i)));
-            chain.damping.push(C64::new(-2.0 * m.damping, 2.0 * m.cross_damping));
-            let own = C64::from(-(m.seal_stiffness + before + after) / m.mass);
-            chain.stiffness.push([own, C64::new(0.0, m.damping)]);
-            chain.before.push(before / m.mass);
-            chain.after.push(after / m.mass);
-            contacts.push(Contact {
-                station: i,
-                column: Direction::Unit(i),
-                stiffness: m.bearing_stiffness / m.mass,
-                is_touchdown: false,
-            });
-        }
-        Self {
-            order: count,
-            form: Form::Chain(chain),
-            stations: (0..count)
-                .map(|i| Station { name: format!("mass {}", i + 1), row: Direction::Unit(i) })
-                .collect(),
-            contacts,
-            unbalance: masses.iter().map(|m| C64::from(m.unbalance)).collect(),
-            moment: masses.iter().map(|m| C64::from(m.mass * m.unbalance)).collect(),
-            columns: (0..count).map(Direction::Unit).collect(),
-            tabulated: vec![],
-            is_unit: true,
-            free: vec![],
-        }
-    }
-
-    /// A plant of dense matrices.
-    ///
-    /// # Errors
-    /// Sizes that do not fit each other, numbers that are not finite, or a mass matrix that cannot be inverted.
-    pub fn of_matrices(given: Matrices) -> Result<Self, PlantError> {
-        let order = given.mass.nrows();
-        if !(1..=MAX_ORDER).contains(&order) {
-            return Err(PlantError::Order(order));
-        }
-        let [d0, d1] = &given.damping;
-        let [s0, s1] = &given.stiffness;
-        for (what, matrix) in
-            [("mass", &given.mass), ("damping", d0), ("damping", d1), ("stiffness", s0), ("stiffness", s1)]
-        {
-            if matrix.shape() != (order, order) {
-                return Err(PlantError::Size { what, order });
-            }
-            if !matrix.iter().all(|z| z.is_finite()) {
-                return Err(PlantError::NotFinite(what));
-            }
-        }
-        let fits = |direction: &Direction| match direction {
-            Direction::Unit(i) => *i < order,
-            Direction::Dense(weights) => weights.len() == order && weights.iter().all(|w| w.is_finite()),
-        };
-        let stations_fit = given.stations.iter().all(|station| fits(&station.row));
-        let contact_fits = |c: &Contact| c.station < given.stations.len() && fits(&c.column) && c.stiffness.is_finite();
-        for (what, is_fit) in [
-            ("a station", stations_fit),
-            ("a contact", given.contacts.iter().all(contact_fits)),
-            ("an unbalance", given.unbalance.len() == order && given.unbalance.iter().all(|u| u.is_finite())),
-            ("a control bearing", given.columns.iter().all(fits)),
-            ("what holds it over speed", given.tabulated.iter().all(|of| fits(&of.row) && fits(&of.column))),
-        ] {
-            if !is_fit {
-                return Err(PlantError::Size { what, order });
-            }
-        }
-        let inverse =
-            given.mass.try_inverse().filter(|m| m.iter().all(|z| z.is_finite())).ok_or(PlantError::Massless)?;
-        let through =
-            |direction: &Direction| Direction::Dense((&inverse * direction.dense(order)).iter().copied().collect());
-        let contacts = given.contacts.iter().map(|c| Contact { column: through(&c.column), ..c.clone() }).collect();
-        Ok(Self {
-            order,
-            form: Form::Dense(Dense::new(given.damping.map(|d| &inverse * d), given.stiffness.map(|s| &inverse * s))),
-            is_unit: given.stations.len() == order
-                && given.stations.iter().enumerate().all(|(k, station)| station.row == Direction::Unit(k)),
-            tabulated: (given.tabulated.iter())
-                .map(|of| Tabulated { column: through(&of.column), ..of.clone() })
-                .collect(),
-            stations: given.stations,
-            contacts,
-            moment: given.unbalance.clone(),
-            unbalance: (&inverse * DVector::from_vec(given.unbalance)).iter().copied().collect(),
-            columns: given.columns.iter().map(through).collect(),
-            free: vec![],
-        })
     }
 
     /// The same with displacements, of every coordinate, that are known to meet no restoring force: the two ways in which a rotor that

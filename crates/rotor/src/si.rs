@@ -10,7 +10,8 @@
 
 use units::Scales;
 
-use crate::params::{Body, check, parameters_in_order};
+use crate::mass::parameters_in_order;
+use crate::rotor::{Body, check};
 use crate::{Mass, Rotor, RotorError};
 
 /// One lumped mass with what acts on it, in SI units. The ranges are those of [`Mass`].

@@ -1,4 +1,4 @@
-//! The table itself.
+//! The table itself: long, for an action is a row and all rows are in one place.
 
 use super::action::Action;
 use super::argument::{assignments, limit, moves, number, recording, run_up, scale, spectra, times, whole, within};

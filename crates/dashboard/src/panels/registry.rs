@@ -1,4 +1,5 @@
-//! The one table of panels: layouts know panels by the names in it.
+//! The one table of panels: layouts know panels by the names in it. Long, and in one place: a row a panel, and the
+//! tests that draw every row of it.
 
 use ratatui::buffer::Buffer;
 use ratatui::layout::{Position, Rect};

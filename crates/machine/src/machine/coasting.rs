@@ -3,7 +3,8 @@
 use control::StateWords;
 use rotor::{Settings, builtin};
 
-use super::{LOST, Machine, Path};
+use super::trip::LOST;
+use super::{Machine, Path};
 use crate::{Program, TripCause};
 
 const DTAU: f64 = 0.01;

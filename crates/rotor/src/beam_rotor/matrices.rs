@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use units::Scales;
 
 use crate::C64;
-use crate::params::{BeamError, RotorError};
 use crate::plant::{Contact, Direction, Matrices, Plant, Station, Tabulated};
+use crate::{BeamError, RotorError};
 
 /// How exactly few coordinates make a motion as a whole, which is among the shapes that they are made of.
 const SAME_MOTION: f64 = 1e-6;

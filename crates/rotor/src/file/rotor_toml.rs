@@ -6,7 +6,7 @@ use toml::de::DeValue;
 
 use super::write::{Lines, number, string};
 use crate::parameters::{NO_SETTING, is_setting};
-use crate::params::is_name;
+use crate::rotor::is_name;
 use crate::{FIELDS, MAX_MASSES, MAX_NAME, Mass, PARAMETERS, PhysicalMass, Rotor, RotorError};
 
 /// Reads a rotor; `default_name` is its name if the file gives none.

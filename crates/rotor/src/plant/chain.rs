@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::C64;
+use super::{Contact, Direction, Form, Plant, Station};
+use crate::{C64, Rotor};
 
 /// Neighbours joined by shafts: three diagonals.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,5 +46,43 @@ impl Chain {
             }
         }
         [damping, stiffness]
+    }
+}
+
+impl Plant {
+    pub(super) fn of_chain(rotor: &Rotor) -> Self {
+        let (masses, shafts) = (rotor.masses(), rotor.shafts());
+        let count = masses.len();
+        let shaft = |i: Option<usize>| i.and_then(|i| shafts.get(i)).copied().unwrap_or(0.0);
+        let mut chain = Chain { damping: vec![], stiffness: vec![], before: vec![], after: vec![] };
+        let mut contacts = Vec::new();
+        for (i, m) in masses.iter().enumerate() {
+            let (before, after) = (shaft(i.checked_sub(1)), shaft(Some(i)));
+            chain.damping.push(C64::new(-2.0 * m.damping, 2.0 * m.cross_damping));
+            let own = C64::from(-(m.seal_stiffness + before + after) / m.mass);
+            chain.stiffness.push([own, C64::new(0.0, m.damping)]);
+            chain.before.push(before / m.mass);
+            chain.after.push(after / m.mass);
+            contacts.push(Contact {
+                station: i,
+                column: Direction::Unit(i),
+                stiffness: m.bearing_stiffness / m.mass,
+                is_touchdown: false,
+            });
+        }
+        Self {
+            order: count,
+            form: Form::Chain(chain),
+            stations: (0..count)
+                .map(|i| Station { name: format!("mass {}", i + 1), row: Direction::Unit(i) })
+                .collect(),
+            contacts,
+            unbalance: masses.iter().map(|m| C64::from(m.unbalance)).collect(),
+            moment: masses.iter().map(|m| C64::from(m.mass * m.unbalance)).collect(),
+            columns: (0..count).map(Direction::Unit).collect(),
+            tabulated: vec![],
+            is_unit: true,
+            free: vec![],
+        }
     }
 }

@@ -1,3 +1,5 @@
+use nalgebra::DVector;
+
 use super::*;
 use crate::{ClosedLoop, Feedback, J, Signal, builtin};
 

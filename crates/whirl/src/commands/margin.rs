@@ -1,13 +1,13 @@
 //! `whirl margin`: how far the loop is from instability, at one speed or at the worst of a range, and of a machine that is not quite
 //! what is thought.
 
+mod margins_told;
 mod simulated;
 mod unsure;
 
-use ::linear::{AmplitudePeak, CertifiedPeak, DelayMargin, GainMargin, Margins, PeakProof, PhaseMargin};
+use ::linear::{AmplitudePeak, CertifiedPeak, PeakProof};
 use machine::{
-    BearingMargins, ISO_14839_3, MachineLoop, MachineMargins, MarginsError, WORST, margins, sensitivity_zone,
-    worst_margins,
+    BearingMargins, ISO_14839_3, MachineLoop, MarginsError, WORST, margins, sensitivity_zone, worst_margins,
 };
 use serde::Serialize;
 use serde_json::{Map, Value, json};
@@ -21,6 +21,7 @@ use crate::machine_args::{BelowArgs, MachineArgs, Whole, counted};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::units::{Units, UnitsDocument};
+use margins_told::{COLUMNS, COLUMNS_SI, MarginsTold, WITHOUT};
 use unsure::Unsure;
 
 /// How many speeds of a range are looked at, if nobody says.
@@ -112,14 +113,14 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     let modes = args.below.modes(rotor, &machine.settings, machine.settings.speed)?;
     let found = margins(rotor, &machine.settings, machine.settings.speed).map_err(|error| told(&error, units))?;
     let min_damping = modes.min_damping(found.poles.iter().copied());
-    let told = Told::of_all(&found, units, zones, machine.bearing_mass());
+    let told = MarginsTold::of_all(&found, units, zones, machine.bearing_mass());
     let feedback = &machine.settings.feedback;
     let name =
         |k: usize| feedback.bearings[k].name.clone().unwrap_or_else(|| rotor.place_name(feedback.bearings[k].station));
     let columns = units.pick(&COLUMNS, &COLUMNS_SI);
     let several = found.bearings.len() > 1;
     let mut table = if several { Table::new(&[&columns[..], &["bearing"]].concat()) } else { Table::new(columns) };
-    let mut rows = |told: &Told<'_>, of: &str| {
+    let mut rows = |told: &MarginsTold<'_>, of: &str| {
         for kind in 0..WORST.len() {
             let mut row = told.row(kind, None);
             row.extend(several.then(|| Cell::from(&of)));
@@ -136,7 +137,7 @@ pub(crate) fn run(args: &MarginArgs) -> Result<(), Failure> {
     rows(&told, "all");
     for (k, BearingMargins { margins, force }) in found.bearings.iter().enumerate() {
         let mass = rotor.control_mass(feedback.bearings[k].station);
-        let own = Told { speed: found.speed, margins, force: *force, units, zones, mass };
+        let own = MarginsTold { speed: found.speed, margins, force: *force, units, zones, mass };
         if several {
             rows(&own, &name(k));
         }
@@ -245,7 +246,7 @@ fn run_over(args: &MarginArgs, over: QuantityRange, zones: [f64; 3]) -> Result<(
             fields.insert(format!("{key}_null"), json!(WITHOUT[kind]));
             continue;
         };
-        let told = Told::of_all(found, units, zones, machine.bearing_mass());
+        let told = MarginsTold::of_all(found, units, zones, machine.bearing_mass());
         table.row(told.row(kind, Some(found.speed)));
         let mut all = Map::new();
         all.insert("speed".into(), json!(found.speed));
@@ -288,159 +289,5 @@ fn zones(typed: Option<&[f64]>) -> Result<[f64; 3], Failure> {
     match typed {
         [a, b, c] if 1.0 <= *a && a < b && b < c && c.is_finite() => Ok([*a, *b, *c]),
         _ => Err(Failure::Usage("--zones: expected three rising numbers from 1 on, such as 3,4,5".into())),
-    }
-}
-
-const COLUMNS: [&str; 4] = ["margin", "value", "unit", "frequency"];
-const COLUMNS_SI: [&str; 4] = ["margin", "value", "unit", "frequency (Hz)"];
-
-/// Why there is none of each of [`WORST`]; of gains, as far as [`linear::STRONGEST`] looks.
-const WITHOUT: [&str; WORST.len()] = [
-    "no delay makes it unstable: the loop gain is 1 nowhere",
-    "no gain up to 100 times as large makes it unstable, nor up to 10 000 times where nothing is late",
-    "no smaller gain makes it unstable",
-    "the loop gain is 1 nowhere",
-    "",
-    "",
-    "",
-    "the loop has no force to speak of",
-];
-
-/// One set of margins, for people and scripts.
-struct Told<'a> {
-    speed: f64,
-    margins: &'a Margins,
-    force: AmplitudePeak,
-    units: Units,
-    zones: [f64; 3],
-    /// Mass ratio of the control bearing's mass.
-    mass: f64,
-}
-
-impl<'a> Told<'a> {
-    /// Those of a machine; of several control bearings the worst of each.
-    fn of_all(found: &'a MachineMargins, units: Units, zones: [f64; 3], mass: f64) -> Self {
-        Self { speed: found.speed, margins: &found.margins, force: found.force, units, zones, mass }
-    }
-
-    fn zone(&self, peak: f64) -> &'static str {
-        sensitivity_zone(peak, self.zones)
-    }
-
-    /// A row of the table for one of [`WORST`].
-    fn row(&self, kind: usize, at: Option<f64>) -> Vec<Cell> {
-        let (units, margins) = (self.units, self.margins);
-        let peak = |peak: AmplitudePeak| Some((peak.amplitude, "", peak.frequency));
-        let force = units.force(1.0, self.mass) / units.length(1.0);
-        let entry = match kind {
-            0 => margins.delay.map(|d| (units.time(d.delay), units.pick("tau", "s"), Some(d.frequency))),
-            1 => margins.gain_up.map(|g| (g.factor, "times", Some(g.frequency))),
-            2 => margins.gain_down.map(|g| (g.factor, "times", Some(g.frequency))),
-            3 => margins.phase.map(|p| (p.angle.to_degrees(), "degrees", Some(p.frequency))),
-            4 => peak(margins.sensitivity()),
-            5 => peak(margins.axis),
-            6 => peak(margins.complementary),
-            _ => Some((self.force.amplitude * force, units.pick("w0^2", "N/m"), self.force.frequency)),
-        };
-        let mut row = vec![Cell::from(&WORST[kind])];
-        match entry {
-            Some((value, unit, frequency)) => {
-                let frequency = frequency.map_or(Cell::Without("far out"), |w| units.frequency(w).into());
-                let unit = if kind == 4 { format!("zone {}", self.zone(value)) } else { unit.to_owned() };
-                row.extend([value.into(), Cell::from(&unit), frequency]);
-            }
-            None => row.extend([Cell::Without("none"), Cell::from(&""), Cell::Without("")]),
-        }
-        row.extend(at.map(|speed| Cell::from(units.speed(speed))));
-        row
-    }
-
-    /// Every margin as scripts read it.
-    fn fields(&self) -> Map<String, Value> {
-        let margins = self.margins;
-        let peak = |AmplitudePeak { amplitude, frequency }: AmplitudePeak| {
-            // A peak at 0 has no sign.
-            let mut made = json!({"peak": amplitude, "frequency": frequency.map(|frequency| frequency + 0.0)});
-            if frequency.is_none() {
-                made["frequency_null"] = json!("it is approached as the frequency grows without bound");
-            }
-            made
-        };
-        let delay = |DelayMargin { delay, frequency }: DelayMargin| {
-            let turns = delay * self.speed / std::f64::consts::TAU;
-            let seconds = self.units.scales().map(|scales| scales.seconds(delay));
-            let mut made = json!({
-                "tau": delay,
-                "seconds": seconds,
-                "turns": (self.speed != 0.0).then_some(turns),
-                "frequency": frequency,
-            });
-            if seconds.is_none() {
-                made["seconds_null"] = json!("the rotor is dimensionless");
-            }
-            if self.speed == 0.0 {
-                made["turns_null"] = json!("the rotor is at rest");
-            }
-            made
-        };
-        let gain = |GainMargin { factor, frequency }: GainMargin| json!({"factor": factor, "frequency": frequency});
-        let phase = |PhaseMargin { angle, frequency }: PhaseMargin| json!({"degrees": angle.to_degrees(), "frequency": frequency});
-        let mut made = Map::new();
-        let put = |to: &mut Map<String, Value>, name: &str, value: Option<Value>, kind: usize| {
-            if value.is_none() {
-                to.insert(format!("{name}_null"), json!(WITHOUT[kind]));
-            }
-            to.insert(name.into(), value.unwrap_or(Value::Null));
-        };
-        put(&mut made, "delay", margins.delay.map(delay), 0);
-        let mut gains = Map::new();
-        put(&mut gains, "up", margins.gain_up.map(gain), 1);
-        put(&mut gains, "down", margins.gain_down.map(gain), 2);
-        made.insert("gain".into(), Value::Object(gains));
-        put(&mut made, "phase", margins.phase.map(phase), 3);
-        let worst = margins.sensitivity();
-        made.insert(
-            "sensitivity".into(),
-            json!({
-                "peak": worst.amplitude,
-                "decibels": 20.0 * worst.amplitude.log10(),
-                "frequency": worst.frequency.map(|frequency| frequency + 0.0),
-                "zone": self.zone(worst.amplitude),
-                "zones": self.zones,
-                "forward": peak(margins.forward),
-                "backward": peak(margins.backward),
-                "axis": peak(margins.axis),
-            }),
-        );
-        made.insert("complementary".into(), peak(margins.complementary));
-        made.insert("force".into(), peak(self.force));
-        made
-    }
-
-    /// What must be known of all this, in lines.
-    fn remarks(&self, machine: &Machine) -> String {
-        let feedback = &machine.settings.feedback;
-        let origin = if self.zones == ISO_14839_3 { "the limits of ISO 14839-3" } else { "limits as typed" };
-        let [a, b, c] = self.zones;
-        let mut lines = vec![
-            format!("zones A, B, C end at a sensitivity of {a}, {b}, {c} ({origin}); an aid, not a certificate"),
-            format!(
-                "frequency in {}, negative for backward whirl; axis: one real axis; force: per noise in the displacements",
-                self.units.pick("radians per tau", "Hz")
-            ),
-        ];
-        if feedback.bearings.len() > 1 {
-            lines.push("each bearing is opened with the others closed; all: the worst of them, the delay one in all commands at once".into());
-        }
-        if feedback.sample() > 0.0 {
-            lines.push("sampled: the gain is that from sample to sample, up to half the sampling rate".into());
-        }
-        let is_bent = |parts: &control::Parts| {
-            parts.limit.min(parts.slew).is_finite() || parts.noise > 0.0 || parts.quantum > 0.0
-        };
-        if feedback.bearings.iter().any(|bearing| is_bent(&bearing.parts)) {
-            lines.push("noise, resolution and limits play no part".into());
-        }
-        lines.join("\n")
     }
 }

@@ -5,96 +5,7 @@ use std::sync::Arc;
 use beam::Drawing;
 use text::Domain;
 
-use crate::parameters::NO_SETTING;
-use crate::{BeamRotor, C64, MAX_BEARINGS, MAX_MASSES, MAX_NAME, Physical, PlantError};
-
-/// One lumped mass with what acts on it, in the dimensionless ratios of Tables 3.1 and 4.1.
-#[derive(Clone, Copy, Debug, PartialEq, Default, serde::Serialize)]
-pub struct Mass {
-    /// Mass ratio `Rm = m / M_t`, greater than 0.
-    pub mass: f64,
-    /// Seal damping ratio `zeta = C / (2 m w0)`, at least 0. It brings the cross-coupled stiffness `zeta R` with it.
-    pub damping: f64,
-    /// Seal cross-coupled damping ratio `zeta_q = Cq / (2 m w0)`, at least 0.
-    pub cross_damping: f64,
-    /// Stiffness ratio of the support bearing, the part with deadband, `Rb = K / K_t`, at least 0.
-    pub bearing_stiffness: f64,
-    /// Linear stiffness ratio of the seal, `Rs = Ks / K_t`, at least 0.
-    pub seal_stiffness: f64,
-    /// Unbalance radius ratio `Re = e / e_t`, any finite sign: all unbalances lie in one plane.
-    pub unbalance: f64,
-    /// Radial clearance of the support bearing, `g / e_t`, at least 0.
-    pub deadband: f64,
-}
-
-/// One parameter of a mass: a row of [`FIELDS`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Field {
-    /// Its name in files.
-    pub name: &'static str,
-    /// What it is, in a few words.
-    pub meaning: &'static str,
-    /// The symbol of the dimensionless ratio, as in Table 4.1.
-    pub ratio: &'static str,
-    /// The symbol of the physical quantity.
-    pub symbol: &'static str,
-    /// The SI unit of the physical quantity.
-    pub unit: &'static str,
-    /// What it may be, in either system.
-    pub domain: Domain,
-}
-
-const fn field(
-    name: &'static str,
-    meaning: &'static str,
-    [ratio, symbol, unit]: [&'static str; 3],
-    domain: Domain,
-) -> Field {
-    Field { name, meaning, ratio, symbol, unit, domain }
-}
-
-/// The parameters of a mass, in the order of [`Mass::values`]: one table for files, checks and printing.
-pub const FIELDS: [Field; 7] = [
-    field("mass", "lumped mass", ["Rm", "m", "kg"], Domain::Positive),
-    field("damping", "seal damping", ["zeta", "C", "N s/m"], Domain::NotNegative),
-    field("cross_damping", "seal cross-coupled damping", ["zeta_q", "Cq", "N s/m"], Domain::NotNegative),
-    field("bearing_stiffness", "support bearing, the part with deadband", ["Rb", "K", "N/m"], Domain::NotNegative),
-    field("seal_stiffness", "seal, linear", ["Rs", "Ks", "N/m"], Domain::NotNegative),
-    field("unbalance", "unbalance radius", ["Re", "e", "m"], Domain::Finite),
-    field("deadband", "clearance of the support bearing", ["g / e_t", "g", "m"], Domain::NotNegative),
-];
-
-/// Gives a kind of mass its parameters as one list, in the order of [`FIELDS`].
-macro_rules! parameters_in_order {
-    ($mass:ty) => {
-        impl $mass {
-            /// Its parameters, in the order of [`FIELDS`](crate::FIELDS).
-            #[must_use]
-            pub fn values(&self) -> [f64; 7] {
-                [
-                    self.mass,
-                    self.damping,
-                    self.cross_damping,
-                    self.bearing_stiffness,
-                    self.seal_stiffness,
-                    self.unbalance,
-                    self.deadband,
-                ]
-            }
-
-            /// A mass of parameters in the order of [`FIELDS`](crate::FIELDS).
-            #[must_use]
-            pub fn from_values(values: [f64; 7]) -> Self {
-                let [mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband] = values;
-                Self { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
-            }
-        }
-    };
-}
-
-pub(crate) use parameters_in_order;
-
-parameters_in_order!(Mass);
+use crate::{BeamRotor, C64, FIELDS, MAX_MASSES, MAX_NAME, Mass, Physical, RotorError};
 
 /// A rotor: a chain of 1 to 16 masses joined by massless flexible shafts, or shaft elements and discs. Always valid: it is checked
 /// where it is made.
@@ -116,100 +27,6 @@ pub(crate) enum Body {
     },
     /// Shaft elements; large, and never changed.
     Beam(Arc<BeamRotor>),
-}
-
-/// Why a drawing is not a rotor that can be stepped.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BeamError {
-    /// It cannot be reduced.
-    #[error(transparent)]
-    Reduction(#[from] beam::ReductionError),
-    /// Its matrices are no plant.
-    #[error(transparent)]
-    Plant(#[from] PlantError),
-    /// Its places can hardly be told apart.
-    #[error(
-        "the places of the rotor are too near each other for its coordinates (condition {condition:.1e}): fewer coordinates are needed, or stations farther apart"
-    )]
-    Crowded {
-        /// The condition of their displacements.
-        condition: f64,
-    },
-    /// A station that has to be among the coordinates is not.
-    #[error(
-        "station {station} is not among the places that are simulated: more coordinates are needed, or stations farther apart"
-    )]
-    NotSimulated {
-        /// The station, counted from 1.
-        station: usize,
-    },
-    /// A drawing with other parts than the one whose numbers it is to change.
-    #[error("the drawing has other parts than the rotor: expected the same with other numbers")]
-    OtherShape,
-    /// More magnetic bearings than a machine can have.
-    #[error("{0} magnetic bearings: expected at most {MAX_BEARINGS}")]
-    Magnetics(usize),
-    /// A magnetic bearing that is called as a setting is.
-    #[error("magnetic bearing {0:?}: expected {NO_SETTING}")]
-    Setting(String),
-    /// Two bearings with play at one station.
-    #[error("two bearings with play at station {station}: expected one")]
-    TwoContacts {
-        /// The station, counted from 1.
-        station: usize,
-    },
-    /// A bearing with play whose stiffness changes with speed.
-    #[error("the bearing with play at station {station} has a stiffness that changes with speed: expected one number")]
-    TabulatedContact {
-        /// The station, counted from 1.
-        station: usize,
-    },
-}
-
-/// Why a set of parameters is not a rotor.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RotorError {
-    /// The name is empty, too long for a message, or would disturb a terminal.
-    #[error("name {0:?}: expected 1 to {MAX_NAME} bytes of printable text")]
-    Name(String),
-    /// The number of masses is outside 1 to 16.
-    #[error("a rotor has 1 to {MAX_MASSES} masses, found {0}")]
-    Masses(usize),
-    /// The number of shafts does not fit the number of masses.
-    #[error("{masses} masses are joined by {} shafts, found {found}", masses - 1)]
-    Shafts {
-        /// How many masses there are.
-        masses: usize,
-        /// How many shafts were given.
-        found: usize,
-    },
-    /// One value is outside its range.
-    #[error("{what} {index}: {field} = {found}: expected {expected}")]
-    Value {
-        /// `mass` or `shaft`.
-        what: &'static str,
-        /// Which one, counted from 1.
-        index: usize,
-        /// The name of the parameter.
-        field: &'static str,
-        /// The offending value.
-        found: f64,
-        /// The range in words.
-        expected: &'static str,
-    },
-    /// A drawing that cannot be stepped.
-    #[error(transparent)]
-    Beam(#[from] BeamError),
-    /// A physical scale that everything would be divided by is not a finite number greater than 0.
-    #[error("{what} = {found}: expected {expected}")]
-    Scale {
-        /// Which scale, and what it is made of.
-        what: &'static str,
-        /// Its value.
-        found: f64,
-        /// What it takes.
-        expected: &'static str,
-    },
 }
 
 impl Rotor {
@@ -362,18 +179,6 @@ impl Rotor {
             Body::Chain { .. } => format!("mass {}", place + 1),
             Body::Beam(beam) => beam.place_name(place),
         }
-    }
-}
-
-impl From<beam::ReductionError> for RotorError {
-    fn from(error: beam::ReductionError) -> Self {
-        Self::Beam(error.into())
-    }
-}
-
-impl From<PlantError> for RotorError {
-    fn from(error: PlantError) -> Self {
-        Self::Beam(error.into())
     }
 }
 
