@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use wire::{BenchName, BenchStatus, Carrier, Glance, Root, SharedMemory, WireError};
+use wire::{BenchName, BenchStatus, Carrier, Glance, Listener, Root, SharedListener, SharedMemory, StepRow, WireError};
 
 use crate::failure::Failure;
 use crate::logging;
@@ -131,6 +131,27 @@ pub(crate) fn first_bench_status(listener: &mut impl Glance, bench: &BenchName) 
         }
         std::thread::sleep(Duration::from_millis(1));
     }
+}
+
+/// Looks at the motion of a bench for a moment: every step that comes is shown to `see`, as long as `goes_on` says so of the time that has
+/// passed and of how many steps have come.
+///
+/// # Errors
+/// The bench cannot be heard, or what `goes_on` ends it with.
+pub(crate) fn look_at_motion(
+    listener: &mut SharedListener,
+    mut see: impl FnMut(&StepRow<'_>),
+    mut goes_on: impl FnMut(Duration, u64) -> Result<bool, Failure>,
+) -> Result<(), Failure> {
+    let (start, mut seen) = (Instant::now(), 0);
+    while goes_on(start.elapsed(), seen)? {
+        listener.drain(|step| {
+            seen += 1;
+            see(&step);
+        })?;
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    Ok(())
 }
 
 /// Of a change that was asked for, when no answer came: it may yet be made.

@@ -37,7 +37,7 @@
 //! * [`cli`] is the whole of it as clap sees it; `--help` is made from its doc comments.
 //! * [`catalog`] turns the names and files that a person types into rotors and feedback.
 //! * [`units`] is what their numbers are typed and shown in: dimensionless, or SI for a rotor that has scales.
-//! * [`attach`] finds a running bench. [`child_process`] starts the processes behind a dashboard,
+//! * [`attach`] finds a running bench; [`asking`] asks it for settings, anew while others change them. [`child_process`] starts the processes behind a dashboard,
 //!   [`recordings`] the one that records it.
 //! * [`layouts`] are the screens of the dashboard, built in and a person's own; [`folders`] is where those are.
 //! * [`place`] is where a result goes that is a file.
@@ -45,6 +45,7 @@
 //! * [`failure`] is every way to fail, with its exit code. [`interrupt`] is what ctrl-c does to a computation.
 //! * [`range`] reads ranges as typed, `A..B`; [`varied`] parameters over a range, `KEY=A..B` or `KEY=P%`.
 
+mod asking;
 mod attach;
 mod catalog;
 mod child_process;

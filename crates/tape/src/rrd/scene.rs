@@ -45,7 +45,7 @@ pub(super) struct Scene {
     fastest: f64,
     /// The names that the series of settings have been given.
     named: Vec<String>,
-    /// The clearances whose circles have been drawn.
+    /// The clearances whose circles and rings have been drawn.
     drawn: Vec<f64>,
     /// When the last curves were drawn.
     curved_ns: u64,
@@ -133,9 +133,11 @@ impl Scene {
                 .with_radii([Radius::new_ui_points(0.75)]);
             chunks.push(row(&format!("{}/deadband", orbit_path(mass)), at.clone(), &circle));
         }
-        self.drawn.clone_from(&settings.deadband);
-        let rings = self.shaft.rings(&settings.deadband);
-        chunks.extend(rings.map(|(entity, what)| row(&entity, at.clone(), what.as_ref())));
+        if self.drawn != settings.deadband {
+            let (entity, what) = self.shaft.rings(&settings.deadband);
+            chunks.push(row(&entity, at.clone(), what.as_ref()));
+            self.drawn.clone_from(&settings.deadband);
+        }
         chunks.push(row(schema::POLES, at.clone(), &points(poles)));
         // As long as the poles reach, so that a viewer that fits all in does not shrink them to a point.
         let reach = poles.iter().map(|p| p.im.abs()).fold(0.1, f64::max) as f32 * 1.1;
@@ -194,4 +196,38 @@ pub(super) fn settings_text(revision: &Revision) -> TextDocument {
          ```toml\n{}```\n",
         write_feedback(feedback)
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use rotor::builtin;
+
+    use super::*;
+
+    #[test]
+    fn clearances_are_drawn_when_they_change_and_at_no_other_time() {
+        let rotor = builtin::rotor("rig").expect("built in");
+        let feedback = builtin::feedback(&rotor, "own").expect("built in");
+        let mut revision = Revision {
+            from: 0,
+            revision: 1,
+            who: String::new(),
+            why: String::new(),
+            settings: Settings::new(&rotor, 0.5, feedback),
+            substeps: 1,
+            poles: Vec::new(),
+            min_damping: 0.0,
+        };
+        let mut scene = Scene::new(&rotor);
+        // Circles, one a place, and the rings of all places in space.
+        let mut drawn = |revision: &Revision| {
+            let chunks = scene.settings(revision, &TimePoint::STATIC);
+            let entities: Vec<String> =
+                chunks.iter().map(|chunk| chunk.as_ref().expect("a chunk").entity_path().to_string()).collect();
+            ["/deadband", "/clearances"].map(|end| entities.iter().filter(|entity| entity.ends_with(end)).count())
+        };
+        assert_eq!([drawn(&revision), drawn(&revision)], [[rotor.len(), 1], [0, 0]]);
+        revision.settings.deadband[0] += 1.0;
+        assert_eq!(drawn(&revision), [1, 1]);
+    }
 }

@@ -21,8 +21,6 @@ pub(super) struct Shaft {
     /// How far along it is drawn: the left end, and what a unit of its positions is.
     left: f64,
     unit: f64,
-    /// The clearances whose rings have been drawn.
-    drawn: Vec<f64>,
 }
 
 /// An entity and what is put there.
@@ -35,7 +33,7 @@ impl Shaft {
         let room = rotor.deadbands().into_iter().fold(0.0, f64::max);
         let length = LENGTH * if room > 0.0 { room } else { ROOM };
         let unit = if ends[1] > ends[0] { length / (ends[1] - ends[0]) } else { 0.0 };
-        Self { line, left: ends[0], unit, drawn: Vec::new() }
+        Self { line, left: ends[0], unit }
     }
 
     /// What does not change: which way is up, the axis, and where the places are.
@@ -62,18 +60,14 @@ impl Shaft {
         ]
     }
 
-    /// The clearances as rings, if they are others than those that are drawn.
-    pub(super) fn rings(&mut self, clearances: &[f64]) -> Option<Drawn> {
-        if self.drawn == clearances {
-            return None;
-        }
-        self.drawn = clearances.to_vec();
+    /// The clearances as rings.
+    pub(super) fn rings(&self, clearances: &[f64]) -> Drawn {
         let has_play =
             |(at, gap): (&f64, &f64)| (*gap > 0.0).then(|| super::scene::circle(*gap, |p| self.point(*at, p)));
         let rings = LineStrips3D::new(self.line.places().iter().zip(clearances).filter_map(has_play))
             .with_colors([Color::from_rgb(200, 150, 40)])
             .with_radii([Radius::new_ui_points(0.75)]);
-        Some((format!("{}/clearances", schema::SHAFT), Box::new(rings)))
+        (format!("{}/clearances", schema::SHAFT), Box::new(rings))
     }
 
     fn line(&self, now: &[C64]) -> Vec<[f32; 3]> {
@@ -123,14 +117,5 @@ mod tests {
             let ends = [line[0][0], line[line.len() - 1][0]];
             assert!(ends[0] == 0.0 && (line.len() == 1 || ends[1] > 10.0), "{name}: {ends:?}");
         }
-    }
-
-    #[test]
-    fn rings_are_drawn_again_when_a_clearance_changes() {
-        let rotor = builtin::rotor("rig").expect("built in");
-        let (mut shaft, clearances) = (Shaft::new(&rotor), rotor.deadbands());
-        assert!(clearances.iter().any(|gap| *gap > 0.0));
-        assert!(shaft.rings(&clearances).is_some() && shaft.rings(&clearances).is_none());
-        assert!(shaft.rings(&vec![0.0; clearances.len()]).is_some());
     }
 }

@@ -8,20 +8,17 @@ use rotor::Key;
 use serde::Serialize;
 use telemetry::drill::{BUILTIN, Drill, DrillError, DrillLog, Fault, FaultOrder, OVER, builtin, read_drill};
 use telemetry::units::Units;
-use wire::{BenchName, BenchStatus, Change, Commander, Glance, HostState, Listener, WireError};
+use wire::{BenchName, BenchStatus, Glance, HostState, Listener, WireError};
 
+use crate::asking::{NotAccepted, SettingsRequest};
 use crate::attach::{self, BenchArgs};
 use crate::catalog::{self, FileError};
 use crate::failure::Failure;
 use crate::output::{Cell, Table};
 use crate::{interrupt, output};
 
-/// How long the bench may take to answer.
-const PATIENCE: Duration = Duration::from_secs(5);
 /// How long the events of a run may take to come: they are handed out ten times a second.
 const NEWS: Duration = Duration::from_secs(2);
-/// How often a change is tried again when somebody else's change comes between looking and asking.
-const TRIES: usize = 5;
 /// How often to look whether it is time, or over.
 const LOOK: Duration = Duration::from_millis(10);
 
@@ -279,8 +276,9 @@ impl Bench {
         why: &str,
         of: impl Fn(&Self, &rotor::Rotor, &Units) -> Result<Vec<(Key, f64)>, Failure>,
     ) -> Result<Made, Failure> {
-        let mut reason = String::new();
-        for _ in 0..TRIES {
+        let who = self.who.clone();
+        let mut asking = SettingsRequest::new(&who, why);
+        loop {
             self.look()?;
             let rotor = self.status.rotor().map_err(|error| Failure::Work(error.to_string()))?;
             let before = self.status.settings.get().clone();
@@ -303,12 +301,12 @@ impl Bench {
             };
             let keys = settings.keys().into_iter().filter_map(|key| Some((key, before.get(key).ok()?)));
             let changed = keys.filter_map(values).collect();
-            let request = Change::Settings { base_revision, settings: settings.clone() }.request(&self.who, why)?;
-            let answer = match self.commander.ask(&request, PATIENCE) {
-                Err(silence @ WireError::NoAnswer(_)) => return Err(attach::unanswered(&silence)),
-                answer => answer?,
-            };
-            if answer.is_accepted() {
+            let answer = asking.ask(&mut self.commander, base_revision, settings).map_err(|why| match why {
+                NotAccepted::Unanswered(silence) => attach::unanswered(&silence),
+                NotAccepted::Refused(reason) => Failure::Work(format!("not changed: {reason}")),
+                NotAccepted::Failed(failure) => failure,
+            })?;
+            if let Some(answer) = answer {
                 // What comes next is judged by what is in force now.
                 let heard = Instant::now();
                 while self.status.revision < answer.revision && heard.elapsed() < NEWS {
@@ -318,12 +316,7 @@ impl Bench {
                 let (revision, applied_at_step) = (answer.revision, answer.applied_at_step);
                 return Ok(Made { step: None, fault: None, changed, revision, applied_at_step, told });
             }
-            answer.reason.as_str().clone_into(&mut reason);
-            if answer.outdated == 0 {
-                break;
-            }
             std::thread::sleep(LOOK);
         }
-        Err(Failure::Work(format!("not changed: {reason}")))
     }
 }

@@ -1,20 +1,17 @@
 //! `whirl set`: changes the settings of a running bench, all or nothing, and waits for its answer.
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use machine::{StabilityLoss, TripAtOnce};
 use serde::Serialize;
-use wire::{Answer, BenchName, BenchStatus, Change, Commander, Listener, SharedMemory, Step, WireError};
+use wire::{Answer, BenchName, BenchStatus, SharedMemory, Step, WireError};
 
+use crate::asking::{NotAccepted, SettingsRequest};
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
 use crate::units::Units;
 use crate::{catalog, output};
 
-/// How long the bench may take to answer.
-const PATIENCE: Duration = Duration::from_secs(5);
-/// How often a change is tried again when somebody else's change comes between looking and asking.
-const TRIES: usize = 5;
 /// How long the motion is looked at, at least and at most, before a limit comes down on it.
 const LEAST_LOOK: Duration = Duration::from_millis(50);
 const LOOK: Duration = Duration::from_millis(500);
@@ -106,6 +103,16 @@ impl<F: Into<Failure>> From<F> for NotDone {
     }
 }
 
+impl From<NotAccepted> for NotDone {
+    fn from(why: NotAccepted) -> Self {
+        match why {
+            NotAccepted::Unanswered(silence) => Self::Unanswered(silence),
+            NotAccepted::Refused(reason) => Self::Failed(Failure::Work(reason)),
+            NotAccepted::Failed(failure) => Self::Failed(failure),
+        }
+    }
+}
+
 /// Makes the change.
 ///
 /// # Errors
@@ -153,8 +160,8 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
     let mut glance = attach::glance(&carrier, &bench)?;
     let mut commander = attach::command(&carrier, &bench)?;
     let who = format!("set:{}", std::process::id());
-    let mut outdated = None;
-    for _ in 0..TRIES {
+    let mut asking = SettingsRequest::new(&who, &args.why);
+    loop {
         let bench_status = attach::first_bench_status(&mut glance, &bench)?;
         let rotor = bench_status.rotor().map_err(|error| Failure::Work(error.to_string()))?;
         let units = Units::with(bench_status.scales());
@@ -175,22 +182,12 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
             }
         }
         let base_revision = bench_status.revision;
-        let request = Change::Settings { base_revision, settings }.request(&who, &args.why)?;
-        let answer = match commander.ask(&request, PATIENCE) {
-            Err(silence @ WireError::NoAnswer(_)) => return Err(NotDone::Unanswered(silence)),
-            answer => answer?,
-        };
-        if answer.is_accepted() {
+        if let Some(answer) = asking.ask(&mut commander, base_revision, settings)? {
             let changed = answer.revision != base_revision;
             let Answer { revision, applied_at_step: step, substeps, .. } = answer;
             return Ok(Done { changed, revision, step, substeps });
         }
-        if answer.outdated == 0 {
-            return Err(Failure::Work(answer.reason.as_str().to_owned()).into());
-        }
-        outdated = Some(answer);
     }
-    Err(Failure::Work(outdated.map_or_else(String::new, |answer| answer.reason.as_str().to_owned())).into())
 }
 
 /// The largest orbit of any place over a turn of the rotor, or as much of one as there is patience for; nothing where no step comes.
@@ -198,13 +195,11 @@ fn present_orbit(carrier: &SharedMemory, bench: &BenchName, status: &BenchStatus
     let turn = std::f64::consts::TAU / status.present_speed().abs() / (status.dtau * status.rate_hz);
     let patience = LEAST_LOOK.max(Duration::try_from_secs_f64(turn).map_or(LOOK, |turn| turn.min(LOOK)));
     let mut listener = attach::listen(carrier, bench)?;
-    let (began, mut largest) = (Instant::now(), None);
-    while began.elapsed() < patience {
-        listener.drain(|step| {
-            let radius = step.largest_radius();
-            largest = Some(largest.map_or(radius, |largest: f64| largest.max(radius)));
-        })?;
-        std::thread::sleep(Duration::from_millis(2));
-    }
+    let mut largest = None;
+    let see = |step: &wire::StepRow<'_>| {
+        let radius = step.largest_radius();
+        largest = Some(largest.map_or(radius, |largest: f64| largest.max(radius)));
+    };
+    attach::look_at_motion(&mut listener, see, |passed, _| Ok(passed < patience))?;
     Ok(largest)
 }

@@ -137,23 +137,22 @@ fn look(listener: &mut SharedListener, bench: &BenchName, stop: &AtomicBool) -> 
     let rotor = status.rotor().map_err(|error| work(&error))?;
     let settings = status.settings.get().clone();
     let machine = MachineLoop::at(&rotor, &settings, settings.speed)?;
-    let start = Instant::now();
     let (mut seen, mut radius, mut forces) = (0, 0.0_f64, 0.0);
-    while start.elapsed() < LOOK.0 || seen < LOOK.1 {
-        listener.drain(|state| {
-            seen += 1;
-            radius = radius.max(state.largest_radius());
-            let [y, z] = state.force_delivered();
-            forces += y.hypot(z);
-        })?;
+    let see = |state: &wire::StepRow<'_>| {
+        radius = radius.max(state.largest_radius());
+        let [y, z] = state.force_delivered();
+        forces += y.hypot(z);
+    };
+    attach::look_at_motion(listener, see, |passed, steps| {
         if stop.load(Ordering::Relaxed) {
             return Err(Failure::Interrupted);
         }
-        if seen == 0 && start.elapsed() > PATIENCE {
+        if steps == 0 && passed > PATIENCE {
             return Err(WireError::NoAnswer(bench.clone()).into());
         }
-        std::thread::sleep(Duration::from_millis(2));
-    }
+        seen = steps;
+        Ok(passed < LOOK.0 || steps < LOOK.1)
+    })?;
     Ok(Subject {
         units: Units::with(status.scales()),
         dtau: status.dtau,
