@@ -7,7 +7,7 @@ use ratatui::style::Style;
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Clear, Widget};
 use telemetry::event_log::LoggedEvent;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::short;
 
 use crate::drawing::write;
@@ -64,7 +64,7 @@ fn of_event(entry: &LoggedEvent) -> Told {
     Told { wall_ns: entry.wall_ns, heading: (heading, style), words: format!("{sign}{}", entry.what) }
 }
 
-fn of_alarm(entry: &Entry, units: &Units) -> Told {
+fn of_alarm(entry: &Entry, units: &ScreenUnits) -> Told {
     let until = entry.fell.map_or_else(|| "now".to_owned(), |at| alarms::clock(at.wall_ns));
     let seen = entry.seen_ns.map_or_else(|| "not acknowledged".to_owned(), |at| format!("seen {}", alarms::clock(at)));
     let heading = format!("{} to {until}  tau {}  {seen}", alarms::clock(entry.rose.wall_ns), short(entry.rose.tau, 7));

@@ -12,7 +12,7 @@ use wire::{CHANNELS, PAIRS, Scope, StepLayout};
 use crate::theme;
 use telemetry::frame_data::FrameData;
 use telemetry::history::StepQuantity;
-use telemetry::units::{Unit, Units};
+use telemetry::units::{ScreenUnits, Unit};
 
 /// Where the values of a series come from: every number of the table of channels and the size of every pair of them is a
 /// series by its name there.
@@ -166,7 +166,7 @@ impl Strip {
     }
 
     /// The unit of its values.
-    pub(crate) fn unit(&self, units: &Units) -> Unit {
+    pub(crate) fn unit(&self, units: &ScreenUnits) -> Unit {
         self.parts[0].0.dimension().map_or(Unit { factor: 1.0, name: "" }, |dimension| units.of_dimension(dimension))
     }
 

@@ -23,7 +23,7 @@ use crate::view::{Message, View};
 use crate::{recorder_sign, theme};
 use telemetry::connection::Connection;
 use telemetry::frame_data::FrameData;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color) {
@@ -87,7 +87,7 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let is_there = |speed: f64| (speed - aim).abs() <= 1e-9 * settings.speed.abs();
         let on_its_way = told.map(|era| era.speed).filter(|speed| !is_there(*speed));
         let speed = match data.units() {
-            units @ Units { scales: Some(_), .. } => match on_its_way {
+            units @ ScreenUnits { scales: Some(_), .. } => match on_its_way {
                 // The end of a profile is not where any leg but its last goes.
                 Some(now) if leg < legs => units.speed_told(now),
                 Some(now) => format!("{} to {}", units.speed(now), units.speed_told(aim)),

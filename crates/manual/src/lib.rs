@@ -23,4 +23,4 @@ mod pages;
 mod table;
 
 pub use layout::Look;
-pub use pages::{NoPage, Page, Part, page, parts, topics};
+pub use pages::{BookPart, NoPage, Page, page, parts, topics};

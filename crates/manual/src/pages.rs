@@ -73,7 +73,7 @@ impl Page {
 
 /// A part of the book.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Part {
+pub struct BookPart {
     /// Its heading; empty before the first.
     pub title: &'static str,
     /// Its pages, in order.
@@ -92,12 +92,12 @@ pub struct NoPage {
 
 /// The parts of the book, as its summary has them.
 #[must_use]
-pub fn parts() -> Vec<Part> {
-    let mut parts = vec![Part { title: "", pages: Vec::new() }];
+pub fn parts() -> Vec<BookPart> {
+    let mut parts = vec![BookPart { title: "", pages: Vec::new() }];
     for line in SUMMARY.lines().map(str::trim) {
         // The heading of the summary itself is none of a part.
         if let Some(title) = line.strip_prefix("# ").filter(|title| *title != "Summary") {
-            parts.push(Part { title, pages: Vec::new() });
+            parts.push(BookPart { title, pages: Vec::new() });
         }
         let listed = line.trim_start_matches("- ").strip_prefix('[').and_then(|rest| rest.split_once("]("));
         let Some((title, file)) = listed else { continue };

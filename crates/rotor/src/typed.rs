@@ -171,14 +171,14 @@ pub struct Undone {
 #[derive(Clone, Debug)]
 pub struct Assigned {
     masses: usize,
-    said: Vec<(String, Vec<Place>)>,
+    said: Vec<(String, Vec<ValueName>)>,
 }
 
 /// One value: the name of its setting, and the mass, signal or control bearing.
-type Place = (&'static str, usize);
+type ValueName = (&'static str, usize);
 
 /// The place of the control law as a whole.
-const LAW: Place = ("feedback", 0);
+const LAW: ValueName = ("feedback", 0);
 
 impl Assigned {
     /// Nothing yet, on a machine of so many masses.
@@ -198,7 +198,7 @@ impl Assigned {
             (Scope::Bearing, None) => (0..crate::MAX_BEARINGS).map(|bearing| (name, bearing)).collect(),
             (_, index) => vec![(name, index.unwrap_or(0))],
         };
-        let again = |place: &Place| places.contains(place);
+        let again = |place: &ValueName| places.contains(place);
         self.note(typed, places.clone(), again)
     }
 
@@ -211,7 +211,7 @@ impl Assigned {
         self.note(typed, vec![LAW], |place| *place == LAW || is_gain(place.0))
     }
 
-    fn note(&mut self, typed: &str, places: Vec<Place>, sets: impl Fn(&Place) -> bool) -> Result<(), Undone> {
+    fn note(&mut self, typed: &str, places: Vec<ValueName>, sets: impl Fn(&ValueName) -> bool) -> Result<(), Undone> {
         for (first, left) in &mut self.said {
             left.retain(|place| !sets(place));
             if left.is_empty() {

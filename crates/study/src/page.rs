@@ -24,20 +24,20 @@ pub(crate) enum Block<'a> {
     /// A paragraph.
     Paragraph(String),
     /// A table: its headings, and its rows.
-    Table(Vec<&'a str>, Vec<Row>),
+    Table(Vec<&'a str>, Vec<TableRow>),
     /// A chart.
     Figure(Figure<'a>),
 }
 
 /// A row of a table.
-pub(crate) struct Row {
+pub(crate) struct TableRow {
     /// As many cells as there are headings.
     pub cells: Vec<String>,
     /// Whether what it tells is as it should be, where that is judged.
     pub passed: Option<bool>,
 }
 
-impl Row {
+impl TableRow {
     /// A row that is not judged.
     pub(crate) fn plain(cells: Vec<String>) -> Self {
         Self { cells, passed: None }
@@ -98,11 +98,11 @@ impl Page<'_> {
     }
 }
 
-fn html_table(header: &[&str], rows: &[Row]) -> String {
+fn html_table(header: &[&str], rows: &[TableRow]) -> String {
     let cells = |name: &str, cells: &mut dyn Iterator<Item = &str>| -> String {
         cells.map(|cell| format!("<{name}>{}</{name}>", escaped(cell))).collect()
     };
-    let row = |row: &Row| {
+    let row = |row: &TableRow| {
         let class = match row.passed {
             Some(true) => " class=\"passed\"",
             Some(false) => " class=\"failed\"",
@@ -114,7 +114,7 @@ fn html_table(header: &[&str], rows: &[Row]) -> String {
     format!("<table>\n<tr>{}</tr>\n{body}</table>\n", cells("th", &mut header.iter().copied()))
 }
 
-fn markdown_table(header: &[&str], rows: &[Row]) -> String {
+fn markdown_table(header: &[&str], rows: &[TableRow]) -> String {
     // A bar would end the cell.
     let line = |cells: &mut dyn Iterator<Item = &str>| {
         cells.fold("|".to_owned(), |line, cell| format!("{line} {} |", cell.replace('|', "\\|"))) + "\n"
@@ -155,8 +155,8 @@ mod tests {
     #[test]
     fn both_forms_have_every_word_and_mark_what_is_theirs() {
         let rows = vec![
-            Row { cells: vec!["a | b".into(), "1 < 2".into()], passed: Some(true) },
-            Row { cells: vec!["c".into(), "2".into()], passed: Some(false) },
+            TableRow { cells: vec!["a | b".into(), "1 < 2".into()], passed: Some(true) },
+            TableRow { cells: vec!["c".into(), "2".into()], passed: Some(false) },
         ];
         let blocks = vec![
             Block::Heading(1, "A & B".into()),

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use rotor::{PhysicalMass, Rotor, Settings, builtin};
-use study::assess::{Asked, Assessment, AssessmentCase, Limits, Line, assess};
+use study::assess::{Asked, Assessment, AssessmentCase, Finding, Limits, assess};
 
 fn settings(rotor: &Rotor, feedback: &str) -> Settings {
     Settings::new(rotor, 0.0, builtin::feedback(rotor, feedback).expect("built in"))
@@ -25,7 +25,7 @@ fn question<'a>(rotor: &'a Rotor, settings: &'a Settings, over: [f64; 2], limits
     }
 }
 
-fn found<'a>(assessment: &'a Assessment, what: &str) -> &'a Line {
+fn found<'a>(assessment: &'a Assessment, what: &str) -> &'a Finding {
     let line = assessment.lines.iter().find(|line| line.what.starts_with(what));
     line.unwrap_or_else(|| panic!("no line '{what}' among {:?}", assessment.lines))
 }
@@ -299,7 +299,7 @@ fn modes_that_do_not_count_are_summed_up_and_nothing_is_asked_of_them() {
     let all = lines(machine::CountedModes::ALL);
     let some = lines(modes);
     let below = modes.below().expect("of shaft elements");
-    let judged = |lines: &[Line]| lines.iter().filter(|line| line.passed.is_some()).count();
+    let judged = |lines: &[Finding]| lines.iter().filter(|line| line.passed.is_some()).count();
     assert!(judged(&some) < judged(&all), "{some:?}");
     for line in some.iter().filter(|line| line.passed.is_some()) {
         assert!(line.place.frequency.expect("it whirls").abs() <= below, "{line:?}");

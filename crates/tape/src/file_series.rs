@@ -20,7 +20,7 @@ const MOST_PARTS: u32 = 100_000;
 const MOST_OPEN: usize = 64;
 
 /// One file, open for reading.
-pub(crate) struct Part {
+pub(crate) struct OpenFile {
     path: PathBuf,
     contents: Contents,
     decoder: Box<dyn Decoder>,
@@ -33,7 +33,7 @@ pub(crate) struct FileSeries {
     pub(crate) decoder: Box<dyn Decoder>,
 }
 
-impl Part {
+impl OpenFile {
     pub(crate) fn open(path: &Path) -> Result<Self, TapeError> {
         #[cfg(feature = "rerun")]
         {
@@ -80,7 +80,7 @@ impl Part {
 }
 
 enum Fellow {
-    Part(Box<Part>),
+    Part(Box<OpenFile>),
     /// It is of another run.
     Stranger,
     /// It is not there, or cannot be read.
@@ -149,13 +149,13 @@ impl FileSeries {
     /// It cannot be read, and neither is it the name of a rolling recording of which only parts are left.
     pub(crate) fn of(path: &Path) -> Result<Self, TapeError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        let given = match Part::open(path) {
+        let given = match OpenFile::open(path) {
             Err(error) if !path.exists() => {
                 // A rolling recording has its name only when it has ended.
                 let name = name(path);
                 let parts = name.strip_suffix(".rrd").map(|stem| there(folder, stem)).unwrap_or_default();
                 let Some((_, first)) = parts.first() else { return Err(error) };
-                Part::open(first)?
+                OpenFile::open(first)?
             }
             opened => opened?,
         };
@@ -180,7 +180,7 @@ impl FileSeries {
     /// # Errors
     /// One cannot be read, they are of different runs, or have steps in common.
     pub(crate) fn of_all(paths: &[PathBuf]) -> Result<Self, TapeError> {
-        let mut parts: Vec<Part> = paths.iter().map(|path| Part::open(path)).collect::<Result<_, _>>()?;
+        let mut parts: Vec<OpenFile> = paths.iter().map(|path| OpenFile::open(path)).collect::<Result<_, _>>()?;
         if parts.len() > 1 {
             let first = parts.first().map(|part| (name(&part.path), part.run()));
             for part in &parts {
@@ -197,14 +197,14 @@ impl FileSeries {
             }
         }
         parts.sort_by_key(|part| part.contents.stretches.first().map(|stretch| stretch.first.seq));
-        let names: Vec<String> = parts.iter().map(Part::name).collect();
-        let lacking = parts.iter().filter_map(Part::next).filter(|next| !names.contains(next));
+        let names: Vec<String> = parts.iter().map(OpenFile::name).collect();
+        let lacking = parts.iter().filter_map(OpenFile::next).filter(|next| !names.contains(next));
         let notices = lacking.map(|next| format!("{next} is not among these")).collect();
         Self::joined(parts, notices)
     }
 
-    fn joined(parts: Vec<Part>, more: Vec<String>) -> Result<Self, TapeError> {
-        let names: Vec<String> = parts.iter().map(Part::name).collect();
+    fn joined(parts: Vec<OpenFile>, more: Vec<String>) -> Result<Self, TapeError> {
+        let names: Vec<String> = parts.iter().map(OpenFile::name).collect();
         let paths: Vec<PathBuf> = parts.iter().map(|part| part.path.clone()).collect();
         let mut decoders = Vec::with_capacity(parts.len());
         let mut whole: Option<Contents> = None;
@@ -248,7 +248,7 @@ impl FileSeries {
 }
 
 /// The part that follows.
-fn after(last: &Part, folder: &Path, notices: &mut Vec<String>) -> Option<Part> {
+fn after(last: &OpenFile, folder: &Path, notices: &mut Vec<String>) -> Option<OpenFile> {
     let next = last.next()?;
     match last.fellow(&folder.join(&next)) {
         Fellow::Part(part) => return Some(*part),
@@ -272,7 +272,7 @@ fn after(last: &Part, folder: &Path, notices: &mut Vec<String>) -> Option<Part> 
 }
 
 /// The part before.
-fn before(first: &Part, folder: &Path, notices: &mut Vec<String>) -> Option<Part> {
+fn before(first: &OpenFile, folder: &Path, notices: &mut Vec<String>) -> Option<OpenFile> {
     let name = first.name();
     let (stem, number) = numbered(&name)?;
     let earlier = there(folder, stem).into_iter().rev().filter(|(earlier, _)| *earlier < number);

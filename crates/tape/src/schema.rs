@@ -54,7 +54,7 @@ pub const SNAPSHOT: &str = "whirl:snapshot";
 
 /// A column of numbers in `/steps`.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Column {
+pub struct NumberColumn {
     /// Its name.
     pub name: String,
     /// What it is.
@@ -66,8 +66,8 @@ pub struct Column {
 /// The columns of doubles of steps that are laid out like this, in order: those of the table of channels ([`wire::CHANNELS`]). The
 /// columns `revision` (64 bits) and `flags` (32 bits) follow them.
 #[must_use]
-pub fn columns(layout: StepLayout) -> Vec<Column> {
-    let described = |column: wire::Column| Column {
+pub fn columns(layout: StepLayout) -> Vec<NumberColumn> {
+    let described = |column: wire::Column| NumberColumn {
         name: column.name(),
         meaning: column.meaning(),
         unit: column.channel.row().dimension.unit(),

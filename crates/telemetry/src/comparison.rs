@@ -8,7 +8,7 @@ use tuner::{Family, Options, Problem, Schedule, Stop, Structure};
 
 use crate::jobs::loop_analysis::{ISO_14839_3, LoopAnalysis, LoopRequest, sensitivity_zone};
 use crate::jobs::pole_trace::{PoleTrace, PoleTraceRequest};
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// What one set of gains does.
 #[derive(Clone, Debug, PartialEq)]
@@ -127,7 +127,7 @@ pub(crate) fn worst_deadband(rotor: &Rotor, settings: &Settings, [from, to]: [f6
 /// Ranges of speeds in words, of which the last may end where nobody looked any further, at `top`: `0 to 7.074`, `0 to 15942 rpm at
 /// least`.
 #[must_use]
-pub fn ranges_told(ranges: &[[f64; 2]], top: f64, units: &Units, between: &str) -> String {
+pub fn ranges_told(ranges: &[[f64; 2]], top: f64, units: &ScreenUnits, between: &str) -> String {
     let unit = if units.scales.is_some() { " rpm" } else { "" };
     let told = ranges.iter().map(|[from, to]| {
         let further = if *to >= top { " at least" } else { "" };
@@ -146,7 +146,7 @@ pub struct Compared {
 }
 
 /// Each quantity under the gains in force and under those found, in the units of the rotor.
-pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compared> {
+pub fn rows(now: &GainEffects, found: &GainEffects, units: &ScreenUnits) -> Vec<Compared> {
     let row = |word: &str, [now, found]: [String; 2]| Compared {
         quantity: word.to_owned(),
         told: if now == found { format!("{now} in both") } else { format!("{now} in force, {found} found") },
@@ -191,7 +191,7 @@ pub fn rows(now: &GainEffects, found: &GainEffects, units: &Units) -> Vec<Compar
                 _ => format!("{}.{}", kind.name(), i + 1),
             };
             let key: Option<rotor::Key> = format!("{}.{}", kind.name(), i + 1).parse().ok();
-            let unit = key.map_or(Units::DIMENSIONLESS.speed, |key| units.setting(key));
+            let unit = key.map_or(ScreenUnits::DIMENSIONLESS.speed, |key| units.setting(key));
             let at = |signal: &rotor::Signal| {
                 let value = significant(signal.gain(kind).at(now.settings.speed) * unit.factor, 4);
                 if units.scales.is_some() { format!("{value} {}", unit.name) } else { value.to_string() }
@@ -218,7 +218,7 @@ mod tests {
     #[test]
     fn what_is_found_stands_beside_what_is_in_force() {
         let (now, found) = (effects("composite"), effects("off"));
-        let rows = rows(&now, &found, &Units::DIMENSIONLESS);
+        let rows = rows(&now, &found, &ScreenUnits::DIMENSIONLESS);
         let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
         assert_eq!(words, ["min damping", "stable", "force", "kd", "cd", "kc", "cc"]);
         // The composite gains hold to 7.07, none to 1.7755; without control nothing pushes.
@@ -240,7 +240,7 @@ mod tests {
         };
         let (composite, individual) = (effects("composite"), effects("individual"));
         assert!(composite.any_deadband.unwrap() < composite.min_damping);
-        let rows = rows(&individual, &composite, &Units::DIMENSIONLESS);
+        let rows = rows(&individual, &composite, &ScreenUnits::DIMENSIONLESS);
         let words: Vec<&str> = rows.iter().map(|row| row.quantity.as_str()).collect();
         let expected =
             ["min damping", "any deadband", "stable", "force", "self-excited whirl", "sensitivity", "delay margin"];
@@ -252,7 +252,7 @@ mod tests {
     #[test]
     fn an_si_rotor_is_told_in_rpm_and_newtons() {
         let (now, found) = (effects("composite"), effects("off"));
-        let units = Units::of(Some(crate::test_support::SI), rotor::ControlMasses::default());
+        let units = ScreenUnits::of(Some(crate::test_support::SI), rotor::ControlMasses::default());
         let rows = rows(&now, &found, &units);
         assert!(rows[1].told.contains(" rpm in force") && rows[2].told.contains("N in force"), "{rows:?}");
     }

@@ -7,7 +7,7 @@ use rotor::Settings;
 use wire::{Event, Happening};
 
 use crate::replay::{RecordedEvent, RecordedKind};
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// Entries kept.
 const KEPT: usize = 500;
@@ -42,7 +42,7 @@ pub struct EventLog {
 
 impl EventLog {
     /// Takes in an event, and puts it in words with the bench's `units`. Returns whether it was news.
-    pub fn push(&mut self, event: &Event, units: &Units) -> bool {
+    pub fn push(&mut self, event: &Event, units: &ScreenUnits) -> bool {
         let (run, number) = self.newest;
         if event.run_id == run && event.number <= number {
             return false;
@@ -69,7 +69,7 @@ impl EventLog {
     }
 
     /// Takes in an event of a recording; of a change with what it changed, in words.
-    pub fn push_past(&mut self, event: &RecordedEvent, difference: Option<String>, units: &Units) {
+    pub fn push_past(&mut self, event: &RecordedEvent, difference: Option<String>, units: &ScreenUnits) {
         let what = difference.unwrap_or_else(|| units.past(&event.what));
         let (happening, level) = match &event.what {
             RecordedKind::Happening(happening) => (happening.clone(), Level::Fine),
@@ -111,14 +111,14 @@ mod tests {
     fn changes_are_told_in_words_and_once() {
         let mut settings = bench_status("three-mass", "composite").settings.get().clone();
         let mut log = EventLog::default();
-        assert!(log.push(&event(1, &Happening::Started, &settings), &Units::DIMENSIONLESS));
+        assert!(log.push(&event(1, &Happening::Started, &settings), &ScreenUnits::DIMENSIONLESS));
         settings.set("kd".parse().unwrap(), 0.1).unwrap();
         let change = event(2, &Happening::Settings, &settings);
         assert!(
-            log.push(&change, &Units::DIMENSIONLESS) && !log.push(&change, &Units::DIMENSIONLESS),
+            log.push(&change, &ScreenUnits::DIMENSIONLESS) && !log.push(&change, &ScreenUnits::DIMENSIONLESS),
             "told again to who attaches anew"
         );
-        log.push(&event(3, &Happening::Note("here it hums".into()), &settings), &Units::DIMENSIONLESS);
+        log.push(&event(3, &Happening::Note("here it hums".into()), &settings), &ScreenUnits::DIMENSIONLESS);
         let told: Vec<String> = log.entries().iter().map(|entry| entry.what.clone()).collect();
         assert_eq!(told[0], "started");
         assert!(told[1].contains("kd") && told[1].contains("-0.5879 -> 0.1"), "{told:?}");
@@ -130,11 +130,11 @@ mod tests {
         let settings = bench_status("three-mass", "composite").settings.get().clone();
         let mut log = EventLog::default();
         for number in 1..=KEPT as u64 + 5 {
-            log.push(&event(number, &Happening::Restarted, &settings), &Units::DIMENSIONLESS);
+            log.push(&event(number, &Happening::Restarted, &settings), &ScreenUnits::DIMENSIONLESS);
         }
         let mut other = event(1, &Happening::Started, &settings);
         other.run_id = 8;
-        assert!(log.push(&other, &Units::DIMENSIONLESS));
+        assert!(log.push(&other, &ScreenUnits::DIMENSIONLESS));
         let entries = log.entries();
         assert_eq!((entries.len(), entries.last().unwrap().happening.clone()), (KEPT, Happening::Started));
     }

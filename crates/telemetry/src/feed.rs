@@ -18,7 +18,7 @@ use crate::history::{Era, History};
 use crate::jobs::LoopRequest;
 use crate::past::Past;
 use crate::replay::RecordedEvent;
-use crate::units::Units;
+use crate::units::ScreenUnits;
 use crate::view_time::ViewTime;
 
 /// Steps before the cursor that a frame has in any case: all that an orbit shows.
@@ -235,11 +235,11 @@ impl Feed {
     }
 
     /// The units that settings are typed and shown in.
-    pub fn units(&self) -> Units {
-        let Some(bench_status) = &self.bench_status else { return Units::DIMENSIONLESS };
+    pub fn units(&self) -> ScreenUnits {
+        let Some(bench_status) = &self.bench_status else { return ScreenUnits::DIMENSIONLESS };
         let feedback = &bench_status.settings.get().feedback;
         let masses = self.rotor.as_ref().map(|rotor| ControlMasses::of(rotor, feedback));
-        Units::of(bench_status.scales(), masses.unwrap_or_default())
+        ScreenUnits::of(bench_status.scales(), masses.unwrap_or_default())
     }
 
     /// The steps that are kept, with the settings they were made under.

@@ -11,7 +11,7 @@ use wire::{BenchStatus, RecorderStatus};
 use crate::connection::Connection;
 use crate::event_log::LoggedEvent;
 use crate::history::{Era, Mark, StepQuantity, Track};
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// What one frame is drawn from. Everything is at the cursor's moment, unless it says that it is live.
 #[derive(Clone, Debug)]
@@ -91,10 +91,10 @@ impl FrameData {
     }
 
     /// The units that things are shown in.
-    pub fn units(&self) -> Units {
+    pub fn units(&self) -> ScreenUnits {
         let scales = self.bench_status.as_ref().and_then(|bench_status| bench_status.scales());
         // Before the first step no era is known, but the scales may be.
-        Units::of(scales, self.masses_of_bearings())
+        ScreenUnits::of(scales, self.masses_of_bearings())
     }
 
     /// The largest of [`FrameData::peak_forces`], as that of the first control bearing.

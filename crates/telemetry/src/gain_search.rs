@@ -15,7 +15,7 @@ use tuner::{
 use units::{Dimension, Typed};
 
 use crate::comparison::{self, GainEffects};
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// Clearances for which a robust search is a matter of seconds: each doubles its work.
 const FEW: usize = 4;
@@ -80,7 +80,7 @@ impl SearchGoal {
     ///
     /// # Errors
     /// What is wrong with it, for the message line.
-    pub fn read(words: &str, present: &Settings, units: &Units) -> Result<Self, GoalError> {
+    pub fn read(words: &str, present: &Settings, units: &ScreenUnits) -> Result<Self, GoalError> {
         // To a tenth, so that it reads well; a rotor at rest is meant to spin up.
         let past = ((1.1 * present.speed * 10.0 - 1e-9).ceil() / 10.0).max(1.0);
         let robust = comparison::has_deadband(present) && present.deadband.len() <= FEW;
@@ -116,7 +116,7 @@ impl SearchGoal {
     }
 
     /// Takes a limit of the margins; nothing if it is none, or is there already.
-    fn limit(&mut self, name: &str, value: &str, units: &Units) -> Option<()> {
+    fn limit(&mut self, name: &str, value: &str, units: &ScreenUnits) -> Option<()> {
         let (place, value, least) = match name {
             "sensitivity" => (&mut self.max_sensitivity, value.parse().ok()?, 1.0),
             "delay" => {
@@ -142,7 +142,7 @@ impl SearchGoal {
 
     /// In a few words: `at R 5`, `over R 0..6, any deadband`, `over 0..20000 rpm`.
     #[must_use]
-    pub fn words(&self, units: &Units) -> String {
+    pub fn words(&self, units: &ScreenUnits) -> String {
         let any = if self.robust { ", any deadband" } else { "" };
         let peak = self.max_sensitivity.map_or_else(String::new, |most| format!(", |S| to {most}"));
         let delay = self.min_delay.map_or_else(String::new, |least| format!(", delay from {least} tau"));
@@ -245,7 +245,7 @@ impl GainSearch {
 
     /// How it goes, in words for the status line.
     #[must_use]
-    pub fn words(&self, units: &Units) -> String {
+    pub fn words(&self, units: &ScreenUnits) -> String {
         let progress = self.slot.lock().unwrap_or_else(PoisonError::into_inner).progress.clone();
         let what = self.goal.words(units);
         let Some(Progress { done, starts, best, .. }) = progress else { return format!("searching {what}") };
@@ -309,7 +309,7 @@ mod tests {
             if let Some(ended) = search.ended() {
                 return ended;
             }
-            assert!(begun.elapsed() < Duration::from_secs(300), "{}", search.words(&Units::DIMENSIONLESS));
+            assert!(begun.elapsed() < Duration::from_secs(300), "{}", search.words(&ScreenUnits::DIMENSIONLESS));
             std::thread::sleep(Duration::from_millis(2));
         }
     }
@@ -339,7 +339,7 @@ mod tests {
         // The search of one speed offered gains that held 2.226 to 2.901 in place of gains that held 0 to 7.07.
         let (rotor, mut settings) = bench();
         settings.speed = 2.5;
-        let goal = SearchGoal::read("full", &settings, &Units::DIMENSIONLESS).unwrap();
+        let goal = SearchGoal::read("full", &settings, &ScreenUnits::DIMENSIONLESS).unwrap();
         assert_eq!((goal.from, goal.to), (0.0, 2.8));
         let found = result(&GainSearch::begin(&rotor, &settings, goal).unwrap()).unwrap();
         let [now, new] = &*found.effects;
@@ -366,7 +366,8 @@ mod tests {
     #[test]
     fn limits_of_margins_are_asked_for_and_what_is_not_kept_is_told() {
         let (rotor, settings) = bench();
-        let goal = SearchGoal::read("6..6.1 sensitivity=1.5 delay=0.2", &settings, &Units::DIMENSIONLESS).unwrap();
+        let goal =
+            SearchGoal::read("6..6.1 sensitivity=1.5 delay=0.2", &settings, &ScreenUnits::DIMENSIONLESS).unwrap();
         let asked = problem(&rotor, &settings.feedback, &goal).unwrap();
         assert_eq!((asked.max_sensitivity, asked.min_delay), (Some(1.5), Some(0.2)));
         let told = |sensitivity: f64, delay: Option<f64>| {
@@ -383,7 +384,7 @@ mod tests {
     #[test]
     fn a_search_that_is_stopped_gives_what_it_has() {
         let (rotor, settings) = bench();
-        let goal = SearchGoal::read("0..6 robust", &settings, &Units::DIMENSIONLESS).unwrap();
+        let goal = SearchGoal::read("0..6 robust", &settings, &ScreenUnits::DIMENSIONLESS).unwrap();
         let search = GainSearch::begin(&rotor, &settings, goal).unwrap();
         search.stop();
         assert!(result(&search).unwrap().stopped);
@@ -392,7 +393,7 @@ mod tests {
 
     #[test]
     fn val_wishes_for_a_rotor_in_si_units_are_typed_and_told_in_rpm() {
-        let units = Units::of(Some(crate::test_support::SI), rotor::ControlMasses::default());
+        let units = ScreenUnits::of(Some(crate::test_support::SI), rotor::ControlMasses::default());
         let (_, mut settings) = bench();
         (settings.speed, settings.deadband) = (2.5, vec![0.0; 3]);
         let goal = SearchGoal::read("0..19098.593171027442", &settings, &units).unwrap();
@@ -406,7 +407,7 @@ mod tests {
 
     #[test]
     fn wishes_are_read_or_refused() {
-        let units = Units::DIMENSIONLESS;
+        let units = ScreenUnits::DIMENSIONLESS;
         let (_, mut settings) = bench();
         (settings.speed, settings.deadband) = (5.0, vec![1.0; 3]);
         let clearances = settings.clone();

@@ -9,7 +9,7 @@ use rotor::{Feedback, Rotor, Settings};
 use text::MAX_BYTES;
 
 use crate::damping_verdict::DampingVerdict;
-use crate::units::Units;
+use crate::units::ScreenUnits;
 use crate::what_if::WhatIf;
 
 /// Why gains are not kept, taken or deleted.
@@ -144,7 +144,7 @@ impl Presets {
             Some(then) => {
                 let word = if then.is_unstable() { DampingVerdict::of(then.min_damping).word() } else { "" };
                 let gap = if word.is_empty() { "" } else { " " };
-                let speed = Units::of_machine(rotor, &settings.feedback).speed_told(settings.speed);
+                let speed = ScreenUnits::of_machine(rotor, &settings.feedback).speed_told(settings.speed);
                 format!("min damping {:.4}{gap}{word} at {speed}{in_force}", then.min_damping)
             }
         }

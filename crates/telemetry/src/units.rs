@@ -23,7 +23,7 @@ pub fn dimension_of(watch: Watch) -> Dimension {
 
 /// The units of a bench.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Units {
+pub struct ScreenUnits {
     /// Scales of a rotor in SI units.
     pub scales: Option<Scales>,
     /// Displacements and clearances.
@@ -42,7 +42,7 @@ pub struct Units {
     pub speed: Unit,
 }
 
-impl Units {
+impl ScreenUnits {
     /// Those of a rotor that is counted in its own scales.
     pub const DIMENSIONLESS: Self = Self {
         scales: None,

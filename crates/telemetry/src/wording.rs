@@ -5,9 +5,9 @@ use wire::Happening;
 use wire::message::Trip;
 
 use crate::replay::RecordedKind;
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
-impl Units {
+impl ScreenUnits {
     /// What has tripped a machine.
     pub fn trip(&self, trip: &Trip) -> String {
         if self.scales.is_none() {
@@ -70,14 +70,14 @@ mod tests {
     #[test]
     fn val_what_happened_to_a_machine_in_si_units_is_told_in_them() {
         // e_t = 5 um, w0 = 1000 rad/s: 5 mm/s for one w0 e_t.
-        let units = Units::of(Some(SI), rotor::ControlMasses::default());
+        let units = ScreenUnits::of(Some(SI), rotor::ControlMasses::default());
         let trip = Trip { cause: 1, mass: 2, step: 77, radius: 6.0, limit: 5.0 };
         assert_eq!(units.trip(&trip), "orbit of mass 2 reached 30.000 μm, past the limit of 25.000 μm");
         assert_eq!(units.happening(&Happening::Tripped(trip)), format!("tripped: {}", units.trip(&trip)));
         let impulse = Happening::Impulse { mass: 0, velocity: C64::new(0.5, -0.25) };
         assert_eq!(units.happening(&impulse), "impulse on mass 1: vy 2500.0, vz -1250.0 μm/s");
-        assert_eq!(Units::DIMENSIONLESS.happening(&impulse), impulse.to_string());
-        assert_eq!(Units::DIMENSIONLESS.trip(&trip), trip.to_string());
+        assert_eq!(ScreenUnits::DIMENSIONLESS.happening(&impulse), impulse.to_string());
+        assert_eq!(ScreenUnits::DIMENSIONLESS.trip(&trip), trip.to_string());
         let turn = LevelChange {
             at: Moment::default(),
             watch: Watch::Orbit,

@@ -21,7 +21,7 @@ use crate::stencil::{Weighted, about};
 
 /// A margin of a loop that is opened at one bearing.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct MarginPlace {
     kind: Kind,
     bearing: usize,
     frequency: f64,
@@ -47,7 +47,7 @@ type Told = (f64, Option<f64>);
 
 /// The places at which the margins of a machine are.
 pub(crate) struct Critical {
-    places: [Option<Place>; WORST.len()],
+    places: [Option<MarginPlace>; WORST.len()],
     /// The machine with as much delay more as it bears, the root that is on the axis then, and how that moves with more delay.
     delay: Option<(f64, LinearForm, C64, f64)>,
 }
@@ -71,7 +71,7 @@ impl Critical {
                 Kind::Axis(_) => Kind::Axis(loops[bearing].gain.at(-frequency).value),
                 kind => kind,
             };
-            Some(Place { kind, bearing, frequency, value, gain: [gain.value, gain.slope] })
+            Some(MarginPlace { kind, bearing, frequency, value, gain: [gain.value, gain.slope] })
         };
         let all = &found.margins;
         let places = [
@@ -163,7 +163,7 @@ fn top(near: f64, of: impl Fn(f64) -> f64) -> f64 {
     at
 }
 
-impl Place {
+impl MarginPlace {
     fn slope(&self, loops: &Weighted<Vec<MachineLoop>>) -> f64 {
         // `L` is smooth where `S` has a peak, and so it is differentiated, not `S`.
         let by_parameter =

@@ -126,7 +126,7 @@ fn provable(model: &Model, ranges: &[Range]) -> Option<(Problem, Vec<f64>)> {
 
 /// Where a search stands: how far along every range, and the damping there.
 #[derive(Clone)]
-struct Place {
+struct SearchPlace {
     parts: Vec<f64>,
     value: f64,
 }
@@ -144,10 +144,10 @@ fn search(model: &Model, ranges: &[Range], seed: u64) -> Result<Worst, Variation
         if start == 0 { first.clone() } else { random() }
     });
     let starts: Vec<Vec<f64>> = starts.collect();
-    let each: Result<Vec<(Place, u64)>, VariationError> = starts
+    let each: Result<Vec<(SearchPlace, u64)>, VariationError> = starts
         .into_par_iter()
         .map(|parts| {
-            let mut place = Place { value: value(&parts)?, parts };
+            let mut place = SearchPlace { value: value(&parts)?, parts };
             let mut looked_at = 1;
             // Every other end by itself, until none is worse: all of those that are, at once if that is worse still, else the worst alone.
             loop {
@@ -169,9 +169,9 @@ fn search(model: &Model, ranges: &[Range], seed: u64) -> Result<Worst, Variation
                 let together = value(&parts)?;
                 looked_at += 1;
                 place = if together < alone {
-                    Place { parts, value: together }
+                    SearchPlace { parts, value: together }
                 } else {
-                    Place { parts: flipped(place.parts, &[worst]), value: alone }
+                    SearchPlace { parts: flipped(place.parts, &[worst]), value: alone }
                 };
             }
             Ok((place, looked_at))
@@ -189,14 +189,14 @@ fn search(model: &Model, ranges: &[Range], seed: u64) -> Result<Worst, Variation
             width *= 0.5;
         }
     }
-    let Place { parts, value } = best.unwrap_or(Place { parts: vec![], value: model.min_damping()? });
+    let SearchPlace { parts, value } = best.unwrap_or(SearchPlace { parts: vec![], value: model.min_damping()? });
     let at = ranges.iter().zip(&parts).map(|(range, part)| range.at(*part)).collect();
     Ok(Worst { value, at, proven: false, tolerance: 0.0, looked_at, boxes: 0 })
 }
 
 /// Moves a place along range `k`, by up to `width` of it, to where it is worst; to within a millionth.
 fn inside(
-    place: &mut Place,
+    place: &mut SearchPlace,
     k: usize,
     width: f64,
     value: &dyn Fn(&[f64]) -> Result<f64, VariationError>,
@@ -216,7 +216,7 @@ fn inside(
             let value = value(&parts)?;
             looked_at += 1;
             if value < place.value {
-                (*place, better) = (Place { parts, value }, true);
+                (*place, better) = (SearchPlace { parts, value }, true);
             }
         }
         if !better && half == width {

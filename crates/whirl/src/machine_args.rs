@@ -8,7 +8,7 @@ use units::Dimension;
 use crate::failure::Failure;
 use crate::output::rounded;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Which machine: the options that every command on a rotor shares.
 #[derive(Clone, Debug, Args)]
@@ -57,7 +57,7 @@ impl BelowArgs {
         if !(typed.number().is_finite() && typed.number() > 0.0) {
             return Err(Failure::Usage(format!("--below {typed}: expected a frequency in Hz above 0")));
         }
-        Units::of(rotor).read("--below", typed).map(Some)
+        CommandUnits::of(rotor).read("--below", typed).map(Some)
     }
 
     /// The modes that count, `top` being the highest speed that is looked at.
@@ -73,7 +73,7 @@ impl BelowArgs {
 }
 
 /// What is said of the modes that count: nothing where all do. `others` are poles of those that do not.
-pub(crate) fn counted(modes: &CountedModes, units: Units) -> Option<String> {
+pub(crate) fn counted(modes: &CountedModes, units: CommandUnits) -> Option<String> {
     let hertz = rounded(units.frequency(modes.below()?));
     Some(format!("modes up to {hertz} Hz count, those above where they do not decay: --below"))
 }

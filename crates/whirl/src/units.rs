@@ -14,7 +14,7 @@ use crate::range::Range;
 
 /// The units of one machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Units(Option<Scales>);
+pub(crate) struct CommandUnits(Option<Scales>);
 
 /// What the JSON of an SI rotor says beside its dimensionless numbers; nothing for others. To be flattened.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -25,7 +25,7 @@ pub(crate) struct UnitsDocument {
     scales: Option<Scales>,
 }
 
-impl Units {
+impl CommandUnits {
     /// The units of this rotor.
     #[must_use]
     pub(crate) fn of(rotor: &Rotor) -> Self {

@@ -17,11 +17,11 @@ use crate::question::Question;
 use crate::screen;
 use crate::screenshot::image::Screenshot;
 use telemetry::edits::Edit;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 
 impl App<'_> {
     /// The units that settings are typed and shown in.
-    pub(super) fn units(&self) -> Units {
+    pub(super) fn units(&self) -> ScreenUnits {
         lock(&self.feed).units()
     }
 

@@ -4,7 +4,7 @@ use rotor::{C64, Key, Settings};
 use telemetry::drill::{self, DrillError, FaultOrder};
 use telemetry::edits::{Edit, Harm};
 use telemetry::reader::lock;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use units::Typed;
 
 use super::{App, LOCKED};
@@ -110,7 +110,7 @@ impl App<'_> {
         }
         let rotor = feed.rotor().ok_or("no rotor is known yet")?;
         let (order, units) = (FaultOrder::read(words).map_err(|why| why.to_string())?, feed.units());
-        let changes = order.changes(&rotor, present, (&units, Units::setting), active);
+        let changes = order.changes(&rotor, present, (&units, ScreenUnits::setting), active);
         let changes = changes.map_err(|why| match why {
             DrillError::Settings(error) => units.fault(&error),
             other => other.to_string(),

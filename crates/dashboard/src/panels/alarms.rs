@@ -24,7 +24,7 @@ use crate::input::Mouse;
 use crate::list::{List, draw_overflow, filter_title, passes, row_of};
 use crate::theme;
 use crate::view::View;
-use telemetry::units::{Unit, Units};
+use telemetry::units::{ScreenUnits, Unit};
 
 /// The panel; its list is that of what has been. A click on one that nobody has acknowledged does that, on any other it looks
 /// at its moment.
@@ -115,7 +115,7 @@ fn draw(list: &mut List, view: &View<'_>, area: Rect, buffer: &mut Buffer) -> (u
 }
 
 /// The unit of what is watched; a share and a ratio have none.
-pub(crate) fn unit_of(watch: Watch, units: &Units) -> Unit {
+pub(crate) fn unit_of(watch: Watch, units: &ScreenUnits) -> Unit {
     match watch {
         Watch::Orbit => units.length,
         Watch::Force => units.force,
@@ -136,7 +136,7 @@ fn worst(levels: &[Level], room: usize) -> Vec<usize> {
 /// heading says how many have none.
 fn draw_standings(
     view: &View<'_>,
-    units: &Units,
+    units: &ScreenUnits,
     rows: &mut impl ExactSizeIterator<Item = Rect>,
     spared: usize,
     buffer: &mut Buffer,
@@ -193,7 +193,7 @@ fn draw_standings(
 }
 
 /// When, how bad and what, as a row shows it.
-fn words(entry: &Entry, units: &Units) -> String {
+fn words(entry: &Entry, units: &ScreenUnits) -> String {
     format!("{}{} {}", when(entry), theme::level_words(entry.level), what(entry, units))
 }
 
@@ -202,7 +202,7 @@ fn when(entry: &Entry) -> String {
     format!("{} to {fell}  ", clock(entry.rose.wall_ns))
 }
 
-pub(crate) fn what(entry: &Entry, units: &Units) -> String {
+pub(crate) fn what(entry: &Entry, units: &ScreenUnits) -> String {
     if entry.cause.is_empty() {
         let unit = unit_of(entry.watch, units);
         let limit = if units.scales.is_some() { unit.told(entry.limit, 5) } else { unit.short(entry.limit, 5) };
@@ -212,7 +212,7 @@ pub(crate) fn what(entry: &Entry, units: &Units) -> String {
     }
 }
 
-fn draw_entry(entry: &Entry, units: &Units, row: Rect, buffer: &mut Buffer) {
+fn draw_entry(entry: &Entry, units: &ScreenUnits, row: Rect, buffer: &mut Buffer) {
     let color = theme::level_color(entry.level);
     let words = theme::level_words(entry.level);
     let sign = words.split(' ').next().unwrap_or(words);

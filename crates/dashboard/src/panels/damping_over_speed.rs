@@ -29,7 +29,7 @@ use crate::theme;
 use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::{PoleTrace, PoleTraceRequest};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::{neat, nice_ceiling};
 
 /// What the panel shows.
@@ -45,7 +45,7 @@ struct Facts<'a> {
     pub(crate) candidate: Option<(Option<&'a PoleTrace>, f64, f64)>,
     /// A speed that is pointed at.
     pub(crate) selection: Option<f64>,
-    pub(crate) units: Units,
+    pub(crate) units: ScreenUnits,
 }
 
 /// The panel: a click points at a speed, the wheel shows more or fewer of them.
@@ -301,7 +301,7 @@ fn dotted_line(speed: f64, [bottom, top]: [f64; 2], color: Color, area: Rect, pl
 }
 
 /// Where all modes decay, in words.
-pub(super) fn stable_words(pole_trace: &PoleTrace, units: &Units) -> String {
+pub(super) fn stable_words(pole_trace: &PoleTrace, units: &ScreenUnits) -> String {
     match &pole_trace.stable[..] {
         [] => "UNSTABLE throughout".to_owned(),
         ranges => format!("stable {}", telemetry::comparison::ranges_told(ranges, pole_trace.top(), units, ", ")),
@@ -327,7 +327,7 @@ mod tests {
             min_damping: composite.min_damping_at(2.5),
             candidate: None,
             selection: None,
-            units: Units::DIMENSIONLESS,
+            units: ScreenUnits::DIMENSIONLESS,
         };
         insta::assert_snapshot!("damping_over_speed", frame(&facts, 60, 14));
         insta::assert_snapshot!("damping_over_speed_small", frame(&facts, 30, 6));
@@ -350,7 +350,7 @@ mod tests {
             min_damping: now.min_damping_at(2.5),
             candidate,
             selection: None,
-            units: Units::DIMENSIONLESS,
+            units: ScreenUnits::DIMENSIONLESS,
         };
         let frame = frame(&facts, 60, 14);
         assert!(frame.contains("UNSTABLE  stable 0 to 1.776"), "{frame}");
@@ -365,7 +365,7 @@ mod tests {
     fn rotors_in_si_units_have_rpm() {
         let now = pole_trace("jeffcott", "off");
         let scales = rotor::Scales { w0: 100.0, k_t: 1e6, m_t: 100.0, e_t: 1e-5 };
-        let units = Units::of(Some(scales), rotor::ControlMasses::default());
+        let units = ScreenUnits::of(Some(scales), rotor::ControlMasses::default());
         let (speed, min_damping) = (1.0, now.min_damping_at(1.0));
         let facts = Facts { pole_trace: &now, speed, min_damping, candidate: None, selection: Some(2.0), units };
         let frame = frame(&facts, 60, 10);

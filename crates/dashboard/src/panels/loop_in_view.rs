@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use machine::MarginsError;
 use telemetry::jobs::{LoopAnalysis, LoopRequest};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::short;
 
 use crate::view::View;
@@ -32,7 +32,7 @@ impl LoopInView {
 }
 
 /// Why there are no margins, in a few words.
-pub(super) fn why_none(error: &MarginsError, units: &Units) -> String {
+pub(super) fn why_none(error: &MarginsError, units: &ScreenUnits) -> String {
     match error {
         MarginsError::Unstable { pole, .. } => {
             let [re, im] = [pole.re, pole.im].map(|part| short(part * units.rate.factor, 4));

@@ -22,7 +22,7 @@ use ratatui::text::Line;
 use ratatui::widgets::Widget;
 use telemetry::jobs::LoopAnalysis;
 use telemetry::jobs::loop_analysis::{ISO_14839_3, sensitivity_zone};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::short;
 use tui_big_text::{BigText, PixelSize};
 
@@ -52,7 +52,7 @@ struct MarginRow {
     color: Option<Color>,
 }
 
-fn rows(found: &MachineMargins, units: &Units) -> [MarginRow; 5] {
+fn rows(found: &MachineMargins, units: &ScreenUnits) -> [MarginRow; 5] {
     let margins = &found.margins;
     // No such crossing: any delay will do, or any gain that is smaller.
     let any = || ["any".to_owned(), "any".to_owned()];
@@ -149,7 +149,7 @@ fn place_of_large(area: Rect, table: u16) -> Option<(Rect, Rect)> {
 }
 
 /// The margins of what would be, where what is has none.
-fn draw_alone(candidate: &LoopAnalysis, units: &Units, area: Rect, buffer: &mut Buffer) {
+fn draw_alone(candidate: &LoopAnalysis, units: &ScreenUnits, area: Rect, buffer: &mut Buffer) {
     match &candidate.margins {
         Ok(found) => draw_table(&rows(found, units), None, units, area, buffer),
         Err(error) => {
@@ -181,7 +181,7 @@ fn draw_large(rows: &[MarginRow; 5], area: Rect, buffer: &mut Buffer) {
 fn draw_table(
     rows: &[MarginRow; 5],
     beside: Option<&[(String, Option<Color>)]>,
-    units: &Units,
+    units: &ScreenUnits,
     area: Rect,
     buffer: &mut Buffer,
 ) {

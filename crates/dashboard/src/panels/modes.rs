@@ -29,7 +29,7 @@ use crate::selection::SelectedItem;
 use crate::theme;
 use crate::view::View;
 use telemetry::history::Era;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::short;
 
 /// Columns before the shape: heading, and width in cells.
@@ -135,7 +135,7 @@ fn modes(era: &Era) -> Vec<Mode> {
     shaped.map_or_else(bare, |poles| poles.modes)
 }
 
-fn heading(units: &Units, area: Rect, buffer: &mut Buffer) {
+fn heading(units: &ScreenUnits, area: Rect, buffer: &mut Buffer) {
     let mut x = area.x + SIGNS;
     for (name, width) in COLUMNS {
         let name = if name == "frequency" && units.scales.is_some() { "freq. Hz" } else { name };
@@ -148,7 +148,7 @@ fn heading(units: &Units, area: Rect, buffer: &mut Buffer) {
 }
 
 /// What stands in the columns before the shape.
-fn cells(mode: &Mode, speed: f64, units: &Units) -> [String; 5] {
+fn cells(mode: &Mode, speed: f64, units: &ScreenUnits) -> [String; 5] {
     let ratio = if speed > 0.0 { short(mode.frequency() / speed, 4) } else { "-".into() };
     [
         format!("{:.4}", mode.damping()),
@@ -159,7 +159,7 @@ fn cells(mode: &Mode, speed: f64, units: &Units) -> [String; 5] {
     ]
 }
 
-fn row(mode: &Mode, least: bool, (speed, units): (f64, &Units), area: Rect, buffer: &mut Buffer) {
+fn row(mode: &Mode, least: bool, (speed, units): (f64, &ScreenUnits), area: Rect, buffer: &mut Buffer) {
     let (sign, color) = match mode.whirl() {
         Whirl::Forward => ("▲", theme::FORWARD),
         Whirl::Backward => ("▼", theme::BACKWARD),

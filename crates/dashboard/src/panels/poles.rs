@@ -31,7 +31,7 @@ use crate::ticks;
 use crate::view::View;
 use telemetry::history::Era;
 use telemetry::jobs::PoleTraceRequest;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::{neat, nice_ceiling, short};
 
 /// Damping ratios that get a ray.
@@ -145,7 +145,7 @@ pub(super) fn next_mode(view: &View<'_>, read: ReadoutMove) -> Option<C64> {
 }
 
 /// A pole in words: where it is, its damping ratio, and, where there is room, its frequency and sense.
-fn told(pole: C64, units: &Units, width: usize) -> String {
+fn told(pole: C64, units: &ScreenUnits, width: usize) -> String {
     let (re, im) = (pole.re * units.rate.factor, pole.im * units.rate.factor);
     let place = format!("{} {}{}j", short(re, 5), if im < 0.0 { "" } else { "+" }, short(im, 5));
     let whirl = if pole.im >= 0.0 { Whirl::Forward } else { Whirl::Backward };

@@ -3,7 +3,7 @@
 use ratatui::style::Style;
 use ratatui::text::Line;
 use rotor::{Key, Settings};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::{short, significant, trimmed};
 
 /// Two digits, none of them a zero that says nothing.
@@ -13,7 +13,7 @@ pub(super) fn tiny(value: f64) -> String {
 
 /// The step of a setting, or what it counts in: as much as there is room for in a row; the value always is. What a number counts in matters
 /// more than its step.
-pub(super) fn step_of(settings: &Settings, units: &Units, key: Key, wide: u16) -> String {
+pub(super) fn step_of(settings: &Settings, units: &ScreenUnits, key: Key, wide: u16) -> String {
     let (step, unit) = (units.step_among(key, settings), units.setting(key).name);
     match (wide, units.scales) {
         (0..26, None) => String::new(),
@@ -30,7 +30,7 @@ fn brief(value: f64) -> String {
 }
 
 /// A large value in four digits; nothing of others, which are as short already.
-pub(super) fn in_brief(settings: &Settings, units: &Units, key: Key, style: Style) -> Option<Line<'static>> {
+pub(super) fn in_brief(settings: &Settings, units: &ScreenUnits, key: Key, style: Style) -> Option<Line<'static>> {
     let value = settings.get(key).ok()? * units.setting(key).factor;
     (value.is_finite() && value.abs() >= 1e5).then(|| Line::styled(brief(value), style))
 }

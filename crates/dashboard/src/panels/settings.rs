@@ -28,7 +28,7 @@ use crate::input::Mouse;
 use crate::list::{draw_overflow, filter_title, passes};
 use crate::theme;
 use crate::view::{SettingsCursor, View};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 
 /// Every key that means something on a rotor, if that is known: clearances only where a support bearing has play, faults only where they
 /// are.
@@ -154,7 +154,7 @@ fn draw(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
 
 /// What else the setting may become, where that is another value: that of a change that is being typed or asked about, else the one that is
 /// held to compare with.
-fn other_of(view: &View<'_>, settings: &Settings, units: &Units, key: Key) -> Option<String> {
+fn other_of(view: &View<'_>, settings: &Settings, units: &ScreenUnits, key: Key) -> Option<String> {
     let differs = |other: &&Settings| other.get(key) != settings.get(key) || other.gain(key) != settings.gain(key);
     let told = |other: &Settings| value_of(other, units, key);
     let then = view.what_if.map(|what_if| &what_if.settings).filter(differs).map(|then| format!("-> {}", told(then)));
@@ -166,7 +166,7 @@ const LEAST: f64 = 1e-9;
 
 /// What a step up does to the smallest damping: where to and by how much, or a diamond where it falls either way. Nothing where it does
 /// nothing, or that is not known.
-fn arrow(slopes: &SettingSlopes, settings: &Settings, units: &Units, key: Key) -> Option<String> {
+fn arrow(slopes: &SettingSlopes, settings: &Settings, units: &ScreenUnits, key: Key) -> Option<String> {
     let slope = slopes.slope(key)?;
     if slope.up < 0.0 && slope.down > 0.0 {
         return Some("◆".into());
@@ -184,7 +184,7 @@ struct Beside {
 }
 
 fn draw_row(
-    (settings, units): (&Settings, &Units),
+    (settings, units): (&Settings, &ScreenUnits),
     key: Key,
     cursor: Option<&SettingsCursor>,
     Beside { step, other, arrow }: Beside,
@@ -239,7 +239,7 @@ fn draw_row(
 }
 
 /// A value as short as it can be told, with a word if it is a schedule.
-fn value_of(settings: &Settings, units: &Units, key: Key) -> String {
+fn value_of(settings: &Settings, units: &ScreenUnits, key: Key) -> String {
     let unit = units.setting(key);
     let value = settings.get(key).unwrap_or(f64::NAN);
     if key.parameter.off == Some(value) && key.parameter.name != "seed" {
@@ -373,6 +373,6 @@ mod tests {
     fn a_scheduled_gain_says_so() {
         let settings = tests::bench_status("jeffcott", "cancel").settings.get().clone();
         let kc = rows(&settings, None).into_iter().find(|key| key.parameter.name == "kc").unwrap();
-        assert_eq!(value_of(&settings, &Units::DIMENSIONLESS, kc), "-1.25 linear");
+        assert_eq!(value_of(&settings, &ScreenUnits::DIMENSIONLESS, kc), "-1.25 linear");
     }
 }

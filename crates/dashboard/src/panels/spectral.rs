@@ -13,7 +13,7 @@ use crate::selection::ReadoutMove;
 use crate::selection::SelectedItem;
 use crate::view::View;
 use telemetry::frame_data::FrameData;
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::{nice_ceiling, short};
 
 /// Draws spectra along their axes.
@@ -28,7 +28,7 @@ pub(crate) struct SpectralPanel {
 impl SpectralPanel {
     pub(super) fn new(draw: Draw) -> Self {
         let (along, value) = (PlotAxis::default(), PlotAxis::default());
-        Self { axes: Spectral { mass: None, along, shown: None, value, units: Units::DIMENSIONLESS }, draw }
+        Self { axes: Spectral { mass: None, along, shown: None, value, units: ScreenUnits::DIMENSIONLESS }, draw }
     }
 }
 
@@ -74,7 +74,7 @@ pub(super) struct Spectral {
     /// Decades of density, as they stand on the axis.
     pub(super) value: PlotAxis,
     /// The units that the axes count in.
-    pub(super) units: Units,
+    pub(super) units: ScreenUnits,
 }
 
 impl Spectral {
@@ -168,7 +168,7 @@ fn in_decades(scaling: Scaling) -> Result<Scaling, String> {
 }
 
 /// Decades by which densities on the screen are higher than dimensionless ones.
-pub(super) fn shift(units: &Units) -> f64 {
+pub(super) fn shift(units: &ScreenUnits) -> f64 {
     (units.length.factor.powi(2) / units.frequency.factor).log10()
 }
 
@@ -191,7 +191,7 @@ fn slowest(poles: impl Iterator<Item = (f64, bool)>) -> f64 {
 }
 
 /// A line in words: its frequency, its order, and the radius of its orbit.
-pub(super) fn told(peak: &Peak, units: &Units) -> String {
+pub(super) fn told(peak: &Peak, units: &ScreenUnits) -> String {
     let order = if peak.name.is_empty() { String::new() } else { format!("  {}", peak.name) };
     let frequency = match units.scales {
         Some(_) => units.frequency.told(peak.frequency, 5),

@@ -24,7 +24,7 @@ use crate::theme;
 use crate::ticks;
 use crate::view::View;
 use telemetry::jobs::{OrbitSpectrum, SpectrumRequest};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 
 /// Orders that are marked, on both sides, the most important first.
 const ORDERS: [(f64, &str); 3] = [(1.0, "1X"), (0.5, ".5X"), (2.0, "2X")];
@@ -152,7 +152,7 @@ fn draw_spectrum(
 /// frame.
 fn name_peaks(
     answer: &OrbitSpectrum,
-    units: &Units,
+    units: &ScreenUnits,
     area: Rect,
     (frame, densities, [bottom, top]): (Rect, &[f64], [f64; 2]),
     buffer: &mut Buffer,

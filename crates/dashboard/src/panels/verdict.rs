@@ -11,7 +11,7 @@ use ratatui::style::Style;
 use telemetry::damping_verdict::DampingVerdict;
 use telemetry::history::Era;
 use telemetry::jobs::{DeadbandRequest, LimitCycle, PoleTraceRequest};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use text::number::short;
 
 use super::damping_over_speed::stable_words;
@@ -40,7 +40,7 @@ pub(super) fn notes(view: &View<'_>, room: usize) -> Vec<(String, Style)> {
 }
 
 /// A limit cycle; "but" where the centre is stable.
-fn whirls(cycle: &LimitCycle, era: &Era, view: &View<'_>, units: &Units, room: usize) -> (String, Style) {
+fn whirls(cycle: &LimitCycle, era: &Era, view: &View<'_>, units: &ScreenUnits, room: usize) -> (String, Style) {
     let level = match view.alarms.limits().of(Watch::Orbit) {
         Some(limit) if cycle.radius > limit.at(Level::Alarm) => Level::Alarm,
         _ => Level::Warning,
@@ -68,7 +68,7 @@ fn any_deadband(worst: f64, room: usize) -> (String, Style) {
 }
 
 /// The range of speeds around the present one in which all modes decay, and how far its nearest end is.
-fn range(era: &Era, view: &View<'_>, units: &Units, room: usize) -> Option<(String, Style)> {
+fn range(era: &Era, view: &View<'_>, units: &ScreenUnits, room: usize) -> Option<(String, Style)> {
     let pole_trace = view.jobs.pole_trace(&PoleTraceRequest::of(era)?)?;
     let all = stable_words(&pole_trace, units);
     let here = pole_trace.stable.iter().find(|[from, to]| (*from..=*to).contains(&era.speed));

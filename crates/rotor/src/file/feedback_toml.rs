@@ -29,7 +29,7 @@ pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Faul
 }
 
 /// The rotor that feedback is read for, as far as it is known.
-struct Place<'r> {
+struct KnownRotor<'r> {
     /// How many masses it has.
     masses: usize,
     /// What a number of a mass is, in words that follow "expected".
@@ -40,7 +40,7 @@ struct Place<'r> {
 fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feedback, Faults> {
     let (mut reader, file) = Reader::parse(text)?;
     let of = if masses.is_some() { "a mass of the rotor" } else { "a mass" };
-    let place = Place { masses: masses.unwrap_or_else(|| implied_masses(&file)), of, rotor };
+    let place = KnownRotor { masses: masses.unwrap_or_else(|| implied_masses(&file)), of, rotor };
     let bearings = match file.get("bearing").map(Value::get_ref) {
         Some(DeValue::Array(_)) => {
             reader.only(&file, &["units", "gains", "bearing"]);
@@ -88,7 +88,7 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
     reader.finish(feedback)
 }
 
-impl Place<'_> {
+impl KnownRotor<'_> {
     fn beam(&self) -> Option<&BeamRotor> {
         self.rotor.and_then(Rotor::beam)
     }
@@ -123,7 +123,13 @@ impl Place<'_> {
 
 /// The place under a key, counted from 0: of a chain its mass; of shaft elements a station of the drawing, by its number or by the name of
 /// what is there.
-fn station(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, place: &Place<'_>, senses: bool) -> Option<usize> {
+fn station(
+    reader: &mut Reader<'_>,
+    table: &Table<'_>,
+    key: &str,
+    place: &KnownRotor<'_>,
+    senses: bool,
+) -> Option<usize> {
     let Some(beam) = place.beam() else { return reader.counted(table, key, place.masses, place.of) };
     let value = table.get(key)?;
     let found = match value.get_ref() {
@@ -148,7 +154,7 @@ fn station(reader: &mut Reader<'_>, table: &Table<'_>, key: &str, place: &Place<
 
 /// How many dimensionless units one unit of a gain is, on displacement and on velocity: of a file that says `gains = \"si\"` (N/m and
 /// N s/m) or `gains = \"current\"` (A/m and A s/m); 1 otherwise.
-fn gain_units(reader: &mut Reader<'_>, file: &Table<'_>, station: usize, place: &Place<'_>) -> [f64; 2] {
+fn gain_units(reader: &mut Reader<'_>, file: &Table<'_>, station: usize, place: &KnownRotor<'_>) -> [f64; 2] {
     let chosen = reader.choice(file, "gains", &["dimensionless", "si", "current"]);
     let (Some(unit), Some(value)) = (chosen.filter(|unit| *unit != "dimensionless"), file.get("gains")) else {
         return [1.0; 2];
@@ -186,7 +192,7 @@ fn bearing(
     file: &Table<'_>,
     table: &Table<'_>,
     station: usize,
-    place: &Place<'_>,
+    place: &KnownRotor<'_>,
 ) -> ControlBearing {
     let units = units(reader, file, place.rotor, station);
     let per_unit = gain_units(reader, file, station, place);
@@ -240,7 +246,7 @@ fn signal(
     reader: &mut Reader<'_>,
     table: &Table<'_>,
     (within, at): (&str, &Span<usize>),
-    place: &Place<'_>,
+    place: &KnownRotor<'_>,
     per_unit: [f64; 2],
 ) -> Signal {
     let masses = place.masses;
@@ -294,7 +300,7 @@ fn signal(
 }
 
 /// Weights that are called by their places, `{ left = 0.5, right = -0.5 }`: all others are 0.
-fn weights_by_place(reader: &mut Reader<'_>, key: &str, named: &Table<'_>, place: &Place<'_>) -> Vec<f64> {
+fn weights_by_place(reader: &mut Reader<'_>, key: &str, named: &Table<'_>, place: &KnownRotor<'_>) -> Vec<f64> {
     let mut weights = vec![None; place.masses];
     for (name, value) in named {
         let name_text: &str = name.get_ref().as_ref();

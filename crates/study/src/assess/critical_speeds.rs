@@ -3,7 +3,7 @@
 
 use machine::unbalance_response;
 
-use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
+use super::{Asked, AssessError, AssessmentCase, Finding, Findings, Quantity, Where};
 use crate::runup::{ResonancePeak, peaks};
 use plot::{Axis, Chart, Color, Look, Series};
 
@@ -12,9 +12,9 @@ const BEYOND: f64 = 1.4;
 
 /// One line for each resonance: peaks of several masses within each other's half-power points are the same, told where it has least
 /// in hand of what is asked.
-fn resonances(question: &AssessmentCase<'_>, mut peaks: Vec<(usize, ResonancePeak)>) -> Vec<Line> {
+fn resonances(question: &AssessmentCase<'_>, mut peaks: Vec<(usize, ResonancePeak)>) -> Vec<Finding> {
     peaks.sort_by(|a, b| a.1.speed.total_cmp(&b.1.speed));
-    let mut found: Vec<(f64, Line)> = Vec::new();
+    let mut found: Vec<(f64, Finding)> = Vec::new();
     for (station, peak) in peaks {
         let this = line(question, station, &peak);
         let end = peak.half_power[1].unwrap_or(peak.speed);
@@ -32,7 +32,7 @@ fn resonances(question: &AssessmentCase<'_>, mut peaks: Vec<(usize, ResonancePea
 }
 
 /// How much more separation there is than is asked for; infinite where none is.
-fn in_hand(line: &Line) -> f64 {
+fn in_hand(line: &Finding) -> f64 {
     match (line.quantity, line.found, line.asked) {
         (Quantity::Percent, Some(found), Some(asked)) => found - asked.value(),
         _ => f64::INFINITY,
@@ -40,17 +40,17 @@ fn in_hand(line: &Line) -> f64 {
 }
 
 /// What is asked of one critical speed.
-fn line(question: &AssessmentCase<'_>, station: usize, peak: &ResonancePeak) -> Line {
+fn line(question: &AssessmentCase<'_>, station: usize, peak: &ResonancePeak) -> Finding {
     let limits = question.limits;
     let place = Where::speed(peak.speed).of(station);
     let (factor, source) = ("critical speed, amplification factor", limits.source("amplification"));
     let Some(amplification) = peak.amplification() else {
         let why = "the range has not both half-power points";
-        return Line::without(factor, Quantity::Number, why, &source).at(place);
+        return Finding::without(factor, Quantity::Number, why, &source).at(place);
     };
     let Some([below, above]) = limits.separation(amplification) else {
         let asked = Asked::AtMost(limits.amplification);
-        let line = Line::judged(factor, Quantity::Number, amplification, asked, &source);
+        let line = Finding::judged(factor, Quantity::Number, amplification, asked, &source);
         return line.at(place).noted("no separation asked");
     };
     let [low, high] = question.operating;
@@ -63,18 +63,18 @@ fn line(question: &AssessmentCase<'_>, station: usize, peak: &ResonancePeak) -> 
     };
     let inside = if found == 0.0 { ", within the operating range" } else { "" };
     let source = limits.source("separation_above");
-    let line = Line::judged("critical speed, separation", Quantity::Percent, found, Asked::AtLeast(asked), &source);
+    let line = Finding::judged("critical speed, separation", Quantity::Percent, found, Asked::AtLeast(asked), &source);
     line.at(place).noted(format!("amplification {amplification:.3}{inside}"))
 }
 
-pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessError> {
     let (rotor, settings, limits) = (question.rotor, question.settings, question.limits);
     let what = "critical speed, separation";
     let source = limits.source("separation_above");
     let range = [question.over[0], question.over[1].max(BEYOND * question.operating[1])];
     let Some(response) = unbalance_response(rotor, settings, range)? else {
         let why = "a sampled loop: its response is not a circle";
-        return Ok((vec![Line::without(what, Quantity::Percent, why, &source)], vec![]));
+        return Ok((vec![Finding::without(what, Quantity::Percent, why, &source)], vec![]));
     };
     let speeds: Vec<f64> = response.points.iter().map(|point| point.speed).collect();
     let stations = response.points.first().map_or(0, |point| point.stations.len());
@@ -84,7 +84,7 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
     let mut lines = resonances(question, each.collect());
     if lines.is_empty() {
         let why = "the response to unbalance has no peak: no critical speed";
-        lines.push(Line { passed: Some(true), ..Line::without(what, Quantity::Percent, why, &source) });
+        lines.push(Finding { passed: Some(true), ..Finding::without(what, Quantity::Percent, why, &source) });
     }
     let colors = [Color::BLUE, Color::VERMILLION, Color::GREEN, Color::PURPLE, Color::BLACK];
     let looks = [Look::Solid, Look::Dashed, Look::Dotted];
@@ -131,7 +131,7 @@ mod tests {
             limits: &limits,
         };
         let (found, _) = lines(&question).unwrap();
-        let separations: Vec<&Line> = found.iter().filter(|line| line.quantity == Quantity::Percent).collect();
+        let separations: Vec<&Finding> = found.iter().filter(|line| line.quantity == Quantity::Percent).collect();
         let [only] = separations[..] else { panic!("{found:?}") };
         // Mass 2 peaks at 2.4393, 11.30 % below where 12.94 % are asked, mass 1 at 2.4554, 10.71 % for 12.22 %; mass 3, 14.8 % below,
         // would pass.

@@ -8,7 +8,7 @@ use plot::{Axis, Chart, Color, Look, Series};
 use rotor::{C64, Characteristic, LinearForm, OperatingPoint, Plant};
 
 use super::decrement::decrement;
-use super::{Asked, AssessError, AssessmentCase, Line, Quantity, Where};
+use super::{Asked, AssessError, AssessmentCase, Finding, Quantity, Where};
 
 /// Points of the curve.
 const POINTS: usize = 61;
@@ -84,7 +84,7 @@ impl Machine {
     }
 }
 
-pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<(Vec<Line>, CrossCoupling, Vec<Chart>), AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<(Vec<Finding>, CrossCoupling, Vec<Chart>), AssessError> {
     let (rotor, limits, station) = (question.rotor, question.limits, question.cross_at);
     let speed = question.operating[1];
     let plant = Plant::of(rotor);
@@ -109,24 +109,24 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<(Vec<Line>, CrossCo
     let what = "cross-coupled stiffness borne";
     let source = "API 617, level II plot";
     let mut lines = vec![match borne {
-        Some(q) => Line::told(what, Quantity::Stiffness, q, source),
-        None => Line::without(what, Quantity::Stiffness, why, source),
+        Some(q) => Finding::told(what, Quantity::Stiffness, q, source),
+        None => Finding::without(what, Quantity::Stiffness, why, source),
     }];
     if let Some(expected) = question.cross_stiffness {
         let ratio = "cross-coupled stiffness borne / expected";
         let asked = Asked::AtLeast(limits.cross_coupling_ratio);
         let source = limits.source("cross_coupling_ratio");
         lines.push(match borne {
-            Some(q) => Line::judged(ratio, Quantity::Number, q / expected, asked, &source),
-            None => Line {
+            Some(q) => Finding::judged(ratio, Quantity::Number, q / expected, asked, &source),
+            None => Finding {
                 passed: Some(stable),
                 asked: Some(asked),
-                ..Line::without(ratio, Quantity::Number, why, &source)
+                ..Finding::without(ratio, Quantity::Number, why, &source)
             },
         });
         let found = machine.decrement(expected)?;
         let asked = Asked::AtLeast(limits.log_decrement);
-        lines.push(Line::judged(
+        lines.push(Finding::judged(
             "log decrement with what is expected",
             Quantity::Number,
             found,

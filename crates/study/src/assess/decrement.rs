@@ -7,7 +7,7 @@ use plot::{Axis, Chart, Color, Look, Series};
 use rotor::C64;
 use text::number::counted;
 
-use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
+use super::{Asked, AssessError, AssessmentCase, Finding, Findings, Quantity, Where};
 
 /// Modes damped so many times as well as is asked are summed up in one line.
 const WELL_DAMPED: f64 = 10.0;
@@ -28,7 +28,7 @@ struct Least {
     pole: C64,
 }
 
-pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessError> {
     let AssessmentCase { rotor, settings, limits, .. } = question;
     let speeds = AssessmentCase::speeds(question.over);
     let branches = trace(rotor, settings, &speeds)?;
@@ -45,11 +45,11 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
     let (mut least, fast): (Vec<Least>, Vec<Least>) = least.into_iter().partition(counts);
     least.sort_by(|a, b| a.decrement.total_cmp(&b.decrement));
     let split = least.partition_point(|mode| mode.decrement <= WELL_DAMPED * limits.log_decrement).max(1);
-    let mut lines: Vec<Line> = (least.iter().take(split))
+    let mut lines: Vec<Finding> = (least.iter().take(split))
         .map(|mode| {
             let whirl = if mode.pole.im > 0.0 { "forward" } else { "backward" };
             let what = format!("log decrement, {whirl} mode");
-            let line = Line::judged(what, Quantity::Number, mode.decrement, asked, &source);
+            let line = Finding::judged(what, Quantity::Number, mode.decrement, asked, &source);
             line.at(Where::speed(mode.speed).with(mode.pole.im))
         })
         .collect();
@@ -58,16 +58,16 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
             1 => "log decrement, the other mode".to_owned(),
             others => format!("log decrement, {others} other modes"),
         };
-        let line = Line::judged(what, Quantity::Number, next.decrement, asked, &source);
+        let line = Finding::judged(what, Quantity::Number, next.decrement, asked, &source);
         lines.push(line.at(Where::speed(next.speed).with(next.pole.im)));
     }
     if let Some(next) = fast.iter().min_by(|a, b| a.decrement.total_cmp(&b.decrement)) {
         let what = format!("log decrement, {} faster than what counts", counted(fast.len(), "mode", "modes"));
-        let line = Line::told(what, Quantity::Number, next.decrement, &source);
+        let line = Finding::told(what, Quantity::Number, next.decrement, &source);
         lines.push(line.at(Where::speed(next.speed).with(next.pole.im)).noted("decays: no more is asked of it"));
     }
     if lines.is_empty() {
-        lines.push(Line::without("log decrement", Quantity::Number, "no mode whirls: none has one", &source));
+        lines.push(Finding::without("log decrement", Quantity::Number, "no mode whirls: none has one", &source));
     }
     Ok((lines, vec![chart(question, &speeds, &branches)]))
 }

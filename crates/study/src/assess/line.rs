@@ -76,7 +76,7 @@ impl Where {
 
 /// One line: what was looked at, what was found, and whether that is what is asked.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct Finding {
     /// What was looked at.
     pub what: String,
     /// What was found; nothing where `why` says why there is nothing.
@@ -95,7 +95,7 @@ pub struct Line {
     pub note: Option<String>,
 }
 
-impl Line {
+impl Finding {
     /// A line that is judged: by what was found and what is asked.
     #[must_use]
     pub(super) fn judged(what: impl Into<String>, quantity: Quantity, found: f64, asked: Asked, source: &str) -> Self {

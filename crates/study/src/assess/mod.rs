@@ -24,8 +24,8 @@ use rotor::{Rotor, Settings};
 
 pub use cross_coupling::CrossCoupling;
 pub use limits::{LIMITS, Limit, Limits};
-pub use line::{Asked, Line, Quantity, Where};
-pub use page::{AID, Words};
+pub use line::{Asked, Finding, Quantity, Where};
+pub use page::{AID, PageWords};
 pub use unbalance::{Grade, GradeError};
 
 /// Speeds at which a range is looked at; the worst is sought between them too.
@@ -97,7 +97,7 @@ pub enum AssessError {
 #[derive(Clone, Debug)]
 pub struct Assessment {
     /// Line by line.
-    pub lines: Vec<Line>,
+    pub lines: Vec<Finding>,
     /// How the rotor bears cross-coupled stiffness at the top of its operating range.
     pub cross_coupling: CrossCoupling,
     /// Curves over speed and over cross-coupled stiffness.
@@ -132,4 +132,4 @@ pub fn assess(question: &AssessmentCase<'_>) -> Result<Assessment, AssessError> 
 }
 
 /// What a part of the page has to say and to show.
-type Part = (Vec<Line>, Vec<Chart>);
+type Findings = (Vec<Finding>, Vec<Chart>);

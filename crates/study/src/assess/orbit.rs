@@ -4,9 +4,9 @@
 use rotor::circular::{self, CircularError, Orbit};
 use rotor::{ControlMasses, Stability};
 
-use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, SPEEDS, Where};
+use super::{Asked, AssessError, AssessmentCase, Finding, Findings, Quantity, SPEEDS, Where};
 
-pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessError> {
     let (settings, limits) = (question.settings, question.limits);
     let orbit_source = limits.source("orbit_zone_a");
     let force_source = limits.source("force_share");
@@ -18,8 +18,8 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
             let why = "a sampled loop: no orbit of it is a circle";
             return Ok((
                 vec![
-                    Line::without(orbit, Quantity::Number, why, &orbit_source),
-                    Line::without(force, Quantity::Force, why, &force_source),
+                    Finding::without(orbit, Quantity::Number, why, &orbit_source),
+                    Finding::without(force, Quantity::Force, why, &force_source),
                 ],
                 vec![],
             ));
@@ -79,17 +79,17 @@ fn largest(
     Ok(Some(best))
 }
 
-fn orbit_line(question: &AssessmentCase<'_>, what: &str, largest: Option<&Orbit>, source: &str) -> Line {
+fn orbit_line(question: &AssessmentCase<'_>, what: &str, largest: Option<&Orbit>, source: &str) -> Finding {
     let limits = question.limits;
     let Some(clearance) = question.smallest_clearance() else {
-        return Line::without(what, Quantity::Number, "no clearance is set", source);
+        return Finding::without(what, Quantity::Number, "no clearance is set", source);
     };
     let Some(orbit) = largest else {
-        return Line::without(what, Quantity::Number, "no stable orbit was found", source);
+        return Finding::without(what, Quantity::Number, "no stable orbit was found", source);
     };
     let share = orbit.largest_radius() / clearance;
     let (zone, most) = limits.zone_of(share, limits.orbit_zones());
-    let line = Line::judged(what, Quantity::Number, share, Asked::AtMost(most), source);
+    let line = Finding::judged(what, Quantity::Number, share, Asked::AtMost(most), source);
     let radii = orbit.radii();
     let station = (0..radii.len()).max_by(|a, b| radii[*a].total_cmp(&radii[*b])).unwrap_or(0);
     line.at(Where::speed(orbit.speed).of(station)).noted(format!("zone {zone}"))
@@ -102,7 +102,7 @@ fn force_line(
     bearing: usize,
     orbits: &[&Orbit],
     source: &str,
-) -> Result<Line, AssessError> {
+) -> Result<Finding, AssessError> {
     let masses = ControlMasses::of(question.rotor, &question.settings.feedback);
     let of_first = |control: f64| masses.as_of_first(bearing, control);
     let force = |orbit: &Orbit| of_first(orbit.forces.get(bearing).copied().unwrap_or(0.0));
@@ -110,16 +110,16 @@ fn force_line(
     let limit = own.parts.limit;
     let holds = question.force.or((limit > 0.0 && limit.is_finite()).then(|| of_first(limit)));
     let Some(hardest) = largest(question, orbits, &force)? else {
-        return Ok(Line::without(what, Quantity::Force, "no stable orbit was found", source));
+        return Ok(Finding::without(what, Quantity::Force, "no stable orbit was found", source));
     };
     let place = Where::speed(hardest.speed).of(own.station);
     Ok(match holds {
         Some(most) => {
             let asked = Asked::AtMost(question.limits.force_share * most);
-            Line::judged(what, Quantity::Force, force(&hardest), asked, source).at(place)
+            Finding::judged(what, Quantity::Force, force(&hardest), asked, source).at(place)
         }
         None => {
-            let line = Line::told(what, Quantity::Force, force(&hardest), source).at(place);
+            let line = Finding::told(what, Quantity::Force, force(&hardest), source).at(place);
             line.noted("no limit of the force is set")
         }
     })

@@ -2,7 +2,7 @@
 
 use machine::{MarginsError, margins_at, worst_among};
 
-use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
+use super::{Asked, AssessError, AssessmentCase, Finding, Findings, Quantity, Where};
 use plot::{Axis, Chart, Color, Look, Series};
 
 /// The place of the sensitivity among [`machine::WORST`].
@@ -10,7 +10,7 @@ const SENSITIVITY: usize = 4;
 /// Axes end at so many times the last zone's end.
 const TOP: f64 = 1.5;
 
-pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessError> {
     let (rotor, settings, limits) = (question.rotor, question.settings, question.limits);
     let speeds = AssessmentCase::speeds(question.operating);
     let what = "sensitivity, peak of |S|";
@@ -21,8 +21,8 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
         Ok(all) => all,
         Err(MarginsError::Unstable { speed, .. }) => {
             let why = "not stable: there is no margin";
-            let line = Line::without(what, Quantity::Number, why, &source).at(Where::speed(speed));
-            return Ok((vec![Line { passed: Some(false), asked: Some(asked), ..line }], vec![]));
+            let line = Finding::without(what, Quantity::Number, why, &source).at(Where::speed(speed));
+            return Ok((vec![Finding { passed: Some(false), asked: Some(asked), ..line }], vec![]));
         }
         Err(error) => return Err(error.into()),
     };
@@ -31,7 +31,7 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
     if let Some(found) = &worst[SENSITIVITY] {
         let peak = found.margins.sensitivity();
         let zone = limits.zone_of(peak.amplitude, zones).0;
-        let line = Line::judged(what, Quantity::Number, peak.amplitude, asked, &source);
+        let line = Finding::judged(what, Quantity::Number, peak.amplitude, asked, &source);
         lines.push(
             line.at(Where { frequency: peak.frequency, ..Where::speed(found.speed) }).noted(format!("zone {zone}")),
         );

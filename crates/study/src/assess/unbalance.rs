@@ -10,7 +10,7 @@ use machine::forced_response;
 use nalgebra::DMatrix;
 use rotor::{C64, LinearForm, OperatingPoint, Plant, Scales};
 
-use super::{Asked, AssessError, AssessmentCase, Line, Part, Quantity, Where};
+use super::{Asked, AssessError, AssessmentCase, Finding, Findings, Quantity, Where};
 
 /// The speed in rpm from which less vibration is allowed (API 617).
 const KNEE: f64 = 12_000.0;
@@ -58,17 +58,17 @@ struct Largest {
     station: usize,
 }
 
-pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> {
+pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessError> {
     let limits = question.limits;
     let (vibration_source, share_source) = (limits.source("vibration"), limits.source("clearance_share"));
     let plain = "vibration under 2 U_r, peak to peak";
     if question.settings.feedback.sample() > 0.0 {
         let why = "a sampled loop: its response is not a circle";
-        return Ok((vec![Line::without(plain, Quantity::Length, why, &vibration_source)], vec![]));
+        return Ok((vec![Finding::without(plain, Quantity::Length, why, &vibration_source)], vec![]));
     }
     let Some(scales) = question.rotor.scales().copied() else {
         let why = "needs a rotor in SI units: residual unbalance is told in g mm, vibration in um";
-        return Ok((vec![Line::without(plain, Quantity::Length, why, &vibration_source)], vec![]));
+        return Ok((vec![Finding::without(plain, Quantity::Length, why, &vibration_source)], vec![]));
     };
     let mut sensors = Vec::new();
     for bearing in &question.settings.feedback.bearings {
@@ -85,18 +85,18 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
     let at_sensors = largest(question, question.operating, seen)?;
     let amplitude = 2.0 * eccentricity * at_sensors.radius;
     let mut lines = vec![
-        Line::judged(plain, Quantity::Length, amplitude, Asked::AtMost(allowed), &vibration_source)
+        Finding::judged(plain, Quantity::Length, amplitude, Asked::AtMost(allowed), &vibration_source)
             .at(at_sensors.place())
             .noted(format!("2 U_r is {:.3} um at every mass", 1e6 * scales.metres(eccentricity))),
     ];
     let scale = limits.scale_factor.min(allowed / amplitude);
     let what = "scaled major axis / clearance";
     lines.push(match question.smallest_clearance() {
-        None => Line::without(what, Quantity::Percent, "no clearance is set", &share_source),
+        None => Finding::without(what, Quantity::Percent, "no clearance is set", &share_source),
         Some(clearance) => {
             let anywhere = largest(question, question.over, &all)?;
             let share = 100.0 * scale * eccentricity * anywhere.radius / clearance;
-            Line::judged(what, Quantity::Percent, share, Asked::AtMost(limits.clearance_share), &share_source)
+            Finding::judged(what, Quantity::Percent, share, Asked::AtMost(limits.clearance_share), &share_source)
                 .at(anywhere.place())
                 .noted(format!("scaled up {scale:.3} times"))
         }
@@ -108,17 +108,17 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Part, AssessError> 
 }
 
 /// The largest orbit of a rotor balanced to a grade, against the zone of orbits that is asked for.
-fn graded(question: &AssessmentCase<'_>, grade: Grade, scales: &Scales, all: &[usize]) -> Result<Line, AssessError> {
+fn graded(question: &AssessmentCase<'_>, grade: Grade, scales: &Scales, all: &[usize]) -> Result<Finding, AssessError> {
     let limits = question.limits;
     let largest = largest(question, question.operating, all)?;
     let radius = scales.length(grade.eccentricity(question.operating[1] * scales.w0)) * largest.radius;
     let what = format!("orbit of a rotor balanced to {grade}");
     let line = match question.smallest_clearance() {
-        None => Line::told(what, Quantity::Length, radius, "ISO 21940-11").noted("no clearance is set"),
+        None => Finding::told(what, Quantity::Length, radius, "ISO 21940-11").noted("no clearance is set"),
         Some(clearance) => {
             let (zone, most) = limits.zone_of(radius / clearance, limits.orbit_zones());
             let source = format!("ISO 21940-11; {}", limits.source("orbit_zone_a"));
-            Line::judged(what, Quantity::Length, radius, Asked::AtMost(most * clearance), &source)
+            Finding::judged(what, Quantity::Length, radius, Asked::AtMost(most * clearance), &source)
                 .noted(format!("zone {zone}"))
         }
     };

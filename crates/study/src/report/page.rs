@@ -7,7 +7,7 @@ use rotor::{FIELDS, builtin};
 use super::compare::{Comparison, Verdict};
 use super::corrections::CORRECTIONS;
 use super::{Figure, Report, criteria};
-use crate::page::{self, Block, Caption, Page, Row};
+use crate::page::{self, Block, Caption, Page, TableRow};
 
 const TITLE: &str = "The NASA report again";
 
@@ -56,8 +56,9 @@ fn blocks(report: &Report) -> Vec<Block<'_>> {
     }
     blocks.push(Block::Heading(2, "Where the report is silent, damaged or wrong".into()));
     let header = vec!["The report is", "Where", "What", "Here"];
-    let rows =
-        CORRECTIONS.iter().map(|c| Row::plain([c.fault.word(), c.place, c.matter, c.here].map(str::to_owned).to_vec()));
+    let rows = CORRECTIONS
+        .iter()
+        .map(|c| TableRow::plain([c.fault.word(), c.place, c.matter, c.here].map(str::to_owned).to_vec()));
     blocks.push(Block::Table(header, rows.collect()));
     blocks.push(Block::Heading(2, "What was put in".into()));
     blocks.push(Block::Paragraph(
@@ -108,7 +109,7 @@ fn numbers<'a>(comparisons: impl Iterator<Item = &'a Comparison>) -> Block<'stat
         let (absolute, relative) = c.difference_words();
         let agreement = c.verdict().words().to_owned();
         let [quantity, place, printed, note] = [c.quantity, c.place, c.printed_words(), c.note].map(str::to_owned);
-        Row::plain(vec![quantity, place, printed, c.our_words(), absolute, relative, agreement, note])
+        TableRow::plain(vec![quantity, place, printed, c.our_words(), absolute, relative, agreement, note])
     });
     Block::Table(header, rows.collect())
 }
@@ -118,19 +119,19 @@ fn parameters() -> Block<'static> {
     let rotors = ["jeffcott", "three-mass"].map(|name| builtin::rotor(name).expect("a built-in rotor"));
     // The clearance is what the figures vary.
     let fields = FIELDS.iter().enumerate().filter(|(_, field)| field.name != "deadband");
-    let mut rows: Vec<Row> = fields
+    let mut rows: Vec<TableRow> = fields
         .map(|(i, field)| {
             let values = rotors.iter().map(|rotor| {
                 let each: Vec<String> = rotor.masses().iter().map(|m| m.values()[i].to_string()).collect();
                 each.join(", ")
             });
-            Row::plain(std::iter::once(field.name.replace('_', " ")).chain(values).collect())
+            TableRow::plain(std::iter::once(field.name.replace('_', " ")).chain(values).collect())
         })
         .collect();
     let shafts = rotors.iter().map(|rotor| {
         let each: Vec<String> = rotor.shafts().iter().map(f64::to_string).collect();
         each.join(", ")
     });
-    rows.push(Row::plain(std::iter::once("shaft stiffness".to_owned()).chain(shafts).collect()));
+    rows.push(TableRow::plain(std::iter::once("shaft stiffness".to_owned()).chain(shafts).collect()));
     Block::Table(vec!["Parameter", "One mass (Table 3.2)", "Three masses (Table 4.2)"], rows)
 }

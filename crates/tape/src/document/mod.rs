@@ -13,7 +13,7 @@ use rotor::{C64, Mass, Rotor, Scales, Settings};
 use serde::{Deserialize, Serialize};
 use wire::StepLayout;
 
-use crate::schema::{self, Column};
+use crate::schema::{self, NumberColumn};
 use crate::session::{Revision, Session, Source};
 
 /// A document that is not one of ours.
@@ -119,7 +119,7 @@ impl SessionDocument {
             let Mass { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband } = *m;
             MassDocument { mass, damping, cross_damping, bearing_stiffness, seal_stiffness, unbalance, deadband }
         };
-        let column = |c: Column| ColumnDocument { name: c.name, unit: c.unit.to_owned(), meaning: c.meaning };
+        let column = |c: NumberColumn| ColumnDocument { name: c.name, unit: c.unit.to_owned(), meaning: c.meaning };
         Self {
             schema: session.schema,
             whirl: session.whirl.clone(),

@@ -29,7 +29,7 @@ pub struct FileRotation {
     keep: Keep,
     /// How things stand now; `None` before the first run.
     head: Option<Head>,
-    file: Option<Part>,
+    file: Option<CurrentFile>,
     /// Files made so far.
     parts: u32,
     /// Finished, oldest first.
@@ -53,7 +53,7 @@ impl Subject {
     }
 }
 
-struct Part {
+struct CurrentFile {
     path: PathBuf,
     sink: Box<dyn Sink>,
     began_ns: Option<u64>,
@@ -275,7 +275,7 @@ impl FileRotation {
         if let Some((snapshot, at)) = &head.snapshot {
             sink.snapshot(snapshot.clone(), *at)?;
         }
-        self.file = Some(Part { path, sink, began_ns: None });
+        self.file = Some(CurrentFile { path, sink, began_ns: None });
         Ok(())
     }
 

@@ -14,7 +14,7 @@ use rotor::Rotor;
 use wire::StepLayout;
 
 use super::scene;
-use crate::schema::{self, Column};
+use crate::schema::{self, NumberColumn};
 use crate::session::Source;
 
 /// The messages that carry the layout; none if rerun has been switched off by its environment variable.
@@ -51,7 +51,7 @@ fn layout(rotor: &Rotor, steps: StepLayout, source: Source) -> Blueprint {
     let motion = if rotor.is_chain() { [orbits, shaft] } else { [shaft, orbits] };
     let motion: ContainerLike = Tabs::new(motion).into();
     let poles: ContainerLike = Spatial2DView::new("poles (w0, im up)").with_origin(schema::POLES).into();
-    let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<Column> {
+    let named = |wanted: &dyn Fn(&str) -> bool| -> Vec<NumberColumn> {
         schema::columns(steps).into_iter().filter(|column| wanted(&column.name)).collect()
     };
     let place = named(&|name| name.starts_with(['y', 'z']));
@@ -92,8 +92,8 @@ fn layout(rotor: &Rotor, steps: StepLayout, source: Source) -> Blueprint {
 }
 
 /// Some columns of the steps over time, each a line with its name.
-fn plot(title: &str, columns: &[Column]) -> ContainerLike {
-    let line = |column: &Column| -> Visualizer {
+fn plot(title: &str, columns: &[NumberColumn]) -> ContainerLike {
+    let line = |column: &NumberColumn| -> Visualizer {
         let source = VisualizerComponentMapping::new_source_component_with_selector(
             Scalars::descriptor_scalars().component.as_str(),
             schema::ROW,

@@ -13,7 +13,7 @@ use std::fmt;
 use rotor::{Key, Rotor, Settings, SettingsError};
 use units::{Dimension, Typed, TypedError};
 
-use crate::units::{Unit, Units};
+use crate::units::{ScreenUnits, Unit};
 pub use file::{BUILTIN, Drill, DrillStep, builtin, read_drill};
 pub use log::{ActiveFault, DrillLog};
 
@@ -59,7 +59,7 @@ enum Where {
 }
 
 /// A row of the table of faults.
-struct Row {
+struct FaultRow {
     name: &'static str,
     meaning: &'static str,
     is_at: Where,
@@ -80,7 +80,7 @@ impl Fault {
         Self::UnbalanceAdded,
     ];
 
-    fn row(self) -> Row {
+    fn row(self) -> FaultRow {
         use Where::{Bearing, Machine, Place, Sensor, Support};
         let (name, meaning, is_at, size) = match self {
             Self::SensorGain => ("sensor-gain", "sensors read a share of what is there", Sensor, "the share, else 0.5"),
@@ -109,7 +109,7 @@ impl Fault {
                 "eccentricity U / m of the whole rotor, else 1 e_t",
             ),
         };
-        Row { name, meaning, is_at, size }
+        FaultRow { name, meaning, is_at, size }
     }
 
     /// Its name, as typed and in files.
@@ -214,7 +214,7 @@ pub enum DrillError {
 }
 
 /// What a size without a unit is counted in.
-pub type CountedAlone = fn(&Units, Key) -> Unit;
+pub type CountedAlone = fn(&ScreenUnits, Key) -> Unit;
 
 /// A fault as it is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -281,8 +281,8 @@ impl FaultOrder {
     }
 
     /// What it changes under settings of `rotor`, where `active` is the fault that is there already and goes for it: values by key,
-    /// dimensionless. A size without a unit is counted in what `alone` says of `units`: [`Units::setting`] where people look at a screen,
-    /// [`Units::setting_in_files`] elsewhere.
+    /// dimensionless. A size without a unit is counted in what `alone` says of `units`: [`ScreenUnits::setting`] where people look at a screen,
+    /// [`ScreenUnits::setting_in_files`] elsewhere.
     ///
     /// # Errors
     /// A place or size that this machine has not, or nothing to change.
@@ -290,7 +290,7 @@ impl FaultOrder {
         &self,
         rotor: &Rotor,
         settings: &Settings,
-        (units, alone): (&Units, CountedAlone),
+        (units, alone): (&ScreenUnits, CountedAlone),
         active: Option<&ActiveFault>,
     ) -> Result<Vec<(Key, f64)>, DrillError> {
         let back = active.map_or(&[][..], |active| &active.back);
@@ -311,7 +311,7 @@ impl FaultOrder {
         &self,
         rotor: &Rotor,
         settings: &Settings,
-        (units, alone): (&Units, CountedAlone),
+        (units, alone): (&ScreenUnits, CountedAlone),
     ) -> Result<Vec<(Key, f64)>, DrillError> {
         let feedback = &settings.feedback;
         let sized = |key: Key, by_itself: f64| {

@@ -10,7 +10,7 @@ fn three_mass() -> (Rotor, Settings) {
 }
 
 /// A rotor that is not one in SI units.
-const IN_ITS_OWN: (&Units, CountedAlone) = (&Units::DIMENSIONLESS, Units::setting);
+const IN_ITS_OWN: (&ScreenUnits, CountedAlone) = (&ScreenUnits::DIMENSIONLESS, ScreenUnits::setting);
 
 fn order(words: &str) -> FaultOrder {
     FaultOrder::read(words).unwrap()
@@ -143,17 +143,18 @@ fn regress_undo_and_redo_bring_a_fault_back_that_can_be_put_back() {
 fn sizes_are_in_what_they_say_or_in_what_is_counted_in_there() {
     let rotor = builtin::rotor("rig").unwrap();
     let settings = Settings::new(&rotor, 1.0, builtin::feedback(&rotor, "own").unwrap());
-    let units = Units::of_machine(&rotor, &settings.feedback);
+    let units = ScreenUnits::of_machine(&rotor, &settings.feedback);
     let added = |words: &str, alone: CountedAlone| {
         let order = order(words);
         order.changes(&rotor, &settings, (&units, alone), None).unwrap().first().unwrap().1
     };
-    let by_unit = added("unbalance-added size=5um", Units::setting);
-    assert_eq!(by_unit, added("unbalance-added size=5um", Units::setting_in_files));
-    assert!((added("unbalance-added size=5e-6", Units::setting_in_files) / by_unit - 1.0).abs() < 1e-12);
+    let by_unit = added("unbalance-added size=5um", ScreenUnits::setting);
+    assert_eq!(by_unit, added("unbalance-added size=5um", ScreenUnits::setting_in_files));
+    assert!((added("unbalance-added size=5e-6", ScreenUnits::setting_in_files) / by_unit - 1.0).abs() < 1e-12);
     let shown = units.length;
     assert!(
-        (added(&format!("unbalance-added size={}", by_unit * shown.factor), Units::setting) / by_unit - 1.0).abs()
+        (added(&format!("unbalance-added size={}", by_unit * shown.factor), ScreenUnits::setting) / by_unit - 1.0)
+            .abs()
             < 1e-12
     );
     assert!(refused("unbalance-added size=5um").contains("not one in SI units"));

@@ -2,7 +2,7 @@
 
 use rotor::{C64, Key, Settings, SettingsError};
 
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// A change of the machine that a person asks for.
 #[derive(Clone, Debug, PartialEq)]
@@ -63,7 +63,7 @@ impl Edit {
     }
 
     /// What it has made of `settings`, for whoever asked for it, in the bench's `units`.
-    pub fn describe_in(&self, settings: &Settings, units: &Units) -> String {
+    pub fn describe_in(&self, settings: &Settings, units: &ScreenUnits) -> String {
         match self {
             Self::Nudge(key, _) => settings.label(*key),
             Self::NudgeAll(keys, _) => keys.iter().map(|key| settings.label(*key)).collect::<Vec<_>>().join(", "),
@@ -82,7 +82,7 @@ impl Edit {
     }
 
     /// What it is, without saying of which settings, in the bench's `units`.
-    pub fn describe(&self, units: &Units) -> String {
+    pub fn describe(&self, units: &ScreenUnits) -> String {
         match self {
             Self::Nudge(..) | Self::NudgeAll(..) => super::NUDGED.into(),
             Self::Set(_) => "typed".into(),
@@ -113,7 +113,7 @@ impl Edit {
             Self::Redo => super::REDO.into(),
             Self::Sure(edit, _) => edit.reason(),
             // None of these has a number in it that is counted in anything.
-            other => other.describe(&Units::DIMENSIONLESS),
+            other => other.describe(&ScreenUnits::DIMENSIONLESS),
         }
     }
 }

@@ -22,7 +22,7 @@ use wire::{Answer, BenchName, BenchStatus, Carrier, Change, Commander, Event, Wi
 use crate::feed::Feed;
 use crate::history::StepQuantity;
 use crate::reader::{SharedFeed, lock};
-use crate::units::Units;
+use crate::units::ScreenUnits;
 use crate::view_time::ViewTime;
 pub use edit::{Edit, carry_over};
 use undo::UndoHistory;
@@ -211,10 +211,10 @@ impl<C: Carrier> EditThread<C> {
     }
 
     /// The units of the rotor.
-    fn units(&self) -> Units {
+    fn units(&self) -> ScreenUnits {
         match (&self.rotor, &self.known) {
-            (Some(rotor), Some(known)) => Units::of_machine(rotor, &known.settings.feedback),
-            _ => Units::DIMENSIONLESS,
+            (Some(rotor), Some(known)) => ScreenUnits::of_machine(rotor, &known.settings.feedback),
+            _ => ScreenUnits::DIMENSIONLESS,
         }
     }
 

@@ -19,7 +19,7 @@ use super::machine::{BranchPoint, Machine, RecordedChange};
 use super::rows::Rows;
 use crate::edits::{self, Edit};
 use crate::replay::ReplayError;
-use crate::units::Units;
+use crate::units::ScreenUnits;
 use crate::what_if::WhatIf;
 
 /// Runge-Kutta steps that are made at once: a tenth of a second or so.
@@ -103,7 +103,7 @@ impl Branch {
     /// Takes an edit at step `at`, not before the root. Returns what was done, in words, or why not.
     pub(crate) fn edit(&mut self, edit: &Edit, at: u64) -> Result<String, ReplayError> {
         let mut state = self.state.clone();
-        let units = Units::of_machine(&self.root.rotor, &state.settings.feedback);
+        let units = ScreenUnits::of_machine(&self.root.rotor, &state.settings.feedback);
         let words = match edit {
             Edit::Undo => {
                 let last = self.done.pop().ok_or(ReplayError::NothingToUndo)?;

@@ -4,7 +4,7 @@ use machine::ProgramError;
 use rotor::{RotorError, SettingsError};
 
 use crate::processes::OpaqueError;
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// Why a player does not do what it is asked for.
 #[derive(Debug, thiserror::Error)]
@@ -62,7 +62,7 @@ pub enum ReplayError {
 
 impl ReplayError {
     /// What is wrong with settings, in the units that they are typed in.
-    pub(super) fn settings(source: SettingsError, units: &Units) -> Self {
+    pub(super) fn settings(source: SettingsError, units: &ScreenUnits) -> Self {
         Self::Settings { told: units.fault(&source), source }
     }
 }

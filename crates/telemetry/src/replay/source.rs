@@ -6,7 +6,7 @@ use alarms::{LevelChange, Limits};
 use wire::{BenchStatus, Happening, Moment, State};
 
 use crate::processes::OpaqueError;
-use crate::units::Units;
+use crate::units::ScreenUnits;
 
 /// Something that happened.
 #[derive(Clone, Debug, PartialEq)]
@@ -23,7 +23,7 @@ pub struct RecordedEvent {
 
 impl RecordedEvent {
     /// In a line, in the machine's `units`: what, by whom, why.
-    pub(super) fn words(&self, units: &Units) -> String {
+    pub(super) fn words(&self, units: &ScreenUnits) -> String {
         let Self { what, who, why, .. } = self;
         let by = if who.is_empty() || who == "sim" { String::new() } else { format!(" by {who}") };
         let why = if why.is_empty() { String::new() } else { format!(" ({why})") };

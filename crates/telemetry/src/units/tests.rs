@@ -6,7 +6,7 @@ use crate::test_support::SI;
 
 #[test]
 fn val_a_rotor_in_si_units_is_told_in_micrometres_newtons_hertz_and_rpm() {
-    let units = Units::of(Some(SI), ControlMasses::default());
+    let units = ScreenUnits::of(Some(SI), ControlMasses::default());
     assert_eq!(units.length.told(2.0, 4), "10.00 μm");
     // m_b w0^2 e_t = 2 kg (1000/s)^2 5e-6 m.
     assert_eq!(units.force.told(1.0, 4), "10.00 N");
@@ -16,23 +16,23 @@ fn val_a_rotor_in_si_units_is_told_in_micrometres_newtons_hertz_and_rpm() {
     assert_eq!((units.speed(1.0), units.speed_told(1.0)), ("9549".into(), "9549 rpm".into()));
     assert_eq!(units.rate.told(-0.5, 4), "-500.0 1/s");
     let large = Scales { e_t: 2e-3, ..SI };
-    assert_eq!(Units::of(Some(large), ControlMasses::default()).length.told(2.0, 4), "4.000 mm");
+    assert_eq!(ScreenUnits::of(Some(large), ControlMasses::default()).length.told(2.0, 4), "4.000 mm");
 }
 
 #[test]
 fn val_seconds_stand_beside_tau() {
-    let units = Units::of(Some(SI), ControlMasses::default());
+    let units = ScreenUnits::of(Some(SI), ControlMasses::default());
     // w0 = 1000 rad/s.
     assert_eq!(
         (units.time_told(30.0, 3), units.moment_told(-2.5, 4)),
         ("30.0 tau = 30.0 ms".into(), "tau -2.500 = -2.500 ms".into())
     );
-    assert_eq!(Units::DIMENSIONLESS.time_told(30.0, 3), "30.0 tau");
+    assert_eq!(ScreenUnits::DIMENSIONLESS.time_told(30.0, 3), "30.0 tau");
 }
 
 #[test]
 fn changes_are_told_in_what_they_were_typed_in() {
-    let units = Units::of(Some(SI), ControlMasses::default());
+    let units = ScreenUnits::of(Some(SI), ControlMasses::default());
     let rotor = rotor::builtin::rotor("three-mass").unwrap();
     let mut before = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
     let speed: Key = "speed".parse().unwrap();
@@ -42,7 +42,7 @@ fn changes_are_told_in_what_they_were_typed_in() {
     let after = Settings { speed: typed.1, ..before.clone() };
     assert_eq!(units.value(speed, typed.1), "30000 rpm");
     assert_eq!(units.difference(&before, &after), "speed 0 rpm -> 30000 rpm");
-    assert_eq!(Units::DIMENSIONLESS.value(speed, 2.5), "2.5");
+    assert_eq!(ScreenUnits::DIMENSIONLESS.value(speed, 2.5), "2.5");
     before.speed = 1.0;
     let kd: Key = "kd".parse().unwrap();
     let nudged = crate::edits::Edit::Nudge(kd, 0.01).applied(&before).unwrap();
@@ -54,7 +54,7 @@ fn changes_are_told_in_what_they_were_typed_in() {
 fn gains_before_a_filter_are_nudged_by_a_part_of_what_they_are() {
     let rotor = rotor::builtin::rotor("rig").unwrap();
     let settings = Settings::new(&rotor, 2.5, rotor::builtin::feedback(&rotor, "own").unwrap());
-    let units = Units::of_machine(&rotor, &settings.feedback);
+    let units = ScreenUnits::of_machine(&rotor, &settings.feedback);
     for name in ["left.kd", "right.kd"] {
         let key = settings.key(name).unwrap();
         let value = settings.get(key).unwrap().abs() * units.setting(key).factor;
@@ -67,7 +67,7 @@ fn gains_before_a_filter_are_nudged_by_a_part_of_what_they_are() {
     let three_mass = rotor::builtin::rotor("three-mass").unwrap();
     let own = Settings::new(&three_mass, 2.5, rotor::builtin::feedback(&three_mass, "composite").unwrap());
     for key in own.keys() {
-        assert_eq!(Units::DIMENSIONLESS.step_among(key, &own), Units::DIMENSIONLESS.step(key), "{key}");
+        assert_eq!(ScreenUnits::DIMENSIONLESS.step_among(key, &own), ScreenUnits::DIMENSIONLESS.step(key), "{key}");
     }
 }
 
@@ -80,7 +80,7 @@ fn undo_messages_have_no_sixteen_digits_but_tell_small_changes() {
         let [mut was_in, mut is_in] = [before.clone(), before.clone()];
         was_in.set(kd, was).unwrap();
         is_in.set(kd, is).unwrap();
-        Units::DIMENSIONLESS.difference(&was_in, &is_in)
+        ScreenUnits::DIMENSIONLESS.difference(&was_in, &is_in)
     };
     assert_eq!(told(-0.391_234_567_891_234_5, 0.25), "kd.1 -0.3912346 -> 0.25");
     assert_eq!(told(0.3, 0.1 + 0.2), "kd.1 0.3 -> 0.30000000000000004");
@@ -90,7 +90,7 @@ fn undo_messages_have_no_sixteen_digits_but_tell_small_changes() {
 #[test]
 fn settings_are_typed_as_on_the_command_line_and_nudged_by_round_numbers() {
     let [speed, deadband, kd] = ["speed", "deadband", "kd"].map(|name| name.parse::<Key>().unwrap());
-    let units = Units::of(Some(SI), ControlMasses::default());
+    let units = ScreenUnits::of(Some(SI), ControlMasses::default());
     let rotor = rotor::builtin::rotor("three-mass").unwrap();
     let settings = Settings::new(&rotor, 0.0, rotor::builtin::feedback(&rotor, "composite").unwrap());
     let typed = |typed: [f64; 3]| [speed, deadband, kd].into_iter().zip(typed.map(Typed::from)).collect::<Vec<_>>();
@@ -104,9 +104,10 @@ fn settings_are_typed_as_on_the_command_line_and_nudged_by_round_numbers() {
     }
     assert_eq!([speed, deadband, kd].map(|key| units.step(key)), [500.0, 0.5, 20_000.0]);
     assert_eq!([deadband, kd].map(|key| units.setting(key).name), ["μm", "N/m"]);
-    let refused = Units::DIMENSIONLESS.settings_of_typed(None, &settings, &[(kd, kd.parameter.read("2N/m").unwrap())]);
+    let refused =
+        ScreenUnits::DIMENSIONLESS.settings_of_typed(None, &settings, &[(kd, kd.parameter.read("2N/m").unwrap())]);
     assert!(refused.unwrap_err().to_string().starts_with("kd = '2 N/m': expected a number without a unit"));
-    assert_eq!([speed, deadband].map(|key| Units::DIMENSIONLESS.step(key)), [0.05, 0.1]);
+    assert_eq!([speed, deadband].map(|key| ScreenUnits::DIMENSIONLESS.step(key)), [0.05, 0.1]);
 }
 
 /// 30 kg and 10 kg with a control bearing each, the second first: K_t e_t are 72 N, so that 1 is 18 N and 54 N.
@@ -116,7 +117,7 @@ fn val_a_force_is_typed_and_told_by_the_mass_of_its_own_control_bearing() {
     let rotor = Rotor::from_si("rig", vec![mass(30.0), mass(10.0)], vec![1e6], None).unwrap();
     let bearings = [1, 0].map(|station| rotor::ControlBearing::new(station, vec![])).to_vec();
     let before = Settings::new(&rotor, 0.0, Feedback { bearings });
-    let units = Units::of_machine(&rotor, &before.feedback);
+    let units = ScreenUnits::of_machine(&rotor, &before.feedback);
     let near = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-12, "{found} and {expected}");
     let key = |typed: &str| before.key(typed).unwrap();
     let typed = [(key("limit"), Typed::from(54.0)), (key("slew.2"), 16_200.0.into())];
@@ -134,13 +135,13 @@ fn val_a_force_is_typed_and_told_by_the_mass_of_its_own_control_bearing() {
     // A limit of 1 is as large a force on the second as one of 3 on the first, and nudged by a round number of its own.
     assert_eq!([key("limit.1"), key("limit.2")].map(|key| units.step(key)), [20.0, 60.0]);
     // A rotor without scales is told as it is: in accelerations.
-    let plain = Units::of_machine(&rotor.dimensionless(), &before.feedback);
+    let plain = ScreenUnits::of_machine(&rotor.dimensionless(), &before.feedback);
     assert_eq!((plain.factor_of(1), plain.setting(key("limit.2")).factor), (1.0, 1.0));
 }
 
 #[test]
 fn any_other_rotor_is_told_in_its_own_scales() {
-    let units = Units::of(None, ControlMasses::default());
-    assert_eq!(units, Units::DIMENSIONLESS);
+    let units = ScreenUnits::of(None, ControlMasses::default());
+    assert_eq!(units, ScreenUnits::DIMENSIONLESS);
     assert_eq!((units.length.told(2.0, 4), units.speed_told(2.5)), ("2.000 e_t".into(), "R 2.5".into()));
 }

@@ -3,12 +3,12 @@
 use rotor::{ChangedValue, Difference, Key, Settings, SettingsError};
 use text::number::{short, significant};
 
-use super::Units;
+use super::ScreenUnits;
 
 /// Significant digits of a value in a message.
 const DIGITS: usize = 7;
 
-impl Units {
+impl ScreenUnits {
     /// A time as people read it: `30.0 tau`, of a rotor in SI units `30.0 tau = 100 ms`.
     pub fn time_told(&self, tau: f64, digits: usize) -> String {
         format!("{} tau{}", short(tau, digits), self.seconds_told(tau, digits))

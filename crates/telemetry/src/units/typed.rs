@@ -4,12 +4,12 @@ use rotor::{GainKind, Key, Rotor, Settings, SettingsError};
 use text::number::{nice_ceiling, significant};
 use units::{Dimension, Typed, TypedError};
 
-use super::Units;
+use super::ScreenUnits;
 
 /// The part of the largest gain of a signal that a step of one of them is at least, but for rounding down.
 const OF_LARGEST: f64 = 0.01;
 
-impl Units {
+impl ScreenUnits {
     /// The dimensionless value that was typed for a quantity, forces on the first control bearing; `alone` is that of a number without a
     /// unit.
     ///

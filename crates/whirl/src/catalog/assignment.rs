@@ -5,7 +5,7 @@ use rotor::{Key, Rotor, Settings};
 
 use super::feedback;
 use crate::failure::Failure;
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Applies each `KEY=VALUE` to `settings`, in the order in which they stand. `said` are options that have set something
 /// before, each with its key.
@@ -14,7 +14,7 @@ use crate::units::Units;
 /// As for [`assign`], or one that leaves nothing of another one, or of an option.
 pub(crate) fn assign_all(
     rotor: &Rotor,
-    units: Units,
+    units: CommandUnits,
     settings: &mut Settings,
     said: &[(&str, &str)],
     assignments: &[String],
@@ -41,7 +41,7 @@ pub(crate) fn assign_all(
 /// No `=`, or whatever the key or the value has wrong.
 pub(crate) fn assign<'t>(
     rotor: &Rotor,
-    units: Units,
+    units: CommandUnits,
     settings: &mut Settings,
     assignment: &'t str,
 ) -> Result<&'t str, Failure> {
@@ -87,7 +87,9 @@ mod tests {
     fn assignments_to_an_si_rotor_are_in_rpm_and_metres() {
         let (rotor, mut settings) = rig();
         let mut set = |assignment: &str| {
-            assign(&rotor, Units::of(&rotor), &mut settings, assignment).map(drop).map_err(|error| error.to_string())
+            assign(&rotor, CommandUnits::of(&rotor), &mut settings, assignment)
+                .map(drop)
+                .map_err(|error| error.to_string())
         };
         set("speed=6000").expect("in range");
         set("deadband=50e-6").expect("in range");
@@ -112,7 +114,8 @@ mod tests {
     fn an_assignment_may_say_what_it_is_counted_in() {
         let (rotor, mut settings) = rig();
         let mut set = |rotor: &Rotor, assignment: &str, value: f64| {
-            let key = assign(rotor, Units::of(rotor), &mut settings, assignment).map_err(|error| error.to_string())?;
+            let key =
+                assign(rotor, CommandUnits::of(rotor), &mut settings, assignment).map_err(|error| error.to_string())?;
             let found = settings.get(key.parse().expect("a key")).expect("exists");
             assert!((found / value - 1.0).abs() < 1e-12, "{assignment}: {found} for {value}");
             Ok::<_, String>(())
@@ -145,7 +148,7 @@ mod tests {
     #[test]
     fn val_newtons_are_by_the_mass_of_their_own_control_bearing() {
         let (rotor, mut settings) = unequal();
-        let units = Units::of(&rotor);
+        let units = CommandUnits::of(&rotor);
         let mut set = |typed: &str| {
             let told = assign(&rotor, units, &mut settings, typed).map(drop).map_err(|error| error.to_string());
             told.map(|()| settings.feedback.bearings.iter().map(|b| [b.parts.limit, b.parts.slew]).collect::<Vec<_>>())
@@ -174,7 +177,7 @@ mod tests {
         let (rotor, settings) = rig();
         let set = |said: &[(&str, &str)], typed: &[&str]| {
             let typed: Vec<String> = typed.iter().map(|typed| (*typed).to_owned()).collect();
-            let told = assign_all(&rotor, Units::of(&rotor), &mut settings.clone(), said, &typed);
+            let told = assign_all(&rotor, CommandUnits::of(&rotor), &mut settings.clone(), said, &typed);
             told.map_err(|error| error.to_string())
         };
         let undone = |first: &str, then: &str| {

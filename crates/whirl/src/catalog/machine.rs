@@ -8,7 +8,7 @@ use crate::failure::Failure;
 use crate::machine_args::{MachineArgs, Whole};
 use crate::quantity::{QuantityRange, TypedQuantity};
 use crate::range::Range;
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// What feedback a command takes when none is named.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,7 +55,7 @@ impl Machine {
             Default::Live => builtin::live_feedback_name(&rotor),
         });
         let mut settings = Settings::new(&rotor, 0.0, feedback(&rotor, name)?);
-        let units = Units::of(&rotor);
+        let units = CommandUnits::of(&rotor);
         for (key, typed) in [("speed", typed_speed.map(|(_, speed)| speed)), ("deadband", args.deadband)] {
             if let Some(typed) = typed {
                 units.set(&rotor, &mut settings, key.parse()?, typed.typed)?;
@@ -146,7 +146,7 @@ impl Machine {
 
     /// What its numbers are typed and shown in.
     #[must_use]
-    pub(crate) fn units(&self) -> Units {
-        Units::of(&self.rotor)
+    pub(crate) fn units(&self) -> CommandUnits {
+        CommandUnits::of(&self.rotor)
     }
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde::Serialize;
 use study::assess::{
-    AID, Asked, AssessError, Assessment, AssessmentCase, Grade, Limits, Line, Quantity, Where, Words, assess,
+    AID, Asked, AssessError, Assessment, AssessmentCase, Finding, Grade, Limits, PageWords, Quantity, Where, assess,
 };
 use units::Dimension;
 
@@ -16,7 +16,7 @@ use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::place::Force;
 use crate::quantity::{self, QuantityRange, TypedQuantity};
 use crate::range::Range;
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// Options of `whirl assess`.
 #[derive(Debug, clap::Args)]
@@ -179,12 +179,12 @@ pub(crate) fn run(args: &AssessArgs) -> Result<(), Failure> {
         limits: &limits,
     };
     let found = assess(&question)?;
-    let told = Told { machine: &machine, units };
+    let told = FindingsTold { machine: &machine, units };
     let rows: Vec<[String; 6]> = found.lines.iter().map(|line| told.row(line)).collect();
     let heading = format!("{}: what standards ask, {}", rotor.name(), units.range_text(over));
     let about = told.about(&question, args);
     if let Some(path) = &args.out {
-        let words = Words {
+        let words = PageWords {
             title: heading.clone(),
             about: about.clone(),
             columns: COLUMNS.to_vec(),
@@ -266,7 +266,7 @@ fn check(path: &Path, force: Force) -> Result<(), Failure> {
 }
 
 /// The operating range as typed, which must lie within all speeds.
-fn operating(args: &AssessArgs, over: QuantityRange, all: Range, units: Units) -> Result<Range, Failure> {
+fn operating(args: &AssessArgs, over: QuantityRange, all: Range, units: CommandUnits) -> Result<Range, Failure> {
     let Some(typed) = args.operating else { return Ok(all) };
     let range = units.read_range("--operating", typed)?;
     let outside = || Failure::Usage(format!("--operating {typed}: expected a range within --over {over}"));
@@ -274,12 +274,12 @@ fn operating(args: &AssessArgs, over: QuantityRange, all: Range, units: Units) -
 }
 
 /// Lines in the words and units of a person.
-struct Told<'a> {
+struct FindingsTold<'a> {
     machine: &'a Machine,
-    units: Units,
+    units: CommandUnits,
 }
 
-impl Told<'_> {
+impl FindingsTold<'_> {
     /// A number as shown, and its unit.
     fn value(&self, quantity: Quantity, value: f64) -> (f64, &'static str) {
         let units = self.units;
@@ -306,7 +306,7 @@ impl Told<'_> {
         [speed, station, frequency].into_iter().flatten().collect::<Vec<_>>().join(", ")
     }
 
-    fn row(&self, line: &Line) -> [String; 6] {
+    fn row(&self, line: &Finding) -> [String; 6] {
         let found = match (line.found, &line.note) {
             (Some(found), None) => self.cell(line.quantity, found),
             (Some(found), Some(note)) => format!("{}; {note}", self.cell(line.quantity, found)),

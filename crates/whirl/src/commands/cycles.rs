@@ -12,7 +12,7 @@ use crate::failure::Failure;
 use crate::interrupt;
 use crate::machine_args::MachineArgs;
 use crate::output::{Cell, Format, Table};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// Options of `whirl cycles`.
 #[derive(Debug, clap::Args)]
@@ -134,7 +134,7 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
 }
 
 /// One branch in a sentence.
-fn describe(curve: &Curve, units: Units) -> Option<String> {
+fn describe(curve: &Curve, units: CommandUnits) -> Option<String> {
     let end = |orbit: &Orbit, end: End| {
         let speed = speeds_text(&[orbit.speed], units);
         match end {

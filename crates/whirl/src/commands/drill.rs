@@ -7,7 +7,7 @@ use machine::StabilityLoss;
 use rotor::Key;
 use serde::Serialize;
 use telemetry::drill::{BUILTIN, Drill, DrillError, DrillLog, Fault, FaultOrder, OVER, builtin, read_drill};
-use telemetry::units::Units;
+use telemetry::units::ScreenUnits;
 use wire::{BenchName, BenchStatus, Glance, HostState, Listener, WireError};
 
 use crate::asking::{NotAccepted, SettingsRequest};
@@ -135,21 +135,21 @@ impl Wanted {
 /// Says what there is.
 fn list(args: &DrillArgs) -> Result<(), Failure> {
     #[derive(Serialize)]
-    struct Row {
+    struct DrillEntry {
         name: String,
         meaning: String,
         at: &'static str,
         size: &'static str,
     }
-    let faults = Fault::ALL.into_iter().map(|fault| Row {
+    let faults = Fault::ALL.into_iter().map(|fault| DrillEntry {
         name: fault.name().to_owned(),
         meaning: fault.meaning().to_owned(),
         at: fault.place(),
         size: fault.size(),
     });
     let drills = BUILTIN.iter().filter_map(|(name, _)| builtin(name)?.ok());
-    let drills = drills.map(|drill| Row { name: drill.name, meaning: drill.about, at: "", size: "" });
-    let rows: Vec<Row> = faults.chain(drills).collect();
+    let drills = drills.map(|drill| DrillEntry { name: drill.name, meaning: drill.about, at: "", size: "" });
+    let rows: Vec<DrillEntry> = faults.chain(drills).collect();
     if args.json {
         return output::print_json(&rows);
     }
@@ -254,7 +254,7 @@ impl Bench {
     fn inject(&mut self, order: &FaultOrder, step: Option<&str>) -> Result<Made, Failure> {
         let made = self.change(&order.cause(), |bench, rotor, units| {
             let settings = bench.status.settings.get();
-            Ok(order.changes(rotor, settings, (units, Units::setting_in_files), bench.log.active())?)
+            Ok(order.changes(rotor, settings, (units, ScreenUnits::setting_in_files), bench.log.active())?)
         })?;
         Ok(Made { step: step.map(str::to_owned), fault: Some(order.to_string()), ..made })
     }
@@ -274,7 +274,7 @@ impl Bench {
     fn change(
         &mut self,
         why: &str,
-        of: impl Fn(&Self, &rotor::Rotor, &Units) -> Result<Vec<(Key, f64)>, Failure>,
+        of: impl Fn(&Self, &rotor::Rotor, &ScreenUnits) -> Result<Vec<(Key, f64)>, Failure>,
     ) -> Result<Made, Failure> {
         let who = self.who.clone();
         let mut asking = SettingsRequest::new(&who, why);
@@ -282,7 +282,7 @@ impl Bench {
             self.look()?;
             let rotor = self.status.rotor().map_err(|error| Failure::Work(error.to_string()))?;
             let before = self.status.settings.get().clone();
-            let units = Units::of_machine(&rotor, &before.feedback);
+            let units = ScreenUnits::of_machine(&rotor, &before.feedback);
             let mut settings = before.clone();
             for (key, value) in of(self, &rotor, &units)? {
                 settings.set(key, value)?;

@@ -12,7 +12,7 @@ use wire::Step;
 use crate::failure::Failure;
 use crate::place::Force;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::Units;
+use crate::units::CommandUnits;
 use crate::{interrupt, output};
 
 /// Options of `whirl export`.
@@ -83,7 +83,7 @@ pub(crate) fn run(args: &ExportArgs) -> Result<(), Failure> {
     };
     args.force.check(&target)?;
     let mut recording = Recording::open_row(&args.files)?;
-    let units = Units::with(recording.scales());
+    let units = CommandUnits::with(recording.scales());
     let end = |option: &str, typed: Option<TypedQuantity>, without: f64| {
         typed.map_or(Ok(without), |typed| units.read_dimensionless(option, typed))
     };

@@ -12,7 +12,7 @@ use wire::{State, Step};
 use super::runup::CriticalDocument;
 use crate::failure::Failure;
 use crate::output::{self, rounded};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Options of `whirl info`.
 #[derive(Debug, clap::Args)]
@@ -95,7 +95,7 @@ fn read(recording: &mut Recording) -> Result<(Info, Vec<RecordedLeg>), Failure> 
 }
 
 /// Legs and the critical speeds on each, a line each.
-fn legs_for_people(legs: &[RecordedLeg], units: Units) -> Vec<(String, String)> {
+fn legs_for_people(legs: &[RecordedLeg], units: CommandUnits) -> Vec<(String, String)> {
     let speed = |value: f64| units.speed_text(rounded(value).parse().unwrap_or(value));
     let mut lines = Vec::new();
     for (k, leg) in legs.iter().enumerate() {
@@ -121,7 +121,7 @@ fn legs_for_people(legs: &[RecordedLeg], units: Units) -> Vec<(String, String)> 
 
 /// In words, in the units of the rotor that was recorded.
 fn for_people(info: &Info, legs: &[RecordedLeg], recording: &Recording) -> String {
-    let units = Units::with(recording.scales());
+    let units = CommandUnits::with(recording.scales());
     let (length_unit, force_unit) = (units.length_unit(), units.force_unit());
     // A control is an acceleration: what force it is depends on the mass that carried the first bearing then.
     let force_of = |control: f64, at: &MomentInfo| {

@@ -49,12 +49,12 @@ pub(super) fn neglects(machine: &MachineArgs) {
 
 /// A complex number, as scripts read it.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub(super) struct Part {
+pub(super) struct ComplexDocument {
     re: f64,
     im: f64,
 }
 
-impl From<C64> for Part {
+impl From<C64> for ComplexDocument {
     fn from(z: C64) -> Self {
         Self { re: z.re, im: z.im }
     }

@@ -20,7 +20,7 @@ use crate::interrupt;
 use crate::machine_args::{BelowArgs, MachineArgs, Whole, counted};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::quantity::{self, QuantityRange, TypedQuantity};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 use margins_told::{COLUMNS, COLUMNS_SI, MarginsTold, WITHOUT};
 use unsure::Unsure;
 
@@ -271,7 +271,7 @@ fn run_over(args: &MarginArgs, over: QuantityRange, zones: [f64; 3]) -> Result<(
 }
 
 /// An unstable loop is refused with its pole, in the units of the machine.
-pub(super) fn told(error: &MarginsError, units: Units) -> Failure {
+pub(super) fn told(error: &MarginsError, units: CommandUnits) -> Failure {
     match error {
         MarginsError::Unstable { speed, pole } => Failure::Work(format!(
             "the machine is not stable at {}: it has a pole at {} {:+.6} j {}, so its loop has no margins",

@@ -9,7 +9,7 @@ use rotor::{C64, Mode, Modes};
 use serde::Serialize;
 use units::Dimension;
 
-use super::linear::{self, Part, PoleDocument};
+use super::linear::{self, ComplexDocument, PoleDocument};
 use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::machine_args::{MachineArgs, Whole};
@@ -17,7 +17,7 @@ use crate::output::{Cell, Format, Table, print_text};
 use crate::picture;
 use crate::place::Force;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// Options of `whirl modes`.
 #[derive(Debug, clap::Args)]
@@ -64,7 +64,7 @@ struct ModeDocument {
     period: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     period_null: Option<&'static str>,
-    shape: Vec<Part>,
+    shape: Vec<ComplexDocument>,
     orbits: Option<Vec<Vec<OrbitPoint>>>,
 }
 
@@ -151,7 +151,7 @@ pub(crate) fn run(args: &ModesArgs) -> Result<(), Failure> {
 }
 
 /// For people: one row a mode and mass.
-fn shape_table(linear: &Modes, units: Units) -> Table {
+fn shape_table(linear: &Modes, units: CommandUnits) -> Table {
     let mut table = Table::new(units.pick(
         &["mode", "re", "im", "whirl", "period", "mass", "radius", "phase"],
         &["mode", "re (1/s)", "im (rad/s)", "whirl", "period (s)", "mass", "radius", "phase"],
@@ -177,7 +177,7 @@ fn shape_table(linear: &Modes, units: Units) -> Table {
 }
 
 /// For spreadsheets: one row an orbit point.
-fn orbit_table(linear: &Modes, points: u16, units: Units) -> Table {
+fn orbit_table(linear: &Modes, points: u16, units: CommandUnits) -> Table {
     let time = units.pick("tau", "t (s)");
     let mut table = Table::new(&["mode", "mass", time, "y", "z"]);
     for (k, mode) in linear.modes.iter().enumerate() {

@@ -9,7 +9,7 @@ use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::output::{Cell, rounded};
 use crate::quantity::{self, QuantityRange};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// The most speeds there can be: all orbits of a long rotor at more of them no longer fit into 200 MB.
 const MOST_POINTS: i64 = 20_000;
@@ -119,18 +119,18 @@ pub(super) fn contact(orbit: &Orbit) -> Vec<usize> {
 }
 
 /// `name`, and behind it the unit in parentheses if the numbers are in SI units.
-pub(super) fn heading(name: &str, units: Units, si: &str) -> String {
+pub(super) fn heading(name: &str, units: CommandUnits, si: &str) -> String {
     units.pick(name.to_owned(), format!("{name} ({si})"))
 }
 
 /// Headings of a table of orbits: `first`, the radii mass by mass, `last`.
-pub(super) fn headings(first: &[String], masses: usize, last: &[String], units: Units) -> Vec<String> {
+pub(super) fn headings(first: &[String], masses: usize, last: &[String], units: CommandUnits) -> Vec<String> {
     let radii = (1..=masses).map(|k| heading(&format!("r{k}"), units, "m"));
     first.iter().cloned().chain(radii).chain(last.iter().cloned()).collect()
 }
 
 /// The radii of an orbit as shown, mass by mass.
-pub(super) fn radii(orbit: &Orbit, units: Units) -> impl Iterator<Item = Cell> {
+pub(super) fn radii(orbit: &Orbit, units: CommandUnits) -> impl Iterator<Item = Cell> {
     orbit.radii().into_iter().map(move |radius| units.length(radius).into())
 }
 
@@ -148,7 +148,7 @@ pub(super) fn deadband_text(machine: &Machine) -> String {
 }
 
 /// Speeds as shown, with their name or unit: `R = 1, 2`, or `300, 600 rpm`.
-pub(super) fn speeds_text(speeds: &[f64], units: Units) -> String {
+pub(super) fn speeds_text(speeds: &[f64], units: CommandUnits) -> String {
     let shown = listed(&speeds.iter().map(|speed| units.speed(*speed)).collect::<Vec<_>>());
     units.pick(format!("R = {shown}"), format!("{shown} rpm"))
 }

@@ -5,7 +5,7 @@ use rotor::{C64, Mode};
 use serde::Serialize;
 use units::Dimension;
 
-use super::linear::{self, Part, PoleDocument, StabilityDocument, word};
+use super::linear::{self, ComplexDocument, PoleDocument, StabilityDocument, word};
 use crate::catalog;
 use crate::commands::sim::LiveArgs;
 use crate::failure::Failure;
@@ -56,13 +56,17 @@ struct ModeDocument {
     pole: PoleDocument,
     /// Of a sampled loop, what a sample multiplies the mode by.
     #[serde(skip_serializing_if = "Option::is_none")]
-    z: Option<Part>,
-    shape: Vec<Part>,
+    z: Option<ComplexDocument>,
+    shape: Vec<ComplexDocument>,
 }
 
 impl ModeDocument {
     fn of(mode: &Mode, z: Option<C64>) -> Self {
-        Self { pole: mode.into(), z: z.map(Part::from), shape: mode.shape.iter().map(|&c| c.into()).collect() }
+        Self {
+            pole: mode.into(),
+            z: z.map(ComplexDocument::from),
+            shape: mode.shape.iter().map(|&c| c.into()).collect(),
+        }
     }
 }
 

@@ -93,7 +93,7 @@ pub(crate) fn run(args: &RecordArgs) -> Result<(), Failure> {
         let rate_hz = attach::first_bench_status(&mut listener, &order.bench)?.rate_hz;
         recorder::check_window(&order.keep, rate_hz).map_err(|error| Failure::Usage(error.to_string()))?;
     }
-    let mut line = Line::new();
+    let mut line = ProgressLine::new();
     let mut waited_for = args.as_child;
     let mut viewer = Viewer::default();
     let summary = recorder::record(&carrier, listener, &order, &stop, |progress| {
@@ -190,11 +190,11 @@ fn in_words(summary: &Summary, address: Option<&str>, is_shown_alone: bool) -> S
 }
 
 /// The line on the terminal that tells how far it is; nowhere else.
-struct Line {
+struct ProgressLine {
     shown: bool,
 }
 
-impl Line {
+impl ProgressLine {
     fn new() -> Self {
         Self { shown: std::io::stderr().is_terminal() }
     }

@@ -14,7 +14,7 @@ use text::number::counted;
 use crate::catalog::{self, FileError};
 use crate::failure::Failure;
 use crate::output::{Cell, Format, Table, print_json, print_text, rounded};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// Options of `whirl rotor`.
 #[derive(Debug, clap::Args)]
@@ -147,7 +147,7 @@ fn show(args: &ShowArgs) -> Result<(), Failure> {
         masses: rotor.masses(),
         shafts: rotor.shafts(),
         feedback: builtin::feedback_names(&rotor),
-        units: Units::of(&rotor).document(),
+        units: CommandUnits::of(&rotor).document(),
         physical: rotor.physical(),
     })
 }

@@ -20,7 +20,7 @@ use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 use recorder::Recorder;
 
@@ -247,7 +247,7 @@ fn profile(args: &RunupArgs, machine: &Machine) -> Result<Profile, Failure> {
     Ok(Profile::ramp(from, to, units.read("--rate", rate)?))
 }
 
-fn trip_text(found: &RunUp, units: Units) -> String {
+fn trip_text(found: &RunUp, units: CommandUnits) -> String {
     found.tripped.map_or(String::new(), |(trip, tau, speed)| {
         format!(
             "tripped at {}, {}: mass {} reached {} {}, past the limit of {}",
@@ -310,7 +310,7 @@ fn point(point: &RunUpPoint) -> PointDocument<'_> {
     }
 }
 
-fn criticals_table(found: &RunUp, units: Units) -> Table {
+fn criticals_table(found: &RunUp, units: CommandUnits) -> Table {
     let mut table = Table::new(units.pick(
         &["leg", "mass", "speed", "peak", "amplification", "steady speed", "steady peak", "steady amplification"],
         &[

@@ -9,7 +9,7 @@ use wire::{Answer, BenchName, BenchStatus, SharedMemory, Step, WireError};
 use crate::asking::{NotAccepted, SettingsRequest};
 use crate::attach::{self, BenchArgs};
 use crate::failure::Failure;
-use crate::units::Units;
+use crate::units::CommandUnits;
 use crate::{catalog, output};
 
 /// How long the motion is looked at, at least and at most, before a limit comes down on it.
@@ -164,7 +164,7 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
     loop {
         let bench_status = attach::first_bench_status(&mut glance, &bench)?;
         let rotor = bench_status.rotor().map_err(|error| Failure::Work(error.to_string()))?;
-        let units = Units::with(bench_status.scales());
+        let units = CommandUnits::with(bench_status.scales());
         let before = bench_status.settings.get().clone();
         let mut settings = before.clone();
         catalog::assign_all(&rotor, units, &mut settings, &[], &args.assignments)?;
@@ -177,7 +177,7 @@ fn change(args: &SetArgs) -> Result<Done, NotDone> {
         if !args.force && TripAtOnce::is_possible(&before, &settings) && !bench_status.trip.is_tripped() {
             let orbit = present_orbit(&carrier, &bench, &bench_status)?;
             if let Some(trips) = orbit.and_then(|orbit| TripAtOnce::between(&before, &settings, orbit)) {
-                let length = telemetry::units::Units::of_machine(&rotor, &before.feedback).length;
+                let length = telemetry::units::ScreenUnits::of_machine(&rotor, &before.feedback).length;
                 return Err(NotDone::Trips(trips, trips.words(|value| length.told(value, 4))));
             }
         }

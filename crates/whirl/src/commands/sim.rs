@@ -15,7 +15,7 @@ use crate::catalog::{self, Machine};
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::Units;
+use crate::units::CommandUnits;
 use crate::{interrupt, output};
 
 /// What a child says once it has what it needs: the first word of its first line.
@@ -133,7 +133,7 @@ impl LiveArgs {
     /// Not a bench name, or a profile that is none.
     pub(crate) fn options(&self, rotor: &rotor::Rotor) -> Result<Options, Failure> {
         let profile = self.read_profile(rotor)?;
-        let dtau = Units::of(rotor).read_dimensionless("--dtau", self.dtau)?;
+        let dtau = CommandUnits::of(rotor).read_dimensionless("--dtau", self.dtau)?;
         Ok(Options { bench: self.bench.name()?, rate_hz: self.rate, dtau, profile, ..Options::default() })
     }
 }

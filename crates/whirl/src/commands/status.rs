@@ -10,7 +10,7 @@ use crate::attach;
 use crate::failure::Failure;
 use crate::logging;
 use crate::output::{Cell, Format, Table};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// How long a recorder may take to say how it stands.
 const RECORDER_PATIENCE: Duration = Duration::from_millis(1500);
@@ -48,7 +48,7 @@ struct Bench {
     scales: Option<rotor::Scales>,
     /// Those in which people are told; scripts read `R`.
     #[serde(skip)]
-    units: Units,
+    units: CommandUnits,
     /// The leg of its profile that the speed is on, and how many there are.
     #[serde(skip_serializing_if = "Option::is_none")]
     leg: Option<[u16; 2]>,
@@ -225,7 +225,7 @@ impl Bench {
             speed: bench_status.map(|bench_status| bench_status.present_speed()),
             speed_rpm: bench_status.and_then(|status| Some(status.scales()?.rpm(status.present_speed()))),
             scales: bench_status.and_then(|bench_status| bench_status.scales()),
-            units: Units::with(bench_status.and_then(|bench_status| bench_status.scales())),
+            units: CommandUnits::with(bench_status.and_then(|bench_status| bench_status.scales())),
             leg: bench_status.map(|bench_status| bench_status.leg).filter(|[_, legs]| *legs > 0),
             rate_hz: bench_status.map(|bench_status| bench_status.rate_hz),
             dtau: bench_status.map(|bench_status| bench_status.dtau),

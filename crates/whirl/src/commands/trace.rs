@@ -11,7 +11,7 @@ use crate::interrupt;
 use crate::machine_args::{BelowArgs, MachineArgs, counted};
 use crate::output::{Cell, Format, Table, rounded};
 use crate::quantity::{self, QuantityRange};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// The most points that a trace can have: beyond it, the document no longer fits into 200 MB.
 const MOST_POINTS: u64 = 20_000;
@@ -56,13 +56,13 @@ struct Document<'a> {
 
 #[derive(Debug, Serialize)]
 struct Campbell {
-    lines: Vec<Line>,
+    lines: Vec<OrderLine>,
     critical_speeds: Vec<Critical>,
 }
 
 /// A straight line of the diagram, by its multiple of the spin speed.
 #[derive(Debug, Serialize)]
-struct Line {
+struct OrderLine {
     order: f64,
     frequency: Vec<f64>,
 }
@@ -182,7 +182,7 @@ const POLE_COLUMNS: [&str; 8] = ["speed", "mode", "re", "im", "damping", "log de
 const POLE_COLUMNS_SI: [&str; 8] =
     ["speed (rpm)", "mode", "re (1/s)", "im (rad/s)", "damping", "log dec", "frequency (Hz)", "whirl"];
 
-fn pole_row(speed: f64, branch: usize, mode: &Mode, units: Units) -> [Cell; 8] {
+fn pole_row(speed: f64, branch: usize, mode: &Mode, units: CommandUnits) -> [Cell; 8] {
     [
         units.speed(speed).into(),
         Cell::from(&(branch + 1)),
@@ -195,7 +195,7 @@ fn pole_row(speed: f64, branch: usize, mode: &Mode, units: Units) -> [Cell; 8] {
     ]
 }
 
-fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed], units: Units) -> Document<'a> {
+fn document<'a>(rotor: &'a str, trace: &'a Trace, critical: &[CriticalSpeed], units: CommandUnits) -> Document<'a> {
     let points = 0..trace.speeds.len();
     Document {
         rotor,
@@ -212,7 +212,7 @@ fn campbell_document(speeds: &[f64], critical: &[CriticalSpeed]) -> Campbell {
     Campbell {
         lines: ORDERS
             .iter()
-            .map(|&order| Line { order, frequency: speeds.iter().map(|speed| order * speed).collect() })
+            .map(|&order| OrderLine { order, frequency: speeds.iter().map(|speed| order * speed).collect() })
             .collect(),
         critical_speeds: critical
             .iter()
@@ -222,12 +222,12 @@ fn campbell_document(speeds: &[f64], critical: &[CriticalSpeed]) -> Campbell {
 }
 
 /// What the lines of the Campbell diagram are.
-fn lines_text(units: Units) -> String {
+fn lines_text(units: CommandUnits) -> String {
     units.pick("1X and 0.5X: |Im| = R and R / 2", "1X and 0.5X: whirl at and at half of the spin speed").to_owned()
 }
 
 /// One row a speed and branch: the long form that spreadsheets pivot.
-fn poles_table(trace: &Trace, units: Units) -> Table {
+fn poles_table(trace: &Trace, units: CommandUnits) -> Table {
     let mut table = Table::new(units.pick(&POLE_COLUMNS, &POLE_COLUMNS_SI));
     for (at, &speed) in trace.speeds.iter().enumerate() {
         for (k, branch) in trace.branches.iter().enumerate() {
@@ -237,7 +237,7 @@ fn poles_table(trace: &Trace, units: Units) -> Table {
     table
 }
 
-fn critical_table(critical: &[CriticalSpeed], units: Units) -> Table {
+fn critical_table(critical: &[CriticalSpeed], units: CommandUnits) -> Table {
     let mut table = Table::new(units.pick(
         &["line", "speed", "mode", "frequency", "damping", "whirl"],
         &["line", "speed (rpm)", "mode", "frequency (Hz)", "damping", "whirl"],
@@ -257,12 +257,12 @@ fn critical_table(critical: &[CriticalSpeed], units: Units) -> Table {
     table
 }
 
-fn least(trace: &Trace, units: Units) -> String {
+fn least(trace: &Trace, units: CommandUnits) -> String {
     let worst = trace.min_damping().into_iter().zip(&trace.speeds).min_by(|a, b| a.0.total_cmp(&b.0));
     worst.map_or(String::new(), |(zeta, speed)| least_text(zeta, *speed, units))
 }
 
-fn least_text(zeta: f64, speed: f64, units: Units) -> String {
+fn least_text(zeta: f64, speed: f64, units: CommandUnits) -> String {
     let at = units.pick(format!("R = {}", rounded(speed)), units.speed_text(speed));
     format!("least minimum damping {} at {at}", rounded(zeta))
 }

@@ -57,13 +57,13 @@ struct Bench {
     /// Words of a step.
     width: Option<usize>,
     /// Every word of a step, in order.
-    columns: Option<Vec<Column>>,
+    columns: Option<Vec<ColumnEntry>>,
     /// `w0` in rad/s, `K_t` in N/m, `M_t` in kg, `e_t` in m, of a rotor in SI units.
     scales: Option<[f64; 4]>,
 }
 
 #[derive(Debug, Serialize)]
-struct Column {
+struct ColumnEntry {
     place: usize,
     name: String,
     #[serde(rename = "type")]
@@ -160,7 +160,7 @@ impl Bench {
             StepLayout::new(status.masses as usize).with_bearings(status.settings.get().feedback.bearings.len())
         });
         let columns = layout.map(|layout| {
-            let column = |(place, column): (usize, wire::Column)| Column {
+            let column = |(place, column): (usize, wire::Column)| ColumnEntry {
                 place,
                 name: column.name(),
                 kind: kind(column.channel),

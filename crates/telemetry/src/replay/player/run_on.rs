@@ -9,7 +9,7 @@ use crate::feed::Feed;
 use crate::replay::ReplayError;
 use crate::replay::branch::Branch;
 use crate::replay::machine::{BranchPoint, ClockOrigin, RecordedChange};
-use crate::units::Units;
+use crate::units::ScreenUnits;
 use crate::view_time::ViewTime;
 
 impl Player {
@@ -96,7 +96,7 @@ impl Player {
         let bench_status = self.past.bench_status_at(state.seq());
         let rotor = bench_status.rotor()?;
         let settings = bench_status.settings.get().clone();
-        settings.check(&rotor).map_err(|error| ReplayError::settings(error, &Units::DIMENSIONLESS))?;
+        settings.check(&rotor).map_err(|error| ReplayError::settings(error, &ScreenUnits::DIMENSIONLESS))?;
         let substeps = bench_status.substeps.max(1);
         let line = self.line(&state, &settings, substeps)?;
         let (dtau, rate_hz) = (bench_status.dtau, bench_status.rate_hz);

@@ -10,13 +10,13 @@ use rotor::{AssignError, C64, Feedback, Rotor, Settings};
 use serde::Serialize;
 use units::Dimension;
 
-use super::linear::Part;
+use super::linear::ComplexDocument;
 use crate::catalog;
 use crate::failure::Failure;
 use crate::output::{Format, print_json, print_text};
 use crate::place::Force;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 use wanted::Poles;
 
@@ -69,7 +69,7 @@ pub(crate) fn run(args: &AssignArgs) -> Result<(), Failure> {
     if args.cancel {
         return cancel(args, &rotor);
     }
-    let units = Units::of(&rotor);
+    let units = CommandUnits::of(&rotor);
     let mut settings = Settings::new(&rotor, 0.0, catalog::feedback(&rotor, "off")?);
     if let Some(speed) = args.speed {
         units.set(&rotor, &mut settings, "speed".parse()?, speed.typed)?;
@@ -103,7 +103,7 @@ fn cancel(args: &AssignArgs, rotor: &Rotor) -> Result<(), Failure> {
     if let Some(typed) = args.reference.filter(|typed| !typed.number().is_finite()) {
         return Err(Failure::Usage(format!("reference = {typed}: expected a finite number")));
     }
-    let units = Units::of(rotor);
+    let units = CommandUnits::of(rotor);
     let reference = args.reference.map_or(Ok(0.0), |typed| units.read("--reference", typed))?;
     let feedback = rotor::cancelling(rotor, reference).ok_or_else(|| {
         let (name, masses) = (rotor.name(), rotor.len());
@@ -134,8 +134,8 @@ struct Document<'a> {
 
 #[derive(Debug, Serialize)]
 struct Achieved {
-    wanted: Part,
-    achieved: Part,
+    wanted: ComplexDocument,
+    achieved: ComplexDocument,
     error: f64,
 }
 
@@ -154,7 +154,7 @@ impl<'a> Document<'a> {
             feedback: FeedbackDocument(feedback),
             achieved: None,
             largest_error: None,
-            units: Units::of(rotor).document(),
+            units: CommandUnits::of(rotor).document(),
         }
     }
 }

@@ -3,10 +3,10 @@
 use rotor::{C64, ClosedLoop, Influence, PBH_LIMIT, Rotor};
 use serde::Serialize;
 
-use crate::commands::linear::Part;
+use crate::commands::linear::ComplexDocument;
 use crate::failure::Failure;
 use crate::output::{Cell, Format, Table};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// The JSON document of `--table`.
 #[derive(Debug, Serialize)]
@@ -24,7 +24,7 @@ struct ReachOfMode {
     re: f64,
     im: f64,
     whirl: rotor::Whirl,
-    shape: Vec<Part>,
+    shape: Vec<ComplexDocument>,
     controllability: Vec<f64>,
     observability: Vec<f64>,
     pbh: Vec<f64>,
@@ -36,7 +36,7 @@ struct ReachOfMode {
 /// # Errors
 /// Eigenvalues that do not converge.
 pub(super) fn run(rotor: &Rotor, closed_loop: &ClosedLoop, format: Format) -> Result<(), Failure> {
-    let (reach, units) = (rotor::influence(closed_loop)?, Units::of(rotor));
+    let (reach, units) = (rotor::influence(closed_loop)?, CommandUnits::of(rotor));
     let whirl = |pole: C64| rotor::Mode { pole, shape: vec![] }.whirl();
     let reaches = |mode: &Influence, mass: usize| mode.pbh[mass] >= PBH_LIMIT;
     let mut table = Table::new(units.pick(

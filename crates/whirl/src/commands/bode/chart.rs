@@ -6,7 +6,7 @@ use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 use rotor::C64;
 
 use super::{Show, frequency_label};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Decades of frequency below the highest.
 const DECADES: f64 = 1e-3;
@@ -18,7 +18,7 @@ pub(in crate::commands) fn of(
     points: &[FrequencyPoint],
     title: &str,
     show: Show,
-    units: Units,
+    units: CommandUnits,
     scale: f64,
     unit: &str,
     is_loop: bool,
@@ -45,7 +45,7 @@ pub(super) fn wrapped(points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     line
 }
 
-fn amplitude(points: &[FrequencyPoint], title: String, units: Units, scale: f64, unit: &str) -> Chart {
+fn amplitude(points: &[FrequencyPoint], title: String, units: CommandUnits, scale: f64, unit: &str) -> Chart {
     if unit.is_empty() {
         let decibels = |p: &FrequencyPoint| 20.0 * p.value.norm().max(f64::MIN_POSITIVE).log10();
         let sizes = || points.iter().map(decibels);
@@ -61,14 +61,14 @@ fn amplitude(points: &[FrequencyPoint], title: String, units: Units, scale: f64,
     over(points, title, units, y, |p| p.value.norm() * scale)
 }
 
-fn phase(points: &[FrequencyPoint], title: String, units: Units) -> Chart {
+fn phase(points: &[FrequencyPoint], title: String, units: CommandUnits) -> Chart {
     over(points, title, units, Axis::new("phase, degrees", -180.0, 180.0), |p| p.value.arg().to_degrees())
 }
 
 fn over(
     points: &[FrequencyPoint],
     title: String,
-    units: Units,
+    units: CommandUnits,
     y: Axis,
     value: impl Fn(&FrequencyPoint) -> f64,
 ) -> Chart {

@@ -20,7 +20,7 @@ use crate::output::{Cell, Format, Table, print_text, rounded};
 use crate::picture;
 use crate::place::Force;
 use crate::quantity::{self, QuantityRange, TypedQuantity};
-use crate::units::{Units, UnitsDocument};
+use crate::units::{CommandUnits, UnitsDocument};
 
 /// Rows of the table that people see.
 const ROWS: usize = 41;
@@ -295,6 +295,6 @@ fn name(of: TransferFunction, rotor: &rotor::Rotor) -> String {
 }
 
 /// The label of an axis of frequencies.
-fn frequency_label(units: Units) -> &'static str {
+fn frequency_label(units: CommandUnits) -> &'static str {
     units.pick("|frequency|, rad per unit of τ", "|frequency|, Hz")
 }

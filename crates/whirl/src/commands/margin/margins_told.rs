@@ -6,7 +6,7 @@ use serde_json::{Map, Value, json};
 
 use crate::catalog::Machine;
 use crate::output::Cell;
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Why there is none of each of [`WORST`]; of gains, as far as [`linear::STRONGEST`] looks.
 pub(super) const WITHOUT: [&str; WORST.len()] = [
@@ -29,7 +29,7 @@ pub(super) struct MarginsTold<'a> {
     pub(super) speed: f64,
     pub(super) margins: &'a Margins,
     pub(super) force: AmplitudePeak,
-    pub(super) units: Units,
+    pub(super) units: CommandUnits,
     pub(super) zones: [f64; 3],
     /// Mass ratio of the control bearing's mass.
     pub(super) mass: f64,
@@ -37,7 +37,7 @@ pub(super) struct MarginsTold<'a> {
 
 impl<'a> MarginsTold<'a> {
     /// Those of a machine; of several control bearings the worst of each.
-    pub(super) fn of_all(found: &'a MachineMargins, units: Units, zones: [f64; 3], mass: f64) -> Self {
+    pub(super) fn of_all(found: &'a MachineMargins, units: CommandUnits, zones: [f64; 3], mass: f64) -> Self {
         Self { speed: found.speed, margins: &found.margins, force: found.force, units, zones, mass }
     }
 

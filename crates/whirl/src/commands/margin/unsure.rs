@@ -100,7 +100,7 @@ fn part(typed: &str) -> Result<f64, String> {
 
 /// What has come of them.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct UnsureTold {
     /// For scripts: `sensitivities`, `box`, `samples`, those that were asked for.
     pub(super) fields: Map<String, Value>,
     /// For people, after the margins.
@@ -114,9 +114,9 @@ impl Unsure {
     ///
     /// # Errors
     /// A parameter that is none, or a value that it cannot have.
-    pub(super) fn told(&self, machine: &Machine, modes: CountedModes) -> Result<Told, Failure> {
+    pub(super) fn told(&self, machine: &Machine, modes: CountedModes) -> Result<UnsureTold, Failure> {
         let model = Model::new(machine.rotor.clone(), machine.settings.clone()).counting(modes);
-        let mut told = Told::default();
+        let mut told = UnsureTold::default();
         if !(self.tolerance.is_finite() && self.tolerance > 0.0) {
             return Err(Failure::Usage(format!("--tolerance {}: expected a finite number above 0", self.tolerance)));
         }

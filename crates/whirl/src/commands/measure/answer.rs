@@ -49,21 +49,21 @@ struct Document<'a> {
 }
 
 /// A tone, measured and computed.
-struct Row {
+struct ToneRow {
     frequency: f64,
     measured: C64,
     computed: C64,
     coherence: f64,
 }
 
-impl Row {
+impl ToneRow {
     fn difference(&self) -> f64 {
         (self.measured - self.computed).norm() / self.computed.norm()
     }
 }
 
-fn rows(subject: &Subject, measured: &Measured) -> Vec<Row> {
-    let row = |p: &study::measured::MeasuredPoint| Row {
+fn rows(subject: &Subject, measured: &Measured) -> Vec<ToneRow> {
+    let row = |p: &study::measured::MeasuredPoint| ToneRow {
         frequency: p.frequency,
         measured: p.value,
         computed: subject.machine.gain.at(p.frequency).sensitivity(),
@@ -100,7 +100,7 @@ pub(super) fn print(subject: &Subject, plan: &Plan, measured: &Measured, format:
     let curve = subject.machine.gain.margins();
     let worst = rows.iter().max_by(|a, b| a.difference().total_cmp(&b.difference()));
     let least = rows.iter().min_by(|a, b| a.coherence.total_cmp(&b.coherence));
-    let at = |row: Option<&Row>, value: fn(&Row) -> f64| json!({"value": row.map(value), "frequency": row.map(|r| r.frequency)});
+    let at = |row: Option<&ToneRow>, value: fn(&ToneRow) -> f64| json!({"value": row.map(value), "frequency": row.map(|r| r.frequency)});
     let bent_by = bent_by(subject, measured);
     let document = Document {
         rotor: subject.rotor.name(),
@@ -115,7 +115,7 @@ pub(super) fn print(subject: &Subject, plan: &Plan, measured: &Measured, format:
         lost: measured.lost,
         peak: json!({"measured": peaks(&rows, |row| row.measured), "computed": peaks(&rows, |row| row.computed)}),
         curve: curve_peak(curve.sensitivity()),
-        largest_difference: at(worst, Row::difference),
+        largest_difference: at(worst, ToneRow::difference),
         least_coherence: at(least, |row| row.coherence),
         contact: &measured.contact,
         saturated: measured.saturated,
@@ -136,7 +136,7 @@ pub(super) fn print(subject: &Subject, plan: &Plan, measured: &Measured, format:
     format.print(&document, &heading, &table, &footer)
 }
 
-fn point(row: &Row) -> Value {
+fn point(row: &ToneRow) -> Value {
     let of = |z: C64| json!({"re": z.re, "im": z.im, "amplitude": z.norm(), "phase": z.arg().to_degrees()});
     json!({
         "frequency": row.frequency,
@@ -148,7 +148,7 @@ fn point(row: &Row) -> Value {
 }
 
 /// The tone at which `|S|` is largest, of all, of those forward and of those backward.
-fn peaks(rows: &[Row], of: fn(&Row) -> C64) -> Value {
+fn peaks(rows: &[ToneRow], of: fn(&ToneRow) -> C64) -> Value {
     let largest = |wanted: fn(&f64) -> bool| {
         let rows = rows.iter().filter(|row| wanted(&row.frequency));
         rows.map(|row| (of(row).norm(), row.frequency)).max_by(|a, b| a.0.total_cmp(&b.0))
@@ -198,7 +198,13 @@ fn bent_by(subject: &Subject, measured: &Measured) -> Vec<String> {
     told
 }
 
-fn footer(subject: &Subject, measured: &Measured, rows: &[Row], curve: AmplitudePeak, bent_by: &[String]) -> String {
+fn footer(
+    subject: &Subject,
+    measured: &Measured,
+    rows: &[ToneRow],
+    curve: AmplitudePeak,
+    bent_by: &[String],
+) -> String {
     let units = subject.units;
     let at = |frequency: f64| format!("{}{}", rounded(units.frequency(frequency)), units.pick("", " Hz"));
     let largest = rows.iter().max_by(|a, b| a.measured.norm().total_cmp(&b.measured.norm()));

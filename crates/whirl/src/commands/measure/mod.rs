@@ -22,7 +22,7 @@ use crate::output::{self, Format, rounded};
 use crate::picture;
 use crate::place::Force;
 use crate::quantity::{self, QuantityRange};
-use crate::units::Units;
+use crate::units::CommandUnits;
 use collect::Collector;
 use plan::{Amplitude, Bounds, Plan};
 
@@ -67,7 +67,7 @@ pub(crate) struct MeasureArgs {
 struct Subject {
     rotor: Rotor,
     settings: Settings,
-    units: Units,
+    units: CommandUnits,
     dtau: f64,
     rate_hz: f64,
     revision: u64,
@@ -154,7 +154,7 @@ fn look(listener: &mut SharedListener, bench: &BenchName, stop: &AtomicBool) -> 
         Ok(passed < LOOK.0 || steps < LOOK.1)
     })?;
     Ok(Subject {
-        units: Units::with(status.scales()),
+        units: CommandUnits::with(status.scales()),
         dtau: status.dtau,
         rate_hz: status.rate_hz,
         revision: status.revision,

@@ -3,7 +3,7 @@
 use plot::{Axis, Chart, Color, Look, Note, Series, Side};
 use rotor::{C64, Mode, Rotor, ShaftLine};
 
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// So many modes are drawn, one under the other.
 const MOST: usize = 6;
@@ -11,14 +11,14 @@ const MOST: usize = 6;
 const TURNS: f64 = 1e-6;
 
 /// One chart a mode, the slowest first; both senses of whirl of a mode on one where they are neighbours.
-pub(super) fn charts(rotor: &Rotor, modes: &[Mode], units: Units) -> Vec<Chart> {
+pub(super) fn charts(rotor: &Rotor, modes: &[Mode], units: CommandUnits) -> Vec<Chart> {
     let shaft = ShaftLine::of(rotor);
     let mut turning: Vec<&Mode> = modes.iter().filter(|m| m.pole.im.abs() > TURNS * (1.0 + m.pole.norm())).collect();
     turning.sort_by(|a, b| a.pole.im.abs().total_cmp(&b.pole.im.abs()));
     turning.into_iter().take(MOST).map(|mode| chart(rotor, &shaft, mode, units)).collect()
 }
 
-fn chart(rotor: &Rotor, shaft: &ShaftLine, mode: &Mode, units: Units) -> Chart {
+fn chart(rotor: &Rotor, shaft: &ShaftLine, mode: &Mode, units: CommandUnits) -> Chart {
     let (at, shape) = (shaft.positions(), shaft.deflection(&mode.shape));
     // Turned so that as much as can be lies in the plane of the paper.
     let square: C64 = shape.iter().map(|p| p * p).sum();

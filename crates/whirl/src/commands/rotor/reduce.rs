@@ -7,7 +7,7 @@ use crate::catalog;
 use crate::failure::Failure;
 use crate::output::{Cell, Format, Table, rounded};
 use crate::quantity::{self, QuantityRange, TypedQuantity};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Options of `whirl rotor reduce`.
 #[derive(Debug, clap::Args)]
@@ -78,7 +78,7 @@ pub(super) fn run(args: &ReduceArgs) -> Result<(), Failure> {
         let why = "a chain of masses is stepped in its own coordinates: nothing is reduced";
         return Err(Failure::Usage(format!("{}: {why}", rotor.name())));
     };
-    let units = Units::of(&rotor);
+    let units = CommandUnits::of(&rotor);
     let (full, own) = (beam.full(), beam.reduced());
     let asked = args.coordinates.map(|n| full.reduce(beam.drawing(), n as usize)).transpose();
     let asked = asked.map_err(|error| Failure::Usage(error.to_string()))?;

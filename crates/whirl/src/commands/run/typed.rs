@@ -8,7 +8,7 @@ use units::{Dimension, Typed};
 
 use crate::failure::Failure;
 use crate::quantity::{self, TypedQuantity};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// An impulse as typed, the mass counted from 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,7 +92,7 @@ impl ImpulseArg {
     ///
     /// # Errors
     /// An SI unit for a rotor without scales.
-    pub(super) fn value(&self, units: Units) -> Result<(C64, f64), Failure> {
+    pub(super) fn value(&self, units: CommandUnits) -> Result<(C64, f64), Failure> {
         let [y, z] = self.change.map(|along| units.read("--impulse", along));
         Ok((C64::new(y?, z?), units.read_dimensionless("--impulse", self.at)?))
     }
@@ -128,7 +128,7 @@ mod tests {
         let scales = rotor::Scales { w0: 300.0, k_t: 3.6e6, m_t: 40.0, e_t: 20e-6 };
         let value = |typed: &str, scales| {
             let read = read(typed).unwrap();
-            read.value(Units::with(scales)).map(|(change, at)| (read.mass, change, at))
+            read.value(CommandUnits::with(scales)).map(|(change, at)| (read.mass, change, at))
         };
         assert_eq!(value("mass=1,vy=-2.5", None).unwrap(), (1, C64::new(-2.5, 0.0), 0.0));
         assert_eq!(value("vz=1,at=20,mass=3", None).unwrap(), (3, C64::new(0.0, 1.0), 20.0));

@@ -3,7 +3,7 @@
 use plot::{Axis, Chart, Color, Look, Series};
 use study::runup::{RunUp, RunUpPlan};
 
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// Colours of the masses, in turn.
 const COLORS: [Color; 5] = [Color::BLUE, Color::VERMILLION, Color::GREEN, Color::PURPLE, Color::BLACK];
@@ -12,7 +12,7 @@ const COLORS: [Color; 5] = [Color::BLUE, Color::VERMILLION, Color::GREEN, Color:
 type Response = (Vec<f64>, Vec<Vec<f64>>);
 
 /// The two charts.
-pub(super) fn charts(plan: &RunUpPlan, found: &RunUp, steady: Option<&Response>, units: Units) -> [Chart; 2] {
+pub(super) fn charts(plan: &RunUpPlan, found: &RunUp, steady: Option<&Response>, units: CommandUnits) -> [Chart; 2] {
     let masses = plan.rotor.len();
     let [low, high] = plan.profile.speeds();
     let axis = |label: &str, to: f64| Axis::new(label, units.speed(low), to);

@@ -7,11 +7,11 @@ use wire::message::Trip;
 use wire::{Event, EventMessage, Happening};
 
 use crate::output::{padded, rounded};
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// One JSON line.
 #[derive(Debug, Serialize)]
-struct Line<'a> {
+struct EventLine<'a> {
     number: u64,
     /// Events that came before this one, after the line before it, and did not reach us.
     lost: u64,
@@ -57,7 +57,7 @@ impl Teller {
     }
 
     /// The line of one event, without its end.
-    pub(super) fn line(&mut self, event: &Event, units: Units, json: bool) -> String {
+    pub(super) fn line(&mut self, event: &Event, units: CommandUnits, json: bool) -> String {
         let settings = event.settings.get().clone();
         let known = self.last.take().filter(|(run_id, ..)| *run_id == event.run_id);
         let lost = known.as_ref().map_or(0, |(_, number, _)| event.number.saturating_sub(number + 1));
@@ -79,7 +79,7 @@ impl Teller {
 }
 
 /// `speed 2.5 -> 3`, in the units of the machine.
-fn words(difference: &Difference, (units, masses): (Units, ControlMasses)) -> Vec<String> {
+fn words(difference: &Difference, (units, masses): (CommandUnits, ControlMasses)) -> Vec<String> {
     let values = difference.values.iter();
     let values = values.map(|ChangedValue { key, label, was, is }| {
         let [was, is] = [*was, *is].map(|value| units.value(masses, *key, value));
@@ -99,7 +99,7 @@ fn for_people(
     event: &Event,
     happening: Option<&Happening>,
     changed: Option<&Difference>,
-    units: (Units, ControlMasses),
+    units: (CommandUnits, ControlMasses),
 ) -> String {
     let mut words_of = match (happening, changed) {
         (Some(Happening::Settings), Some(changed)) if !changed.is_empty() => words(changed, units).join(", "),
@@ -120,10 +120,10 @@ fn document<'a>(
     happening: Option<&Happening>,
     changed: Option<&Difference>,
     settings: &Settings,
-) -> Line<'a> {
+) -> EventLine<'a> {
     let number = |key| Value::from(settings.get(key).ok());
     let values = settings.keys().into_iter().map(|key| (key.to_string(), number(key)));
-    Line {
+    EventLine {
         number: event.number,
         lost,
         event: happening.map_or("unknown", Happening::name),
@@ -139,7 +139,7 @@ fn document<'a>(
         },
         detail: match happening {
             Some(Happening::Settings) => Detail::Settings {
-                changed: changed.map(|changed| words(changed, (Units::with(None), ControlMasses::default()))),
+                changed: changed.map(|changed| words(changed, (CommandUnits::with(None), ControlMasses::default()))),
             },
             Some(Happening::Impulse { mass, velocity }) => {
                 Detail::Impulse { mass: mass + 1, vy: velocity.re, vz: velocity.im }

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde::Serialize;
 use serde_json::{Map, Value};
-use telemetry::units::{Unit, Units};
+use telemetry::units::{ScreenUnits, Unit};
 use wire::Channel;
 use wire::message::Flags;
 use wire::{BenchName, HostState, Listener, SharedListener, Step, WireError};
@@ -45,13 +45,13 @@ pub(crate) struct TailArgs {
 
 /// One JSON line.
 #[derive(Debug, Serialize)]
-struct Line {
+struct StepLine {
     seq: u64,
     /// Steps that were sent before this one, after the line before it, and did not reach us.
     lost: u64,
     tau: f64,
     speed: f64,
-    masses: Vec<Place>,
+    masses: Vec<MassDocument>,
     force: Force,
     revision: u64,
     flags: Vec<String>,
@@ -81,7 +81,7 @@ const TOLD: [Channel; 12] = [
 ];
 
 #[derive(Debug, Serialize)]
-struct Place {
+struct MassDocument {
     y: f64,
     z: f64,
     vy: f64,
@@ -101,18 +101,18 @@ struct InSi {
     time: f64,
     speed_rpm: f64,
     /// In m and m/s.
-    masses: Vec<Place>,
+    masses: Vec<MassDocument>,
     /// In N, of the first control bearing.
     force: Force,
 }
 
 impl InSi {
-    fn of(state: &impl Step, units: &Units) -> Option<Self> {
+    fn of(state: &impl Step, units: &ScreenUnits) -> Option<Self> {
         let scales = units.scales?;
         let place = |p: wire::Point| {
             let [y, z] = [p.y, p.z].map(|length| scales.metres(length));
             let [vy, vz] = [p.vy, p.vz].map(|velocity| scales.metres(velocity) * scales.w0);
-            Place { y, z, vy, vz }
+            MassDocument { y, z, vy, vz }
         };
         let [y, z] = state.force_delivered().map(|force| force * units.force.factor);
         Some(Self {
@@ -124,8 +124,8 @@ impl InSi {
     }
 }
 
-impl Line {
-    fn new(state: &impl Step, lost: u64, units: &Units) -> Self {
+impl StepLine {
+    fn new(state: &impl Step, lost: u64, units: &ScreenUnits) -> Self {
         let [y, z] = state.force_delivered();
         let others = state.layout().columns().zip(state.words()).filter(|(column, _)| !TOLD.contains(&column.channel));
         let value = |channel: Channel, word: u64| {
@@ -136,7 +136,7 @@ impl Line {
             lost,
             tau: state.tau(),
             speed: state.speed(),
-            masses: state.points().map(|p| Place { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
+            masses: state.points().map(|p| MassDocument { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
             force: Force { y, z },
             revision: state.revision(),
             flags: state.flags().names(),
@@ -153,7 +153,7 @@ pub(super) fn gap(lost: u64, what: &str) -> String {
 }
 
 /// The same for people, in the units of the machine: step, time, where the masses are, control, and what is special.
-fn for_people(state: &impl Step, lost: u64, units: &Units) -> String {
+fn for_people(state: &impl Step, lost: u64, units: &ScreenUnits) -> String {
     let mut line = gap(lost, "steps");
     let is_si = units.scales.is_some();
     let _ = match units.scales {
@@ -178,11 +178,11 @@ fn for_people(state: &impl Step, lost: u64, units: &Units) -> String {
 }
 
 /// The units of the machine on a bench.
-fn units_of(listener: &mut SharedListener, bench: &BenchName) -> Result<Units, Failure> {
+fn units_of(listener: &mut SharedListener, bench: &BenchName) -> Result<ScreenUnits, Failure> {
     let bench_status = attach::first_bench_status(listener, bench)?;
     let rotor = bench_status.rotor().ok();
-    let units = rotor.map(|rotor| Units::of_machine(&rotor, &bench_status.settings.get().feedback));
-    Ok(units.unwrap_or(Units::DIMENSIONLESS))
+    let units = rotor.map(|rotor| ScreenUnits::of_machine(&rotor, &bench_status.settings.get().feedback));
+    Ok(units.unwrap_or(ScreenUnits::DIMENSIONLESS))
 }
 
 /// Prints until the count is reached, a signal comes, or the simulation ends.
@@ -195,8 +195,10 @@ pub(crate) fn run(args: &TailArgs) -> Result<(), Failure> {
     let mut listener = attach::listen(&attach::carrier("tail")?, &bench)?;
     let mut printer: Box<dyn Printer> = if args.events {
         let bench_status = attach::first_bench_status(&mut listener, &bench)?;
-        let (units, teller) =
-            (crate::units::Units::with(bench_status.scales()), events::Teller::of(bench_status.rotor().ok().as_ref()));
+        let (units, teller) = (
+            crate::units::CommandUnits::with(bench_status.scales()),
+            events::Teller::of(bench_status.rotor().ok().as_ref()),
+        );
         Box::new(Happenings { teller, units, json: args.json })
     } else {
         let units = units_of(&mut listener, &bench)?;
@@ -243,7 +245,7 @@ struct Steps {
     every: u64,
     json: bool,
     /// Those in which people are told; scripts read dimensionless numbers too.
-    units: Units,
+    units: ScreenUnits,
     last: Option<(u64, u64)>,
     /// Lost since the last line.
     untold: u64,
@@ -266,7 +268,7 @@ impl Printer for Steps {
                 let untold = std::mem::take(&mut self.untold);
                 if self.json {
                     // A line of plain numbers and words always serialises.
-                    *lines += &serde_json::to_string(&Line::new(&state, untold, &self.units)).unwrap_or_default();
+                    *lines += &serde_json::to_string(&StepLine::new(&state, untold, &self.units)).unwrap_or_default();
                 } else {
                     *lines += &for_people(&state, untold, &self.units);
                 }
@@ -283,7 +285,7 @@ impl Printer for Steps {
 
 struct Happenings {
     teller: events::Teller,
-    units: crate::units::Units,
+    units: crate::units::CommandUnits,
     json: bool,
 }
 
@@ -320,7 +322,7 @@ mod tests {
         for (at, column) in layout.number_columns().enumerate() {
             state = state.with(column.channel, column.index, 0.5 + at as f64);
         }
-        let line = serde_json::to_value(Line::new(&state, 0, &Units::DIMENSIONLESS)).unwrap();
+        let line = serde_json::to_value(StepLine::new(&state, 0, &ScreenUnits::DIMENSIONLESS)).unwrap();
         for column in layout.columns() {
             let told = line[column.name()].as_f64();
             if column.channel.is_number() && !TOLD.contains(&column.channel) {
@@ -348,10 +350,10 @@ mod tests {
         let scales = rotor::Scales { w0: 300.0, k_t: 3.6e6, m_t: 40.0, e_t: 20e-6 };
         let mass = |mass| rotor::PhysicalMass { mass, bearing_stiffness: 1.8e6, unbalance: 1e-5, ..Default::default() };
         let two = rotor::Rotor::from_si("two", vec![mass(30.0), mass(10.0)], vec![1e6], None).unwrap();
-        let units = Units::of(Some(scales), rotor::ControlMasses::of(&two, &rotor::Feedback::new(1, vec![])));
+        let units = ScreenUnits::of(Some(scales), rotor::ControlMasses::of(&two, &rotor::Feedback::new(1, vec![])));
         let state = State::new(StepLayout::new(1)).with_point(0, wire::Point { y: 2.0, z: -1.0, vy: 0.5, vz: 0.0 });
         let state = state.with(Channel::Tau, 0, 30.0).with(Channel::Speed, 0, 1.0).with(Channel::ForceY, 0, 3.0);
-        let line = serde_json::to_value(Line::new(&state, 0, &units)).unwrap();
+        let line = serde_json::to_value(StepLine::new(&state, 0, &units)).unwrap();
         let found = |pointer: &str| line.pointer(pointer).and_then(Value::as_f64).unwrap();
         for (pointer, value) in [
             ("/si/time", 0.1),
@@ -368,6 +370,8 @@ mod tests {
         ] {
             assert!((found(pointer) / value - 1.0).abs() < 1e-12, "{pointer}: {line}");
         }
-        assert!(serde_json::to_value(Line::new(&state, 0, &Units::DIMENSIONLESS)).unwrap().get("si").is_none());
+        assert!(
+            serde_json::to_value(StepLine::new(&state, 0, &ScreenUnits::DIMENSIONLESS)).unwrap().get("si").is_none()
+        );
     }
 }

@@ -8,7 +8,7 @@ use tuner::{Corner, Structure, Tuned};
 
 use crate::failure::Failure;
 use crate::output::{Cell, Table};
-use crate::units::Units;
+use crate::units::CommandUnits;
 use crate::varied::By;
 
 /// Corners as typed: a key that names one or several, and how far they may move.
@@ -48,7 +48,7 @@ pub(super) fn chosen(
     typed: &[Freed],
     template: Option<&Feedback>,
     rotor: &Rotor,
-    units: Units,
+    units: CommandUnits,
 ) -> Result<Vec<Corner>, Failure> {
     let Some(first) = typed.first() else { return Ok(Vec::new()) };
     let known = template.map_or_else(Vec::new, Corner::all);
@@ -121,7 +121,7 @@ pub(super) fn document(structure: &Structure, tuned: &Tuned) -> Vec<Value> {
 }
 
 /// Adds what was found to a table of gains, in the units of feedback files; `wide` has a column of speeds.
-pub(super) fn add(table: &mut Table, structure: &Structure, tuned: &Tuned, units: Units, wide: bool) {
+pub(super) fn add(table: &mut Table, structure: &Structure, tuned: &Tuned, units: CommandUnits, wide: bool) {
     for (corner, found) in structure.corners().iter().zip(&tuned.corners) {
         let (filter, number) = parts(&corner.name);
         let value = Cell::from(units.quantity(corner.dimension, 1.0, *found));

@@ -15,7 +15,7 @@ use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
 use crate::quantity::TypedQuantity;
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// The whole question.
 #[derive(Debug)]
@@ -124,8 +124,8 @@ impl Asked {
     }
 
     /// Its units.
-    pub(super) fn units(&self) -> Units {
-        Units::of(self.rotor())
+    pub(super) fn units(&self) -> CommandUnits {
+        CommandUnits::of(self.rotor())
     }
 
     /// Every choice of bearing and sensors.
@@ -265,7 +265,7 @@ fn family(args: &TuneArgs, rotor: &Rotor, [from, to]: [f64; 2]) -> Result<Family
         family.push(axis(varied, rotor)?)?;
     }
     if let Some(delay) = args.delay {
-        let [from, to] = delay.ends("--delay", Units::of(rotor))?;
+        let [from, to] = delay.ends("--delay", CommandUnits::of(rotor))?;
         family.push(FamilyAxis { quantity: FamilyQuantity::Delay, from, to })?;
     }
     Ok(family)
@@ -301,7 +301,7 @@ fn bound(args: &TuneArgs, rotor: &Rotor, template: Option<&Feedback>) -> Result<
 }
 
 /// What is made as good as can be; of several criteria the first of all, damping ratios.
-fn measure(args: &TuneArgs, units: Units) -> Result<Measure, Failure> {
+fn measure(args: &TuneArgs, units: CommandUnits) -> Result<Measure, Failure> {
     if !args.criteria.is_empty() {
         return Ok(Measure::default());
     }
@@ -339,12 +339,12 @@ pub(super) fn weights(args: &TuneArgs) -> Result<Option<Measure>, Failure> {
 }
 
 /// The region that is typed.
-pub(super) fn region(args: &TuneArgs, units: Units) -> Result<Option<Measure>, Failure> {
+pub(super) fn region(args: &TuneArgs, units: CommandUnits) -> Result<Option<Measure>, Failure> {
     args.region.map(|typed| Ok(Measure::Region(typed.value(units)?))).transpose()
 }
 
 /// The cost that is typed, or usual.
-pub(super) fn cost(args: &TuneArgs, units: Units) -> Result<Measure, Failure> {
+pub(super) fn cost(args: &TuneArgs, units: CommandUnits) -> Result<Measure, Failure> {
     args.cost.map_or(Ok(Measure::Cost(Cost::default())), |typed| Ok(Measure::Cost(typed.value(units)?)))
 }
 

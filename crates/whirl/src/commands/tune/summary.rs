@@ -9,7 +9,7 @@ use super::answer::Document;
 use super::corners;
 use super::question::Asked;
 use crate::output::rounded;
-use crate::units::Units;
+use crate::units::CommandUnits;
 
 /// What a person wants to know of the answer, in lines.
 pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>) -> Vec<String> {
@@ -100,7 +100,7 @@ pub(super) fn summary(asked: &Asked, problem: &Problem, document: &Document<'_>)
 }
 
 /// A speed that was found, not typed: six digits are enough.
-pub(super) fn speed_text(units: Units, speed: Option<f64>) -> String {
+pub(super) fn speed_text(units: CommandUnits, speed: Option<f64>) -> String {
     units.speed_text((speed.unwrap_or(f64::NAN) * 1e6).round() / 1e6)
 }
 

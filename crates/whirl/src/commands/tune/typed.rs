@@ -9,7 +9,7 @@ use units::{Dimension, Typed};
 
 use crate::failure::Failure;
 use crate::quantity::TypedQuantity;
-use crate::units::Units;
+use crate::units::CommandUnits;
 use crate::varied::{By, Varied};
 
 /// What drives the bearing.
@@ -114,7 +114,7 @@ impl TypedRegion {
     ///
     /// # Errors
     /// A unit of a machine that has none.
-    pub(super) fn value(self, units: Units) -> Result<tuner::Region, Failure> {
+    pub(super) fn value(self, units: CommandUnits) -> Result<tuner::Region, Failure> {
         let [damping, decay, frequency] = self.0.map(|part| part.map(|of| units.read("--region", of)).transpose());
         Ok(tuner::Region { damping: damping?, decay: decay?, frequency: frequency? })
     }
@@ -125,7 +125,7 @@ impl TypedCost {
     ///
     /// # Errors
     /// A unit of a machine that has none.
-    pub(super) fn value(self, units: Units) -> Result<tuner::Cost, Failure> {
+    pub(super) fn value(self, units: CommandUnits) -> Result<tuner::Cost, Failure> {
         let [force, noise, corner] = self.0.map(|part| part.map(|of| units.read("--cost", of)).transpose());
         let usual = tuner::Cost::default();
         Ok(tuner::Cost {
@@ -243,7 +243,7 @@ impl FromStr for Span {
 
 impl Span {
     /// The ends, in `tau`.
-    pub(super) fn ends(self, option: &str, units: Units) -> Result<[f64; 2], Failure> {
+    pub(super) fn ends(self, option: &str, units: CommandUnits) -> Result<[f64; 2], Failure> {
         let end = |typed| units.read(option, TypedQuantity { dimension: Dimension::Time, typed });
         let (from, to) = (end(self.from)?, end(self.to)?);
         if from <= to { Ok([from, to]) } else { Err(Failure::Usage(format!("{option}: {}", RangeError::Form))) }
@@ -278,7 +278,7 @@ pub(super) fn axis(varied: &Varied, rotor: &Rotor) -> Result<FamilyAxis, Failure
     let (from, to) = match &varied.by {
         By::Range(ends) => {
             let ends = crate::varied::read(&varied.key, ends, Dimension::Number)?;
-            let range = Units::of(rotor).read_ends(1.0, &varied.key, ends, |alone| alone)?;
+            let range = CommandUnits::of(rotor).read_ends(1.0, &varied.key, ends, |alone| alone)?;
             (range.from, range.to)
         }
         &By::Part(part) => {
