@@ -344,27 +344,6 @@ impl<'a> App<'a> {
         Some(WhatIf::of(rotor, settings)?.on(rotor, bench_status.dtau, bench_status.rate_hz))
     }
 
-    /// What became of an edit.
-    pub(crate) fn take_outcome(&mut self, outcome: EditOutcome) {
-        match outcome {
-            EditOutcome::Done(text) => self.tell(Message::Good(text)),
-            EditOutcome::Swapped(text, before) => {
-                self.held = Some(*before);
-                self.tell(Message::Good(text));
-            }
-            EditOutcome::Refused(text) => self.tell(Message::Bad(text)),
-            EditOutcome::Asks(edit, settings, harms) => {
-                let why = self.question_of(&harms);
-                // No key that was meant for something else may answer.
-                if self.layers.is_empty() {
-                    self.layers.push(Layer::AskUnstable(edit, settings, why));
-                } else if !matches!(self.layers.last(), Some(Layer::AskUnstable(..))) {
-                    self.tell(Message::Bad(format!("{}: not done", why.whole())));
-                }
-            }
-        }
-    }
-
     /// What time alone brings. Returns whether it shows.
     pub(crate) fn tick(&mut self) -> bool {
         let mut shows = self.watch_alarms();

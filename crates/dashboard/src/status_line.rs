@@ -7,7 +7,8 @@
 //!
 //! A machine too fast for one Runge-Kutta step a step has `34 substeps` behind its rate.
 
-use alarms::{Alarms, Level};
+mod alarms_told;
+
 use ratatui::buffer::Buffer;
 use ratatui::layout::Rect;
 use ratatui::style::{Color, Style};
@@ -24,6 +25,9 @@ use crate::{recorder_sign, theme};
 use telemetry::connection::Connection;
 use telemetry::frame_data::FrameData;
 use telemetry::units::ScreenUnits;
+
+use alarms_told::alarms_within;
+pub(crate) use alarms_told::draw_alarms;
 
 /// How things stand, in one word and its colour.
 pub(crate) fn run_state(data: &FrameData, paused: bool) -> (&'static str, Color) {
@@ -167,43 +171,6 @@ fn fitted(mut parts: Vec<(u8, Span<'_>)>, room: usize) -> Line<'_> {
     Line::from(parts.into_iter().map(|(_, part)| part).collect::<Vec<_>>())
 }
 
-/// The alarms with the names of as many levels as `room` has, the worst first; of the others how many there are, and as the last resort
-/// their signs alone.
-fn alarms_within(alarms: &Alarms, room: usize) -> Line<'static> {
-    let told = |named: &[Level]| Line::from(alarms_told(alarms, named, false).collect::<Vec<_>>());
-    let named: [&[Level]; 3] = [&[Level::Alarm, Level::Warning], &[Level::Alarm], &[]];
-    let signs = || Line::from(alarms_told(alarms, &[], true).collect::<Vec<_>>());
-    named.into_iter().map(told).find(|line| line.width() <= room).unwrap_or_else(signs)
-}
-
-/// Alarms at the right edge, over what is told there: an alarm has one place, and is never pushed off the screen.
-pub(crate) fn draw_alarms(alarms: &Alarms, area: Rect, buffer: &mut Buffer) {
-    let told = alarms_within(alarms, usize::from(area.width));
-    let width = (told.width() as u16).min(area.width);
-    write_line(buffer, Rect { x: area.right() - width, width, ..area }, told);
-}
-
-/// The alarms that must be shown, the worst first: a sign and a word for the level, then what is past its limit, or for levels that are not
-/// among `named` how many. On a bar until they are acknowledged.
-fn alarms_told(alarms: &Alarms, named: &[Level], signs: bool) -> impl Iterator<Item = Span<'static>> {
-    [Level::Alarm, Level::Warning].into_iter().flat_map(move |level| {
-        [true, false].into_iter().filter_map(move |unseen| {
-            let here = alarms.standings().filter(|(_, standing, _)| standing.shown() == level);
-            let names: Vec<&str> = here
-                .filter(|(_, standing, _)| (standing.unseen == level) == unseen)
-                .map(|(watch, ..)| watch.name())
-                .collect();
-            let what = if named.contains(&level) { names.join(", ") } else { names.len().to_string() };
-            let words = theme::level_words(level);
-            let words = if signs { words.split(' ').next().unwrap_or(words) } else { words };
-            let text = format!(" {words} {what} ");
-            let color = theme::level_color(level);
-            let style = if unseen { theme::badge(color) } else { theme::loud(color) };
-            (!names.is_empty()).then(|| Span::styled(text, style))
-        })
-    })
-}
-
 /// The line at the foot: what is being typed or asked, else the last message, else what the keys do.
 pub(crate) fn draw_foot(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     let prompt = |sign: &str, line: &LineEditor| {
@@ -262,6 +229,7 @@ fn told<'a>(view: &'a View<'_>, width: u16) -> Line<'a> {
 mod tests {
     use std::time::Duration;
 
+    use alarms::Alarms;
     use wire::RecorderState;
     use wire::message::Trip;
 

@@ -13,10 +13,11 @@ use linear::DelaySystem;
 use nalgebra::DMatrix;
 use rotor::{C64, Characteristic, LinearForm};
 
-use crate::model::{Model, VariationError};
+use crate::model::Model;
 use crate::parameter::{Parameter, Quantity};
 use crate::sensitivity::NoSlope;
 use crate::stencil::{STEP, Weighted, about};
+use crate::variation_error::VariationError;
 
 /// A root whose vectors have a product as small as this has no slope: it is several in one.
 const SEVERAL: f64 = 1e-7;

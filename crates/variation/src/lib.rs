@@ -30,10 +30,12 @@ mod parameter;
 mod samples;
 mod sensitivity;
 mod stencil;
+mod variation_error;
 mod worst;
 
-pub use model::{Model, VariationError};
+pub use model::Model;
 pub use parameter::{Parameter, Quantity};
 pub use samples::{Distribution, Samples, SamplesError, Share, draw, quantile, samples, values};
 pub use sensitivity::{DampingSlope, NoSlope, Sensitivities, Sensitivity, damping_sensitivities, sensitivities};
+pub use variation_error::VariationError;
 pub use worst::{Range, Worst, worst};

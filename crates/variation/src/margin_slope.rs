@@ -14,10 +14,11 @@ use machine::{BearingMargins, MachineLoop, MachineMargins, WORST};
 use rotor::{C64, LinearForm};
 
 use crate::form_slope::{Change, delayed, of_delay};
-use crate::model::{Model, VariationError};
+use crate::model::Model;
 use crate::parameter::Parameter;
 use crate::sensitivity::NoSlope;
 use crate::stencil::{Weighted, about};
+use crate::variation_error::VariationError;
 
 /// A margin of a loop that is opened at one bearing.
 #[derive(Clone, Copy, Debug)]

@@ -1,65 +1,14 @@
 //! A machine as it is said to be, and the same with other numbers.
 
-use beam::{Drawing, Sketch};
+mod changed;
+
 use control::Filter;
-use linear::DelayError;
-use machine::{CountedModes, MachinePoles, MarginsError, PolesError};
-use rotor::{
-    C64, FIELDS, Feedback, Gain, LinearForm, Mass, OperatingPoint, Plant, Rotor, RotorError, Settings, SettingsError,
-};
+use machine::{CountedModes, MachinePoles};
+use rotor::{C64, FIELDS, Feedback, LinearForm, OperatingPoint, Plant, Rotor, Settings, SettingsError};
 
 use crate::drawn::{DRAWN, Drawn, TOGETHER, Together};
 use crate::parameter::{Parameter, Quantity};
-
-/// Why a number cannot be another, or nothing can be said of a machine.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum VariationError {
-    /// No parameter of that name.
-    #[error("no parameter '{found}': there are {known}")]
-    Unknown {
-        /// What was found.
-        found: String,
-        /// What there is, in words.
-        known: String,
-    },
-    /// A value that the parameter cannot have.
-    #[error("{name} = {found}: expected {expected}")]
-    Value {
-        /// The parameter.
-        name: String,
-        /// The value.
-        found: f64,
-        /// What it may be.
-        expected: String,
-    },
-    /// A setting that cannot be.
-    #[error(transparent)]
-    Setting(#[from] SettingsError),
-    /// Numbers of which no rotor can be made.
-    #[error(transparent)]
-    Rotor(#[from] RotorError),
-    /// A drawing that is none.
-    #[error(transparent)]
-    Drawing(#[from] beam::DrawingError),
-    /// Poles that cannot be had.
-    #[error(transparent)]
-    Poles(#[from] PolesError),
-    /// Margins that cannot be had.
-    #[error(transparent)]
-    Margins(#[from] MarginsError),
-}
-
-impl From<DelayError> for VariationError {
-    fn from(error: DelayError) -> Self {
-        Self::Poles(error.into())
-    }
-}
-
-impl From<control::FeedbackError> for VariationError {
-    fn from(error: control::FeedbackError) -> Self {
-        Self::Poles(error.into())
-    }
-}
+use crate::variation_error::VariationError;
 
 /// A machine as it is said to be: rotor and settings, its speed among them.
 #[derive(Clone, Debug, PartialEq)]
@@ -275,84 +224,6 @@ impl Model {
         }
     }
 
-    /// The same machine with other values of some of its parameters. A drawing keeps its scales, shapes and places.
-    ///
-    /// # Errors
-    /// A value that a parameter cannot have, or a machine that cannot be.
-    pub fn with(&self, changes: &[(&Parameter, f64)]) -> Result<Self, VariationError> {
-        let mut made = self.clone();
-        let mut chain: Option<(Vec<Mass>, Vec<f64>)> = None;
-        let mut sketch: Option<Sketch> = None;
-        let of_beam = |beam: &rotor::BeamRotor| beam.drawing().clone().into_sketch();
-        let drawn = || self.rotor.beam().map(of_beam).unwrap_or_default();
-        let lumped = || (self.rotor.masses().to_vec(), self.rotor.shafts().to_vec());
-        for (parameter, value) in changes {
-            let value = *value;
-            let admit = |is_allowed: bool, expected: &str| match is_allowed {
-                true => Ok(()),
-                false => {
-                    let (name, expected) = (parameter.name.clone(), expected.to_owned());
-                    Err(VariationError::Value { name, found: value, expected })
-                }
-            };
-            match &parameter.quantity {
-                Quantity::Setting(key) => made.settings.set(*key, value)?,
-                Quantity::Field { field, mass } => {
-                    let domain = FIELDS[*field].domain;
-                    admit(domain.admits(value), domain.words())?;
-                    let (masses, _) = chain.get_or_insert_with(lumped);
-                    let mut values = masses[*mass].values();
-                    values[*field] = value;
-                    masses[*mass] = Mass::from_values(values);
-                }
-                Quantity::Shaft(shaft) => {
-                    admit(value.is_finite() && value >= 0.0, "a finite number, not negative")?;
-                    chain.get_or_insert_with(lumped).1[*shaft] = value;
-                }
-                Quantity::Drawn { row, at } => {
-                    admit(value.is_finite(), "a finite number")?;
-                    (row.set)(sketch.get_or_insert_with(drawn), *at, value);
-                }
-                Quantity::Factor(_) => admit((0.0..=1.0).contains(&value), "a number from 0 to 1")?,
-                Quantity::LoopGain(_) => admit(value.is_finite(), "a finite number")?,
-                Quantity::Filter { .. } | Quantity::Together { .. } => {
-                    admit(value.is_finite() && value > 0.0, "a finite number greater than 0")?;
-                }
-            }
-        }
-        // Factors act on whatever the other changes have left.
-        for (parameter, value) in changes {
-            match &parameter.quantity {
-                Quantity::Factor(mass) => {
-                    chain.get_or_insert_with(lumped).0[*mass].bearing_stiffness *= value;
-                }
-                Quantity::Together { of, at } => {
-                    let sketch = sketch.get_or_insert_with(drawn);
-                    for row in of.rows(sketch, *at) {
-                        let own = (row.get)(sketch, *at).unwrap_or_default();
-                        (row.set)(sketch, *at, own * value);
-                    }
-                }
-                Quantity::LoopGain(bearing) => scale(&mut made.settings.feedback, *bearing, *value),
-                Quantity::Filter { filter, number } => {
-                    if let Some(of) = filter_mut(&mut made.settings.feedback, *filter)
-                        && let Some(place) = of.positive_mut(*number)
-                    {
-                        *place = *value;
-                    }
-                }
-                _ => {}
-            }
-        }
-        if let Some((masses, shafts)) = chain {
-            made.rotor = Rotor::new(self.rotor.name(), masses, shafts)?;
-        }
-        if let Some(sketch) = sketch {
-            made.rotor = self.rotor.redrawn(Drawing::new(sketch)?)?;
-        }
-        Ok(made)
-    }
-
     /// Its smallest damping ratio, of the modes that count.
     ///
     /// # Errors
@@ -384,21 +255,4 @@ fn filters(feedback: &Feedback) -> impl Iterator<Item = &Filter> {
         .bearings
         .iter()
         .flat_map(|bearing| bearing.signals.iter().flat_map(|signal| &signal.filters).chain(&bearing.filters))
-}
-
-/// The `place`-th of [`filters`], to change.
-fn filter_mut(feedback: &mut Feedback, place: usize) -> Option<&mut Filter> {
-    let all = feedback.bearings.iter_mut().flat_map(|bearing| {
-        bearing.signals.iter_mut().flat_map(|signal| &mut signal.filters).chain(&mut bearing.filters)
-    });
-    all.into_iter().nth(place)
-}
-
-fn scale(feedback: &mut Feedback, bearing: Option<usize>, factor: f64) {
-    for (k, of) in feedback.bearings.iter_mut().enumerate() {
-        if bearing.is_none_or(|bearing| bearing == k) {
-            let gains = of.signals.iter_mut().flat_map(|signal| &mut signal.gains);
-            gains.for_each(|gain: &mut Gain| *gain = gain.scaled(factor));
-        }
-    }
 }

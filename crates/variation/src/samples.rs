@@ -6,8 +6,9 @@
 
 use rayon::prelude::*;
 
-use crate::model::{Model, VariationError};
+use crate::model::Model;
 use crate::parameter::Parameter;
+use crate::variation_error::VariationError;
 use crate::worst::Range;
 
 /// Half the range in standard deviations, of a normal distribution.

@@ -9,8 +9,9 @@ use rotor::{C64, Characteristic, damping_ratio};
 
 use crate::form_slope::Change;
 use crate::margin_slope::Critical;
-use crate::model::{Model, VariationError};
+use crate::model::Model;
 use crate::parameter::Parameter;
+use crate::variation_error::VariationError;
 
 /// Modes whose damping is within this of the smallest, relative to it, share it.
 const SHARED: f64 = 1e-9;

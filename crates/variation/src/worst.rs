@@ -8,10 +8,11 @@ use rayon::prelude::*;
 use rotor::Gain;
 use tuner::{Family, FamilyAxis, FamilyQuantity, Problem, Schedule, Stop, Structure};
 
-use crate::model::{Model, VariationError};
+use crate::model::Model;
 use crate::parameter::{Parameter, Quantity};
 use crate::samples::draw;
 use crate::sensitivity::damping_sensitivities;
+use crate::variation_error::VariationError;
 
 /// Corners that the search starts from: of a chain, and of a drawing, which takes a thousand times as long.
 const STARTS: [u64; 2] = [48, 4];

@@ -14,44 +14,22 @@ mod excite;
 mod external;
 mod flow;
 mod law_row;
+mod loop_error;
 mod save;
 
 use std::collections::VecDeque;
 
 use law_row::{Chain, LawRow, Noise};
+pub use loop_error::LoopError;
 
 use crate::block::Sampled;
 use crate::delay_line::{DelayLine, Stretch};
-use crate::{C64, ControlBearing, Excitation, FeedbackError, LinearLoop, Parts};
+use crate::{C64, ControlBearing, Excitation, LinearLoop, Parts};
 
 /// More stretches of delay than this are refused: 5 MB.
 const MOST_STRETCHES: f64 = 65_536.0;
 /// Times that differ by less than this share of a step are one: sums of steps round.
 const SAME_TIME: f64 = 1e-9;
-
-/// Why a loop cannot work at a step.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum LoopError {
-    /// The feedback itself is not in order.
-    #[error(transparent)]
-    Feedback(#[from] FeedbackError),
-    /// Samples closer together than steps.
-    #[error("sample = {sample}: shorter than a step of {dtau}; expected at least that, or dtau = {sample}")]
-    SampleWithinStep {
-        /// The period asked for.
-        sample: f64,
-        /// The step.
-        dtau: f64,
-    },
-    /// A delay of more steps than are remembered.
-    #[error("delay = {delay} is {:.0} steps of {dtau}: at most {MOST_STRETCHES:.0} are remembered", delay / dtau)]
-    DelayTooLong {
-        /// The delay asked for.
-        delay: f64,
-        /// The step, or the sampling period.
-        dtau: f64,
-    },
-}
 
 /// What a loop sees in one stage.
 #[derive(Clone, Copy, Debug)]

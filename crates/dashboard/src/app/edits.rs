@@ -2,13 +2,14 @@
 
 use rotor::{C64, Key, Settings};
 use telemetry::drill::{self, DrillError, FaultOrder};
-use telemetry::edits::{Edit, Harm};
+use telemetry::edits::{Edit, EditOutcome, Harm};
 use telemetry::reader::lock;
 use telemetry::units::ScreenUnits;
 use units::Typed;
 
 use super::{App, LOCKED};
 use crate::actions::Action;
+use crate::layers::Layer;
 use crate::question::Question;
 use crate::view::Message;
 
@@ -16,6 +17,27 @@ use crate::view::Message;
 const IMPULSE: f64 = -2.5;
 
 impl App<'_> {
+    /// What became of an edit.
+    pub(crate) fn take_outcome(&mut self, outcome: EditOutcome) {
+        match outcome {
+            EditOutcome::Done(text) => self.tell(Message::Good(text)),
+            EditOutcome::Swapped(text, before) => {
+                self.held = Some(*before);
+                self.tell(Message::Good(text));
+            }
+            EditOutcome::Refused(text) => self.tell(Message::Bad(text)),
+            EditOutcome::Asks(edit, settings, harms) => {
+                let why = self.question_of(&harms);
+                // No key that was meant for something else may answer.
+                if self.layers.is_empty() {
+                    self.layers.push(Layer::AskUnstable(edit, settings, why));
+                } else if !matches!(self.layers.last(), Some(Layer::AskUnstable(..))) {
+                    self.tell(Message::Bad(format!("{}: not done", why.whole())));
+                }
+            }
+        }
+    }
+
     /// Sets the selected setting to what was typed.
     pub(super) fn take_value(&mut self, text: &str) {
         let Some(key) = self.selected() else { return };

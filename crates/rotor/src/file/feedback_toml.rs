@@ -6,9 +6,10 @@ use text::{Domain, Faults, Reader, Table, Value, as_number};
 use toml::de::DeValue;
 use units::Units;
 
+use super::known_rotor::KnownRotor;
 use super::loop_toml;
 use crate::parameters::is_setting;
-use crate::{BeamRotor, ControlBearing, Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
+use crate::{ControlBearing, Feedback, Gain, GainKind, MAX_MASSES, PARAMETERS, Rotor, Signal};
 use control::MAX_BEARINGS;
 
 /// Reads feedback for `rotor`, whose units a file may use for its loop: `units = "si"`.
@@ -26,15 +27,6 @@ pub fn read_feedback_for(text: &str, rotor: &Rotor) -> Result<Feedback, Faults> 
 /// All that is wrong with the file, or does not fit the rotor, with lines and columns.
 pub fn read_feedback(text: &str, masses: Option<usize>) -> Result<Feedback, Faults> {
     read(text, masses, None)
-}
-
-/// The rotor that feedback is read for, as far as it is known.
-struct KnownRotor<'r> {
-    /// How many masses it has.
-    masses: usize,
-    /// What a number of a mass is, in words that follow "expected".
-    of: &'static str,
-    rotor: Option<&'r Rotor>,
 }
 
 fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feedback, Faults> {
@@ -86,39 +78,6 @@ fn read(text: &str, masses: Option<usize>, rotor: Option<&Rotor>) -> Result<Feed
         reader.told(at, &error.to_string(), "bearings that can be closed together");
     }
     reader.finish(feedback)
-}
-
-impl KnownRotor<'_> {
-    fn beam(&self) -> Option<&BeamRotor> {
-        self.rotor.and_then(Rotor::beam)
-    }
-
-    /// The key by which a place is called.
-    fn key(&self) -> &'static str {
-        if self.beam().is_some() { "station" } else { "mass" }
-    }
-
-    /// The largest number of a place.
-    fn most(&self) -> usize {
-        self.beam().map_or(self.masses, |beam| beam.drawing().stations())
-    }
-
-    /// What is expected of a place.
-    fn words(&self) -> String {
-        match self.beam() {
-            Some(_) => "station = a number of the drawing, or the name of a magnetic bearing or sensor,".to_owned(),
-            None => format!("mass = {}, 1 to {}", self.of, self.masses),
-        }
-    }
-
-    /// The place of a magnetic bearing or sensor of that name: of a bearing where it pulls, or where it `senses`.
-    fn named(&self, name: &str, senses: bool) -> Option<usize> {
-        let beam = self.beam()?;
-        let magnetic = beam.drawing().magnetics.iter().find(|of| of.name == name);
-        let magnetic = magnetic.map(|of| if senses { of.sensor } else { of.station });
-        let sensor = || beam.drawing().sensors.iter().find(|of| of.name == name).map(|of| of.station);
-        beam.coordinate(magnetic.or_else(sensor)?)
-    }
 }
 
 /// The place under a key, counted from 0: of a chain its mass; of shaft elements a station of the drawing, by its number or by the name of

@@ -14,6 +14,7 @@
 mod document;
 mod feedback_text;
 mod feedback_toml;
+mod known_rotor;
 mod loop_toml;
 mod profile_toml;
 mod rotor_toml;

@@ -1,6 +1,7 @@
-use rotor::builtin;
+use rotor::{Rotor, Settings, builtin};
 
 use super::*;
+use crate::units::ScreenUnits;
 
 fn three_mass() -> (Rotor, Settings) {
     let rotor = builtin::rotor("three-mass").unwrap();
