@@ -86,7 +86,7 @@ pub(crate) fn run(args: &DrillArgs) -> Result<(), Failure> {
         return Err(Failure::Usage(format!("--at and --size are of a fault, and '{name}' is none")));
     }
     let stop = interrupt::flag()?;
-    let mut bench = Bench::attach(args)?;
+    let mut bench = DrilledBench::attach(args)?;
     match wanted {
         Wanted::Off => {
             let made = bench.put_back()?.ok_or_else(|| {
@@ -170,7 +170,7 @@ fn tell(made: &Made, json: bool) -> Result<(), Failure> {
 }
 
 /// Holds a drill from its first step to its end, and leaves nothing of it however it ends.
-fn hold(bench: &mut Bench, drill: &Drill, json: bool, stop: &AtomicBool) -> Result<(), Failure> {
+fn hold(bench: &mut DrilledBench, drill: &Drill, json: bool, stop: &AtomicBool) -> Result<(), Failure> {
     let began = Instant::now();
     let held = drill.steps.iter().try_for_each(|step| {
         bench.wait_until(began + Duration::from_secs_f64(step.at), stop)?;
@@ -190,7 +190,7 @@ fn hold(bench: &mut Bench, drill: &Drill, json: bool, stop: &AtomicBool) -> Resu
 }
 
 /// A bench, and what is known of its drills.
-struct Bench {
+struct DrilledBench {
     name: BenchName,
     listener: <wire::SharedMemory as wire::Carrier>::Listener,
     commander: <wire::SharedMemory as wire::Carrier>::Commander,
@@ -200,7 +200,7 @@ struct Bench {
     force: bool,
 }
 
-impl Bench {
+impl DrilledBench {
     fn attach(args: &DrillArgs) -> Result<Self, Failure> {
         let name = args.bench.name()?;
         let carrier = attach::carrier("drill")?;

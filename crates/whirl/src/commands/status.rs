@@ -25,7 +25,7 @@ pub(crate) struct StatusArgs {
 /// The JSON document.
 #[derive(Debug, Serialize)]
 struct Document {
-    benches: Vec<Bench>,
+    benches: Vec<BenchDocument>,
     /// Where dashboards log, if `WHIRL_LOG` asks them to.
     log: String,
 }
@@ -33,7 +33,7 @@ struct Document {
 /// One bench, as scripts read it. Of one that does not answer only the name and the processes are known: the rest is
 /// `null`, and `why` says so.
 #[derive(Debug, Serialize)]
-struct Bench {
+struct BenchDocument {
     name: String,
     answers: bool,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -200,7 +200,7 @@ impl Attached {
     }
 }
 
-impl Bench {
+impl BenchDocument {
     /// A bench as its bench status tells it; without one, as it is seen from outside, and why there is none.
     fn new(
         name: String,
@@ -334,7 +334,7 @@ pub(crate) fn run(args: &StatusArgs) -> Result<(), Failure> {
         };
         let attached =
             entry.processes.into_iter().map(|process| Attached { role: process.role, pid: process.pid }).collect();
-        benches.push(Bench::new(entry.name.to_string(), told, attached, recording));
+        benches.push(BenchDocument::new(entry.name.to_string(), told, attached, recording));
     }
     let mut table = Table::new(&[
         "bench",

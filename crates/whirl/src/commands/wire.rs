@@ -30,7 +30,7 @@ struct Document {
     /// The root of this user's benches.
     root: String,
     iceoryx2: Iceoryx2,
-    bench: Bench,
+    bench: BenchOnWire,
     services: Vec<ServiceEntry>,
     state: State,
     messages: Vec<Message>,
@@ -48,7 +48,7 @@ struct Iceoryx2 {
 
 /// The bench that was asked for; what only a running one can say is `null` of another.
 #[derive(Debug, Serialize)]
-struct Bench {
+struct BenchOnWire {
     name: String,
     running: bool,
     rotor: Option<String>,
@@ -154,7 +154,7 @@ struct FieldEntry {
     meaning: String,
 }
 
-impl Bench {
+impl BenchOnWire {
     fn new(name: &BenchName, told: Option<&BenchStatus>) -> Self {
         let layout = told.map(|status| {
             StepLayout::new(status.masses as usize).with_bearings(status.settings.get().feedback.bearings.len())
@@ -291,7 +291,7 @@ pub(crate) fn run(args: &WireArgs) -> Result<(), Failure> {
             prefix: root.prefix().to_owned(),
             schema_attribute: SCHEMA_ATTRIBUTE,
         },
-        bench: Bench::new(&name, told.as_deref()),
+        bench: BenchOnWire::new(&name, told.as_deref()),
         services: services?,
         state: State::new(),
         messages: messages(),

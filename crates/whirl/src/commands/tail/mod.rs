@@ -52,7 +52,7 @@ struct StepLine {
     tau: f64,
     speed: f64,
     masses: Vec<MassDocument>,
-    force: Force,
+    force: ForceDocument,
     revision: u64,
     flags: Vec<String>,
     run_id: String,
@@ -89,7 +89,7 @@ struct MassDocument {
 }
 
 #[derive(Debug, Serialize)]
-struct Force {
+struct ForceDocument {
     y: f64,
     z: f64,
 }
@@ -103,7 +103,7 @@ struct InSi {
     /// In m and m/s.
     masses: Vec<MassDocument>,
     /// In N, of the first control bearing.
-    force: Force,
+    force: ForceDocument,
 }
 
 impl InSi {
@@ -119,7 +119,7 @@ impl InSi {
             time: scales.seconds(state.tau()),
             speed_rpm: scales.rpm(state.speed()),
             masses: state.points().map(place).collect(),
-            force: Force { y, z },
+            force: ForceDocument { y, z },
         })
     }
 }
@@ -137,7 +137,7 @@ impl StepLine {
             tau: state.tau(),
             speed: state.speed(),
             masses: state.points().map(|p| MassDocument { y: p.y, z: p.z, vy: p.vy, vz: p.vz }).collect(),
-            force: Force { y, z },
+            force: ForceDocument { y, z },
             revision: state.revision(),
             flags: state.flags().names(),
             run_id: format!("{:016x}", state.run_id()),
