@@ -95,3 +95,36 @@ fn a_rotor_that_floats_free_in_its_clearances_is_marginal_in_words_and_in_json()
     let found = run(&["run", path, "--speed", "1", "--duration", "20", "--json"]).json();
     assert_eq!((&found["centre_stability"], &found["centre_growth"]), (&"marginal".into(), &0.0.into()));
 }
+
+#[test]
+fn regress_orbits_that_cannot_be_judged_are_told_and_do_not_end_the_command() {
+    let asked = ["jeffcott", "--feedback", "cancel", "--over", "0.5..2", "--points", "2", "--deadband", "0.5"];
+    let response = |delay: &str, rest: &[&str]| run(&[&["response"], &asked[..], &["--set", delay], rest].concat());
+    let late = response("delay=5000", &["--json"]).json();
+    for point in late["points"].as_array().unwrap() {
+        let branches = point["branches"].as_array().unwrap();
+        assert!(!branches.is_empty(), "{point}");
+        for branch in branches {
+            assert!(branch["stable"].is_null() && branch["growth"].is_null() && branch["force"].is_f64(), "{branch}");
+            for why in ["stable_null", "growth_null"] {
+                assert!(branch[why].as_str().unwrap().contains("too"), "{branch}");
+            }
+        }
+    }
+    let text = response("delay=5000", &[]).stdout;
+    assert!(text.contains("unknown") && text.contains("the stability of") && text.contains("too many roots"), "{text}");
+    let judged = response("delay=0.05", &["--json"]).json();
+    let first = &judged["points"][0]["branches"][0];
+    assert!(first["growth"].is_f64() && first.get("growth_null").is_none(), "{first}");
+    // Cycles too: nothing to be judged is no error.
+    let cycles = run(&[&["cycles"], &asked[..], &["--set", "delay=5000"]].concat());
+    assert!(cycles.stdout.contains("limit cycle"), "{cycles:?}");
+}
+
+#[test]
+fn regress_the_sensitivity_of_the_rig_has_a_bound() {
+    let document = run(&["margin", "rig", "--speed", "6000", "--json"]).json();
+    let found = &document["largest_sensitivity"];
+    let [peak, below] = ["peak", "below"].map(|name| found[name].as_f64().unwrap_or_else(|| panic!("{found}")));
+    assert!(peak <= below * (1.0 + 1e-9) && below <= 1.003 * peak, "{found}");
+}

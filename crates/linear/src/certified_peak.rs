@@ -10,7 +10,8 @@
 //!
 //! (Boyd, Balakrishnan and Kabamba 1989). So where there is no eigenvalue on the axis, no frequency reaches the level; and where
 //! there are, the peak lies between two of them, which is how it is found (Bruinsma and Steinbuch 1990). A delay has no such
-//! matrix: there the axis is covered with stretches, each with a bound of its own ([`crate::covered`]).
+//! matrix: there the axis is covered with stretches, each with a bound of its own ([`crate::covered`]). So it is where rounding leaves the
+//! Hamiltonian unsure, as that of a stiff shaft ([`crate::covered_fractions`]).
 
 use std::convert::Infallible;
 
@@ -46,7 +47,8 @@ const MOST_WORK: u64 = 100_000_000;
 pub enum PeakProof {
     /// The Hamiltonian matrix of the level has no eigenvalue on the imaginary axis.
     Hamiltonian,
-    /// The axis is covered with stretches on each of which a bound of the second order is below it.
+    /// The axis is covered with stretches on each of which a bound of the second order is below it: with a delay, or where rounding leaves
+    /// that matrix unsure.
     Covered,
 }
 
@@ -67,7 +69,7 @@ impl DelaySystem {
     /// The peak of the sensitivity of this loop, opened between `C` and `B`, over the imaginary axis. It says nothing of stability,
     /// without which the peak means nothing.
     ///
-    /// Without a delay `below` is within about 1e-8 of `amplitude`, with one within `tolerance`, both relative.
+    /// `below` is within about 1e-8 of `amplitude` by a Hamiltonian matrix, and within `tolerance` where the axis is covered, both relative.
     ///
     /// # Errors
     /// Eigenvalues that cannot be had; or a root so near the axis that there is no bound.
@@ -77,7 +79,13 @@ impl DelaySystem {
             let Some((amplitude, at, below)) = found else { return Err(DelayError::NoBound) };
             return Ok(CertifiedPeak { amplitude, frequency: at.map(|at| at[0]), below, proof: PeakProof::Covered });
         }
-        level_sets(&self.balanced)
+        let best = match level_sets(&self.balanced)? {
+            Levels::Proven(peak) => return Ok(peak),
+            Levels::Unsure(best) => best,
+        };
+        let covered = self.balanced.peak_by_fractions(best, tolerance);
+        let (amplitude, frequency, below) = covered.ok_or(DelayError::NoBound)?;
+        Ok(CertifiedPeak { amplitude, frequency, below, proof: PeakProof::Covered })
     }
 
     /// How many stretches are looked at. Each takes the cube of the states: a bound of a large loop is not waited for.
@@ -87,7 +95,15 @@ impl DelaySystem {
     }
 }
 
-fn level_sets(system: &Balanced) -> Result<CertifiedPeak, DelayError> {
+/// What levels tell.
+enum Levels {
+    /// A peak that none exceeds.
+    Proven(CertifiedPeak),
+    /// The largest value that was found, and where: rounding leaves open whether another is larger.
+    Unsure((f64, Option<f64>)),
+}
+
+fn level_sets(system: &Balanced) -> Result<Levels, DelayError> {
     let closed = &system.a + &system.b * &system.c;
     let mut best = (1.0, None);
     let see = |best: &mut (f64, Option<f64>), w: f64| {
@@ -108,11 +124,12 @@ fn level_sets(system: &Balanced) -> Result<CertifiedPeak, DelayError> {
         let mut on_axis = on_the_axis(system, &closed, level)?;
         if on_axis.is_empty() {
             if !is_seen(system, &closed, best, &poles)? {
-                return Err(DelayError::NoBound);
+                return Ok(Levels::Unsure(best));
             }
             let (amplitude, frequency) = system.climbed(best, &poles);
             let below = level.max(amplitude);
-            return Ok(CertifiedPeak { amplitude, frequency, below, proof: PeakProof::Hamiltonian });
+            let peak = CertifiedPeak { amplitude, frequency, below, proof: PeakProof::Hamiltonian };
+            return Ok(Levels::Proven(peak));
         }
         on_axis.sort_by(f64::total_cmp);
         let between: Vec<f64> = on_axis.windows(2).map(|pair| 0.5 * (pair[0] + pair[1])).collect();
@@ -126,7 +143,7 @@ fn level_sets(system: &Balanced) -> Result<CertifiedPeak, DelayError> {
             }
         }
     }
-    Err(DelayError::NoBound)
+    Ok(Levels::Unsure(best))
 }
 
 /// Whether a level just below the peak that is known crosses the axis next to it: what does not see that peak, because rounding has moved its

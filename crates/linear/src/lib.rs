@@ -37,6 +37,7 @@ mod balance;
 mod certified_peak;
 mod count;
 mod covered;
+mod covered_fractions;
 mod curve;
 mod eigenvalues;
 mod guess;

@@ -30,19 +30,21 @@ const ON: f64 = 1e-12;
 const ALIKE: f64 = 1e-8;
 /// The direction in which they are compared beside an eigenvalue, in radians.
 const ASIDE: f64 = 0.7;
+/// What rounding may do to a fraction, beside it.
+pub(crate) const ROUNDING: f64 = 1e-2 * ALIKE;
 /// What rounding may do to `G`, beside its own inverse, for turns to be trusted.
 const ROUGH: f64 = 0.05;
 
 /// `H` as a sum over the eigenvalues of `A`.
-struct PartialFractions<'a> {
+pub(crate) struct PartialFractions<'a> {
     of: &'a Balanced,
-    poles: Vec<C64>,
+    pub(crate) poles: Vec<C64>,
     /// `c_k`, column by column.
-    c: DMatrix<C64>,
+    pub(crate) c: DMatrix<C64>,
     /// `b_k`, row by row.
-    b: DMatrix<C64>,
+    pub(crate) b: DMatrix<C64>,
     /// `|c_k| |b_k|`, as far as they are not turned by `G`.
-    weights: Vec<f64>,
+    pub(crate) weights: Vec<f64>,
 }
 
 /// `G` at a point of the line.
@@ -57,7 +59,7 @@ struct Point {
 
 impl<'a> PartialFractions<'a> {
     /// `None` where motions are missing or so alike that fractions of them are no `H`.
-    fn of(system: &'a Balanced) -> Option<Self> {
+    pub(crate) fn of(system: &'a Balanced) -> Option<Self> {
         let poles = eigenvalues(system.a.clone()).ok()?;
         let motions: Option<Vec<_>> = motions_of(&system.a, &poles)?.into_iter().collect();
         let motions = DMatrix::from_columns(&motions?);
@@ -67,7 +69,7 @@ impl<'a> PartialFractions<'a> {
         made.is_alike().then_some(made)
     }
 
-    fn at(&self, s: C64) -> DMatrix<C64> {
+    pub(crate) fn at(&self, s: C64) -> DMatrix<C64> {
         let mut sum = DMatrix::zeros(self.c.nrows(), self.b.ncols());
         for (k, pole) in self.poles.iter().enumerate() {
             sum.gemm((s - pole).inv(), &self.c.column(k), &self.b.row(k), C64::ONE);
@@ -123,7 +125,7 @@ impl<'a> PartialFractions<'a> {
         let (mut turned, mut step) = (0.0, radius);
         for _ in 0..MOST_STEPS {
             let near = self.weights.iter().zip(&here.distances);
-            let rounding = ALIKE * 1e-2 * near.map(|(weight, d)| weight / d).sum::<f64>();
+            let rounding = ROUNDING * near.map(|(weight, d)| weight / d).sum::<f64>();
             if here.gain.inverse.norm() * late * rounding > ROUGH {
                 return Ok(None);
             }

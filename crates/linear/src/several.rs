@@ -34,6 +34,9 @@ impl SeveralLoops {
     }
 }
 
+/// Of points on either side of a sharp top both are lower than it: such a part of the highest point of all may belong to a higher top.
+const NEARLY: f64 = 0.7;
+
 fn delay(gain: &LoopGain, at: &[f64]) -> Option<DelayMargin> {
     let of = |w: f64| loci(&gain.matrix(w).gain);
     let curve: Vec<(f64, Vec<C64>)> = at.iter().map(|w| (*w, of(*w))).collect();
@@ -45,19 +48,19 @@ fn delay(gain: &LoopGain, at: &[f64]) -> Option<DelayMargin> {
 fn largest(gain: &LoopGain, at: &[f64]) -> AmplitudePeak {
     let of = |w: f64| gain.matrix(w).largest_sensitivity();
     let values: Vec<f64> = at.iter().map(|w| of(*w)).collect();
+    let highest = values.iter().copied().fold(1.0, f64::max);
     let mut best = AmplitudePeak { amplitude: 1.0, frequency: None };
     for k in 0..values.len() {
         let beside = [k.saturating_sub(1), (k + 1).min(values.len() - 1)];
-        if values[k] <= best.amplitude || beside.iter().any(|b| values[*b] > values[k]) {
+        if values[k] <= NEARLY * highest || beside.iter().any(|b| values[*b] > values[k]) {
             continue;
         }
         let w = crate::peak::top(at[beside[0]], at[beside[1]], of);
         let top = of(w);
-        best = if top > values[k] {
-            AmplitudePeak { amplitude: top, frequency: Some(w) }
-        } else {
-            AmplitudePeak { amplitude: values[k], frequency: Some(at[k]) }
-        };
+        let (top, w) = if top > values[k] { (top, w) } else { (values[k], at[k]) };
+        if top > best.amplitude {
+            best = AmplitudePeak { amplitude: top, frequency: Some(w) };
+        }
     }
     best
 }

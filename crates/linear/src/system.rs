@@ -180,6 +180,11 @@ impl Balanced {
         self.a.nrows()
     }
 
+    /// The same with its loop closed, which is no way around it where there is a delay.
+    pub(crate) fn closed(&self) -> Self {
+        Self { a: &self.a + &self.b * &self.c, ..self.clone() }
+    }
+
     /// What a coordinate is divided by in these.
     pub(crate) fn scale(&self, coordinate: usize) -> f64 {
         self.scales[coordinate]

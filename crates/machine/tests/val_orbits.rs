@@ -6,6 +6,11 @@ use machine::{LinearForm, Machine, Program};
 use rotor::circular::{CircularError, End, Orbit, cycles, synchronous};
 use rotor::{C64, Feedback, J, Mass, OperatingPoint, Plant, Rotor, Settings, builtin};
 
+/// The rate of an orbit that can be judged.
+fn growth(orbit: &Orbit) -> f64 {
+    *orbit.growth.as_ref().expect("judged")
+}
+
 /// The loops: every part alone, and all of them.
 fn loops() -> Vec<(&'static str, Feedback)> {
     let rotor = builtin::rotor("three-mass").expect("built in");
@@ -95,8 +100,8 @@ fn val_without_clearance_the_response_of_every_loop_is_that_of_its_matrices() {
         let poles = machine::min_damping(&rotor, &settings(&rotor, &feedback, speed, 0.0), speed).expect("converges");
         assert_eq!(orbit.is_stable(), poles > 0.0, "{what}");
         let rightmost = machine::MachinePoles::of(&rotor, &settings(&rotor, &feedback, speed, 0.0)).expect("converges");
-        let growth = rightmost.modes.iter().map(|m| m.pole.re).fold(f64::NEG_INFINITY, f64::max);
-        assert!((orbit.growth - growth).abs() < 1e-8, "{what}: {} for {growth}", orbit.growth);
+        let fastest = rightmost.modes.iter().map(|m| m.pole.re).fold(f64::NEG_INFINITY, f64::max);
+        assert!((growth(orbit) - fastest).abs() < 1e-8, "{what}: {} for {fastest}", growth(orbit));
     }
 }
 
@@ -154,7 +159,7 @@ fn a_loop_that_is_almost_ideal_has_the_orbits_of_the_ideal_one() {
             for (a, b) in exact.iter().zip(&near) {
                 let apart = a.amplitude.iter().zip(&b.amplitude).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
                 assert!(apart < 1e-3 * (1.0 + a.largest_radius()), "{tiny:?} at {speed}: {a:?} {b:?}");
-                assert!((a.growth - b.growth).abs() < 1e-3, "{tiny:?} at {speed}: {} {}", a.growth, b.growth);
+                assert!((growth(a) - growth(b)).abs() < 1e-3, "{tiny:?} at {speed}: {} {}", growth(a), growth(b));
             }
         }
     }
@@ -278,4 +283,45 @@ fn no_cycles_of_the_rig_are_made_up() {
         [3700.0, 4100.0, 5033.0 + 1.0 / 3.0, 5133.0 + 1.0 / 3.0, 6466.0 + 2.0 / 3.0].map(|rpm| scales.speed(rpm));
     let found = cycles(&rotor, &feedback, &rotor.deadbands(), &speeds).expect("converges");
     assert!(found.orbits.iter().all(Vec::is_empty), "{:?}", found.orbits);
+}
+
+/// A delay so long that its roots have no end to count: the orbits are what they are all the same.
+#[test]
+fn regress_an_orbit_that_cannot_be_judged_is_told_as_such() {
+    let rotor = builtin::rotor("jeffcott").expect("built in");
+    let mut late = builtin::feedback(&rotor, "cancel").expect("built in");
+    let speeds = [0.5, 2.0];
+    let of = |feedback: &Feedback| synchronous(&rotor, feedback, &[0.5], &speeds).expect("orbits");
+    late.bearings[0].parts.delay = 5000.0;
+    let found = of(&late);
+    assert!(found.orbits.iter().all(|here| !here.is_empty()), "{found:?}");
+    for orbit in found.orbits.iter().flatten().chain(found.curves.iter().flat_map(|curve| &curve.orbits)) {
+        let why = orbit.stability().expect_err("no count has an end");
+        assert!(matches!(why, CircularError::Roots(_) | CircularError::NotTried(_)) && !orbit.is_stable(), "{why}");
+    }
+    assert!(Orbit::largest_stable(&found.orbits[0]).is_err());
+    // Cycles are sought from the poles that there are without the delay.
+    assert!(cycles(&rotor, &late, &[0.5], &speeds).is_ok());
+    // Where it ends all are judged.
+    late.bearings[0].parts.delay = 0.05;
+    assert!(of(&late).orbits.iter().flatten().all(|orbit| orbit.growth.is_ok()));
+}
+
+#[test]
+fn the_largest_stable_orbit_is_not_known_below_one_that_cannot_be_judged() {
+    let of = |radius: f64, growth: Result<f64, CircularError>| Orbit {
+        speed: 1.0,
+        frequency: 1.0,
+        amplitude: vec![C64::from(radius)],
+        contact: 0,
+        force: 0.0,
+        forces: vec![0.0],
+        growth,
+    };
+    let lost = || Err(CircularError::Stopped);
+    let radius = |orbits: &[Orbit]| Orbit::largest_stable(orbits).map(|orbit| orbit.map(Orbit::largest_radius)).ok();
+    assert_eq!(radius(&[of(1.0, Ok(-0.1)), of(2.0, Ok(0.1))]), Some(Some(1.0)));
+    assert_eq!(radius(&[of(1.0, Ok(-0.1)), of(0.5, lost())]), Some(Some(1.0)));
+    assert_eq!(radius(&[of(1.0, Ok(-0.1)), of(2.0, lost())]), None);
+    assert_eq!(radius(&[of(1.0, Ok(0.1))]), Some(None));
 }

@@ -120,8 +120,8 @@ proptest! {
         let closed_loop = ClosedLoop::new(&rotor, &feedback, speed, &deadband);
         let dtau = Fastest::of(&closed_loop).expect("poles").longest_step();
         let exact = synchronous(&rotor, &feedback, &deadband, &[speed]).expect("solved");
-        for orbit in exact.orbits[0].iter().filter(|orbit| orbit.growth < -0.02) {
-            let steps = 12.0 / -orbit.growth / dtau;
+        for orbit in exact.orbits[0].iter().filter(|orbit| orbit.growth.as_ref().is_ok_and(|growth| *growth < -0.02)) {
+            let steps = 12.0 / -orbit.growth.clone().expect("judged") / dtau;
             if steps > 1e5 {
                 continue;
             }

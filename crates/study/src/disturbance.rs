@@ -8,7 +8,8 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use machine::{Machine, PolesError, Program};
-use rotor::{C64, FeedbackError, Stability, circular};
+use rotor::circular::{self, CircularError};
+use rotor::{C64, FeedbackError, Stability};
 
 /// How small a disturbance is, as a part of the motion.
 const PART: f64 = 1e-7;
@@ -57,9 +58,12 @@ pub fn slowest_seen() -> f64 {
     COMES_AND_GOES.ln() / WATCHED
 }
 
-impl From<circular::Orbit> for DisturbanceGrowth {
-    fn from(orbit: circular::Orbit) -> Self {
-        Self { stability: orbit.stability(), growth: orbit.growth, by: Means::Eigenvalues }
+impl TryFrom<circular::Orbit> for DisturbanceGrowth {
+    type Error = CircularError;
+
+    fn try_from(orbit: circular::Orbit) -> Result<Self, CircularError> {
+        let growth = orbit.growth?;
+        Ok(Self { stability: Stability::of(C64::from(growth)), growth, by: Means::Eigenvalues })
     }
 }
 
@@ -70,7 +74,7 @@ impl From<circular::Orbit> for DisturbanceGrowth {
 /// Eigenvalues that do not converge.
 pub(crate) fn of_centre(program: &Program, speed: f64) -> Result<Option<DisturbanceGrowth>, PolesError> {
     if let Some(closed_loop) = program.closed_loop().filter(|closed_loop| closed_loop.speed() == speed) {
-        return Ok(Some(circular::centre(closed_loop)?.into()));
+        return Ok(Some(circular::centre(closed_loop)?.try_into()?));
     }
     let growth = match program.growth_at_centre(speed) {
         Err(PolesError::Feedback(FeedbackError::Anisotropic { .. })) => return Ok(None),
@@ -90,7 +94,7 @@ pub(crate) fn of_orbit(program: &Program, rotor: &Machine) -> Result<Option<Dist
     let Some(closed_loop) = known else { return Ok(None) };
     let motion = rotor.motion();
     let orbit = circular::orbit_of(closed_loop, motion.angle, motion.displacement, motion.velocity)?;
-    Ok(orbit.map(Into::into))
+    Ok(orbit.map(TryInto::try_into).transpose()?)
 }
 
 /// A motion that has settled and is not circular, going on in steps of `dtau`; `None` if `stop` is raised meanwhile.

@@ -271,13 +271,12 @@ impl MapPlan {
             MapQuantity::Orbit | MapQuantity::Force => self.size(&extent(&self.run(&model, x, y)?, stop)?),
             MapQuantity::Cycle | MapQuantity::CycleFrequency => {
                 let found = circular::cycles(rotor, &settings.feedback, &settings.deadband, &[settings.speed])?;
-                let stable = found.orbits.iter().flatten().filter(|orbit| orbit.stability().is_stable() == Some(true));
-                let largest = stable.max_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
-                match (largest, self.quantity) {
-                    (Some(orbit), MapQuantity::Cycle) => orbit.largest_radius(),
-                    (Some(orbit), _) => orbit.frequency,
-                    (None, MapQuantity::Cycle) => 0.0,
-                    (None, _) => f64::NAN,
+                match (circular::Orbit::largest_stable(found.orbits.iter().flatten()), self.quantity) {
+                    (Ok(Some(orbit)), MapQuantity::Cycle) => orbit.largest_radius(),
+                    (Ok(Some(orbit)), _) => orbit.frequency,
+                    (Ok(None), MapQuantity::Cycle) => 0.0,
+                    // No cycle has no frequency; nor has one that may or may not last, nor a size.
+                    (Ok(None) | Err(_), _) => f64::NAN,
                 }
             }
         })

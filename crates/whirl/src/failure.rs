@@ -107,7 +107,9 @@ impl From<rotor::circular::CircularError> for Failure {
         match error {
             CircularError::Stopped => Self::Interrupted,
             CircularError::Sampled | CircularError::Feedback(_) => Self::Usage(error.to_string()),
-            CircularError::Poles(_) | CircularError::Roots(_) => Self::Work(error.to_string()),
+            CircularError::Poles(_) | CircularError::Roots(_) | CircularError::NotTried(_) => {
+                Self::Work(error.to_string())
+            }
         }
     }
 }

@@ -4,6 +4,7 @@
 //! On an orbit the sensors see `c exp(j w tau)`, so the whole loop, delay and filters and all, is one complex row `H(j w)`:
 //! no approximation. Only a sampled loop is none of this: its hold leaves a ripple, and the orbit is no circle.
 
+use std::cell::Cell;
 use std::rc::Rc;
 
 use control::LinearLoop;
@@ -26,6 +27,8 @@ pub(super) struct Around {
     /// Each with the mass that carries its bearing.
     loops: Rc<Vec<(usize, LinearLoop)>>,
     delay: f64,
+    /// Whether roots could not be counted once: then they are not counted again for starts of a search.
+    uncounted: Rc<Cell<bool>>,
 }
 
 /// What one control bearing answers to the whirl of one sensor.
@@ -43,15 +46,26 @@ pub(super) struct Answer {
 }
 
 impl Around {
-    /// The loop of `feedback`.
+    /// The loop of `feedback`; `uncounted` is shared by all speeds of one question.
     ///
     /// # Errors
     /// Feedback that does not fit.
-    pub(super) fn new(plant: &Rc<Plant>, feedback: &Feedback, speed: f64) -> Result<Self, FeedbackError> {
+    pub(super) fn new(
+        plant: &Rc<Plant>,
+        feedback: &Feedback,
+        speed: f64,
+        uncounted: &Rc<Cell<bool>>,
+    ) -> Result<Self, FeedbackError> {
         let stations = plant.stations().len();
         let linear = |bearing: &ControlBearing| Ok((bearing.station, LinearLoop::new(bearing, stations, speed)?));
         let loops: Result<Vec<_>, FeedbackError> = feedback.bearings.iter().map(linear).collect();
-        Ok(Self { plant: plant.clone(), speed, loops: Rc::new(loops?), delay: feedback.delay() })
+        Ok(Self {
+            plant: plant.clone(),
+            speed,
+            loops: Rc::new(loops?),
+            delay: feedback.delay(),
+            uncounted: uncounted.clone(),
+        })
     }
 
     /// How many control bearings there are.
@@ -88,14 +102,23 @@ impl Around {
         Some(a + b * c)
     }
 
-    /// Poles with shares of the bearings' stiffness; with a delay all that are more than its echoes.
+    /// Poles with shares of the bearings' stiffness, from which cycles are sought; with a delay all that are more than its echoes, or, where
+    /// those cannot be counted, the poles that there are without it.
     ///
     /// # Errors
     /// Poles that cannot be had.
     pub(super) fn poles(&self, factors: Vec<f64>) -> Result<Vec<C64>, DelayError> {
         let Some([a, b, c]) = self.matrices(factors) else { return Ok(Vec::new()) };
         let system = DelaySystem::new(a, b, c, self.delay)?;
-        Ok(system.roots_right_of(system.echo_line())?.roots)
+        let counted = (!self.uncounted.get()).then(|| system.roots_right_of(system.echo_line()).ok()).flatten();
+        match counted {
+            Some(found) => Ok(found.roots),
+            None => {
+                self.uncounted.set(true);
+                let prompt = DelaySystem::new(system.a().clone(), system.b().clone(), system.c().clone(), 0.0)?;
+                Ok(prompt.roots_right_of(f64::NEG_INFINITY)?.roots)
+            }
+        }
     }
 
     /// The largest real part among the roots of the disturbance `x = (x0 + q) exp(j w tau)` of everything that moves: plant,

@@ -2,14 +2,13 @@
 
 use nalgebra::DVector;
 
+use super::judge::Judge;
 use super::newton::Closing;
 use super::orbit::Orbit;
-use super::problem::{Contact, Problem};
+use super::problem::Problem;
 use super::response::AtSpeed;
 use super::tracer::{End, Node, Tracer};
-use super::whirl_equation::Equation;
-use super::{Circular, CircularError, cycle, response, stability};
-use crate::C64;
+use super::{Circular, CircularError, cycle, response};
 
 /// Orbits closer than this, relative to their size, are one.
 const SAME: f64 = 1e-6;
@@ -34,6 +33,7 @@ pub(super) fn all(
     alone: bool,
     stop: &dyn Fn() -> bool,
 ) -> Result<Circular, CircularError> {
+    let judge = Judge::of(problem);
     let mut orbits: Vec<Vec<Orbit>> = Vec::with_capacity(speeds.len());
     let mut starts: Vec<Vec<Node>> = Vec::with_capacity(speeds.len());
     let mut complete = Vec::with_capacity(speeds.len());
@@ -56,7 +56,7 @@ pub(super) fn all(
         let (mut here, mut nodes): (Vec<Orbit>, Vec<Node>) = (Vec::new(), Vec::new());
         let mut beyond: Vec<Orbit> = Vec::new();
         for (x, contact) in found {
-            let orbit = describe(problem, &x, contact)?;
+            let orbit = judge.orbit(&x, contact);
             if !problem.delivers(&orbit.forces, orbit.frequency) {
                 if !beyond.iter().any(|o| o.is_same(&orbit, SAME)) {
                     beyond.push(orbit);
@@ -92,21 +92,20 @@ pub(super) fn all(
                     let Some(x) = problem.between(&pair[0], &pair[1], speed) else { continue };
                     // Most are known, and their stability with them, which is what takes longest.
                     let equation = problem.at(problem.unpack(&x).2);
-                    let orbit = unjudged(problem, &equation, &x, pair[1].contact);
+                    let orbit = judge.unjudged(&equation, &x, pair[1].contact);
                     if !problem.delivers(&orbit.forces, orbit.frequency) {
                         continue;
                     }
                     if let Some(known) = orbits[at].iter().position(|o| o.is_same(&orbit, SAME)) {
                         covered[at][known] = true;
                     } else {
-                        orbits[at].push(describe(problem, &x, pair[1].contact)?);
+                        orbits[at].push(judge.orbit(&x, pair[1].contact));
                         covered[at].push(true);
                     }
                 }
             }
             covered[i][k] = true;
-            let orbits: Vec<Orbit> =
-                nodes.iter().map(|n| describe(problem, &n.x, n.contact)).collect::<Result<_, _>>()?;
+            let orbits: Vec<Orbit> = nodes.iter().map(|n| judge.orbit(&n.x, n.contact)).collect();
             curves.extend(within_limits(problem, &nodes, orbits, ends));
         }
     }
@@ -142,30 +141,6 @@ fn within_limits(problem: &Problem<'_>, nodes: &[Node], orbits: Vec<Orbit>, ends
         }
     }
     curves
-}
-
-/// The orbit that a solution stands for, with its stability.
-fn describe(problem: &Problem<'_>, x: &DVector<f64>, contact: Contact) -> Result<Orbit, CircularError> {
-    let (c, frequency, speed) = problem.unpack(x);
-    let equation = problem.at(speed);
-    let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !problem.forced)?;
-    Ok(Orbit { growth, ..unjudged(problem, &equation, x, contact) })
-}
-
-/// The same without its stability, which is not a number.
-fn unjudged(problem: &Problem<'_>, equation: &Equation, x: &DVector<f64>, contact: Contact) -> Orbit {
-    let (c, frequency, speed) = problem.unpack(x);
-    let whole = equation.expanded(&c, frequency, contact);
-    let forces = equation.forces(whole.as_slice(), frequency);
-    let force = problem.control_masses().largest(forces.iter().copied());
-    let contact = problem.places_in(contact);
-    let mut amplitude = whole.as_slice().to_vec();
-    if !problem.forced {
-        // Of equal amplitudes the first decides, so that rounding does not.
-        let largest = amplitude.iter().fold(C64::ZERO, |a, b| if b.norm() > a.norm() * (1.0 + 1e-6) { *b } else { a });
-        amplitude.iter_mut().for_each(|c| *c *= largest.conj() / largest.norm());
-    }
-    Orbit { speed, frequency, amplitude, contact, force, forces, growth: f64::NAN }
 }
 
 impl Problem<'_> {

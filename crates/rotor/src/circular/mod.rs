@@ -32,6 +32,7 @@ mod continuation;
 mod cycle;
 mod enumerated;
 mod homotopy;
+mod judge;
 mod newton;
 mod orbit;
 mod problem;
@@ -89,6 +90,9 @@ pub enum CircularError {
          more delay in their place, or simulate with `run`"
     )]
     Sampled,
+    /// An orbit that was not judged, because too many others could not be.
+    #[error("not tried, for too many orbits before it could not be judged: {0}")]
+    NotTried(DelayError),
     /// Asked to stop.
     #[error("stopped")]
     Stopped,
@@ -101,7 +105,7 @@ pub enum CircularError {
 /// `R = 0`) the one orbit listed is the centre. A resonance without damping has no circular solution: the list is empty there.
 ///
 /// # Errors
-/// A sampled loop, feedback that does not fit, and roots that tell stability and cannot be had.
+/// A sampled loop, and feedback that does not fit. An orbit whose stability cannot be had says so itself ([`Orbit::growth`]).
 pub fn synchronous(
     rotor: &Rotor,
     feedback: &Feedback,

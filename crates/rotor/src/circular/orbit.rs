@@ -1,5 +1,6 @@
 //! One circular orbit, as it is given to the caller.
 
+use super::CircularError;
 use crate::{C64, Stability};
 
 /// An exact circular solution `p_k = c_k exp(j w tau)` at one spin speed.
@@ -19,8 +20,9 @@ pub struct Orbit {
     /// That of each control bearing, on its own mass.
     pub forces: Vec<f64>,
     /// Largest real part among the eigenvalues of the motion linearised about the orbit in the frame that turns with
-    /// it; for a limit cycle without the zero that belongs to its free phase. Exactly zero where it is rounding.
-    pub growth: f64,
+    /// it; for a limit cycle without the zero that belongs to its free phase. Exactly zero where it is rounding. Or why it cannot be had: with a
+    /// delay, a count of roots that has no end. Then nothing is known of the orbit's stability.
+    pub growth: Result<f64, CircularError>,
 }
 
 impl Orbit {
@@ -31,16 +33,30 @@ impl Orbit {
     }
 
     /// Whether every small disturbance dies away. An orbit on the margin (a resting rotor that floats free inside its
-    /// clearances, say) counts as not stable.
+    /// clearances, say) counts as not stable, and so does one of which nothing is known.
     #[must_use]
     pub fn is_stable(&self) -> bool {
-        self.stability() == Stability::Stable
+        self.stability() == Ok(Stability::Stable)
     }
 
     /// What becomes of small disturbances.
-    #[must_use]
-    pub fn stability(&self) -> Stability {
-        Stability::of(C64::from(self.growth))
+    ///
+    /// # Errors
+    /// Why that cannot be said.
+    pub fn stability(&self) -> Result<Stability, &CircularError> {
+        self.growth.as_ref().map(|growth| Stability::of(C64::from(*growth)))
+    }
+
+    /// The largest of some orbits that small disturbances leave; nothing where there is none.
+    ///
+    /// # Errors
+    /// Why that cannot be said: an orbit that is larger still cannot be judged.
+    pub fn largest_stable<'a>(
+        orbits: impl IntoIterator<Item = &'a Self>,
+    ) -> Result<Option<&'a Self>, &'a CircularError> {
+        let may_last = orbits.into_iter().filter(|orbit| orbit.growth.is_err() || orbit.is_stable());
+        let largest = may_last.max_by(|a, b| a.largest_radius().total_cmp(&b.largest_radius()));
+        largest.map(|orbit| orbit.growth.as_ref().map(|_| orbit)).transpose()
     }
 
     /// The largest radius of any mass, in `e_t`.

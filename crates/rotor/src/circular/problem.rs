@@ -1,5 +1,6 @@
 //! What is asked of circular whirl: a rotor and its loop, which of its places are unknowns, and along what branches are followed.
 
+use std::cell::Cell;
 use std::rc::Rc;
 
 use nalgebra::DVector;
@@ -33,6 +34,8 @@ pub(super) struct Problem<'a> {
     feedback: std::borrow::Cow<'a, Feedback>,
     /// The plant, and a loop that is more than gains.
     around: Option<(Rc<Plant>, &'a Feedback)>,
+    /// See [`Around::new`].
+    uncounted: Rc<Cell<bool>>,
     /// Of each unknown.
     deadband: Vec<f64>,
     /// The clearances of all places, of which the unknowns are some.
@@ -63,7 +66,7 @@ impl<'a> Problem<'a> {
         let around = (!ClosedLoop::describes(rotor, feedback)).then(|| (Rc::new(Plant::of(rotor)), feedback));
         if let Some((plant, feedback)) = &around {
             // What has no complex form has no circular whirl.
-            Around::new(plant, feedback, 0.0)?;
+            Around::new(plant, feedback, 0.0, &Rc::default())?;
         }
         let gains = if around.is_some() {
             let first = feedback.first();
@@ -87,6 +90,7 @@ impl<'a> Problem<'a> {
             rotor,
             feedback: gains,
             around,
+            uncounted: Rc::default(),
             deadband,
             clearances,
             places,
@@ -109,7 +113,8 @@ impl<'a> Problem<'a> {
         };
         let (feedback, around) = (self.feedback.clone(), self.around.clone());
         let (deadband, clearances, places) = (self.deadband.clone(), self.clearances.clone(), self.places.clone());
-        Self { along, fixed, feedback, around, deadband, clearances, places, ..*self }
+        let uncounted = self.uncounted.clone();
+        Self { along, fixed, feedback, around, uncounted, deadband, clearances, places, ..*self }
     }
 
     /// The frequency that is given: that of the spin under unbalance, unless the spin is unknown itself.
@@ -154,7 +159,10 @@ impl<'a> Problem<'a> {
             None => Equation::of(&ClosedLoop::new(self.rotor, &self.feedback, speed, &self.clearances), self.forced),
         };
         // Feedback that fits at one speed fits at all.
-        let around = self.around.as_ref().and_then(|(plant, feedback)| Around::new(plant, feedback, speed).ok());
+        let around = self
+            .around
+            .as_ref()
+            .and_then(|(plant, feedback)| Around::new(plant, feedback, speed, &self.uncounted).ok());
         gains.with(around)
     }
 

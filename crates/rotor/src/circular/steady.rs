@@ -55,7 +55,7 @@ pub fn orbit_of(
     if !is_circular {
         return Ok(None);
     }
-    let growth = stability::growth(&equation, c.as_slice(), frequency, contact, !forced && !rests)?;
+    let growth = Ok(stability::growth(&equation, c.as_slice(), frequency, contact, !forced && !rests)?);
     let forces = equation.forces(c.as_slice(), frequency);
     let force = forces.iter().copied().fold(0.0, f64::max);
     let amplitude = c.as_slice().to_vec();
@@ -70,6 +70,6 @@ pub fn orbit_of(
 pub fn centre(closed_loop: &ClosedLoop) -> Result<Orbit, CircularError> {
     let equation = Equation::of(closed_loop, false);
     let amplitude = vec![C64::ZERO; closed_loop.masses];
-    let growth = stability::growth(&equation, &amplitude, 0.0, 0, false)?;
+    let growth = Ok(stability::growth(&equation, &amplitude, 0.0, 0, false)?);
     Ok(Orbit { speed: closed_loop.speed, frequency: 0.0, amplitude, contact: 0, force: 0.0, forces: vec![0.0], growth })
 }

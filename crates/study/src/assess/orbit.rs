@@ -28,9 +28,11 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessErr
     };
     let [low, high] = question.operating;
     let along = found.curves.iter().flat_map(|curve| &curve.orbits).filter(|o| (low..=high).contains(&o.speed));
-    let stable: Vec<&Orbit> = found.orbits.iter().flatten().chain(along).filter(|orbit| orbit.is_stable()).collect();
+    let all: Vec<&Orbit> = found.orbits.iter().flatten().chain(along).collect();
+    let unknown = all.iter().find_map(|orbit| orbit.growth.as_ref().err());
+    let stable: Vec<&Orbit> = all.iter().copied().filter(|orbit| orbit.is_stable()).collect();
     let largest = largest(question, &stable, &Orbit::largest_radius)?;
-    let is_held = |orbit: &Orbit| orbit.stability() != Stability::Unstable;
+    let is_held = |orbit: &Orbit| orbit.stability() != Ok(Stability::Unstable);
     let unheld = found.orbits.iter().zip(&found.speeds).find(|(orbits, _)| !orbits.iter().any(is_held));
     let mut lines = vec![orbit_line(question, orbit, largest.as_ref(), &orbit_source)];
     let count = settings.feedback.bearings.len();
@@ -48,6 +50,14 @@ pub(super) fn lines(question: &AssessmentCase<'_>) -> Result<Findings, AssessErr
             if line.found.is_none() {
                 line.place = Where::speed(*speed);
             }
+        }
+    }
+    if let Some(why) = unknown {
+        for line in &mut lines {
+            let note = line.note.take().map_or(String::new(), |note| format!("{note}; "));
+            line.note = Some(format!("{note}orbits whose stability is unknown are left out: {why}"));
+            // They might be larger, and stable.
+            line.passed = line.passed.filter(|passed| !passed);
         }
     }
     Ok((lines, vec![]))

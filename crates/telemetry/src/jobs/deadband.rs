@@ -48,7 +48,7 @@ pub struct DeadbandEffects {
     /// The smallest damping ratio with any share of its stiffness left to each support bearing; none where there are too many bearings
     /// to look at.
     pub worst: Option<f64>,
-    /// The largest stable limit cycle, none if there is none; or why none can be had.
+    /// The largest stable limit cycle, none if there is none; or why none can be had, or told among larger ones that cannot be judged.
     pub cycle: Result<Option<LimitCycle>, CircularError>,
 }
 
@@ -59,12 +59,11 @@ impl DeadbandEffects {
         let Settings { feedback, deadband, speed, .. } = settings;
         let whirl = |orbit: &Orbit| LimitCycle { radius: orbit.largest_radius(), frequency: orbit.frequency };
         let largest = |orbits: Vec<Vec<Orbit>>| {
-            let stable = orbits.iter().flatten().filter(|orbit| orbit.is_stable()).map(whirl);
-            stable.max_by(|a, b| a.radius.total_cmp(&b.radius))
+            Orbit::largest_stable(orbits.iter().flatten()).map(|orbit| orbit.map(whirl)).map_err(Clone::clone)
         };
         Self {
             worst: worst_deadband(rotor, settings, [*speed, *speed], Stop::NEVER),
-            cycle: circular::cycles(rotor, feedback, deadband, &[*speed]).map(|found| largest(found.orbits)),
+            cycle: circular::cycles(rotor, feedback, deadband, &[*speed]).and_then(|found| largest(found.orbits)),
         }
     }
 }

@@ -4,8 +4,8 @@ use rotor::circular::{self, Curve, ENUMERATED_FREE, End, Orbit};
 use serde::Serialize;
 
 use super::orbits::{
-    CompletenessDocument, PointDocument, SweepArgs, completeness, contact, deadband_text, heading, headings, points,
-    radii, speeds_text, stability,
+    CompletenessDocument, JudgedDocument, PointDocument, SweepArgs, completeness, contact, deadband_text, heading,
+    headings, is_stable, points, radii, speeds_text, stability, unjudged,
 };
 use crate::catalog::Machine;
 use crate::failure::Failure;
@@ -43,10 +43,8 @@ struct BranchDocument {
     /// Positive forward.
     frequency: f64,
     radius: Vec<f64>,
-    /// `null` where the orbit is marginal.
-    stable: Option<bool>,
-    /// Largest real part of the linearised motion in the rotating frame.
-    growth: f64,
+    #[serde(flatten)]
+    stability: JudgedDocument,
     /// The control force `|u|`.
     force: f64,
     /// Masses that press on their support bearing, counted from 1.
@@ -71,8 +69,7 @@ impl From<&Orbit> for BranchDocument {
         Self {
             frequency: orbit.frequency,
             radius: orbit.radii(),
-            stable: orbit.stability().is_stable(),
-            growth: orbit.growth,
+            stability: orbit.into(),
             force: orbit.force,
             contact: contact(orbit),
         }
@@ -86,7 +83,7 @@ impl From<&Curve> for ThresholdDocument {
             amplitude: curve.orbits.iter().map(Orbit::largest_radius).collect(),
             speed: curve.orbits.iter().map(|o| o.speed).collect(),
             frequency: curve.orbits.iter().map(|o| o.frequency).collect(),
-            stable: curve.orbits.iter().map(|o| o.stability().is_stable()).collect(),
+            stable: curve.orbits.iter().map(is_stable).collect(),
             folds: curve.folds.iter().map(|&i| curve.orbits[i].speed).collect(),
         }
     }
@@ -119,6 +116,7 @@ pub(crate) fn run(args: &CyclesArgs) -> Result<(), Failure> {
     let enumerated = if settings.feedback.delay() > 0.0 { 0 } else { ENUMERATED_FREE };
     let (completeness, proven) = completeness(&machine, &found, enumerated);
     footer.push(proven);
+    footer.extend(unjudged(&found));
     let document = Document {
         rotor: rotor.name(),
         deadband: &settings.deadband,

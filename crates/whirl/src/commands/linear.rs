@@ -8,7 +8,7 @@ use crate::machine_args::MachineArgs;
 use crate::output;
 
 /// Why `stable` is `null`.
-const MARGINAL: &str = "the real part is zero but for rounding";
+pub(super) const MARGINAL: &str = "the real part is zero but for rounding";
 
 /// How something stands, as scripts read it: `stable` is `null` where rounding decides, and `marginal` says so.
 #[derive(Clone, Copy, Debug, Serialize)]

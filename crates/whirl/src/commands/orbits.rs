@@ -2,8 +2,10 @@
 
 use rotor::circular::{Circular, Orbit};
 use serde::Serialize;
+use text::number::counted;
 use units::Dimension;
 
+use super::linear::MARGINAL;
 use crate::catalog::Machine;
 use crate::failure::Failure;
 use crate::machine_args::MachineArgs;
@@ -153,9 +155,44 @@ pub(super) fn speeds_text(speeds: &[f64], units: CommandUnits) -> String {
     units.pick(format!("R = {shown}"), format!("{shown} rpm"))
 }
 
-/// `stable`, `marginal` or `unstable`.
+/// How an orbit stands, as scripts read it.
+#[derive(Debug, Serialize)]
+pub(super) struct JudgedDocument {
+    /// `null` where the orbit is marginal, or cannot be judged.
+    stable: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    stable_null: Option<String>,
+    /// Largest real part of the linearised motion in the rotating frame; `null` where it cannot be had.
+    growth: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    growth_null: Option<String>,
+}
+
+impl From<&Orbit> for JudgedDocument {
+    fn from(orbit: &Orbit) -> Self {
+        let why = orbit.growth.as_ref().err().map(ToString::to_string);
+        let stable = is_stable(orbit);
+        let stable_null = stable.is_none().then(|| why.clone().unwrap_or_else(|| MARGINAL.to_owned()));
+        Self { stable, stable_null, growth: orbit.growth.as_ref().ok().copied(), growth_null: why }
+    }
+}
+
+/// Whether it is stable; nothing where that cannot be said.
+pub(super) fn is_stable(orbit: &Orbit) -> Option<bool> {
+    orbit.stability().ok()?.is_stable()
+}
+
+/// `stable`, `marginal`, `unstable` or `unknown`.
 pub(super) fn stability(orbit: &Orbit) -> String {
-    orbit.stability().to_string()
+    orbit.stability().map_or_else(|_| "unknown".to_owned(), |stability| stability.to_string())
+}
+
+/// How many orbits cannot be judged, and why.
+pub(super) fn unjudged(found: &Circular) -> Option<String> {
+    let mut why = found.orbits.iter().flatten().filter_map(|orbit| orbit.growth.as_ref().err());
+    let first = why.next()?;
+    let orbits = counted(1 + why.count(), "orbit", "orbits");
+    Some(format!("the stability of {orbits} is unknown: {first}"))
 }
 
 /// Numbers for people, separated by commas.

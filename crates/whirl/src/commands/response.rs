@@ -4,8 +4,8 @@ use rotor::circular::{self, Circular, Curve, ENUMERATED_FORCED, End, Orbit};
 use serde::Serialize;
 
 use super::orbits::{
-    CompletenessDocument, PointDocument, SweepArgs, completeness, contact, deadband_text, heading, headings, points,
-    radii, speeds_text, stability,
+    CompletenessDocument, JudgedDocument, PointDocument, SweepArgs, completeness, contact, deadband_text, heading,
+    headings, is_stable, points, radii, speeds_text, stability, unjudged,
 };
 use crate::catalog::Machine;
 use crate::failure::Failure;
@@ -45,10 +45,8 @@ struct BranchDocument {
     /// Angle by which each mass runs ahead of the unbalance, in radians.
     phase: Vec<f64>,
     force: f64,
-    /// `null` where the orbit is marginal.
-    stable: Option<bool>,
-    /// Largest real part of the linearised motion in the rotating frame.
-    growth: f64,
+    #[serde(flatten)]
+    stability: JudgedDocument,
     /// Masses that press on their support bearing, counted from 1.
     contact: Vec<usize>,
 }
@@ -75,8 +73,7 @@ impl From<&Orbit> for BranchDocument {
             radius: orbit.radii(),
             phase: orbit.amplitude.iter().map(|c| c.arg()).collect(),
             force: orbit.force,
-            stable: orbit.stability().is_stable(),
-            growth: orbit.growth,
+            stability: orbit.into(),
             contact: contact(orbit),
         }
     }
@@ -89,7 +86,7 @@ impl From<&Curve> for CurveDocument {
             speed: curve.orbits.iter().map(|o| o.speed).collect(),
             radius: curve.orbits.iter().map(Orbit::radii).collect(),
             force: curve.orbits.iter().map(|o| o.force).collect(),
-            stable: curve.orbits.iter().map(|o| o.stability().is_stable()).collect(),
+            stable: curve.orbits.iter().map(is_stable).collect(),
         }
     }
 }
@@ -120,6 +117,7 @@ pub(crate) fn run(args: &ResponseArgs) -> Result<(), Failure> {
     let dimensionless = units.pick("; radii in e_t, force in w0^2 e_t", "");
     let heading = format!("{}: exact synchronous response, {}{dimensionless}", rotor.name(), deadband_text(&machine));
     let mut footer = vec![proven];
+    footer.extend(unjudged(&found));
     if !document.folds.is_empty() {
         let speeds: Vec<f64> = document.folds.iter().map(|f| f.speed).collect();
         footer.push(format!("branches turn back at {}", speeds_text(&speeds, units)));

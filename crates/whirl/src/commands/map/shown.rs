@@ -167,6 +167,7 @@ fn nowhere(quantity: MapQuantity) -> &'static str {
         MapQuantity::Delay => "the machine is not stable, or no delay makes it unstable",
         MapQuantity::Sensitivity => "the machine is not stable",
         MapQuantity::Orbit | MapQuantity::Force => "the motion leaves all bounds",
-        MapQuantity::Cycle | MapQuantity::CycleFrequency => "there is no stable limit cycle",
+        MapQuantity::Cycle => "the stability of a limit cycle cannot be had",
+        MapQuantity::CycleFrequency => "there is no stable limit cycle, or the stability of one cannot be had",
     }
 }
