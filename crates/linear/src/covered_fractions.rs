@@ -19,7 +19,7 @@ use std::convert::Infallible;
 use nalgebra::DMatrix;
 
 use crate::certified_peak::largest_singular;
-use crate::partial_fractions::{PartialFractions, ROUNDING};
+use crate::partial_fractions::PartialFractions;
 use crate::system::Balanced;
 use crate::{C64, least};
 
@@ -27,8 +27,8 @@ use crate::{C64, least};
 const STRETCHES: usize = 200_000;
 /// A stretch is not halved to less than this part of where it is.
 const NARROW: f64 = 1e-13;
-/// How near a value from the fractions must be to that from the equations, beside it.
-const ALIKE: f64 = 1e-6;
+/// How near a value from the fractions must be to that from the equations, beside it: a tenth of what a bound is above what was found.
+const ALIKE: f64 = 1e-7;
 
 /// What is known of a stretch.
 struct Seen {
@@ -47,7 +47,7 @@ impl Balanced {
         tolerance: f64,
     ) -> Option<(f64, Option<f64>, f64)> {
         let closed = self.closed();
-        let fractions = PartialFractions::of(&closed)?;
+        let fractions = PartialFractions::of(&closed, ALIKE)?;
         let level = |best: f64| best * (1.0 + tolerance);
         let largest = fractions.poles.iter().map(|pole| pole.norm()).fold(f64::MIN_POSITIVE, f64::max);
         // Farther out |S - I| is less than what is left to the level.
@@ -123,7 +123,7 @@ impl PartialFractions<'_> {
         }
         slope *= C64::from(half);
         let ends = largest_singular(&(&here + &slope)).max(largest_singular(&(&here - &slope)));
-        let bound = ends + half * half * rest + ROUNDING * rounding;
+        let bound = (ends + half * half * rest) * (1.0 + ALIKE) + f64::EPSILON * rounding;
         // What is not a number is no bound.
         Seen { value: largest_singular(&here), bound: if bound.is_nan() { f64::INFINITY } else { bound } }
     }

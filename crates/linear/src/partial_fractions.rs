@@ -30,8 +30,6 @@ const ON: f64 = 1e-12;
 const ALIKE: f64 = 1e-8;
 /// The direction in which they are compared beside an eigenvalue, in radians.
 const ASIDE: f64 = 0.7;
-/// What rounding may do to a fraction, beside it.
-pub(crate) const ROUNDING: f64 = 1e-2 * ALIKE;
 /// What rounding may do to `G`, beside its own inverse, for turns to be trusted.
 const ROUGH: f64 = 0.05;
 
@@ -58,15 +56,15 @@ struct Point {
 }
 
 impl<'a> PartialFractions<'a> {
-    /// `None` where motions are missing or so alike that fractions of them are no `H`.
-    pub(crate) fn of(system: &'a Balanced) -> Option<Self> {
+    /// `None` where motions are missing or so much the same that fractions of them are no `H`, within `alike` of it.
+    pub(crate) fn of(system: &'a Balanced, alike: f64) -> Option<Self> {
         let poles = eigenvalues(system.a.clone()).ok()?;
         let motions: Option<Vec<_>> = motions_of(&system.a, &poles)?.into_iter().collect();
         let motions = DMatrix::from_columns(&motions?);
         let (c, b) = (&system.c * &motions, motions.lu().solve(&system.b)?);
         let weights = (0..poles.len()).map(|k| c.column(k).norm() * b.row(k).norm()).collect();
         let made = Self { of: system, poles, c, b, weights };
-        made.is_alike().then_some(made)
+        made.is_alike(alike).then_some(made)
     }
 
     pub(crate) fn at(&self, s: C64) -> DMatrix<C64> {
@@ -78,7 +76,7 @@ impl<'a> PartialFractions<'a> {
     }
 
     /// Whether it is `H`, as a solution of the equations has it, beside every eigenvalue.
-    fn is_alike(&self) -> bool {
+    fn is_alike(&self, alike: f64) -> bool {
         let system = self.of;
         let size = system.a.norm();
         self.poles.iter().all(|pole| {
@@ -88,7 +86,7 @@ impl<'a> PartialFractions<'a> {
             (0..matrix.nrows()).for_each(|i| matrix[(i, i)] += s);
             let Some(x) = matrix.lu().solve(&system.b) else { return false };
             let direct = &system.c * x;
-            (self.at(s) - &direct).norm() <= ALIKE * direct.norm()
+            (self.at(s) - &direct).norm() <= alike * direct.norm()
         })
     }
 
@@ -125,7 +123,7 @@ impl<'a> PartialFractions<'a> {
         let (mut turned, mut step) = (0.0, radius);
         for _ in 0..MOST_STEPS {
             let near = self.weights.iter().zip(&here.distances);
-            let rounding = ROUNDING * near.map(|(weight, d)| weight / d).sum::<f64>();
+            let rounding = ALIKE * 1e-2 * near.map(|(weight, d)| weight / d).sum::<f64>();
             if here.gain.inverse.norm() * late * rounding > ROUGH {
                 return Ok(None);
             }
@@ -161,7 +159,7 @@ impl<'a> PartialFractions<'a> {
 impl Balanced {
     /// The number of roots with `Re s > line`, where it can be had this way.
     pub(crate) fn count_by_fractions(&self, line: f64) -> Result<Option<usize>, NoCount> {
-        PartialFractions::of(self).map_or(Ok(None), |fractions| fractions.count_right_of(line))
+        PartialFractions::of(self, ALIKE).map_or(Ok(None), |fractions| fractions.count_right_of(line))
     }
 }
 

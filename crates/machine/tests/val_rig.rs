@@ -92,13 +92,13 @@ fn val_in_motion_it_settles_to_its_unbalance_response() {
 #[test]
 fn what_is_proven_of_the_rig_is_not_below_what_is_found() {
     let (rotor, settings) = rig();
-    for speed in [0.0, 1.5, 3.0, 4.5] {
+    for speed in [0.0, 0.75, 1.5, 3.0, 3.010_876_865_75, 3.06, 3.26, 4.5] {
         let found = margins(&rotor, &settings, speed).expect("stable");
         let peak = found.together.expect("two bearings").largest_sensitivity.amplitude;
         let machine = MachineLoop::at(&rotor, &settings, speed).expect("fits");
         let proven = machine.certified_peak().expect("a bound").expect("continuous");
         assert!(proven.below >= peak * (1.0 - 1e-9), "{} at {speed}, but {peak} is found", proven.below);
-        assert!(proven.below <= peak * (1.0 + 2e-3), "{} at {speed}, but {peak} is all that is found", proven.below);
+        assert!(proven.below <= peak * (1.0 + 1e-4), "{} at {speed}, but {peak} is all that is found", proven.below);
     }
 }
 
