@@ -470,7 +470,7 @@ complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subco
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -l json -d 'Print one JSON document'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from check" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l name -d 'What the rotor is called [default: as its file]' -r
-complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l average -d 'Go on with the mean where the two directions differ'
+complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -l average -d 'Go on with the mean where the two directions differ; the rotor\'s name says so, and comments in the file with which numbers'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from import" -s h -l help -d 'Print help'
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l over -d 'Look at this range of spin speeds (in rpm, or as it says)' -r
 complete -c whirl -n "__fish_whirl_using_subcommand rotor; and __fish_seen_subcommand_from reduce" -l points -d 'How many speeds of the range to look at' -r

@@ -54,6 +54,29 @@ fn what_is_not_the_same_in_every_direction_is_refused_by_name_and_numbers() {
     assert_eq!(averaged.code, Some(0));
     assert!(averaged.stderr.contains("mean"), "{}", averaged.stderr);
     assert!(averaged.stdout.contains("stiffness = 900000.0"), "{}", averaged.stdout);
+
+    // The file says so and with which numbers; whatever is told of the rotor later, its name.
+    let took = "# BearingElement_Bearing 1: kxx = 1000000, kyy = 800000: their mean 900000 is taken\n";
+    assert!(averaged.stdout.contains(took), "{}", averaged.stdout);
+    let folder = tempfile::tempdir().expect("a folder");
+    let file = folder.path().join("mine.toml");
+    std::fs::write(&file, &averaged.stdout).expect("is written");
+    let file = file.to_str().expect("text");
+    let name = "rotor_example (averaged bearings)";
+    let poles = run(&["poles", file, "--speed", "4000"]);
+    assert!(poles.stdout.starts_with(name), "{}", poles.stdout);
+    let checked = run(&["rotor", "check", file]);
+    assert!(checked.stdout.ends_with(", averaged from unequal directions\n"), "{}", checked.stdout);
+    assert_eq!(run(&["rotor", "check", file, "--json"]).json()["files"][0]["name"], name);
+    assert_eq!(run(&["rotor", "show", file, "--json"]).json()["name"], name);
+    // A name that is given says so too, at the cost of its end.
+    let long = "n".repeat(64);
+    let named = run(&["rotor", "import", "--average", "--name", &long, &case("rotor_example.toml")]);
+    let expected = format!("name = \"{} (averaged bearings)\"\n", "n".repeat(44));
+    assert!(named.stdout.contains(&expected), "{}", named.stdout);
+    // Where nothing is averaged nothing says so.
+    let plain = run(&["rotor", "import", "--average", &case("isotropic.toml")]);
+    assert!(!plain.stdout.contains("averaged") && !plain.stdout.starts_with('#'), "{}", plain.stdout);
 }
 
 #[test]

@@ -121,13 +121,32 @@ fn what_differs_between_directions_is_refused_by_name_or_averaged() {
     let (drawing, notes) = import_ross(ANISOTROPIC, true).expect("their mean");
     assert_eq!(drawing.bearings[0].stiffness, Coefficient::Constant(9e5));
     assert_eq!(notes.len(), 2, "{notes:?}");
-    assert_eq!(notes[1].to_string(), "BearingElement_Bearing 1: kxx = 1000000, kyy = 800000: their mean is taken");
+    assert!(notes.iter().all(|note| note.averaged));
+    assert_eq!(
+        notes[1].to_string(),
+        "BearingElement_Bearing 1: kxx = 1000000, kyy = 800000: their mean 900000 is taken"
+    );
 
     let cross = ISOTROPIC.replacen("kxy = [ 0.0,]", "kxy = [ 5.0,]", 1);
     assert!(
         refused(&cross).contains("BearingElement_Bearing 0: kxy = 5, kyx = 0: expected kyy = kxx and"),
         "{}",
         refused(&cross)
+    );
+    // Of a table every number is told, and of cross-coupling what turns.
+    let table = ISOTROPIC
+        .replacen("kxx = [ 1000000.0,]", "kxx = [ 1e6, 2e6]\nfrequency = [ 0.0, 100.0]", 1)
+        .replacen("kyy = [ 1000000.0,]", "kyy = [ 1e6, 1e6]", 1)
+        .replacen("kxy = [ 0.0,]", "kxy = [ 4e5, 4e5]", 1);
+    let (drawing, notes) = import_ross(&table, true).expect("their mean");
+    assert_eq!(drawing.bearings[0].cross_stiffness, Coefficient::Constant(2e5));
+    let told: Vec<String> = notes.iter().filter(|note| note.averaged).map(Note::to_string).collect();
+    assert_eq!(
+        told,
+        [
+            "BearingElement_Bearing 0: kxx = [1000000, 2000000], kyy = [1000000, 1000000] at [0, 100] rad/s: their means [1000000, 1500000] are taken",
+            "BearingElement_Bearing 0: kxy = [400000, 400000], kyx = [0, 0] at [0, 100] rad/s: half their difference [200000, 200000] are taken",
+        ]
     );
     let point = format!("{ISOTROPIC}\n[PointMass_one]\nn = 2\nmx = 1.0\nmy = 2.0\n");
     assert!(

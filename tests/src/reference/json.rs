@@ -70,7 +70,7 @@ const OTHERS: [(&str, &str); 14] = [
     ),
     ("export", "`out rows checksums damage notices`"),
     ("report", "`files` (how many), `figures[]` and `numbers[]`, each printed number beside ours"),
-    ("rotor check", "`files[]`, with `file ok kind masses problems`"),
+    ("rotor check", "`files[]`, with `file ok kind name masses problems`"),
     (
         "rotor show",
         "the numbers of the rotor: `name masses[] shafts[] feedback`; of one in SI units `units scales`; a drawing has no masses there",

@@ -74,7 +74,19 @@ fn pair(import: &mut Import<'_>, element: &Element, kind: char, speeds: &[f64]) 
     let size = xx.iter().chain(&yy).chain(&xy).chain(&yx).fold(0.0_f64, |size, c| size.max(c.abs()));
     let differs = |a: f64, b: f64| (a - b).abs() > SAME * size;
     let broken = (0..length).find(|&i| differs(xx[i], yy[i]) || differs(xy[i], -yx[i]));
-    if let Some(i) = broken {
+    let direct: Vec<f64> = xx.iter().zip(&yy).map(|(x, y)| 0.5 * (x + y)).collect();
+    // What differs by rounding only is rounding; a mean of equal numbers is that number.
+    let cross = xy.iter().zip(&yx).map(|(x, y)| 0.5 * (x - y));
+    let cross: Vec<f64> = cross.map(|c| if c.abs() > SAME * size { c } else { 0.0 }).collect();
+    if import.average {
+        let speeds = if length > 1 { speeds } else { &[] };
+        if (0..length).any(|i| differs(xx[i], yy[i])) {
+            averaged(import, element, [(&keys[0], &xx), (&keys[1], &yy)], (&direct, ""), speeds);
+        }
+        if (0..length).any(|i| differs(xy[i], -yx[i])) {
+            averaged(import, element, [(&keys[2], &xy), (&keys[3], &yx)], (&cross, "half their difference"), speeds);
+        }
+    } else if let Some(i) = broken {
         let value = |key: &str, list: &[f64]| format!("{key} = {}", list[i]);
         let (at, what) = if differs(xx[i], yy[i]) {
             (i, format!("{}, {}", value(&keys[0], &xx), value(&keys[1], &yy)))
@@ -82,21 +94,36 @@ fn pair(import: &mut Import<'_>, element: &Element, kind: char, speeds: &[f64]) 
             (i, format!("{}, {}", value(&keys[2], &xy), value(&keys[3], &yx)))
         };
         let speed = if length > 1 { format!(" at {} rad/s", speeds[at]) } else { String::new() };
-        if import.average {
-            import.note(element, format!("{what}{speed}: their mean is taken"));
-        } else {
-            let expected = format!(
-                "{} = {} and {} = -{}: only what is the same in every direction, or their mean",
-                keys[1], keys[0], keys[3], keys[2]
-            );
-            import.document.fault(&element.span, format!("{}: {what}{speed}", element.name), expected);
-        }
+        let expected = format!(
+            "{} = {} and {} = -{}: only what is the same in every direction, or their mean",
+            keys[1], keys[0], keys[3], keys[2]
+        );
+        import.document.fault(&element.span, format!("{}: {what}{speed}", element.name), expected);
     }
-    // What differs by rounding only is rounding; a mean of equal numbers is that number.
-    let direct = xx.iter().zip(&yy).map(|(x, y)| 0.5 * (x + y)).collect();
-    let cross = xy.iter().zip(&yx).map(|(x, y)| 0.5 * (x - y));
-    let cross = cross.map(|c| if c.abs() > SAME * size { c } else { 0.0 }).collect();
     (over(speeds, direct), over(speeds, cross))
+}
+
+/// Notes which numbers were averaged, and what was taken for them: of a table all of it, because a part tells little of the rest.
+fn averaged(
+    import: &mut Import<'_>,
+    element: &Element,
+    [(x_key, x), (y_key, y)]: [(&String, &Vec<f64>); 2],
+    (taken, how): (&[f64], &str),
+    speeds: &[f64],
+) {
+    let list = |values: &[f64]| match values {
+        [one] => one.to_string(),
+        _ => format!("[{}]", values.iter().map(f64::to_string).collect::<Vec<_>>().join(", ")),
+    };
+    let at = if speeds.is_empty() { String::new() } else { format!(" at {} rad/s", list(speeds)) };
+    let how = match (how, taken.len()) {
+        ("", 1) => "their mean",
+        ("", _) => "their means",
+        (how, _) => how,
+    };
+    let is = if taken.len() > 1 { "are" } else { "is" };
+    let (x, y, taken) = (list(x), list(y), list(taken));
+    import.averaged(element, format!("{x_key} = {x}, {y_key} = {y}{at}: {how} {taken} {is} taken"));
 }
 
 /// A constant where all values are the same, otherwise a table over speeds in rad/s.
@@ -119,7 +146,7 @@ fn constant(import: &mut Import<'_>, element: &Element, mass: &Coefficient) -> f
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let found = format!("mxx from {least} to {most} over speed");
     if import.average {
-        import.note(element, format!("{found}: their mean {mean} is taken"));
+        import.averaged(element, format!("{found}: their mean {mean} is taken"));
     } else {
         let expected = "one mass at every speed, or their mean";
         import.document.fault(&element.span, format!("{}: {found}", element.name), expected);

@@ -27,6 +27,8 @@ pub struct Note {
     pub element: String,
     /// What there is to know.
     pub text: String,
+    /// Whether it tells of numbers that were averaged, so that this is not the machine of the file.
+    pub averaged: bool,
 }
 
 impl fmt::Display for Note {
@@ -88,7 +90,12 @@ pub fn import_ross(text: &str, average: bool) -> Result<(Drawing, Vec<Note>), Fa
 
 impl Import<'_> {
     fn note(&mut self, element: &Element, text: impl Into<String>) {
-        self.notes.push(Note { element: element.name.clone(), text: text.into() });
+        self.notes.push(Note { element: element.name.clone(), text: text.into(), averaged: false });
+    }
+
+    /// Notes that a mean was taken.
+    fn averaged(&mut self, element: &Element, text: String) {
+        self.notes.push(Note { element: element.name.clone(), text, averaged: true });
     }
 
     fn version(&mut self) {
@@ -99,7 +106,7 @@ impl Import<'_> {
                 Some(version) => format!("written by version {version} of ROSS: read as if by 2.3 or 3"),
                 None => "no version of ROSS in it: read as if by 2.3 or 3".into(),
             };
-            self.notes.push(Note { element: String::new(), text });
+            self.notes.push(Note { element: String::new(), text, averaged: false });
         }
     }
 
@@ -154,7 +161,7 @@ impl Import<'_> {
         let found = format!("{x_name} = {x}, {y_name} = {y}");
         if self.average {
             let mean = 0.5 * (x + y);
-            self.note(element, format!("{found}: their mean {mean} is taken"));
+            self.averaged(element, format!("{found}: their mean {mean} is taken"));
             return mean;
         }
         let expected = format!("{y_name} = {x_name}: only what is the same in every direction, or their mean");

@@ -1,6 +1,6 @@
 //! The shaft: elements one after the other, or beside each other between the same nodes.
 
-use super::{Element, Import, Note, Value};
+use super::{Element, Import, Value};
 use crate::{Material, Section, Shear, Sleeve};
 
 /// Keys of a shaft element that mean something here, or nothing to its motion.
@@ -96,7 +96,7 @@ fn section(import: &mut Import<'_>, at: usize, element: &Element, damped_as_a_wh
     let unknown: Vec<&str> = element.keys().filter(|key| !KNOWN.contains(key)).collect();
     if !unknown.is_empty() {
         let text = format!("{} left out, as it is not known", unknown.join(", "));
-        import.notes.push(Note { element: element.name.clone(), text });
+        import.note(element, text);
     }
     let own = !damped_as_a_whole;
     if !own && (alpha != 0.0 || beta != 0.0) {

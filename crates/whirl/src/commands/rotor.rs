@@ -160,6 +160,8 @@ struct Checked<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
     kind: Option<Kind>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     masses: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     signals: Option<usize>,
@@ -194,6 +196,7 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
             file,
             ok: content.is_ok(),
             kind,
+            name: None,
             masses: None,
             signals: None,
             unreadable: None,
@@ -203,7 +206,10 @@ fn check(args: &CheckArgs) -> Result<(), Failure> {
             Ok(content) => {
                 fine += &format!("{file}: ok, {}\n", describe(&content));
                 match content {
-                    Content::Rotor(rotor) => document.masses = Some(rotor.len()),
+                    Content::Rotor(rotor) => {
+                        document.name = Some(rotor.name().to_owned());
+                        document.masses = Some(rotor.len());
+                    }
                     Content::Feedback(feedback) => document.signals = Some(feedback.signal_count()),
                 }
             }
@@ -246,7 +252,8 @@ fn describe(content: &Content) -> String {
             let is_open = |of: &beam::Unbalance| matches!(of.amount, beam::Amount::Grade { speed: None, .. });
             let is_graded = rotor.beam().is_some_and(|beam| beam.drawing().unbalances.iter().any(is_open));
             let grade = if is_graded { ", the speed that a grade without one is for" } else { "" };
-            format!("{masses}, {units}{grade}")
+            let averaged = if import::is_averaged(rotor.name()) { ", averaged from unequal directions" } else { "" };
+            format!("{masses}, {units}{grade}{averaged}")
         }
         Content::Feedback(feedback) => {
             let signals = counted(feedback.signal_count(), "signal", "signals");
