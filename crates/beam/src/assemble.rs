@@ -27,7 +27,9 @@ impl Drawing {
         for (i, section) in self.sections.iter().enumerate() {
             for (k, element) in elements(section, &self.materials[section.material]).enumerate() {
                 let from = ends[i] + section.length * k as f64 / section.elements as f64;
-                for third in [1.0 / 3.0, 2.0 / 3.0] {
+                // What is between the ends of a coupling has no place.
+                let thirds: &[f64] = if section.coupling.is_none() { &[1.0 / 3.0, 2.0 / 3.0] } else { &[] };
+                for &third in thirds {
                     let position = from + section.length / section.elements as f64 * third;
                     inside.push(Inside { node, position, row: element.shape.displacement(third) });
                 }
@@ -84,9 +86,11 @@ impl Drawing {
             nodes: places,
             station_nodes: node_of,
             inside,
+            pedestals: Vec::new(),
             unbalances: self.unbalances.clone(),
             rotor_mass: self.mass(),
         }
+        .on_pedestals(self)
     }
 
     /// The matrices of another program with the masses that the drawing adds.
@@ -113,6 +117,7 @@ impl Drawing {
             nodes: places.map(|(station, &position)| Place::station(position, station)).collect(),
             station_nodes,
             inside: Vec::new(),
+            pedestals: Vec::new(),
             unbalances: self.unbalances.clone(),
             rotor_mass: self.mass(),
         }
@@ -129,6 +134,7 @@ impl Drawing {
             cross_stiffness: bearing.cross_stiffness.clone(),
             cross_damping: bearing.cross_damping.clone(),
             clearance: bearing.clearance,
+            pedestal: None,
         };
         let plain = |part, station: usize, stiffness: f64, clearance| {
             let bearing =

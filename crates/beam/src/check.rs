@@ -1,12 +1,14 @@
 //! What can be wrong with a drawing. Asked in one place, whoever made it: a file, an import or a program.
 
+mod held;
+
 use std::collections::BTreeSet;
 use std::fmt;
 
 use text::number::counted;
 
-use crate::drawing::{Amount, Bearing, Material, Section, Sketch};
-use crate::{Coefficient, MAX_COORDINATES, MAX_ELEMENTS, MAX_NAME, Matrices};
+use crate::drawing::{Amount, Material, Section, Sketch};
+use crate::{MAX_COORDINATES, MAX_ELEMENTS, MAX_NAME, Matrices};
 
 /// By how much, in parts of itself, a number that was computed may be beyond what it can be.
 const ROUNDING: f64 = 1e-6;
@@ -120,10 +122,14 @@ pub(crate) fn faults(sketch: &Sketch, told: bool) -> Vec<DrawingFault> {
     for (i, bearing) in sketch.bearings.iter().enumerate() {
         check.bearing(("bearing", i), bearing);
     }
+    check.pedestals(sketch);
     for (i, seal) in sketch.seals.iter().enumerate() {
         check.bearing(("seal", i), seal);
         if seal.clearance != 0.0 {
             check.fault(("seal", i), "clearance", format!("clearance = {}", seal.clearance), "none: that of a bearing");
+        }
+        if let Some(pedestal) = seal.pedestal {
+            check.fault(("seal", i), "pedestal", format!("pedestal = {}", pedestal + 1), "none: that of a bearing");
         }
     }
     check.magnetics(sketch);
@@ -226,17 +232,27 @@ impl Check {
             self.matrices(sketch, matrices);
             return;
         }
+        if !sketch.sections.is_empty() && sketch.sections.iter().all(|section| section.coupling.is_some()) {
+            self.fault(
+                ("section", 0),
+                "coupling",
+                "couplings alone".into(),
+                "shaft on one side of a coupling at least",
+            );
+        }
         let elements = sketch.sections.iter().fold(0, |sum: usize, section| sum.saturating_add(section.elements));
         if sketch.sections.is_empty() || elements > MAX_ELEMENTS {
             let found = if elements == 0 { "no [[section]]".to_owned() } else { format!("{elements} elements") };
             self.fault(at, "section", found, format!("1 to {MAX_ELEMENTS} elements in all sections together"));
             return;
         }
-        let most = MAX_COORDINATES.min(2 * (elements + 1));
+        let pedestals = sketch.pedestals.len();
+        let (least, most) = (pedestals + 1, MAX_COORDINATES.min(2 * (elements + 1) + pedestals));
         if let Some(coordinates) = sketch.coordinates
-            && !(1..=most).contains(&coordinates)
+            && !(least..=most).contains(&coordinates)
         {
-            let expected = format!("1 to {most}, at most {MAX_COORDINATES} and two an end of an element");
+            let each = if pedestals > 0 { ", one a pedestal and one of the shaft at least" } else { "" };
+            let expected = format!("{least} to {most}, at most {MAX_COORDINATES} and two an end of an element{each}");
             self.fault(at, "coordinates", format!("coordinates = {coordinates}"), expected);
         }
     }
@@ -251,6 +267,7 @@ impl Check {
             ("sleeve", sketch.sleeves.len()),
             ("disc", sketch.discs.len()),
             ("material", sketch.materials.len()),
+            ("pedestal", sketch.pedestals.len()),
         ] {
             if count > 0 {
                 let expected = "none beside [plant], whose matrices stand for the shaft and all discs";
@@ -274,6 +291,18 @@ impl Check {
 
     fn section(&mut self, at: At, section: &Section, materials: usize) {
         self.positive(at, "length", section.length);
+        if let Some(coupling) = &section.coupling {
+            let numbers = [coupling.stiffness, coupling.damping, coupling.tilt_stiffness, coupling.tilt_damping];
+            let is_known = |number: f64| self.told && number.is_nan();
+            let is_right = |number: f64| is_known(number) || text::Domain::NotNegative.admits(number);
+            if !numbers.into_iter().all(is_right) {
+                self.fault(at, "coupling", format!("coupling of {numbers:?}"), "finite numbers of at least 0");
+            }
+            if section.elements != 1 || at.0 == "sleeve" {
+                self.fault(at, "coupling", "a coupling that is cut or sits on a section".into(), "one section, whole");
+            }
+            return;
+        }
         self.positive(at, "outer", section.outer);
         self.positive(at, "outer_right", section.outer_right);
         self.not_negative(at, "inner", section.inner);
@@ -297,74 +326,5 @@ impl Check {
         self.not_negative(at, "mass_damping", section.mass_damping);
         self.not_negative(at, "stiffness_damping", section.stiffness_damping);
         self.not_negative(at, "internal_damping", section.internal_damping);
-    }
-
-    fn bearing(&mut self, at: At, bearing: &Bearing) {
-        self.station(at, "station", bearing.station);
-        for (key, coefficient) in [
-            ("stiffness", &bearing.stiffness),
-            ("damping", &bearing.damping),
-            ("cross_stiffness", &bearing.cross_stiffness),
-            ("cross_damping", &bearing.cross_damping),
-        ] {
-            self.coefficient(at, key, coefficient);
-        }
-        self.not_negative(at, "mass", bearing.mass);
-        self.not_negative(at, "clearance", bearing.clearance);
-        if bearing.clearance > 0.0 && bearing.stiffness.values().any(|value| value < 0.0) {
-            let expected = "a stiffness of at least 0 beside it: what is met behind a clearance pushes back";
-            self.fault(at, "clearance", format!("clearance = {}", bearing.clearance), expected);
-        }
-    }
-
-    fn coefficient(&mut self, at: At, key: &'static str, coefficient: &Coefficient) {
-        match coefficient {
-            Coefficient::Constant(value) => self.finite(at, key, *value),
-            Coefficient::Table(points) => {
-                if points.is_empty() {
-                    self.fault(at, key, format!("{key} over no speeds"), "at least one speed and its value");
-                }
-                for (i, &(speed, value)) in points.iter().enumerate() {
-                    if i > 0 && speed <= points[i - 1].0 {
-                        let found = format!("{key} at speed {speed} after {}", points[i - 1].0);
-                        self.fault(at, key, found, "rising speeds");
-                    }
-                    self.not_negative(at, key, speed);
-                    self.finite(at, key, value);
-                }
-            }
-        }
-    }
-
-    fn magnetics(&mut self, sketch: &Sketch) {
-        let mut names = BTreeSet::new();
-        for (i, magnetic) in sketch.magnetics.iter().enumerate() {
-            let at = ("magnetic", i);
-            self.key(at, &magnetic.name, &mut names);
-            self.station(at, "station", magnetic.station);
-            self.station(at, "sensor", magnetic.sensor);
-            self.positive(at, "force_per_current", magnetic.force_per_current);
-            self.not_negative(at, "negative_stiffness", magnetic.negative_stiffness);
-            self.not_negative(at, "clearance", magnetic.clearance);
-            if let Some(stiffness) = magnetic.touchdown_stiffness {
-                self.positive(at, "touchdown_stiffness", stiffness);
-                if magnetic.clearance == 0.0 {
-                    let expected = "clearance = G with it, the play of the touchdown bearing";
-                    self.fault(at, "touchdown_stiffness", format!("touchdown_stiffness = {stiffness}"), expected);
-                }
-            }
-            if let Some(controller) = &magnetic.controller {
-                let (numerator, denominator) = (&controller.numerator, &controller.denominator);
-                let numbers = || numerator.iter().chain(denominator);
-                let led = |row: &[f64]| row.first().is_some_and(|&first| first != 0.0);
-                if !numbers().all(|c| c.is_finite()) || !led(numerator) || !led(denominator) {
-                    let expected = "finite coefficients in falling powers of s, the first of each list not 0";
-                    self.fault(at, "controller", "a controller".into(), expected);
-                } else if numerator.len() > denominator.len() {
-                    let found = format!("a controller of order {} over {}", numerator.len() - 1, denominator.len() - 1);
-                    self.fault(at, "controller", found, "a numerator of no higher order than the denominator");
-                }
-            }
-        }
     }
 }

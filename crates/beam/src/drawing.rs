@@ -72,6 +72,22 @@ pub struct Section {
     /// Viscous damping inside the material, which turns with the shaft, as a multiple of its elastic stiffness, in s. Above the first
     /// critical speed it drives forward whirl.
     pub internal_damping: f64,
+    /// A coupling in place of shaft: of all the rest only its length counts.
+    pub coupling: Option<Coupling>,
+}
+
+/// A coupling between the two ends of a section, whose displacements and tilts `d` it holds together: force `k d + c d'` each. What it
+/// weighs are discs at its ends.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Coupling {
+    /// Stiffness against a step of the axis in N/m.
+    pub stiffness: f64,
+    /// Damping of a step in N s/m.
+    pub damping: f64,
+    /// Stiffness against a kink of the axis in N m/rad.
+    pub tilt_stiffness: f64,
+    /// Damping of a kink in N m s/rad.
+    pub tilt_damping: f64,
 }
 
 impl Section {
@@ -100,7 +116,15 @@ impl Section {
             mass_damping: 0.0,
             stiffness_damping: 0.0,
             internal_damping: 0.0,
+            coupling: None,
         }
+    }
+
+    /// A coupling of a length.
+    #[must_use]
+    pub fn coupling(length: f64, coupling: Coupling) -> Self {
+        // A diameter that is not asked for, of what is drawn as wide as it is long.
+        Self { coupling: Some(coupling), ..Self::cylinder(length, length) }
     }
 }
 
@@ -164,6 +188,22 @@ pub struct Bearing {
     pub mass: f64,
     /// Radial play in m within which the stiffness does not act; 0 for a seal.
     pub clearance: f64,
+    /// The pedestal that it stands on, counted from 0; without one, the ground.
+    pub pedestal: Option<usize>,
+}
+
+/// What a bearing stands on that is no ground: a mass with a displacement of its own, force on it
+/// `-(k - j kc) s - d s'` from the ground, and whatever its bearings push.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Pedestal {
+    /// Its mass in kg, greater than 0.
+    pub mass: f64,
+    /// Stiffness to the ground in N/m.
+    pub stiffness: f64,
+    /// Damping to the ground in N s/m.
+    pub damping: f64,
+    /// Cross-coupled stiffness to the ground in N/m.
+    pub cross_stiffness: f64,
 }
 
 /// The controller of a magnetic bearing that came with an imported rotor: current `i = -C(s) p`, with `C` in A/m.
@@ -249,6 +289,8 @@ pub struct Sketch {
     pub point_masses: Vec<PointMass>,
     /// Bearings that carry it.
     pub bearings: Vec<Bearing>,
+    /// What bearings stand on where it is not the ground.
+    pub pedestals: Vec<Pedestal>,
     /// Seals.
     pub seals: Vec<Bearing>,
     /// Magnetic bearings.
@@ -328,12 +370,12 @@ impl Drawing {
         self.sections.iter().map(|section| section.elements).sum()
     }
 
-    /// Mass of shaft, sleeves, discs and point masses in kg; of matrices, what moves when all stations move together.
+    /// Mass of shaft, sleeves, discs and point masses in kg, without pedestals; of matrices, what moves when all stations move together.
     #[must_use]
     pub fn mass(&self) -> f64 {
         let layers = self.sections.iter().chain(self.sleeves.iter().map(|sleeve| &sleeve.layer));
         let cone = |left: f64, right: f64| left * left + left * right + right * right;
-        let shaft = layers.map(|layer| {
+        let shaft = layers.filter(|layer| layer.coupling.is_none()).map(|layer| {
             let squares = cone(layer.outer, layer.outer_right) - cone(layer.inner, layer.inner_right);
             self.materials[layer.material].density * std::f64::consts::PI / 12.0 * layer.length * squares
         });

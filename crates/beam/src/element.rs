@@ -15,7 +15,7 @@
 
 use nalgebra::{Matrix4, RowVector4};
 
-use crate::drawing::{Material, Section, Shear};
+use crate::drawing::{Coupling, Material, Section, Shear};
 
 /// Abscissae on -1..1 and weights of Gauss with five points.
 const GAUSS: [(f64, f64); 5] = [
@@ -85,6 +85,26 @@ impl Shape {
     }
 }
 
+/// A coupling as an element: its ends are held together, displacement by displacement and tilt by tilt.
+#[rustfmt::skip]
+fn coupled(of: &Coupling, length: f64) -> Element {
+    let between = |p: f64, t: f64| Matrix4::new(
+          p, 0.0,  -p, 0.0,
+        0.0,   t, 0.0,  -t,
+         -p, 0.0,   p, 0.0,
+        0.0,  -t, 0.0,   t,
+    );
+    Element {
+        mass: Matrix4::zeros(),
+        damping: between(of.damping, of.tilt_damping),
+        gyroscopic: Matrix4::zeros(),
+        stiffness: between(of.stiffness, of.tilt_stiffness),
+        cross_stiffness: Matrix4::zeros(),
+        internal: Matrix4::zeros(),
+        shape: Shape { length, phi: 0.0 },
+    }
+}
+
 /// The elements of a section from left to right.
 pub(crate) fn elements<'a>(section: &'a Section, material: &'a Material) -> impl Iterator<Item = Element> + 'a {
     let count = section.elements;
@@ -126,6 +146,9 @@ fn shear_coefficient(section: &Section, poisson: f64) -> Option<f64> {
 /// The matrices of `section` as one element.
 fn element(section: &Section, material: &Material) -> Element {
     let length = section.length;
+    if let Some(coupling) = &section.coupling {
+        return coupled(coupling, length);
+    }
     let (area, moment) = slice(section, 0.5);
     let bending = 12.0 * material.youngs_modulus * moment / (length * length);
     let kappa = shear_coefficient(section, material.poisson());

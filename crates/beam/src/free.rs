@@ -56,9 +56,14 @@ impl FullModel {
         if self.inside.is_empty() {
             return self.slowest_two().unwrap_or_default();
         }
-        let along = DVector::from_fn(size, |i, _| f64::from(i % 2 == 0));
-        let tilt = DVector::from_fn(size, |i, _| if i % 2 == 0 { self.nodes[i / 2].position } else { 1.0 });
-        vec![along, tilt]
+        let shaft = self.first_pedestal();
+        let along = DVector::from_fn(size, |i, _| f64::from(i < shaft && i % 2 == 0));
+        let tilt = DVector::from_fn(size, |i, _| match i {
+            _ if i >= shaft => 0.0,
+            _ if i % 2 == 0 => self.nodes[i / 2].position,
+            _ => 1.0,
+        });
+        vec![self.carried(&along), self.carried(&tilt)]
     }
 
     /// Of matrices whose coordinates have no meaning that is known here: what bends least.

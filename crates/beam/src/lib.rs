@@ -7,7 +7,7 @@
 //! M p'' + (C + Cr - j w G) p' + (K - j (Kc + w Cr)) p = f
 //! ```
 //!
-//! with real matrices that do not depend on `w`. An eigenvalue with a positive imaginary part whirls forward.
+//! behind them one displacement for each pedestal that a bearing stands on, with real matrices that do not depend on `w`. An eigenvalue with a positive imaginary part whirls forward.
 //!
 //! ```
 //! use beam::{Bearing, Coefficient, Disc, Drawing, Material, Section, Sketch};
@@ -57,6 +57,7 @@ mod lost;
 mod matrices;
 mod model;
 mod modes;
+mod pedestal;
 mod poles;
 mod reduce;
 mod ross;
@@ -66,8 +67,8 @@ mod unbalance;
 pub use check::{DrawingError, DrawingFault};
 pub use coefficient::Coefficient;
 pub use drawing::{
-    Amount, Bearing, Disc, Drawing, ImportedController, Magnetic, Material, PointMass, Section, Sensor, Shear, Sketch,
-    Sleeve, Unbalance,
+    Amount, Bearing, Coupling, Disc, Drawing, ImportedController, Magnetic, Material, Pedestal, PointMass, Section,
+    Sensor, Shear, Sketch, Sleeve, Unbalance,
 };
 pub use file::{Also, Open, is_drawing, read, read_and, write, write_and};
 pub use linear::C64;
@@ -83,6 +84,9 @@ pub const MAX_ELEMENTS: usize = 256;
 
 /// The most coordinates of a rotor that is given as matrices.
 pub const MAX_ROWS: usize = 128;
+
+/// The most pedestals of a rotor.
+pub const MAX_PEDESTALS: usize = 8;
 
 /// The most coordinates that a rotor is reduced to.
 pub const MAX_COORDINATES: usize = 16;

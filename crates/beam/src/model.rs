@@ -9,21 +9,27 @@ use crate::{C64, Coefficient};
 /// A place along the rotor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What it is called: a station by its number, counted from 1, any other by where it is, as in `0.125 m`.
+    /// What it is called: a station by its number, counted from 1, any other by where it is, as in `0.125 m`, or `pedestal 1`.
     pub name: String,
     /// Distance from the left end in m.
     pub position: f64,
     /// Which station it is, counted from 0.
     pub station: Option<usize>,
+    /// Which pedestal it is, counted from 0; its position is that of its first bearing.
+    pub pedestal: Option<usize>,
 }
 
 impl Place {
     pub(crate) fn station(position: f64, station: usize) -> Self {
-        Self { name: (station + 1).to_string(), position, station: Some(station) }
+        Self { name: (station + 1).to_string(), position, station: Some(station), pedestal: None }
     }
 
     pub(crate) fn inner(position: f64) -> Self {
-        Self { name: format!("{} m", text::number::significant(position, 6)), position, station: None }
+        Self { name: format!("{} m", text::number::significant(position, 6)), position, station: None, pedestal: None }
+    }
+
+    pub(crate) fn pedestal(position: f64, pedestal: usize) -> Self {
+        Self { name: format!("pedestal {}", pedestal + 1), position, station: None, pedestal: Some(pedestal) }
     }
 }
 
@@ -48,7 +54,7 @@ pub enum SpringPart {
     Touchdown(usize),
 }
 
-/// What holds one node to the ground: force on it `-(k - j kc) p - (d - j dc) p'`, the stiffness beyond the clearance only.
+/// What holds one node to the ground, or to a pedestal whose displacement `p` is less then: force on it `-(k - j kc) p - (d - j dc) p'`, the stiffness beyond the clearance only.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// What it is of.
@@ -67,6 +73,8 @@ pub struct Spring {
     pub cross_damping: Coefficient,
     /// Radial play in m; 0 if there is none.
     pub clearance: f64,
+    /// Which coordinate of the full model its other end is; `None` where that is the ground.
+    pub pedestal: Option<usize>,
 }
 
 impl Spring {
@@ -89,7 +97,8 @@ impl Spring {
     }
 }
 
-/// The equations of motion, of a drawing with a shaft with two complex coordinates a node, `p` and `psi = beta - j alpha`:
+/// The equations of motion, of a drawing with a shaft with two complex coordinates a node, `p` and `psi = beta - j alpha`, and behind
+/// them the displacement of each pedestal:
 ///
 /// ```text
 /// M p'' + (C + Cr - j w G) p' + (K - j (Kc + w Cr)) p = springs + forces
@@ -119,6 +128,8 @@ pub struct FullModel {
     pub displacements: Vec<usize>,
     /// Which node each station is.
     pub station_nodes: Vec<usize>,
+    /// The pedestals, whose displacements are the last coordinates.
+    pub pedestals: Vec<Place>,
     pub(crate) inside: Vec<Inside>,
     pub(crate) unbalances: Vec<Unbalance>,
     pub(crate) rotor_mass: f64,
@@ -134,9 +145,18 @@ impl FullModel {
         let cross = self.cross_stiffness.zip_map(&self.internal, |kc, internal| kc + speed * internal);
         let mut s = self.stiffness.zip_map(&cross, |k, cross| C64::new(k, -cross));
         for spring in self.springs.iter().filter(|spring| !spring.is_touchdown()) {
+            let (damping, stiffness) = (spring.damping_at(speed), spring.stiffness_at(speed));
             let p = self.displacements[spring.node];
-            d[(p, p)] += spring.damping_at(speed);
-            s[(p, p)] += spring.stiffness_at(speed);
+            let mut add = |row, column, sign: f64| {
+                d[(row, column)] += damping * sign;
+                s[(row, column)] += stiffness * sign;
+            };
+            add(p, p, 1.0);
+            if let Some(other) = spring.pedestal {
+                add(other, other, 1.0);
+                add(p, other, -1.0);
+                add(other, p, -1.0);
+            }
         }
         (self.mass.map(C64::from), d, s)
     }
@@ -146,7 +166,9 @@ impl FullModel {
     pub fn row(&self, place: &Place) -> RowDVector<f64> {
         let mut row = RowDVector::zeros(self.mass.nrows());
         let at = |position: f64| (position - place.position).abs() <= 1e-12 * (1.0 + position.abs());
-        if let Some(node) = self.nodes.iter().position(|node| at(node.position)) {
+        if let Some(pedestal) = place.pedestal.filter(|pedestal| *pedestal < self.pedestals.len()) {
+            row[self.first_pedestal() + pedestal] = 1.0;
+        } else if let Some(node) = self.nodes.iter().position(|node| at(node.position)) {
             row[self.displacements[node]] = 1.0;
         } else if let Some(inside) = self.inside.iter().find(|inside| at(inside.position)) {
             row.fixed_columns_mut::<4>(2 * inside.node).copy_from(&inside.row);

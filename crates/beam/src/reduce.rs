@@ -15,6 +15,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 
 use crate::model::{FullModel, Place, Spring};
 use crate::modes::{scale, undamped};
+use crate::pedestal::alone;
 use crate::poles::{PoleError, eigenvalues};
 use crate::select::{candidates, choose};
 use crate::{C64, Coefficient, Drawing, MAX_COORDINATES};
@@ -69,7 +70,7 @@ impl FullModel {
         if !(1..=MAX_COORDINATES).contains(&coordinates) {
             return Err(ReductionError::Coordinates(coordinates));
         }
-        let places = self.nodes.len() + self.inside.len();
+        let places = self.nodes.len() + self.inside.len() + self.pedestals.len();
         let basis = self.shapes(coordinates.min(self.mass.nrows()).min(places))?;
         let (places, rows): (Vec<_>, Vec<_>) = candidates(self, drawing, &basis).into_iter().unzip();
         let chosen = choose(&places, &rows, basis.ncols()).ok_or(ReductionError::Places(basis.ncols()))?;
@@ -115,17 +116,24 @@ impl FullModel {
     fn shapes(&self, count: usize) -> Result<DMatrix<f64>, ReductionError> {
         let scale = scale(&self.mass, &self.stiffness);
         let modes = undamped(&self.mass, &self.stiffness, scale).ok_or(ReductionError::Mass)?;
-        let held = self.held(scale, (count / 4 + 1).min(count.saturating_sub(2)));
+        // Each pedestal is a shape of its own, whatever its frequency: it moves with the shaft by its bearings alone.
+        let pedestals = self.pedestals.len().min(count);
+        let held = self.held(scale, (count / 4 + 1).min(count.saturating_sub(2 + pedestals)));
+        let alone: Vec<DVector<f64>> = alone(self).collect();
         let shifted = (&self.stiffness + &self.mass * (scale * scale)).cholesky().ok_or(ReductionError::Mass)?;
         let statics = held.iter().map(|node| {
             let mut force = DVector::zeros(self.mass.nrows());
             force[self.displacements[*node]] = 1.0;
             shifted.solve(&force)
         });
-        let first = modes.column_iter().take(count - held.len()).map(|shape| shape.into_owned());
+        let is_of_shaft = |shape: &DVector<f64>| pedestals == 0 || self.orthonormal(shape.clone(), &alone).is_some();
+        let modes: Vec<DVector<f64>> =
+            modes.column_iter().map(|shape| shape.into_owned()).filter(is_of_shaft).collect();
+        let slow = count - pedestals - held.len();
+        let first = modes.iter().take(slow).cloned();
         // Where a static shape is a sum of the modes already, as of a rotor with no more shapes, the next modes take its place.
-        let rest = modes.column_iter().skip(count - held.len()).map(|shape| shape.into_owned());
-        let mut kept: Vec<DVector<f64>> = Vec::with_capacity(count);
+        let rest = modes.iter().skip(slow).cloned();
+        let mut kept: Vec<DVector<f64>> = alone.iter().take(pedestals).cloned().collect();
         for shape in first.chain(statics).chain(rest) {
             if kept.len() < count
                 && let Some(shape) = self.orthonormal(shape, &kept)
@@ -184,6 +192,13 @@ impl Reduced {
         self.shape.row(self.displacements[node]).into_owned()
     }
 
+    /// What a spring of the full model is stretched by, as a row of the coordinates.
+    #[must_use]
+    pub fn stretch(&self, spring: &Spring) -> RowDVector<f64> {
+        let row = self.displacement(spring.node);
+        spring.pedestal.map_or_else(|| row.clone(), |pedestal| &row - self.shape.row(pedestal))
+    }
+
     /// `(M, D, S)` of `M q'' + D q' + S q = 0` at a spin speed in rad/s, held by the `springs` of the full model as if there were no
     /// clearance, touchdown bearings out.
     #[must_use]
@@ -193,7 +208,7 @@ impl Reduced {
         let cross = &self.cross_stiffness + &self.internal * speed;
         let mut s = self.stiffness.zip_map(&cross, |k, cross| C64::new(k, -cross));
         for spring in springs.iter().filter(|spring| !spring.is_touchdown()) {
-            let row = self.displacement(spring.node).map(C64::from);
+            let row = self.stretch(spring).map(C64::from);
             let square = row.transpose() * row;
             d += &square * spring.damping_at(speed);
             s += square * spring.stiffness_at(speed);

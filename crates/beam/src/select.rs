@@ -24,7 +24,7 @@ pub(crate) struct Chosen {
 /// The condition that wishes may cost: five digits of sixteen.
 const CONDITION: f64 = 1e5;
 
-/// Every node, and two places inside every element, with its displacement in the shapes of `basis`.
+/// Every node and pedestal, and two places inside every element, with its displacement in the shapes of `basis`.
 pub(crate) fn candidates(
     full: &FullModel,
     drawing: &Drawing,
@@ -54,7 +54,11 @@ pub(crate) fn candidates(
         let row = RowDVector::from_iterator(basis.ncols(), row.iter().copied());
         (Candidate { place: Place::inner(inside.position), rank: 7 }, row)
     });
-    nodes.chain(inside).collect()
+    // Nothing else tells how a pedestal moves.
+    let pedestals = full.pedestals.iter().enumerate().map(|(i, place)| {
+        (Candidate { place: place.clone(), rank: 0 }, basis.row(full.first_pedestal() + i).into_owned())
+    });
+    nodes.chain(inside).chain(pedestals).collect()
 }
 
 /// `count` places whose rows are far from dependent: one after the other the row of which the others leave most (QR with pivoting),

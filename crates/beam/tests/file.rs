@@ -274,7 +274,7 @@ fn what_is_wrong_is_told_at_its_place() {
         (
             "clearance = 0.5e-3",
             "clearence = 1",
-            "63:1: unknown key 'clearence': expected one of station, stiffness, damping, cross_stiffness, cross_damping, mass, clearance; did you mean 'clearance'?",
+            "63:1: unknown key 'clearence': expected one of station, stiffness, damping, cross_stiffness, cross_damping, mass, clearance, pedestal; did you mean 'clearance'?",
         ),
         (
             "mass = 0.2",
@@ -342,7 +342,7 @@ fn what_is_wrong_is_told_at_its_place() {
         (
             "[[sensor]]",
             "[[sensors]]",
-            "80:3: unknown key 'sensors': expected one of name, units, reference_length, coordinates, mass_damping, stiffness_damping, plant, material, section, sleeve, disc, point_mass, bearing, seal, magnetic, sensor, unbalance; did you mean 'sensor'?",
+            "80:3: unknown key 'sensors': expected one of name, units, reference_length, coordinates, mass_damping, stiffness_damping, plant, material, section, sleeve, disc, point_mass, pedestal, bearing, seal, magnetic, sensor, unbalance; did you mean 'sensor'?",
         ),
     ];
     let mut wrong = Vec::new();

@@ -162,7 +162,7 @@ fn what_differs_between_directions_is_refused_by_name_or_averaged() {
 #[test]
 fn what_cannot_be_taken_over_is_refused_by_name() {
     for (from, to, told) in [
-        ("DiskElement_", "CouplingElement_", "DiskElement, PointMass, or a class of bearings or seals of ROSS"),
+        ("DiskElement_", "SpringElement_", "DiskElement, PointMass, or a class of bearings or seals of ROSS"),
         ("n = 6\n", "n = 7\n", "BearingElement_Bearing 1: n = 7: expected a node of the shaft, 0 to 6"),
         (
             "n = 3\naxial",
@@ -187,7 +187,7 @@ fn what_cannot_be_taken_over_is_refused_by_name() {
         (
             "scale_factor = 1\n",
             "n_link = 8\n",
-            "n_link: expected a bearing between the rotor and the ground, without n_link",
+            "n_link = 8: expected a node beyond the shaft, 7 or more, with a PointMass: a pedestal",
         ),
         (
             "[parameters]",

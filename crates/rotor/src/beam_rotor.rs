@@ -174,7 +174,11 @@ impl BeamRotor {
         let columns = rows.clone();
         let holds = Holds::of(&self.full, |spring| {
             let station = self.coordinate(spring.station);
-            (Direction::Unit(self.full.displacements[spring.node]), station)
+            let row = match spring.pedestal {
+                None => Direction::Unit(self.full.displacements[spring.node]),
+                Some(_) => Direction::Dense(complex(&spring.stretch(&self.full))),
+            };
+            (row, station)
         })?;
         let stations = self.stations(rows);
         matrices(

@@ -53,6 +53,7 @@ pub(super) fn page() -> String {
         "[[sleeve]]",
         "[[disc]]",
         "[[point_mass]]",
+        "[[pedestal]]",
         "[[bearing]]",
         "[[seal]]",
         "[[magnetic]]",

@@ -9,11 +9,12 @@
 //! | at the top | `name`, `units = "si"`, `reference_length`, `coordinates`, `mass_damping`, `stiffness_damping` |
 //! | `[material.NAME]` | `density`, `youngs_modulus`, and `shear_modulus` or `poisson` |
 //! | `[plant]` | in place of materials, sections and discs: `stations`, `positions`, and `mass`, `damping`, `gyroscopic`, `stiffness`, `cross_stiffness` as rows, or `matrices` |
-//! | `[[section]]` | `length`, `outer`, `inner`, `outer_right`, `inner_right`, `elements`, `material`, and what [`Section`](crate::Section) has |
+//! | `[[section]]` | `length`, and `coupling` alone, or `outer`, `inner`, `outer_right`, `inner_right`, `elements`, `material`, and what [`Section`](crate::Section) has |
 //! | `[[sleeve]]` | `section`, and the keys of a section but its length and elements |
 //! | `[[disc]]` | `station`, and `mass`, `polar_inertia`, `diametral_inertia`, or `outer`, `inner`, `width`, `material` |
 //! | `[[point_mass]]` | `station`, `mass` |
-//! | `[[bearing]]`, `[[seal]]` | `station`, `stiffness`, `damping`, `cross_stiffness`, `cross_damping`, `mass`, and of a bearing `clearance` |
+//! | `[[bearing]]`, `[[seal]]` | `station`, `stiffness`, `damping`, `cross_stiffness`, `cross_damping`, `mass`, and of a bearing `clearance`, `pedestal` |
+//! | `[[pedestal]]` | `mass`, `stiffness`, `damping`, `cross_stiffness`; a bearing stands on it by `pedestal`, its number |
 //! | `[[magnetic]]` | `name`, `station`, `sensor`, `force_per_current`, `negative_stiffness`, `clearance`, `touchdown_stiffness`, `controller` |
 //! | `[[sensor]]` | `name`, `station` |
 //! | `[[unbalance]]` | `station`, `angle`, and `gmm`, or `mass` and `radius`, or `grade` and perhaps `speed` |

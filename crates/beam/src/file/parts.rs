@@ -6,7 +6,7 @@ use text::{Domain, Table, Value};
 use toml::de::DeValue;
 
 use super::read::Reading;
-use crate::{Amount, Bearing, Coefficient, Disc, ImportedController, Magnetic, PointMass, Sensor, Unbalance};
+use crate::{Amount, Bearing, Coefficient, Disc, ImportedController, Magnetic, Pedestal, PointMass, Sensor, Unbalance};
 
 /// Reads all parts.
 pub(super) fn all(reading: &mut Reading<'_, '_, '_>) {
@@ -21,10 +21,24 @@ pub(super) fn all(reading: &mut Reading<'_, '_, '_>) {
         let mass = reading.reader.required(table, (&within, at), "mass", Domain::NotNegative);
         reading.sketch.point_masses.push(PointMass { station, mass });
     }
-    let keys = ["station", "stiffness", "damping", "cross_stiffness", "cross_damping", "mass", "clearance"];
+    for (i, (table, at)) in
+        reading.tables("pedestal", &["mass", "stiffness", "damping", "cross_stiffness"]).into_iter().enumerate()
+    {
+        let reader = &mut reading.reader;
+        let mass = reader.required(table, (&format!("[[pedestal]] {}", i + 1), at), "mass", Domain::Positive);
+        let [stiffness, damping] =
+            ["stiffness", "damping"].map(|key| reader.number(table, key, Domain::NotNegative).unwrap_or(0.0));
+        let cross_stiffness = reader.number(table, "cross_stiffness", Domain::Finite).unwrap_or(0.0);
+        reading.sketch.pedestals.push(Pedestal { mass, stiffness, damping, cross_stiffness });
+    }
+    let keys = ["station", "stiffness", "damping", "cross_stiffness", "cross_damping", "mass", "clearance", "pedestal"];
     for (i, (table, at)) in reading.tables("bearing", &keys).into_iter().enumerate() {
         let mut bearing = bearing(reading, table, (&format!("[[bearing]] {}", i + 1), at));
         bearing.clearance = reading.reader.number(table, "clearance", Domain::NotNegative).unwrap_or(0.0);
+        if table.contains_key("pedestal") {
+            let pedestals = reading.sketch.pedestals.len();
+            bearing.pedestal = reading.reader.counted(table, "pedestal", pedestals, "a [[pedestal]] of the file");
+        }
         reading.sketch.bearings.push(bearing);
     }
     for (i, (table, at)) in reading.tables("seal", &keys[..6]).into_iter().enumerate() {
@@ -98,7 +112,7 @@ fn bearing(reading: &mut Reading<'_, '_, '_>, table: &Table<'_>, within: (&str, 
     let (stiffness, damping) = (over("stiffness"), over("damping"));
     let (cross_stiffness, cross_damping) = (over("cross_stiffness"), over("cross_damping"));
     let mass = reading.reader.number(table, "mass", Domain::NotNegative).unwrap_or(0.0);
-    Bearing { station, stiffness, damping, cross_stiffness, cross_damping, mass, clearance: 0.0 }
+    Bearing { station, stiffness, damping, cross_stiffness, cross_damping, mass, clearance: 0.0, pedestal: None }
 }
 
 /// A number, or a table over speed.

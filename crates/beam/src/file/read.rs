@@ -92,6 +92,7 @@ pub fn read_and<T>(
         "sleeve",
         "disc",
         "point_mass",
+        "pedestal",
         "bearing",
         "seal",
         "magnetic",

@@ -2,11 +2,11 @@
 
 use std::ops::Range as Span;
 
-use text::{Domain, Table};
+use text::{Domain, Table, Value};
 use toml::de::DeValue;
 
 use super::read::Reading;
-use crate::{MAX_ELEMENTS, Material, Section, Shear, Sleeve};
+use crate::{Coupling, MAX_ELEMENTS, Material, Section, Shear, Sleeve};
 
 /// The words for [`Shear`] in a file.
 pub(super) const SHEAR: [(&str, Shear); 3] =
@@ -77,7 +77,7 @@ pub(super) fn materials(reading: &mut Reading<'_, '_, '_>) {
 
 /// Reads `[[section]]` and `[[sleeve]]`.
 pub(super) fn sections(reading: &mut Reading<'_, '_, '_>) {
-    let keys: Vec<&str> = ["length", "elements"].into_iter().chain(LAYER).collect();
+    let keys: Vec<&str> = ["length", "elements", "coupling"].into_iter().chain(LAYER).collect();
     let tables = reading.tables("section", &keys);
     if reading.sketch.materials.is_empty()
         && let Some((_, at)) = tables.first()
@@ -91,6 +91,11 @@ pub(super) fn sections(reading: &mut Reading<'_, '_, '_>) {
     for (i, (table, at)) in tables.into_iter().enumerate() {
         let within = format!("[[section]] {}", i + 1);
         let length = reading.reader.required(table, (&within, at.clone()), "length", Domain::Positive);
+        if let Some(value) = table.get("coupling") {
+            let made = coupling(reading, table, value, length);
+            reading.sketch.sections.push(made);
+            continue;
+        }
         let elements = reading.reader.counted(table, "elements", MAX_ELEMENTS, "a number of elements");
         let elements = elements.map_or(1, |elements| elements + 1);
         let layer = layer(reading, table, (&within, at), length, elements);
@@ -149,5 +154,22 @@ fn layer(
         mass_damping,
         stiffness_damping,
         internal_damping,
+        coupling: None,
     }
+}
+
+/// `coupling = { stiffness, damping, tilt_stiffness, tilt_damping }` of a section.
+fn coupling(reading: &mut Reading<'_, '_, '_>, table: &Table<'_>, value: &Value<'_>, length: f64) -> Section {
+    let reader = &mut reading.reader;
+    reader.only(table, &["length", "coupling"]);
+    let keys = ["stiffness", "damping", "tilt_stiffness", "tilt_damping"];
+    let DeValue::Table(own) = value.get_ref() else {
+        let expected = "{ stiffness = N/m, tilt_stiffness = N m/rad, damping = N s/m, tilt_damping = N m s/rad }";
+        reader.wrong("coupling", value, expected);
+        return Section::coupling(length, Coupling::default());
+    };
+    reader.only(own, &keys);
+    let [stiffness, damping, tilt_stiffness, tilt_damping] =
+        keys.map(|key| reader.number(own, key, Domain::NotNegative).unwrap_or(0.0));
+    Section::coupling(length, Coupling { stiffness, damping, tilt_stiffness, tilt_damping })
 }

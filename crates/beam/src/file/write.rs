@@ -24,6 +24,18 @@ pub fn write_and(drawing: &Drawing, magnetic: impl Fn(&mut Lines, usize), rest: 
     for section in &drawing.sections {
         lines.header("section");
         lines.key("length", number(section.length), "m");
+        if let Some(of) = &section.coupling {
+            let pairs = [
+                ("stiffness", of.stiffness),
+                ("damping", of.damping),
+                ("tilt_stiffness", of.tilt_stiffness),
+                ("tilt_damping", of.tilt_damping),
+            ];
+            let given = pairs.iter().filter(|(_, value)| *value != 0.0);
+            let text: Vec<String> = given.map(|(key, value)| format!("{key} = {}", number(*value))).collect();
+            lines.key("coupling", format!("{{ {} }}", text.join(", ")), "N/m, N s/m, N m/rad, N m s/rad");
+            continue;
+        }
         layer(&mut lines, drawing, section);
         if section.elements != 1 {
             lines.key("elements", section.elements, "of equal length");
@@ -45,6 +57,13 @@ pub fn write_and(drawing: &Drawing, magnetic: impl Fn(&mut Lines, usize), rest: 
         lines.header("point_mass");
         station(&mut lines, point.station);
         lines.key("mass", number(point.mass), "kg");
+    }
+    for pedestal in &drawing.pedestals {
+        lines.header("pedestal");
+        lines.key("mass", number(pedestal.mass), "kg");
+        optional(&mut lines, "stiffness", pedestal.stiffness, 0.0, "N/m, to the ground");
+        optional(&mut lines, "damping", pedestal.damping, 0.0, "N s/m, to the ground");
+        optional(&mut lines, "cross_stiffness", pedestal.cross_stiffness, 0.0, "N/m, to the ground");
     }
     drawing.bearings.iter().for_each(|it| bearing(&mut lines, "bearing", it));
     drawing.seals.iter().for_each(|it| bearing(&mut lines, "seal", it));
@@ -167,6 +186,9 @@ fn bearing(lines: &mut Lines, kind: &str, bearing: &Bearing) {
     }
     optional(lines, "mass", bearing.mass, 0.0, "kg, moves with the rotor");
     optional(lines, "clearance", bearing.clearance, 0.0, "m, radial");
+    if let Some(pedestal) = bearing.pedestal {
+        lines.key("pedestal", pedestal + 1, "that it stands on, counted from 1");
+    }
 }
 
 fn magnet(lines: &mut Lines, magnetic: &Magnetic) {

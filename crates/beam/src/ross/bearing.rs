@@ -1,19 +1,15 @@
 //! Bearings and seals, which ROSS has as coefficients over speed, whatever their class.
 
-use super::{Element, Import};
+use super::{Element, Import, pedestal::linked};
 use crate::coefficient::RAD_PER_S;
 use crate::{Bearing, Coefficient};
 
 /// How far apart two coefficients may be that are meant to be the same, beside the largest of their table.
 const SAME: f64 = 1e-9;
 
-/// A bearing, unless it does nothing across the axis.
-pub(super) fn bearing(import: &mut Import<'_>, element: &Element) -> Option<Bearing> {
-    let station = import.document.node(element, import.nodes);
-    if element.get("n_link").is_some() {
-        let found = format!("{}: n_link", element.name);
-        import.document.fault(&element.span, found, "a bearing between the rotor and the ground, without n_link");
-    }
+/// A bearing at a station, unless it does nothing across the axis.
+pub(super) fn bearing(import: &mut Import<'_>, element: &Element, station: usize) -> Option<Bearing> {
+    let pedestal = linked(import, element);
     let speeds = import.document.numbers(element, "frequency");
     for pair in speeds.windows(2) {
         if pair[1] <= pair[0] {
@@ -29,6 +25,10 @@ pub(super) fn bearing(import: &mut Import<'_>, element: &Element) -> Option<Bear
         import.document.fault(&element.span, found, "0: masses that couple both planes are not taken over");
     }
     let mass = constant(import, element, &mass);
+    if pedestal.is_some() && mass != 0.0 {
+        let found = format!("{}: mxx = {mass} beside n_link", element.name);
+        import.document.fault(&element.span, found, "0: a mass between the rotor and a pedestal is not taken over");
+    }
     if speeds.len() > 1 {
         import.note(
             element,
@@ -46,7 +46,7 @@ pub(super) fn bearing(import: &mut Import<'_>, element: &Element) -> Option<Bear
         import.note(element, "left out: it does nothing across the axis");
         return None;
     }
-    Some(Bearing { station, stiffness, damping, cross_stiffness, cross_damping, mass, clearance: 0.0 })
+    Some(Bearing { station, stiffness, damping, cross_stiffness, cross_damping, mass, clearance: 0.0, pedestal })
 }
 
 /// The direct and the cross-coupled coefficient of a kind, `k`, `c` or `m`.

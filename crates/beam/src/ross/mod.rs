@@ -7,6 +7,7 @@
 mod bearing;
 mod document;
 mod magnetic;
+mod pedestal;
 mod shaft;
 
 use std::fmt;
@@ -18,6 +19,7 @@ use crate::{Disc, Drawing, MAX_NAME, PointMass, Sketch};
 use bearing::bearing;
 use document::{Document, Element, Value};
 use magnetic::{is_magnetic, magnetic};
+use pedestal::{part, pedestal_of, pedestals};
 use shaft::shaft;
 
 /// Something about an import that whoever asked for it should know.
@@ -49,6 +51,8 @@ struct Import<'t> {
     average: bool,
     /// How many nodes the shaft has.
     nodes: usize,
+    /// Which nodes beyond the shaft are pedestals.
+    pedestal_nodes: Vec<f64>,
     /// Which element of the file each table of the drawing is from.
     origins: Vec<(&'static str, usize, usize)>,
 }
@@ -79,9 +83,11 @@ pub fn import_ross(text: &str, average: bool) -> Result<(Drawing, Vec<Note>), Fa
     let mut document = Document::parse(text)?;
     let elements = std::mem::take(&mut document.elements);
     let sketch = Sketch { name: "rotor".into(), ..Sketch::default() };
-    let mut import = Import { document, sketch, notes: vec![], average, nodes: 0, origins: vec![] };
+    let mut import =
+        Import { document, sketch, notes: vec![], average, nodes: 0, pedestal_nodes: vec![], origins: vec![] };
     import.version();
     shaft(&mut import, &elements);
+    pedestals(&mut import, &elements);
     for (at, element) in elements.iter().enumerate() {
         import.element(at, element);
     }
@@ -111,8 +117,12 @@ impl Import<'_> {
     }
 
     fn element(&mut self, at: usize, element: &Element) {
+        if let Some(pedestal) = pedestal_of(self, element, "n") {
+            part(self, pedestal, element);
+            return;
+        }
         match element.class() {
-            "ShaftElement" => {}
+            "ShaftElement" | "CouplingElement" => {}
             "DiskElement" | "GearElement" => {
                 let station = self.document.node(element, self.nodes);
                 let [mass, diametral_inertia, polar_inertia] =
@@ -125,32 +135,40 @@ impl Import<'_> {
             }
             "PointMass" => {
                 let station = self.document.node(element, self.nodes);
-                let whole = self.document.numbers(element, "m").first().copied();
-                let [x, y] = ["mx", "my"].map(|key| self.document.number(element, key, Some(whole.unwrap_or(0.0))));
-                let mass = self.mean(element, ("mx", x), ("my", y));
+                let mass = self.point_mass(element);
                 self.origins.push(("point_mass", self.sketch.point_masses.len(), at));
                 self.sketch.point_masses.push(PointMass { station, mass });
             }
             "MagneticBearingElement" => magnetic(self, at, element),
             _ if is_magnetic(element) => magnetic(self, at, element),
             class if BEARINGS.contains(&class) => {
-                if let Some(made) = bearing(self, element) {
+                let station = self.document.node(element, self.nodes);
+                if let Some(made) = bearing(self, element, station) {
                     self.origins.push(("bearing", self.sketch.bearings.len(), at));
                     self.sketch.bearings.push(made);
                 }
             }
             class if SEALS.contains(&class) => {
-                if let Some(made) = bearing(self, element) {
+                let station = self.document.node(element, self.nodes);
+                if let Some(made) = bearing(self, element, station) {
                     self.origins.push(("seal", self.sketch.seals.len(), at));
                     self.sketch.seals.push(made);
                 }
             }
             class => {
                 let found = format!("{}: an element of class {class}", element.name);
-                let expected = "ShaftElement, DiskElement, PointMass, or a class of bearings or seals of ROSS";
+                let expected =
+                    "ShaftElement, CouplingElement, DiskElement, PointMass, or a class of bearings or seals of ROSS";
                 self.document.fault(&element.span, found, expected);
             }
         }
+    }
+
+    /// The mass of a point mass.
+    fn point_mass(&mut self, element: &Element) -> f64 {
+        let whole = self.document.numbers(element, "m").first().copied();
+        let [x, y] = ["mx", "my"].map(|key| self.document.number(element, key, Some(whole.unwrap_or(0.0))));
+        self.mean(element, ("mx", x), ("my", y))
     }
 
     /// One value for both directions.

@@ -1,7 +1,7 @@
 //! The shaft: elements one after the other, or beside each other between the same nodes.
 
 use super::{Element, Import, Value};
-use crate::{Material, Section, Shear, Sleeve};
+use crate::{Coupling, Disc, Material, Section, Shear, Sleeve};
 
 /// Keys of a shaft element that mean something here, or nothing to its motion.
 const KNOWN: [&str; 19] = [
@@ -26,13 +26,18 @@ const KNOWN: [&str; 19] = [
     "axial_cg_pos",
 ];
 
-/// Reads all shaft elements, which come from left to right: the first between two nodes is a section, the others between the same two are sleeves on it.
+/// Classes that the shaft is made of.
+const SHAFT: [&str; 2] = ["ShaftElement", COUPLING];
+const COUPLING: &str = "CouplingElement";
+
+/// Reads all shaft elements and couplings, which come from left to right: the first between two nodes is a section, the others between the same two are sleeves on it.
 pub(super) fn shaft(import: &mut Import<'_>, elements: &[Element]) {
     let whole = damping_of_all(import);
     let mut layers: Vec<(f64, usize, Section)> = Vec::new();
-    for (at, element) in elements.iter().enumerate().filter(|(_, element)| element.class() == "ShaftElement") {
+    for (at, element) in elements.iter().enumerate().filter(|(_, element)| SHAFT.contains(&element.class())) {
         let n = import.document.number(element, "n", None);
-        let section = section(import, at, element, whole);
+        let is_coupling = element.class() == COUPLING;
+        let section = if is_coupling { coupling(import, element) } else { section(import, at, element, whole) };
         layers.push((n, at, section));
     }
     if layers.is_empty() && import.document.faults.is_empty() {
@@ -42,6 +47,12 @@ pub(super) fn shaft(import: &mut Import<'_>, elements: &[Element]) {
     for (n, at, layer) in layers {
         let sections = import.sketch.sections.len();
         if sections > 0 && n == next - 1.0 {
+            let under = &import.sketch.sections[sections - 1];
+            if layer.coupling.is_some() || under.coupling.is_some() {
+                let found = format!("{}: n = {n}", elements[at].name);
+                import.document.fault(&elements[at].span, found, "one element at the place of a coupling");
+                continue;
+            }
             import.origins.push(("sleeve", import.sketch.sleeves.len(), at));
             import.sketch.sleeves.push(Sleeve { section: sections - 1, layer });
             continue;
@@ -56,6 +67,38 @@ pub(super) fn shaft(import: &mut Import<'_>, elements: &[Element]) {
         next = if n.is_finite() { n + 1.0 } else { next };
     }
     import.nodes = (next as usize).saturating_add(1);
+    for (at, element) in elements.iter().enumerate().filter(|(_, element)| element.class() == COUPLING) {
+        hubs(import, at, element);
+    }
+}
+
+/// What holds the two ends of a coupling together.
+fn coupling(import: &mut Import<'_>, element: &Element) -> Section {
+    let length = import.document.number(element, "L", Some(0.2));
+    let mut both = |x: &str, y: &str| {
+        let values = [x, y].map(|key| import.document.number(element, key, Some(0.0)));
+        import.mean(element, (x, values[0]), (y, values[1]))
+    };
+    let coupling = Coupling {
+        stiffness: both("kt_x", "kt_y"),
+        damping: both("ct_x", "ct_y"),
+        tilt_stiffness: both("kr_x", "kr_y"),
+        tilt_damping: both("cr_x", "cr_y"),
+    };
+    Section::coupling(length, coupling)
+}
+
+/// What a coupling weighs at its ends, as discs.
+fn hubs(import: &mut Import<'_>, at: usize, element: &Element) {
+    let left = import.document.node(element, import.nodes.saturating_sub(1));
+    for (station, keys) in [(left, ["m_l", "Id_l", "Ip_l"]), (left + 1, ["m_r", "Id_r", "Ip_r"])] {
+        let [mass, diametral, polar_inertia] = keys.map(|key| import.document.number(element, key, Some(0.0)));
+        let diametral_inertia = if diametral == 0.0 { 0.5 * polar_inertia } else { diametral };
+        if mass != 0.0 || polar_inertia != 0.0 || diametral_inertia != 0.0 {
+            import.origins.push(("disc", import.sketch.discs.len(), at));
+            import.sketch.discs.push(Disc { station, mass, polar_inertia, diametral_inertia });
+        }
+    }
 }
 
 /// Proportional damping that is said of the whole rotor, and whether there is any: it is then the only one.
@@ -118,6 +161,7 @@ fn section(import: &mut Import<'_>, at: usize, element: &Element, damped_as_a_wh
         mass_damping: if own { alpha } else { 0.0 },
         stiffness_damping: if own { beta } else { 0.0 },
         internal_damping: 0.0,
+        coupling: None,
     }
 }
 

@@ -14,7 +14,7 @@ const SAME_MOTION: f64 = 1e-6;
 /// Speeds in rad/s with stiffness and damping at each, SI.
 type OverSpeed = Vec<(f64, C64, C64)>;
 
-/// What holds a rotor to the ground, apart by how it is computed.
+/// What holds a rotor to the ground or to pedestals, apart by how it is computed.
 pub(super) struct Holds {
     /// Constant and without play: what reads the displacement, stiffness and damping, SI.
     constant: Vec<(Direction, C64, C64)>,
@@ -82,8 +82,7 @@ pub(super) struct Places {
 /// The plant of a reduced rotor, and the clearance of each place in `e_t`.
 pub(super) fn plant_of(full: &FullModel, reduced: &Reduced, scales: &Scales) -> Result<(Plant, Vec<f64>), RotorError> {
     let n = reduced.coordinates();
-    let row = |node: usize| {
-        let row = reduced.displacement(node);
+    let direction = |row: RowDVector<f64>| {
         // A place that is a coordinate is so exactly.
         let own = |k: usize| (row[k] - 1.0).abs() < 1e-9;
         let others = |k: usize| (0..n).all(|i| i == k || row[i].abs() < 1e-9);
@@ -92,8 +91,9 @@ pub(super) fn plant_of(full: &FullModel, reduced: &Reduced, scales: &Scales) -> 
             None => Direction::Dense(row.iter().map(|x| C64::from(*x)).collect()),
         }
     };
+    let row = |node: usize| direction(reduced.displacement(node));
     let place = |spring: &Spring| reduced.stations.iter().position(|place| place.station == Some(spring.station));
-    let holds = Holds::of(full, |spring| (row(spring.node), place(spring)))?;
+    let holds = Holds::of(full, |spring| (direction(reduced.stretch(spring)), place(spring)))?;
     let name = |place: &Place| match place.station {
         Some(_) => format!("station {}", place.name),
         None => place.name.clone(),
