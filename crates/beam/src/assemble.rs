@@ -114,7 +114,7 @@ impl Drawing {
             internal: DMatrix::zeros(size, size),
             springs: self.springs(&station_nodes),
             displacements: matrices.stations.clone(),
-            nodes: places.map(|(station, &position)| Place::station(position, station)).collect(),
+            nodes: places.map(|(station, &position)| Place::of_coordinate(position, station, matrices)).collect(),
             station_nodes,
             inside: Vec::new(),
             pedestals: Vec::new(),

@@ -4,12 +4,13 @@ use nalgebra::{DMatrix, RowDVector, RowVector4};
 
 use crate::drawing::Unbalance;
 use crate::poles::{PoleError, eigenvalues};
-use crate::{C64, Coefficient};
+use crate::{C64, Coefficient, Matrices};
 
 /// A place along the rotor.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Place {
-    /// What it is called: a station by its number, counted from 1, any other by where it is, as in `0.125 m`, or `pedestal 1`.
+    /// What it is called: a station by its number, counted from 1, or by the name of its coordinate in
+    /// matrices that have such names, any other by where it is, as in `0.125 m`, or `pedestal 1`.
     pub name: String,
     /// Distance from the left end in m.
     pub position: f64,
@@ -22,6 +23,22 @@ pub struct Place {
 impl Place {
     pub(crate) fn station(position: f64, station: usize) -> Self {
         Self { name: (station + 1).to_string(), position, station: Some(station), pedestal: None }
+    }
+
+    /// A station of matrices, by the name of its coordinate where that has one.
+    pub(crate) fn of_coordinate(position: f64, station: usize, matrices: &Matrices) -> Self {
+        let name = matrices.stations.get(station).and_then(|at| matrices.names.get(*at)).cloned();
+        let plain = Self::station(position, station);
+        Self { name: name.unwrap_or_else(|| plain.name.clone()), ..plain }
+    }
+
+    /// What it is called among words: a station that has no name by its number, as `station 3`.
+    #[must_use]
+    pub fn told(&self) -> String {
+        match self.station {
+            Some(station) if self.name == (station + 1).to_string() => format!("station {}", self.name),
+            _ => self.name.clone(),
+        }
     }
 
     pub(crate) fn inner(position: f64) -> Self {

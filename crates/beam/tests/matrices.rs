@@ -53,6 +53,23 @@ fn what_is_no_matrix_is_refused_with_its_place() {
     let complex = told("complex.npy", &case("complex.npy"));
     assert_eq!(complex, "the array: numbers of kind '<c16': expected real ones: <f8, <f4, <i8 or <i4");
     assert!(told("m.xlsx", b"").starts_with("its name: 'm.xlsx': expected a name ending in"));
+    assert_eq!(told("m.csv", b"1, 2\na, 3, 4\n"), "line 2: 'a': expected a finite number");
+    assert_eq!(
+        told("m.csv", b"a, 1, 2\n3, 4\n"),
+        "line 2: '3': expected a name before the numbers, as in the rows before"
+    );
+    assert_eq!(
+        told("m.csv", b"a, 1, 2\na, 3, 4\n"),
+        "line 2: 'a' again: expected a name of its own for each coordinate"
+    );
+    assert_eq!(
+        told("m.csv", b"x, y\nx, 1, 2\nz, 3, 4\n"),
+        "line 3: a row 'z': expected 'y', as the columns have it in line 1"
+    );
+    assert_eq!(
+        told("m.csv", b"x, y, z, u\n1, 2\n3, 4\n"),
+        "line 1: 4 names: expected 2, one a column, or a title behind #"
+    );
     assert_eq!(told("m.csv", b"1, 2\n3, x\n"), "line 2: 'x': expected a finite number");
     assert_eq!(told("m.csv", b"1, 2\n3, nan\n"), "line 2: 'nan': expected a finite number");
     assert!(told("m.csv", b"# nothing\n").contains("0 rows and 0 columns"));
@@ -113,6 +130,7 @@ fn as_matrices(text: &str) -> (Drawing, Drawing) {
         cross_stiffness: full.cross_stiffness.clone(),
         stations: full.station_nodes.iter().map(|&node| full.displacements[node]).collect(),
         positions: drawing.station_positions(),
+        names: vec![],
     };
     let sketch = Sketch {
         name: drawing.name.clone(),
@@ -174,6 +192,61 @@ fn matrices_are_read_from_files_and_written_out() {
     assert_eq!(
         read(FILES, "rotor").expect_err("no files").to_string(),
         "6:12: matrices = 'plain.npz': expected matrices written out here, mass = [[..], ..]: no other file is opened"
+    );
+}
+
+/// Names of coordinates in a header, before each row or both; numbers are the same whichever way.
+#[test]
+fn rows_and_columns_of_a_table_have_names() {
+    let plain = read_matrices("m.csv", b"8, 1\n1, 12\n").expect("a matrix");
+    let both: &[u8] = b"\"node\", left disc, right disc\nleft disc, 8, 1\nright disc, 1, 12\n";
+    for bytes in [
+        both,
+        b",left disc,right disc\nleft disc,8,1\nright disc,1,12\n",
+        b"left disc;right disc\n8;1\n1;12\n",
+        b"left disc, 8, 1\n\"right disc\", 1, 12\n",
+        b"masses in kg\n8 1\n1 12\n",
+        b"a 8 1\nb 1 12\n",
+    ] {
+        assert_eq!(read_matrices("m.csv", bytes), Ok(plain.clone()), "{}", String::from_utf8_lossy(bytes));
+    }
+
+    let text = "name = 'named'\nunits = 'si'\n[plant]\nstations = ['left disc', 2]\npositions = [0.0, 0.3]\n\
+                matrices = { mass = 'M.csv', stiffness = 'K.csv' }\n[[bearing]]\nstation = 1\nstiffness = 1e6\n";
+    let read_with = |text: &str, stiffness: &'static str| {
+        let open = |name: &str| Ok(if name == "M.csv" { both.to_vec() } else { stiffness.as_bytes().to_vec() });
+        let also = Also { open: Some(&open), ..Also::default() };
+        read_and(text, "rotor", also, |_, _, _| ()).map(|(drawing, ())| drawing).map_err(|faults| faults.to_string())
+    };
+    let rows = "left disc, 3e6, -2e6\nright disc, -2e6, 3e6\n";
+    let drawing = read_with(text, rows).expect("a drawing");
+    let matrices = drawing.matrices.as_ref().expect("matrices");
+    assert_eq!((matrices.stations.as_slice(), &matrices.names[1]), (&[0, 1][..], &"right disc".to_owned()));
+    assert_eq!(drawing.full().nodes.iter().map(beam::Place::told).collect::<Vec<_>>(), ["left disc", "right disc"]);
+    assert_eq!(read(&write(&drawing), "other").expect("a drawing"), drawing, "names are written out");
+    // A file without names has the order of the others.
+    assert_eq!(read_with(text, "3e6, -2e6\n-2e6, 3e6\n").as_ref(), Ok(&drawing));
+    for (stiffness, told) in [
+        (
+            "left disc, 3e6, -2e6\nright, -2e6, 3e6\n",
+            "6:42: K.csv: line 2: 'right': expected 'right disc', as M.csv has it",
+        ),
+        (
+            "right disc, left disc\n3e6, -2e6\n-2e6, 3e6\n",
+            "6:42: K.csv: line 1: 'right disc': expected 'left disc', as M.csv has it",
+        ),
+    ] {
+        assert_eq!(read_with(text, stiffness).expect_err(told), told);
+    }
+    let told = read_with(&text.replace("'left disc', 2", "'left', 2"), rows).expect_err("no such name");
+    assert_eq!(
+        told.lines().next(),
+        Some("4:13: station 'left': expected a coordinate, 1 to 2, or its name: left disc, right disc")
+    );
+    let own = text.replace("positions", "names = ['left disc', 'b']\npositions");
+    assert_eq!(
+        read_with(&own, rows).expect_err("other names").lines().next(),
+        Some("7:21: M.csv: line 1: 'right disc': expected 'b', as names = [..] has it")
     );
 }
 

@@ -144,12 +144,12 @@ impl BeamRotor {
     #[must_use]
     pub fn place_name(&self, coordinate: usize) -> String {
         let Some(place) = self.places().get(coordinate) else { return String::new() };
-        let Some(station) = place.station else { return place.name.clone() };
+        let Some(station) = place.station else { return place.told() };
         let magnetic = self.drawing.magnetics.iter().find(|m| m.station == station || m.sensor == station);
         let sensor = self.drawing.sensors.iter().find(|sensor| sensor.station == station);
         match (magnetic.map(|m| &m.name), sensor.map(|s| &s.name)) {
             (Some(name), _) | (None, Some(name)) => name.clone(),
-            (None, None) => format!("station {}", place.name),
+            (None, None) => place.told(),
         }
     }
 

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | at the top | `name`, `units = "si"`, `reference_length`, `coordinates`, `mass_damping`, `stiffness_damping` |
 //! | `[material.NAME]` | `density`, `youngs_modulus`, and `shear_modulus` or `poisson` |
-//! | `[plant]` | in place of materials, sections and discs: `stations`, `positions`, and `mass`, `damping`, `gyroscopic`, `stiffness`, `cross_stiffness` as rows, or `matrices` |
+//! | `[plant]` | in place of materials, sections and discs: `stations`, `positions`, `names`, and `mass`, `damping`, `gyroscopic`, `stiffness`, `cross_stiffness` as rows, or `matrices` |
 //! | `[[section]]` | `length`, and `coupling` alone, or `outer`, `inner`, `outer_right`, `inner_right`, `elements`, `material`, and what [`Section`](crate::Section) has |
 //! | `[[sleeve]]` | `section`, and the keys of a section but its length and elements |
 //! | `[[disc]]` | `station`, and `mass`, `polar_inertia`, `diametral_inertia`, or `outer`, `inner`, `width`, `material` |
@@ -19,8 +19,8 @@
 //! | `[[sensor]]` | `name`, `station` |
 //! | `[[unbalance]]` | `station`, `angle`, and `gmm`, or `mass` and `radius`, or `grade` and perhaps `speed` |
 //!
-//! The matrices of a [`plant`](crate::Matrices) are those of another program; `stations` says which of its coordinates, counted from 1, are
-//! displacements. `matrices` names files that hold them, which the caller opens ([`Also::open`]); they are written out when the
+//! The matrices of a [`plant`](crate::Matrices) are those of another program; `stations` says which of its coordinates, counted from 1 or by their
+//! names, are displacements. `matrices` names files that hold them, which the caller opens ([`Also::open`]); they are written out when the
 //! drawing is.
 //!
 //! A coefficient of a bearing is a number or `{ speed = [..], value = [..] }`.

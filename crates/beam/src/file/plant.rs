@@ -7,8 +7,8 @@ use text::{Table, Value, as_number};
 use toml::de::DeValue;
 
 use super::read::Reading;
-use crate::matrices::NAMES;
-use crate::{MAX_ROWS, Matrices, read_matrices};
+use crate::matrices::{NAMES, read_named};
+use crate::{MAX_ROWS, Matrices};
 
 /// Reads `[plant]`.
 pub(super) fn plant(reading: &mut Reading<'_, '_, '_>) {
@@ -17,11 +17,11 @@ pub(super) fn plant(reading: &mut Reading<'_, '_, '_>) {
     let at = file.get("plant").map_or(0..0, |value| value.span());
     reading.place("plant", 0, table, at.clone());
     let names = NAMES.map(|(name, _)| name);
-    let mut known = vec!["stations", "positions", "matrices"];
+    let mut known = vec!["stations", "positions", "names", "matrices"];
     known.extend(names);
     reading.reader.only(table, &known);
 
-    let mut matrices = Matrices::default();
+    let mut matrices = Matrices { names: written_names(reading, table), ..Matrices::default() };
     for name in names {
         if let (Some(value), Some(place)) = (table.get(name), matrices.named(name)) {
             *place = written(reading, name, value);
@@ -45,7 +45,7 @@ pub(super) fn plant(reading: &mut Reading<'_, '_, '_>) {
             *place = DMatrix::zeros(size, size);
         }
     }
-    matrices.stations = stations(reading, table, at, size);
+    matrices.stations = stations(reading, table, at, size, &matrices.names);
     let positions = reading.reader.numbers(table, "positions", "positions in m, one a station");
     matrices.positions = positions.map_or_else(
         // Evenly, where nobody says: places need an order and no more.
@@ -55,19 +55,58 @@ pub(super) fn plant(reading: &mut Reading<'_, '_, '_>) {
     reading.sketch.matrices = Some(matrices);
 }
 
-/// Which coordinates are stations, counted from 0.
-fn stations(reading: &mut Reading<'_, '_, '_>, table: &Table<'_>, at: Span<usize>, size: usize) -> Vec<usize> {
+/// `names = ["p1", ..]`, of all coordinates.
+fn written_names(reading: &mut Reading<'_, '_, '_>, table: &Table<'_>) -> Vec<String> {
+    let Some(value) = table.get("names") else { return vec![] };
+    let list = value.get_ref().as_array().and_then(|list| {
+        list.iter().map(|name| name.get_ref().as_str().map(str::to_owned)).collect::<Option<Vec<String>>>()
+    });
+    list.unwrap_or_else(|| {
+        reading.reader.wrong("names", value, "a name in quotes for every coordinate, [\"p1\", ..]");
+        vec![]
+    })
+}
+
+/// Which coordinates are stations, counted from 0: by number, or by name where coordinates have names.
+fn stations(
+    reading: &mut Reading<'_, '_, '_>,
+    table: &Table<'_>,
+    at: Span<usize>,
+    size: usize,
+    names: &[String],
+) -> Vec<usize> {
     let of = "coordinates that are displacements of stations, from left to right, counted from 1";
-    let Some(listed) = reading.reader.numbers(table, "stations", of) else {
-        reading.reader.fault(at, "[plant] without stations", format!("stations = {of}"));
+    let reader = &mut reading.reader;
+    let Some(value) = table.get("stations") else {
+        reader.fault(at, "[plant] without stations", format!("stations = {of}"));
         return vec![];
     };
-    let mut stations = Vec::with_capacity(listed.len());
-    for (number, at) in listed {
-        if number.fract() == 0.0 && (1.0..=size as f64).contains(&number) {
-            stations.push(number as usize - 1);
-        } else if number.is_finite() && size > 0 {
-            reading.reader.fault(at, format!("station {number}"), format!("a coordinate, 1 to {size}"));
+    let Some(list) = value.get_ref().as_array() else {
+        reader.wrong("stations", value, format!("a list of {of}"));
+        return vec![];
+    };
+    let mut stations = Vec::with_capacity(list.len());
+    for item in list {
+        let found = match item.get_ref() {
+            DeValue::String(name) => names.iter().position(|own| own.as_str() == &**name),
+            _ => as_number(item)
+                .filter(|number| number.fract() == 0.0 && (1.0..=size as f64).contains(number))
+                .map(|number| number as usize - 1),
+        };
+        match found {
+            Some(station) => stations.push(station),
+            None if size == 0 => {}
+            None => {
+                let shown: Vec<&str> = names.iter().take(8).map(String::as_str).collect();
+                let more = if names.len() > 8 { ", .." } else { "" };
+                let called = match item.get_ref() {
+                    DeValue::String(_) if names.is_empty() => " (these have no names)".to_owned(),
+                    _ if names.is_empty() => String::new(),
+                    _ => format!(", or its name: {}{more}", shown.join(", ")),
+                };
+                let written = reader.written(item.span());
+                reader.fault(item.span(), format!("station {written}"), format!("a coordinate, 1 to {size}{called}"));
+            }
         }
     }
     stations
@@ -129,6 +168,8 @@ fn in_files(reading: &mut Reading<'_, '_, '_>, value: &Value<'_>, matrices: &mut
     if files.is_empty() {
         reading.reader.wrong("matrices", value, expected);
     }
+    // Whose names count for all the files.
+    let mut first = "names = [..]";
     for (name, value) in files {
         let Some(file) = value.get_ref().as_str() else {
             reading.reader.wrong("matrices", value, expected);
@@ -139,9 +180,9 @@ fn in_files(reading: &mut Reading<'_, '_, '_>, value: &Value<'_>, matrices: &mut
             reading.reader.wrong("matrices", value, expected);
             continue;
         };
-        let read = open(file).and_then(|bytes| read_matrices(file, &bytes).map_err(|error| error.to_string()));
-        let found = match read {
-            Ok(found) => found,
+        let read = open(file).and_then(|bytes| read_named(file, &bytes).map_err(|error| error.to_string()));
+        let (found, coordinates) = match read {
+            Ok(read) => read,
             Err(why) => {
                 let (found, expected) = why.rsplit_once(": expected ").unwrap_or((&why, "a file of matrices"));
                 let (found, expected) = (format!("{file}: {found}"), expected.to_owned());
@@ -149,6 +190,13 @@ fn in_files(reading: &mut Reading<'_, '_, '_>, value: &Value<'_>, matrices: &mut
                 continue;
             }
         };
+        if let Some(coordinates) = coordinates {
+            if matrices.names.is_empty() {
+                (matrices.names, first) = (coordinates.list(), file);
+            } else if let Some((found, expected)) = coordinates.differs(file, (&matrices.names, first)) {
+                reading.reader.fault(value.span(), found, expected);
+            }
+        }
         for (own, matrix) in found {
             if let Some(place) = matrices.named(name.unwrap_or(&own)) {
                 *place = matrix;

@@ -119,6 +119,10 @@ fn plant(lines: &mut Lines, matrices: &Matrices) {
     let stations: Vec<String> = matrices.stations.iter().map(|row| (row + 1).to_string()).collect();
     lines.key("stations", format!("[{}]", stations.join(", ")), "coordinates that are displacements");
     lines.key("positions", numbers(matrices.positions.iter().copied()), "m");
+    if !matrices.names.is_empty() {
+        let names: Vec<String> = matrices.names.iter().map(|name| string(name)).collect();
+        lines.key("names", format!("[{}]", names.join(", ")), "of all coordinates");
+    }
     for (name, matrix) in matrices.all() {
         // Without a matrix there is nothing; a mass there is always.
         if name == "mass" || matrix.iter().any(|entry| entry.to_bits() != 0) {

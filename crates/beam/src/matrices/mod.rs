@@ -2,11 +2,15 @@
 
 mod csv;
 mod market;
+mod names;
 mod npz;
 
 use nalgebra::{Cholesky, DMatrix};
 
 use crate::MAX_ROWS;
+use crate::check::is_name;
+
+pub(crate) use names::Names;
 
 /// The matrices of a rotor in any real coordinates that are the same for both planes, as `p` and `psi` are:
 /// `M p'' + (C - j w G) p' + (K - j Kc) p`. Nothing that depends on speed, and no bearings that the drawing lists beside.
@@ -26,6 +30,8 @@ pub struct Matrices {
     pub stations: Vec<usize>,
     /// Where those stations are, in m.
     pub positions: Vec<f64>,
+    /// What all coordinates are called; empty where they have no names.
+    pub names: Vec<String>,
 }
 
 /// What the matrices are called in a drawing, and in files of matrices.
@@ -109,6 +115,16 @@ impl Matrices {
         if faults.is_empty() && Cholesky::new(self.mass.clone()).is_none() {
             faults.push(("mass", "mass that is not positive definite".into(), "a mass for every motion".into()));
         }
+        if !self.names.is_empty() && self.names.len() != size {
+            let expected = format!("{size}, one a coordinate, or none");
+            faults.push(("names", format!("{} names", self.names.len()), expected));
+        }
+        for (i, name) in self.names.iter().enumerate() {
+            if !is_name(name) || self.names[..i].contains(name) {
+                let expected = "a name of its own for each coordinate, printable and of at most 64 bytes";
+                faults.push(("names", format!("name {name:?}"), expected.into()));
+            }
+        }
         if self.stations.is_empty() || self.positions.len() != self.stations.len() {
             let found = format!("{} stations and {} positions", self.stations.len(), self.positions.len());
             faults.push(("stations", found, "a position for each, one at least".into()));
@@ -142,6 +158,9 @@ fn place(matrix: &DMatrix<f64>, is: impl Fn(f64, f64) -> bool) -> Option<(usize,
         .find(|&(row, column)| is(matrix[(row, column)], matrix[(column, row)]))
 }
 
+/// Matrices by their names, and names of their coordinates.
+type NamedMatrices = (Vec<(String, DMatrix<f64>)>, Option<Names>);
+
 /// What is wrong with a file of matrices.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{place}: {found}: expected {expected}")]
@@ -161,7 +180,7 @@ impl MatrixError {
 }
 
 /// The matrices of a file of any kind that is known by the end of its name: `.npz` and `.npy` of NumPy, `.mtx` of Matrix Market, `.csv` and
-/// `.txt` with a row a line. Each has the name that an archive gives it; alone in its file it has none.
+/// `.txt` with a row a line, perhaps with names of rows and columns. Each has the name that an archive gives it; alone in its file it has none.
 ///
 /// # Errors
 /// Files of other kinds, damaged ones, and matrices of more than [`MAX_ROWS`] rows.
@@ -174,6 +193,11 @@ impl MatrixError {
 /// # Ok::<(), beam::MatrixError>(())
 /// ```
 pub fn read_matrices(name: &str, bytes: &[u8]) -> Result<Vec<(String, DMatrix<f64>)>, MatrixError> {
+    read_named(name, bytes).map(|(found, _)| found)
+}
+
+/// The matrices of a file with what it calls their coordinates.
+pub(crate) fn read_named(name: &str, bytes: &[u8]) -> Result<NamedMatrices, MatrixError> {
     let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending).to_ascii_lowercase();
     let text = || {
         std::str::from_utf8(bytes).map_err(|error| {
@@ -182,10 +206,13 @@ pub fn read_matrices(name: &str, bytes: &[u8]) -> Result<Vec<(String, DMatrix<f6
         })
     };
     let found = match ending.as_str() {
-        "npz" => npz::archive(bytes)?,
-        "npy" => vec![(String::new(), npz::array(bytes, "the array")?)],
-        "mtx" => vec![(String::new(), market::matrix(text()?)?)],
-        "csv" | "txt" => vec![(String::new(), csv::matrix(text()?)?)],
+        "npz" => (npz::archive(bytes)?, None),
+        "npy" => (vec![(String::new(), npz::array(bytes, "the array")?)], None),
+        "mtx" => (vec![(String::new(), market::matrix(text()?)?)], None),
+        "csv" | "txt" => {
+            let (matrix, names) = csv::matrix(text()?)?;
+            (vec![(String::new(), matrix)], names)
+        }
         _ => {
             return Err(MatrixError::new(
                 "its name",

@@ -94,12 +94,8 @@ pub(super) fn plant_of(full: &FullModel, reduced: &Reduced, scales: &Scales) -> 
     let row = |node: usize| direction(reduced.displacement(node));
     let place = |spring: &Spring| reduced.stations.iter().position(|place| place.station == Some(spring.station));
     let holds = Holds::of(full, |spring| (direction(reduced.stretch(spring)), place(spring)))?;
-    let name = |place: &Place| match place.station {
-        Some(_) => format!("station {}", place.name),
-        None => place.name.clone(),
-    };
     let stations = (reduced.stations.iter().enumerate())
-        .map(|(k, place)| Station { name: name(place), row: Direction::Unit(k) })
+        .map(|(k, place)| Station { name: place.told(), row: Direction::Unit(k) })
         .collect();
     let columns = (0..n).map(Direction::Unit).collect();
     let unbalance = unbalance_of(full, scales, n, row);

@@ -34,12 +34,13 @@ impl KnownRotor<'_> {
         }
     }
 
-    /// The place of a magnetic bearing or sensor of that name: of a bearing where it pulls, or where it `senses`.
+    /// The place of a magnetic bearing, sensor or named coordinate of that name: of a bearing where it pulls, or where it `senses`.
     pub(super) fn named(&self, name: &str, senses: bool) -> Option<usize> {
         let beam = self.beam()?;
         let magnetic = beam.drawing().magnetics.iter().find(|of| of.name == name);
         let magnetic = magnetic.map(|of| if senses { of.sensor } else { of.station });
         let sensor = || beam.drawing().sensors.iter().find(|of| of.name == name).map(|of| of.station);
-        beam.coordinate(magnetic.or_else(sensor)?)
+        let coordinate = || beam.places().iter().position(|place| place.station.is_some() && place.name == name);
+        magnetic.or_else(sensor).map_or_else(coordinate, |station| beam.coordinate(station))
     }
 }
