@@ -34,6 +34,8 @@ pub enum Shear {
     Cowper,
     /// Timoshenko's beam with the shear coefficient of J. R. Hutchinson (2001).
     Hutchinson,
+    /// The same divided by `1 + nu`, as ROSS 2.3 and earlier have it: for rotors that are to be theirs.
+    HutchinsonOfRoss,
     /// None: the beam of Euler and Bernoulli.
     Rigid,
 }

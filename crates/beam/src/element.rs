@@ -135,12 +135,13 @@ fn shear_coefficient(section: &Section, poisson: f64) -> Option<f64> {
     let below = match section.shear {
         Shear::Rigid => return None,
         Shear::Cowper => whole * (7.0 + 6.0 * poisson) + square * (20.0 + 12.0 * poisson),
-        Shear::Hutchinson => {
+        Shear::Hutchinson | Shear::HutchinsonOfRoss => {
             let poisson2 = poisson * poisson;
             whole * (7.0 + 12.0 * poisson + 4.0 * poisson2) + 4.0 * square * (5.0 + 6.0 * poisson + 2.0 * poisson2)
         }
     };
-    Some(6.0 * whole * (1.0 + poisson) / below)
+    let factor = if section.shear == Shear::Hutchinson { (1.0 + poisson) * (1.0 + poisson) } else { 1.0 + poisson };
+    Some(6.0 * whole * factor / below)
 }
 
 /// The matrices of `section` as one element.

@@ -49,6 +49,21 @@ fn compare(name: &str, what: &str, ours: &DMatrix<f64>, theirs: &DMatrix<f64>) {
     }
 }
 
+/// Hutchinson, "Shear coefficients for Timoshenko beam theory" (2001): `6 (1 + nu)^2 / (7 + 12 nu + 4 nu^2)` of a round section, from the
+/// stiffness of an element so short that it only shears. ROSS has `1 + nu` once.
+#[test]
+fn val_the_shear_coefficient_of_hutchinson_is_that_of_his_paper() {
+    let (length, outer, material) = (1e-3, 0.1, steel());
+    let area = std::f64::consts::PI / 4.0 * outer * outer;
+    let nu = material.poisson();
+    let paper = 6.0 * (1.0 + nu).powi(2) / (7.0 + 12.0 * nu + 4.0 * nu * nu);
+    for (shear, expected) in [(Shear::Hutchinson, paper), (Shear::HutchinsonOfRoss, paper / (1.0 + nu))] {
+        let model = model(Section { shear, ..Section::cylinder(length, outer) }, vec![]);
+        let found = model.stiffness[(0, 0)] * length / (material.shear_modulus * area);
+        assert!((found - expected).abs() < 1e-3 * expected, "{found} {expected}");
+    }
+}
+
 #[test]
 fn val_the_matrices_of_a_shaft_element_are_those_of_ross() {
     let cases = cases();
@@ -58,7 +73,7 @@ fn val_the_matrices_of_a_shaft_element_are_those_of_ross() {
         ("hollow", Section::tube(0.25, 0.05, 0.03)),
         ("tapered", Section { outer_right: 0.08, inner_right: 0.02, ..Section::tube(0.25, 0.05, 0.01) }),
         ("euler", Section { shear: Shear::Rigid, rotary_inertia: false, ..solid.clone() }),
-        ("hutchinson", Section { shear: Shear::Hutchinson, ..solid.clone() }),
+        ("hutchinson", Section { shear: Shear::HutchinsonOfRoss, ..solid.clone() }),
         ("axial", Section { axial_force: 5e4, ..solid.clone() }),
         ("torque", Section { torque: 2000.0, ..solid.clone() }),
         ("damped", Section { mass_damping: 2.5, stiffness_damping: 1e-5, ..solid }),

@@ -238,7 +238,11 @@ fn what_is_wrong_is_told_at_its_place() {
             "internal",
             "16:1: [[section]] 1 without material: expected material = one of steel, light metal",
         ),
-        ("shear = \"hutchinson\"", "shear = 1", "30:9: shear = 1: expected one of cowper, hutchinson, none"),
+        (
+            "shear = \"hutchinson\"",
+            "shear = 1",
+            "30:9: shear = 1: expected one of cowper, hutchinson, hutchinson-ross, none",
+        ),
         ("section = 1", "section = 3", "33:11: section = 3: expected a section of the shaft, 1 to 2"),
         ("rotary_inertia = false", "rotary_inertia = 0", "38:18: rotary_inertia = 0: expected true or false"),
         (

@@ -5,7 +5,8 @@ use nalgebra::{Cholesky, DVector};
 use proptest::prelude::*;
 
 fn section() -> impl Strategy<Value = Section> {
-    let shear = prop_oneof![Just(Shear::Cowper), Just(Shear::Hutchinson), Just(Shear::Rigid)];
+    let shear =
+        prop_oneof![Just(Shear::Cowper), Just(Shear::Hutchinson), Just(Shear::HutchinsonOfRoss), Just(Shear::Rigid)];
     let sizes = (0.05..0.4_f64, 0.02..0.1_f64, 0.02..0.1_f64, 0.0..0.9_f64, 0.0..0.9_f64);
     (sizes, 1..4_usize, shear, 0..2_usize).prop_map(
         |((length, outer, right, bore, bore_right), elements, shear, material)| Section {

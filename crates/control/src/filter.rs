@@ -66,6 +66,18 @@ pub const FILTERS: [(&str, &[&str]); 7] = [
     ("transfer", &["numerator", "denominator"]),
 ];
 
+/// The transfer function of each of [`FILTERS`] and of [`STATE_SPACE`], in `s = d/dtau`, for people.
+pub const TRANSFER_FUNCTIONS: [&str; 8] = [
+    "Butterworth's: 1 / |H|^2 = 1 + (w / corner)^(2 order)",
+    "(1 + s / zero) / (1 + s / pole)",
+    "(s^2 + f^2) / (s^2 + width s + f^2), f the frequency",
+    "(s - j R) / (s - j R + width / 2), forward whirl alone",
+    "1 + rate / s",
+    "s / (1 + s / corner)",
+    "numerator / denominator, coefficients in falling powers of s",
+    "c (s - a)^-1 b + d",
+];
+
 /// A kind more that files have, with its keys: a controller as matrices, which is read as [`Filter::Transfer`]
 /// (see [`Filter::of_state_space`]).
 pub const STATE_SPACE: (&str, &[&str]) = ("state-space", &["a", "b", "c", "d"]);

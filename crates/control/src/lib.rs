@@ -49,7 +49,7 @@ pub use controller::{Controller, LoopError, Output, Stage};
 pub use corners::Corners;
 pub use excitation::{Excitation, ExcitationError, Multisine, Tone};
 pub use feedback::Feedback;
-pub use filter::{FILTERS, Filter, FilterError, STATE_SPACE};
+pub use filter::{FILTERS, Filter, FilterError, STATE_SPACE, TRANSFER_FUNCTIONS};
 pub use gain::{Gain, GainKind};
 pub use law::{ControlBearing, ControlRow, FeedbackError, Signal};
 pub use law_over_speed::{LawOverSpeed, LawPiece};

@@ -13,6 +13,11 @@ use crate::{C64, DelayError, DelaySystem, eigenvalues};
 
 /// Poles smaller than this part of the largest are at 0.
 const INTEGRATES: f64 = 1e-11;
+/// Poles whose real part is less than this part of their size are on the axis.
+const ON_THE_AXIS: f64 = 1e-9;
+/// So near a pole of `A` on the axis, relative to its size, several loops are looked at beside it: `L` has no bound there, and what the
+/// others leave of loop `k` is the difference of what has none. This far from it that keeps half its digits.
+const BESIDE: f64 = 1e-8;
 
 /// What frequency means.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,6 +44,8 @@ pub struct LoopGain {
     poles: Vec<C64>,
     /// `|A|` with what stays closed, and `|b| |c|` of the loop.
     sizes: [f64; 2],
+    /// Frequencies of the poles of `A` on the axis, of several loops.
+    undamped: Vec<f64>,
 }
 
 /// The gains of all loops at one frequency, and what becomes of them when they are closed.
@@ -148,15 +155,14 @@ impl LoopGain {
             let others = (0..loops).filter(|other| *other != k);
             others.fold(a.clone(), |a, other| a + b.column(other) * c.row(other))
         };
+        let own = if loops > 1 { eigenvalues(a.clone())? } else { Vec::new() };
         let mut opened = Vec::with_capacity(loops);
         for k in 0..loops {
             let rest = closed(k);
             let size = rest.norm();
             let mut poles = eigenvalues(rest)?;
-            if loops > 1 {
-                // Where the others are late, their resonances are near these or those without them.
-                poles.extend(eigenvalues(a.clone())?);
-            }
+            // Where the others are late, their resonances are near these or those without them.
+            poles.extend(&own);
             opened.push((poles, [size, b.column(k).norm() * c.row(k).norm()]));
         }
         let (q, h) = if a.nrows() > 1 { Hessenberg::new(a).unpack() } else { (DMatrix::identity(1, 1), a) };
@@ -169,6 +175,7 @@ impl LoopGain {
             plane,
             poles: Vec::new(),
             sizes: [0.0; 2],
+            undamped: undamped(&own, plane),
         };
         let each = opened.into_iter().enumerate();
         Ok(each.map(|(opened, (poles, sizes))| Self { opened, poles, sizes, ..made.clone() }).collect())
@@ -259,9 +266,19 @@ impl LoopGain {
         FrequencyGain { frequency, value: own.inv() - 1.0, slope: -by_w / (own * own) }
     }
 
+    /// A frequency, or one beside it where it is that of a pole of `A` on the axis.
+    fn beside(&self, frequency: f64) -> f64 {
+        let near = |pole: &&f64| (frequency - **pole).abs() < BESIDE * pole.abs();
+        self.undamped.iter().find(near).map_or(frequency, |pole| {
+            let away = if frequency < *pole { -BESIDE } else { BESIDE };
+            pole + away * pole.abs()
+        })
+    }
+
     /// The gains of all loops at a frequency.
     #[must_use]
     pub fn matrix(&self, frequency: f64) -> GainMatrix {
+        let frequency = self.beside(frequency);
         let loops = self.loops();
         let (mut gain, mut slope) = (DMatrix::zeros(loops, loops), DMatrix::zeros(loops, loops));
         let plane = match self.plane {
@@ -319,6 +336,18 @@ impl LoopGain {
         }
         Eliminated { triangle: m, steps }
     }
+}
+
+/// Frequencies of the poles that are on the axis, but for those at 0.
+fn undamped(poles: &[C64], plane: Plane) -> Vec<f64> {
+    let on_the_axis = |pole: &C64| match plane {
+        Plane::Continuous { .. } => (pole.re.abs() < ON_THE_AXIS * pole.im.abs()).then_some(pole.im),
+        Plane::Sampled { period } => {
+            let turned = pole.arg();
+            ((pole.norm() - 1.0).abs() < ON_THE_AXIS * turned.abs()).then_some(turned / period)
+        }
+    };
+    poles.iter().filter_map(on_the_axis).collect()
 }
 
 /// `s - A` as a triangle, row by row, and what was done to its rows.

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::inverse::invert;
+use crate::inverse::Factored;
 use crate::motions::unit;
 use crate::system::Balanced;
 use crate::{C64, DelaySystem};
@@ -75,14 +75,13 @@ impl DelaySystem {
         };
         // Singular to the last bit: a last bit farther it is not.
         let beside = s + C64::new(1.0, 1.0) * f64::EPSILON * (s.norm() + self.a().norm());
-        let inverse = invert(matrix(s)).or_else(|| invert(matrix(beside)))?.inverse;
+        let factored = Factored::of(matrix(s)).or_else(|| Factored::of(matrix(beside)))?;
         // From a start that no symmetry makes orthogonal to a mode.
         let start = DVector::from_fn(n, |i, _| C64::new(1.0 + 0.37 * i as f64, 0.61 - 0.23 * i as f64));
         let (mut right, mut left) = (start.clone(), start);
-        let turned = inverse.transpose();
         for _ in 0..2 {
-            right = unit(&inverse * right)?;
-            left = unit(&turned * left)?;
+            right = unit(factored.solve(&right)?)?;
+            left = unit(factored.solve_turned(&left)?)?;
         }
         let through = (left.transpose() * self.b() * self.c() * &right)[0];
         let give = left.dot(&right) + through * late * self.delay();

@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicBool;
 
 use machine::{Machine, Pace, Program};
 use rotor::profile::{Leg, Profile};
-use rotor::{C64, Feedback, Mass, Rotor, Settings, Signal, builtin};
+use rotor::{C64, Feedback, Filter, Gain, GainKind, Mass, Rotor, Settings, Signal, builtin};
 use study::runup::{OrderSample, RecordedCourse, RunUp, RunUpError, RunUpPlan};
 
 fn reference() -> serde_json::Value {
@@ -40,30 +40,53 @@ fn five() -> (Rotor, Settings) {
 fn val_trajectories_at_changing_speeds_agree_with_dop853() {
     let (rotor, settings) = five();
     for case in reference()["cases"].as_array().expect("a list") {
-        let [from, to, rate] = ["from", "to", "rate"].map(|key| number(&case[key]));
-        let leg = if case["kind"] == "decay" { Leg::Decay { speed: to, rate } } else { Leg::To { speed: to, rate } };
-        let profile = Profile { from, legs: vec![leg], lines: vec![0] };
-        // Small enough that the corners of the deadband, which a fixed step does not see, cost less than what is compared.
-        let dtau = 0.001;
-        let pace = Pace { dtau, rate_hz: 0.0 };
-        let program = Program::compile_profile(&rotor, &settings, &profile, pace).expect("can be stepped");
-        let mut machine = Machine::new(program);
-        let mut steps = 0;
-        for (k, tau) in numbers(&case["tau"]).into_iter().enumerate() {
-            while steps < (tau / dtau).round() as u64 {
-                machine.step();
-                steps += 1;
-            }
-            let sample = machine.sample();
-            assert!((sample.speed - number(&case["speed"][k])).abs() < 1e-12, "{case:?}");
-            assert!((sample.angle - number(&case["angle"][k])).abs() < 1e-9, "{case:?}");
-            let state = numbers(&case["states"][k]);
-            let size = state[..10].iter().fold(0.0_f64, |most, x| x.abs().max(most));
-            for (i, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
-                let [y, z, vy, vz] = [0, 5, 10, 15].map(|at| state[at + i]);
-                let off = (p - C64::new(y, z)).norm().max((v - C64::new(vy, vz)).norm());
-                assert!(off < 1e-6 * size.max(1.0), "mass {} at {tau}: {off:e} off", i + 1);
-            }
+        agrees(&rotor, &settings, case);
+    }
+}
+
+/// Gains that are tables of speed, as they are at each moment, behind a notch that follows the speed, on bearings without clearance.
+#[test]
+fn val_gains_and_filters_that_follow_a_changing_speed_agree_with_dop853() {
+    let (rotor, mut settings) = five();
+    let scheduled = &reference()["scheduled"];
+    let speeds = numbers(&scheduled["gain_speeds"]);
+    let bearing = &mut settings.feedback.bearings[0];
+    for kind in GainKind::ALL {
+        let values = numbers(&scheduled["gains"][kind.name()]);
+        *bearing.signals[0].gain_mut(kind) = Gain::Table(speeds.iter().copied().zip(values).collect());
+    }
+    bearing.filters = vec![Filter::SynchronousNotch { width: number(&scheduled["notch"]) }];
+    settings.deadband.fill(0.0);
+    for case in scheduled["cases"].as_array().expect("a list") {
+        agrees(&rotor, &settings, case);
+    }
+}
+
+/// Steps a machine along the profile of a case, and holds it to the states there.
+fn agrees(rotor: &Rotor, settings: &Settings, case: &serde_json::Value) {
+    let [from, to, rate] = ["from", "to", "rate"].map(|key| number(&case[key]));
+    let leg = if case["kind"] == "decay" { Leg::Decay { speed: to, rate } } else { Leg::To { speed: to, rate } };
+    let profile = Profile { from, legs: vec![leg], lines: vec![0] };
+    // Small enough that the corners of the deadband, which a fixed step does not see, cost less than what is compared.
+    let dtau = 0.001;
+    let pace = Pace { dtau, rate_hz: 0.0 };
+    let program = Program::compile_profile(rotor, settings, &profile, pace).expect("can be stepped");
+    let mut machine = Machine::new(program);
+    let mut steps = 0;
+    for (k, tau) in numbers(&case["tau"]).into_iter().enumerate() {
+        while steps < (tau / dtau).round() as u64 {
+            machine.step();
+            steps += 1;
+        }
+        let sample = machine.sample();
+        assert!((sample.speed - number(&case["speed"][k])).abs() < 1e-12, "{case:?}");
+        assert!((sample.angle - number(&case["angle"][k])).abs() < 1e-9, "{case:?}");
+        let state = numbers(&case["states"][k]);
+        let size = state[..10].iter().fold(0.0_f64, |most, x| x.abs().max(most));
+        for (i, (p, v)) in sample.displacement.iter().zip(sample.velocity).enumerate() {
+            let [y, z, vy, vz] = [0, 5, 10, 15].map(|at| state[at + i]);
+            let off = (p - C64::new(y, z)).norm().max((v - C64::new(vy, vz)).norm());
+            assert!(off < 1e-6 * size.max(1.0), "mass {} at {tau}: {off:e} off", i + 1);
         }
     }
 }

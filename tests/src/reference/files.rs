@@ -1,6 +1,6 @@
 //! The keys of files. Which ones a table knows is asked of the readers themselves: an unknown key is answered with all that are known.
 
-use control::{FILTERS, PARTS, STATE_SPACE};
+use control::{FILTERS, PARTS, STATE_SPACE, TRANSFER_FUNCTIONS};
 use rotor::{FIELDS, builtin, file};
 use text::Faults;
 
@@ -95,9 +95,14 @@ pub(super) fn page() -> String {
         &[("`[[bearing]]`", &bearing, ""), ("`[[signal]]`, `[[bearing.signal]]`", &before, UNKNOWN)],
     );
     out += "\nA gain is a number, `{ at_zero = A, slope = B }` or `{ speed = [..], value = [..] }`. Filters, in `filter = [{ kind = .. }]` of a signal or of the sum:\n";
-    let row =
-        |(kind, keys): &(&str, &[&str])| [code(kind), keys.iter().map(|key| code(key)).collect::<Vec<_>>().join(", ")];
-    table(&mut out, ["kind", "keys"], FILTERS.iter().chain([&STATE_SPACE]).map(row));
+    let row = |((kind, keys), transfers): (&(&str, &[&str]), &str)| {
+        [code(kind), keys.iter().map(|key| code(key)).collect::<Vec<_>>().join(", "), code(transfers)]
+    };
+    table(
+        &mut out,
+        ["kind", "keys", "what it is, in s = d/dtau"],
+        FILTERS.iter().chain([&STATE_SPACE]).zip(TRANSFER_FUNCTIONS).map(row),
+    );
     out += "\nThe parts of a loop, in files and as [settings](settings.md):\n";
     let absent = |value: f64| if value.is_finite() { number(value) } else { "none".to_owned() };
     let row = |part: &control::Part| {
@@ -124,7 +129,7 @@ pub(super) fn page() -> String {
     let step = "[[step]]\nat = 0\nfault = \"sensor-lost\"\n";
     tables(&mut out, &drill, &[("at the top", UNKNOWN, step), ("`[[step]]`", step, UNKNOWN)]);
     out += "\n[Drills](bench.md#drills) have an example.\n\n## Sweeps\n\nThe document of `whirl sweep plan` has one key, `run`: the command line of \
-            a `map`, or of a `margin` with `--samples`, [as here](sweep-on-a-cluster.md).\n";
+            a `map`, of a `margin` with `--samples`, or of a `tune`, [as here](sweep-on-a-cluster.md).\n";
     out += "\n## Layouts\n";
     let layout = |text: &str| dashboard::Layout::read("a", text).err();
     tables(&mut out, &layout, &[("at the top", UNKNOWN, ""), ("`[[screen]]`", "[[screen]]\n", UNKNOWN)]);

@@ -9,8 +9,12 @@ use super::read::Reading;
 use crate::{Coupling, MAX_ELEMENTS, Material, Section, Shear, Sleeve};
 
 /// The words for [`Shear`] in a file.
-pub(super) const SHEAR: [(&str, Shear); 3] =
-    [("cowper", Shear::Cowper), ("hutchinson", Shear::Hutchinson), ("none", Shear::Rigid)];
+pub(super) const SHEAR: [(&str, Shear); 4] = [
+    ("cowper", Shear::Cowper),
+    ("hutchinson", Shear::Hutchinson),
+    ("hutchinson-ross", Shear::HutchinsonOfRoss),
+    ("none", Shear::Rigid),
+];
 
 /// Keys of what is in a section and in a sleeve.
 const LAYER: [&str; 13] = [

@@ -125,7 +125,7 @@ fn section(import: &mut Import<'_>, at: usize, element: &Element, damped_as_a_wh
         _ if !bends => Shear::Rigid,
         None => Shear::Cowper,
         Some(Value::Text(method)) if method == "cowper" => Shear::Cowper,
-        Some(Value::Text(method)) if method == "hutchinson" => Shear::Hutchinson,
+        Some(Value::Text(method)) if method == "hutchinson" => Shear::HutchinsonOfRoss,
         Some(_) => {
             let found = format!("{}: shear_method_calc", element.name);
             import.document.fault(&element.span, found, "\"cowper\" or \"hutchinson\"");

@@ -187,6 +187,9 @@ impl RunUpPlan {
             }
             book.see(&machine);
         }
+        if tripped.is_none() {
+            book.end(&machine);
+        }
         let criticals = book.readings.criticals(rotor, &passed(profile, &course), &|_| Some(settings), stop);
         if stop.load(Ordering::Relaxed) {
             return Err(RunUpError::Interrupted);
@@ -255,6 +258,21 @@ impl Book {
             ),
             count: 0,
             largest: Largest::default(),
+        }
+    }
+
+    /// Takes what has been since the last whole turn: what grows is largest at its end.
+    fn end(&mut self, machine: &Machine) {
+        let sample = machine.sample();
+        if let Some(turn) = self.tracker.turn() {
+            self.largest.see(&turn, self.tracker.subsynchronous());
+        }
+        let radius = sample.displacement.iter().map(|p| p.norm()).fold(0.0, f64::max);
+        for (largest, value) in [(&mut self.largest.radius, radius), (&mut self.largest.force, machine.largest_force())]
+        {
+            if value > largest.0 {
+                *largest = (value, sample.speed);
+            }
         }
     }
 
