@@ -9,8 +9,8 @@
 //! ```
 //!
 //! An alarm stays until a person has acknowledged it, even if all is well again by then. A value must come back past its
-//! limit by a margin before it counts as within: one that trembles about the limit is one alarm, not a hundred. How readings
-//! are taken is [`crate::Sampler`]'s business, what they are held against [`Limits`]'s.
+//! limit by a margin before it counts as within, and one of a motion, which may beat, must stay there for a while: one that trembles about
+//! the limit, or beats across it, is one alarm, not a hundred. How readings are taken is [`crate::Sampler`]'s business, what they are held against [`Limits`]'s.
 
 use std::collections::VecDeque;
 
@@ -20,6 +20,9 @@ use crate::{Level, LevelChange, Limit, Limits, Reading, Sample, Watch};
 
 /// Entries kept of what has been read.
 const KEPT: usize = 256;
+
+/// How long a motion must have stayed within its limits to count as within, nanoseconds.
+const CALM_NS: u64 = 5_000_000_000;
 
 /// One rise past a limit, and what became of it.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,9 +56,30 @@ pub struct Standing {
     pub value: Option<f64>,
     /// What it was held against: of several control bearings each has its own.
     limit: Option<Limit>,
+    /// When it was last as bad as the level it is at, nanoseconds since 1970.
+    bad_ns: u64,
+    /// The worst that it has been since.
+    since: Level,
 }
 
 impl Standing {
+    /// The level of something that may beat and is at `level` now: it stays where it was until it has been better for a while.
+    fn calmed(&mut self, mut level: Level, now_ns: u64) -> Level {
+        if level >= self.at {
+            (self.bad_ns, self.since) = (now_ns, Level::Fine);
+            return level;
+        }
+        // A clock that is set back keeps nothing waiting longer.
+        self.bad_ns = self.bad_ns.min(now_ns);
+        self.since = self.since.max(level);
+        if now_ns - self.bad_ns < CALM_NS {
+            return self.at;
+        }
+        (self.bad_ns, level) = (now_ns, self.since);
+        self.since = Level::Fine;
+        level
+    }
+
     /// What must be shown: where it is, or where it has been unseen.
     #[must_use]
     pub fn shown(&self) -> Level {
@@ -107,7 +131,10 @@ impl Alarms {
                 turns.extend(self.let_go(watch, sample));
                 continue;
             };
-            let level = limit.level(value, before);
+            let level = match limit.level(value, before) {
+                level if watch.may_beat() => standing.calmed(level, sample.at.wall_ns),
+                level => level,
+            };
             let worst = if before > Level::Fine { self.worsen(watch, limit, value) } else { value };
             if level == before {
                 continue;

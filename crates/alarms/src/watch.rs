@@ -43,6 +43,11 @@ impl Watch {
         Self::Losses,
     ];
 
+    /// Whether it is read off a motion, whose size may rise and fall steadily.
+    pub(crate) fn may_beat(self) -> bool {
+        matches!(self, Self::Orbit | Self::Force)
+    }
+
     /// Its name in panels, files and the configuration.
     #[must_use]
     pub fn name(self) -> &'static str {

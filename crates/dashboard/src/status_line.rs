@@ -90,15 +90,18 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
         let aim = if data.trip().is_some_and(|trip| trip.coasts()) { 0.0 } else { settings.speed };
         let is_there = |speed: f64| (speed - aim).abs() <= 1e-9 * settings.speed.abs();
         let on_its_way = told.map(|era| era.speed).filter(|speed| !is_there(*speed));
+        // Nor is it where a speed goes that is on its way from there, as one that is looked back at may be.
+        let rate = speed_rate(data);
+        let leads_there = |now: f64| leg >= legs && rate.is_none_or(|rate| (aim - now) * rate >= 0.0);
         let speed = match data.units() {
             units @ ScreenUnits { scales: Some(_), .. } => match on_its_way {
                 // The end of a profile is not where any leg but its last goes.
-                Some(now) if leg < legs => units.speed_told(now),
+                Some(now) if !leads_there(now) => units.speed_told(now),
                 Some(now) => format!("{} to {}", units.speed(now), units.speed_told(aim)),
                 None => units.speed_told(aim),
             },
             units => match on_its_way {
-                Some(now) if leg < legs => format!("R {now:.3}"),
+                Some(now) if !leads_there(now) => format!("R {now:.3}"),
                 Some(now) => format!("R {now:.3} to {}", units.value_digits(aim)),
                 None => format!("R {}", units.value_digits(aim)),
             },
@@ -143,17 +146,21 @@ pub(crate) fn draw_top(view: &View<'_>, area: Rect, buffer: &mut Buffer) {
     write_line(buffer, Rect { x: area.right() - told, width: told, ..area }, alarms);
 }
 
-/// How fast the speed changes, and how long it still does: that is known of a ramp, not of a profile with legs to come.
+/// How fast the speed changes, if it does.
+fn speed_rate(data: &FrameData) -> Option<f64> {
+    let rate = data.track.value(StepQuantity::Of(Channel::SpeedRate, 0), data.now?);
+    (rate != 0.0 && rate.is_finite()).then_some(rate)
+}
+
+/// How fast the speed changes, and how long it still does: that is known of a ramp, not of a decay, nor of a profile with legs to come.
 fn rate_told(data: &FrameData, speed: f64) -> Option<String> {
     let (settings, bench_status) = (data.settings.as_ref()?, data.bench_status.as_ref()?);
-    let rate = data.track.value(StepQuantity::Of(Channel::SpeedRate, 0), data.now?);
-    if rate == 0.0 {
-        return None;
-    }
+    let rate = speed_rate(data)?;
     let unit = data.units().of_dimension(units::Dimension::SpeedRate);
     let told = format!("at {}", unit.told(rate, 3));
     let left = (settings.speed - speed) / rate / (bench_status.dtau * bench_status.rate_hz);
-    let is_known = settings.ramp.is_finite() && !data.tripped && left.is_finite() && left >= 0.0;
+    let is_ramp = (rate.abs() - settings.ramp).abs() <= 1e-6 * settings.ramp;
+    let is_known = is_ramp && !data.tripped && left.is_finite() && left >= 0.0;
     Some(if is_known { format!("{told}, {left:.0} s left") } else { told })
 }
 

@@ -120,6 +120,7 @@ mod tests {
 
     fn state(run_id: u64, seq: u64, radius: f64) -> State {
         let state = State::new(StepLayout::new(1)).with_word(Channel::RunId, run_id).with_word(Channel::Seq, seq);
+        let state = state.with_word(Channel::WallNs, 200_000_000 * seq);
         state.with(Channel::Tau, 0, seq as f64 / 100.0).with(Channel::Y, 0, radius)
     }
 

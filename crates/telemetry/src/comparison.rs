@@ -94,6 +94,7 @@ impl GainEffects {
             (lost, "NO steady motion at the present speed"),
             (self.force.is_some() && more(self.force, found.force), "MORE force"),
             (worse_zone(self.margins, found.margins), "a WORSE zone of sensitivity"),
+            (halves_delay(self.margins, found.margins), "LESS THAN HALF the delay margin"),
         ];
         all.into_iter().filter_map(|(worse, words)| worse.then_some(words)).collect()
     }
@@ -103,6 +104,12 @@ impl GainEffects {
 fn worse_zone(now: Option<(f64, Option<f64>)>, found: Option<(f64, Option<f64>)>) -> bool {
     let zone = |(peak, _): (f64, Option<f64>)| sensitivity_zone(peak, ISO_14839_3);
     matches!((now.map(zone), found.map(zone)), (Some(now), Some(found)) if found > now)
+}
+
+/// Whether less than half the delay can be borne that was; a little less is no drawback.
+fn halves_delay(now: Option<(f64, Option<f64>)>, found: Option<(f64, Option<f64>)>) -> bool {
+    let (Some((_, now)), Some((_, Some(found)))) = (now, found) else { return false };
+    now.is_none_or(|now| found < 0.5 * now)
 }
 
 /// Whether any support bearing has a clearance.
@@ -227,6 +234,19 @@ mod tests {
         assert!(!found.drawbacks_of(&now).contains(&"stable LESS FAR from rest"));
         assert_eq!(rows[3].told, "-0.5879 in force, 0 found");
         assert!(now.force.is_some() && found.min_damping < 0.0, "{rows:?}");
+    }
+
+    #[test]
+    fn a_delay_margin_that_is_less_than_half_is_told_of() {
+        for (now, found, expected) in [
+            (Some(1.0), Some(0.49), true),
+            (Some(1.0), Some(0.6), false),
+            (None, Some(0.6), true),
+            (Some(0.6), None, false),
+        ] {
+            assert_eq!(halves_delay(Some((1.5, now)), Some((1.5, found))), expected, "{now:?} {found:?}");
+        }
+        assert!(!halves_delay(None, Some((1.5, Some(0.1)))) && !halves_delay(Some((1.5, Some(0.1))), None));
     }
 
     #[test]

@@ -102,7 +102,7 @@ impl ScreenUnits {
             Dimension::Speed => self.speed,
             Dimension::SpeedRate => match self.scales {
                 Some(scales) => dimension.si(&scales, 1.0),
-                None => Unit { factor: 1.0, name: "w0 R" },
+                None => Unit { factor: 1.0, name: "w0²" },
             },
             Dimension::Length => self.length,
             Dimension::Velocity => self.velocity,

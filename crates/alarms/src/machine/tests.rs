@@ -137,6 +137,33 @@ fn what_is_unknown_changes_nothing_and_what_has_no_limit_never_alarms() {
     assert_eq!((orbit.1.value, orbit.1.at, orbit.2), (Some(1e9), Level::Fine, None));
 }
 
+/// Unbalance beside a limit cycle: every few seconds the force is past its limit, and within again.
+#[test]
+fn regress_a_motion_that_beats_across_its_limit_is_one_alarm() {
+    for watch in [Watch::Force, Watch::Orbit] {
+        let mut alarms = Alarms::new(Limits::none().having(watch, Limit::above(2.0, 4.0)));
+        let beat = |second: u64| 3.0 + 2.9 * (second as f64 * 1.3).sin();
+        let turns: Vec<LevelChange> =
+            (0..100).flat_map(|second| alarms.read(&second_of(second).with(watch, beat(second)))).collect();
+        assert_eq!((alarms.entries().count(), alarms.entries().next().unwrap().fell), (1, None));
+        assert!(turns.len() <= 2 && turns.iter().all(LevelChange::rises), "{turns:?}");
+        // When it has calmed down it is within, and that is told: of an alarm it may be by way of a warning.
+        let calm: Vec<LevelChange> =
+            (100..115).flat_map(|second| alarms.read(&second_of(second).with(watch, 0.5))).collect();
+        assert!(calm.len() <= 2 && calm.last().is_some_and(|last| last.level == Level::Fine), "{calm:?}");
+    }
+}
+
+/// A clock that is set back while something is better keeps nothing waiting longer than it would.
+#[test]
+fn a_clock_that_is_set_back_holds_no_level_for_hours() {
+    let mut alarms = Alarms::new(Limits::none().having(Watch::Force, Limit::above(2.0, 4.0)));
+    for (second, value) in [(10_000, 3.0), (10_001, 1.0), (5, 1.0), (9, 1.0)] {
+        assert!(alarms.read(&second_of(second).with(Watch::Force, value)).len() == usize::from(second == 10_000));
+    }
+    assert_eq!(alarms.read(&second_of(10).with(Watch::Force, 1.0))[0].level, Level::Fine);
+}
+
 #[test]
 fn a_rise_is_told_once() {
     let mut alarms = alarms();
@@ -203,15 +230,18 @@ fn every_control_bearing_is_held_against_its_own_limit_as_if_the_first_had_to() 
     sampler.learn(&status, 0);
     let mut turns = |seq: u64, sizes: [f64; 2]| {
         let mut state = State::new(StepLayout::new(3).with_bearings(2)).with_word(Channel::RunId, 7);
-        state = state.with_word(Channel::Seq, seq).with(Channel::ForceY, 0, sizes[0]);
+        state = state.with_word(Channel::Seq, seq).with_word(Channel::WallNs, 3_000_000_000 * seq);
+        state = state.with(Channel::ForceY, 0, sizes[0]);
         sampler.hear(&state.with(Channel::FurtherForceZ, 0, sizes[1]));
         let turns = alarms.read(&sampler.take());
         turns.into_iter().map(|turn| (turn.level, turn.value, turn.limit)).collect::<Vec<_>>()
     };
     assert_eq!(turns(1, [50.0, 3.9]), [], "half of what the first can, less than 0.8 of the second");
     assert_eq!(turns(2, [50.0, 4.9]), [(Level::Alarm, 9.8, 9.5)]);
-    assert_eq!(turns(3, [90.0, 1.0]), [(Level::Warning, 90.0, 95.0)], "now it is the first");
-    assert_eq!(turns(4, [1.0, 1.0]), [(Level::Fine, 2.0, 8.0)]);
+    assert_eq!(turns(3, [90.0, 1.0]), [], "it may beat, and come back");
+    assert_eq!(turns(4, [90.0, 1.0]), [(Level::Warning, 90.0, 95.0)], "now it is the first");
+    assert_eq!(turns(5, [1.0, 1.0]), []);
+    assert_eq!(turns(6, [1.0, 1.0]), [(Level::Fine, 2.0, 8.0)]);
     // A limit that somebody has set is for the force of any of them.
     let mut limits = Limits::default();
     limits.set(Watch::Force, Some([6.0, 12.0])).unwrap();

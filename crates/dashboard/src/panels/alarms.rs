@@ -119,6 +119,10 @@ pub(crate) fn unit_of(watch: Watch, units: &ScreenUnits) -> Unit {
     match watch {
         Watch::Orbit => units.length,
         Watch::Force => units.force,
+        Watch::DelayMargin => match units.scales {
+            Some(scales) => Unit { factor: scales.seconds(1e3), name: "ms" },
+            None => Unit { factor: 1.0, name: "" },
+        },
         _ => Unit { factor: 1.0, name: "" },
     }
 }
@@ -170,16 +174,18 @@ fn draw_standings(
         let unit = if units.scales.is_some() { unit.name } else { "" };
         (format!("{} {unit}", watch.name()).trim_end().to_owned(), cells, state)
     });
+    // The longest name with its unit is `delay-margin ms`.
+    let long = if units.scales.is_some() { 15 } else { 12 };
     let all = std::iter::once(heading).chain(lines).take(room).zip(rows).enumerate();
     for (place, ((name, [now, warning, alarm], mut state), row)) in all {
         let style = if place == 0 { theme::quiet() } else { Style::new() };
         // What it is and how it stands come before the limits, and those before the name's last letters.
-        let text = match row.width {
-            48.. => format!("{name:<12}{now:>8}{warning:>9}{alarm:>9}  "),
-            39.. => format!("{name:<12}{now:>8}{alarm:>9}  "),
+        let text = match usize::from(row.width) {
+            wide if wide >= long + 36 => format!("{name:<long$}{now:>8}{warning:>9}{alarm:>9}  "),
+            wide if wide >= long + 27 => format!("{name:<long$}{now:>8}{alarm:>9}  "),
             wide => {
                 // The name and the number are whole.
-                let left = usize::from(wide).saturating_sub(width(&now).max(6) + 1 + "!! ALARM".len());
+                let left = wide.saturating_sub(width(&now).max(6) + 1 + "!! ALARM".len());
                 format!("{name:<named$}{now:>6} ", named = left.min(13).max(width(&name)))
             }
         };
